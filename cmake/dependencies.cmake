@@ -1,0 +1,49 @@
+# Every library prehend builds with, as one imported target each. What each is for: README.md.
+
+set(CMAKE_THREAD_PREFER_PTHREAD ON)
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(Protobuf REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(embree 3 REQUIRED)
+if(PREHEND_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(PREHEND_BUILD_BENCHMARKS)
+  find_package(benchmark REQUIRED)
+endif()
+
+pkg_check_modules(EIGEN REQUIRED IMPORTED_TARGET eigen3)
+pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET libzmq)
+pkg_check_modules(FLANN REQUIRED IMPORTED_TARGET flann)
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
+pkg_check_modules(FCL REQUIRED IMPORTED_TARGET fcl)
+
+# PCL's and OpenCV's own CMake packages drag in VTK and Qt; only these single libraries are used.
+# prehend_find_library(target header-folder probe-header library): an INTERFACE target.
+function(prehend_find_library TARGET INCLUDE_FOLDER PROBE LIBRARY)
+  string(MAKE_C_IDENTIFIER ${TARGET} VARIABLE)
+  find_path(${VARIABLE}_INCLUDE ${PROBE} PATH_SUFFIXES ${INCLUDE_FOLDER} REQUIRED)
+  find_library(${VARIABLE}_LIBRARY ${LIBRARY} REQUIRED)
+  add_library(${TARGET} INTERFACE IMPORTED)
+  target_include_directories(${TARGET} SYSTEM INTERFACE ${${VARIABLE}_INCLUDE})
+  target_link_libraries(${TARGET} INTERFACE ${${VARIABLE}_LIBRARY} ${ARGN})
+endfunction()
+
+prehend_find_library(glpk "" glpk.h glpk)
+prehend_find_library(bullet::linear_math bullet LinearMath/btConvexHullComputer.h LinearMath)
+prehend_find_library(bullet::hacd bullet HACD/hacdHACD.h HACD bullet::linear_math)
+prehend_find_library(bullet::convex_decomposition bullet
+                     ConvexDecomposition/ConvexDecomposition.h ConvexDecomposition
+                     bullet::linear_math)
+foreach(module core imgproc calib3d imgcodecs)
+  prehend_find_library(opencv::${module} opencv4 opencv2/${module}.hpp opencv_${module})
+endforeach()
+foreach(module common io kdtree search sample_consensus filters features segmentation surface)
+  prehend_find_library(pcl::${module} pcl-1.13 pcl/pcl_base.h pcl_${module} PkgConfig::EIGEN)
+endforeach()

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "prehend/geometry/triangle_mesh.h"
+
+namespace prehend::geometry {
+
+/// Reads an OBJ, PLY or STL mesh (by Assimp), all parts as one, times `scale` (metres per file
+/// unit). @throws InputError for a missing, foreign, truncated or empty file.
+TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale = 1.0);
+
+/// Writes .obj, .ply (binary) or .stl (binary) by the file name's ending. @throws InputError when
+/// the folder does not exist, the disk is full or the ending is unknown.
+void write_mesh_file(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+}  // namespace prehend::geometry

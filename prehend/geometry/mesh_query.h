@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/triangle_mesh.h"
+
+namespace prehend::geometry {
+
+struct RayHit {
+  double distance = 0;  // along the unit direction [m]
+  int triangle = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, of the hit triangle
+};
+
+struct NearestPoint {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  double distance = 0;  // unsigned [m]
+  int triangle = 0;
+};
+
+/// Ray and nearest-point queries on one mesh, by Embree's bounding volume hierarchy. Building costs
+/// O(t log t); the mesh is copied. Queries are const and may run in several threads at once.
+/// Embree works in single precision: expect 1e-6 relative to the mesh's size and distance from the
+/// origin, so keep meshes in a frame near them.
+class MeshQuery {
+ public:
+  /// @throws InputError for a mesh without triangles, with indices out of range or with NaN.
+  explicit MeshQuery(TriangleMesh mesh);
+  ~MeshQuery();
+  MeshQuery(MeshQuery&&) noexcept;
+  MeshQuery& operator=(MeshQuery&&) noexcept;
+
+  const TriangleMesh& mesh() const;
+
+  /// First triangle hit from `origin` along `direction` (unit) within (0, max_distance] [m].
+  std::optional<RayHit> cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                 double max_distance = 1e9) const;
+
+  /// The point of the surface nearest to `point`, if within `max_distance` [m].
+  std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
+                                      double max_distance = 1e9) const;
+
+  /// True when `point` is inside the (watertight) mesh: majority of three rays' crossing parity.
+  bool contains(const Eigen::Vector3d& point) const;
+
+  /// Distance to the surface, negative inside [m].
+  double signed_distance(const Eigen::Vector3d& point) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace prehend::geometry

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "prehend/geometry/camera_model.h"
+#include "prehend/geometry/image.h"
+#include "prehend/geometry/plane.h"
+#include "prehend/geometry/point_cloud.h"
+#include "prehend/geometry/rigid_transform.h"
+
+namespace prehend::perception {
+
+/// One object as seen from one view.
+struct ObjectHypothesis {
+  int id = 0;
+  geometry::PointCloud cloud_W;  // seen points, world frame, finite only
+  geometry::MaskImage mask;      // of the whole camera image; 255 where the object is seen
+  bool touches_image_border = false;
+};
+
+/// What segmentation makes of one view: a table and the objects on it.
+struct SegmentedScene {
+  geometry::PinholeCamera camera;   // real, or virtual for unorganized clouds
+  geometry::RigidTransform X_WC;    // pose of its optical frame in the world
+  geometry::DepthImage depth;       // of the whole view, for reports
+  geometry::Plane table_W;          // normal towards the objects
+  std::vector<ObjectHypothesis> objects;  // largest first
+};
+
+}  // namespace prehend::perception
