@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+
+#include "prehend/geometry/camera_model.h"
+#include "prehend/geometry/point_cloud.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/perception/segmented_scene.h"
+#include "prehend/perception/table.h"
+
+namespace prehend::perception {
+
+struct SegmentationOptions {
+  double min_height = 0.008;        // m over the table: lower points belong to the table
+  double max_height = 0.45;         // m over the table: higher points are dropped
+  double max_distance = 2.5;        // m from the camera
+  double cluster_tolerance = 0.02;  // m, gap that separates two objects
+  double leaf_size = 0.005;         // m, voxels that are clustered; 0 clusters every point
+  int min_points = 200;             // of the cloud, for one object
+  double min_object_height = 0.02;  // m, lower clusters are dropped (paper, cables)
+  double hull_margin = 0.02;        // m, the table's outline is widened by this much
+  int close_radius = 2;             // pixels, morphological closing of the masks; 0: none
+  int max_objects = 20;
+};
+
+/// The objects that stand on `table`: points over its convex outline (PCL prism), voxel grid,
+/// Euclidean clusters, one mask each. Organized clouds give masks by pixel membership, others by
+/// projecting splats with a depth test; small holes are closed. Largest object (points) first, ids
+/// 0, 1, ... in that order. No object is not an error: `objects` is empty.
+/// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
+/// @param X_WC pose of the camera in the world. Without it the world is made from the table:
+///   z = table normal, x = the camera's x projected into the table, origin = centroid of the
+///   objects (or of the table) projected onto the table, so that the table is z = 0.
+/// @throws std::invalid_argument for a bad option or a camera of another size.
+SegmentedScene segment_on_table(
+    const geometry::PointCloud& cloud_C, const geometry::PinholeCamera& camera, const Table& table,
+    const std::optional<geometry::RigidTransform>& X_WC = std::nullopt,
+    const SegmentationOptions& options = {});
+
+/// find_table, then segment_on_table. With X_WC, the world's +z is up for the table's tilt.
+/// @throws geometry::InputError when there is no table.
+SegmentedScene segment(const geometry::PointCloud& cloud_C, const geometry::PinholeCamera& camera,
+                       const std::optional<geometry::RigidTransform>& X_WC = std::nullopt,
+                       const SegmentationOptions& options = {},
+                       const TableOptions& table_options = {});
+
+/// Pose X_WC of the camera in the world made from a table (see segment_on_table); `anchor_C` [m] is
+/// what the origin lies under.
+geometry::RigidTransform world_from_table(const geometry::Plane& table_C,
+                                          const Eigen::Vector3d& anchor_C);
+
+}  // namespace prehend::perception
