@@ -43,7 +43,8 @@ class MeshQuery {
   std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
                                       double max_distance = 1e9) const;
 
-  /// True when `point` is inside the (watertight) mesh: majority of three rays' crossing parity.
+  /// True when `point` is inside the (watertight) mesh: on most of three rays the first surface
+  /// met is seen from its back.
   bool contains(const Eigen::Vector3d& point) const;
 
   /// Distance to the surface, negative inside [m].

@@ -1,0 +1,266 @@
+#include "msgs/convert/objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "msgs/convert/geometry.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::convert {
+namespace {
+
+using geometry::InputError;
+
+const char* const kSenderMend = "Mend or update the sender";
+constexpr std::uint32_t kLargestSide = 16384;  // pixels
+constexpr double kDepthUnit = 1e-4;            // m per count of ObjectHypotheses.depth
+
+void write_mask(const geometry::MaskImage& mask, msgs::ObjectHypothesis& message) {
+  int u0 = mask.width, v0 = mask.height, u1 = -1, v1 = -1;
+  for (int v = 0; v < mask.height; ++v) {
+    for (int u = 0; u < mask.width; ++u) {
+      if (mask.at(u, v) == 0) continue;
+      u0 = std::min(u0, u);
+      u1 = std::max(u1, u);
+      v0 = std::min(v0, v);
+      v1 = v;
+    }
+  }
+  if (u1 < 0) return;
+  const int width = u1 - u0 + 1, height = v1 - v0 + 1;
+  message.set_mask_x(static_cast<std::uint32_t>(u0));
+  message.set_mask_y(static_cast<std::uint32_t>(v0));
+  message.set_mask_width(static_cast<std::uint32_t>(width));
+  message.set_mask_height(static_cast<std::uint32_t>(height));
+  std::string& bytes = *message.mutable_mask();
+  bytes.resize(static_cast<std::size_t>(width) * height);
+  for (int v = 0; v < height; ++v) {
+    std::memcpy(&bytes[static_cast<std::size_t>(v) * width], &mask.at(u0, v0 + v), width);
+  }
+}
+
+geometry::MaskImage read_mask(const msgs::ObjectHypothesis& message, int width, int height) {
+  const std::uint64_t w = message.mask_width(), h = message.mask_height();
+  if (message.mask_x() + w > static_cast<std::uint64_t>(width) ||
+      message.mask_y() + h > static_cast<std::uint64_t>(height) || message.mask().size() != w * h) {
+    throw InputError("An object's mask does not fit into its camera's image", kSenderMend);
+  }
+  geometry::MaskImage mask(width, height, 0);
+  for (std::uint64_t v = 0; v < h; ++v) {
+    if (w == 0) break;
+    std::memcpy(&mask.at(static_cast<int>(message.mask_x()), static_cast<int>(message.mask_y() + v)),
+                message.mask().data() + v * w, w);
+  }
+  return mask;
+}
+
+std::string pack_depth(const geometry::DepthImage& depth) {
+  std::string bytes(depth.data.size() * 2, '\0');
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    const double counts = depth.data[i] / kDepthUnit;
+    const auto value =
+        static_cast<std::uint16_t>(counts >= 1 && counts <= 65535 ? std::lround(counts) : 0);
+    std::memcpy(&bytes[2 * i], &value, 2);
+  }
+  return bytes;
+}
+
+geometry::DepthImage unpack_depth(const std::string& bytes, int width, int height) {
+  geometry::DepthImage depth;
+  if (bytes.empty()) return depth;
+  depth = geometry::DepthImage(width, height, std::numeric_limits<float>::quiet_NaN());
+  if (bytes.size() != depth.data.size() * 2) {
+    throw InputError("A depth image does not have its camera's size", kSenderMend);
+  }
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    std::uint16_t value;
+    std::memcpy(&value, &bytes[2 * i], 2);
+    if (value != 0) depth.data[i] = static_cast<float>(value * kDepthUnit);
+  }
+  return depth;
+}
+
+void copy_image(const char* in, std::uint32_t channels, geometry::ColorImage& image) {
+  for (auto& pixel : image.data) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      pixel[k] = static_cast<std::uint8_t>(in[channels == 3 ? k : 0]);
+    }
+    in += channels;
+  }
+}
+
+}  // namespace
+
+msgs::CameraInfo to_message(const geometry::StereoCamera& camera,
+                            const std::optional<geometry::RigidTransform>& X_WC) {
+  msgs::CameraInfo message;
+  message.set_width(static_cast<std::uint32_t>(camera.left.width));
+  message.set_height(static_cast<std::uint32_t>(camera.left.height));
+  message.set_fx(camera.left.fx);
+  message.set_fy(camera.left.fy);
+  message.set_cx(camera.left.cx);
+  message.set_cy(camera.left.cy);
+  message.set_baseline(camera.baseline);
+  if (X_WC) *message.mutable_x_wc() = to_message(*X_WC);
+  return message;
+}
+
+geometry::StereoCamera from_message(const msgs::CameraInfo& message) {
+  const bool sizes = message.width() > 0 && message.height() > 0 &&
+                     message.width() <= kLargestSide && message.height() <= kLargestSide;
+  if (!sizes || !(message.fx() > 0) || !(message.fy() > 0) || !std::isfinite(message.fx()) ||
+      !std::isfinite(message.fy()) || !std::isfinite(message.cx()) ||
+      !std::isfinite(message.cy()) || !(message.baseline() >= 0)) {
+    throw InputError("A camera without positive size, focal lengths or with a negative baseline",
+                     "Check the calibration that the camera's node was given");
+  }
+  geometry::StereoCamera camera;
+  camera.left = {static_cast<int>(message.width()), static_cast<int>(message.height()),
+                 message.fx(), message.fy(), message.cx(), message.cy()};
+  camera.baseline = message.baseline();
+  return camera;
+}
+
+std::optional<geometry::RigidTransform> camera_pose(const msgs::CameraInfo& message) {
+  if (!message.has_x_wc()) return std::nullopt;
+  return from_message(message.x_wc());
+}
+
+msgs::StereoPair to_message(const StereoImages& images) {
+  msgs::StereoPair message;
+  message.set_width(static_cast<std::uint32_t>(images.left.width));
+  message.set_height(static_cast<std::uint32_t>(images.left.height));
+  message.set_channels(3);
+  const std::size_t bytes = images.left.data.size() * 3;
+  std::string& data = *message.mutable_data();
+  data.resize(2 * bytes);
+  std::memcpy(data.data(), images.left.data.data(), bytes);
+  std::memcpy(data.data() + bytes, images.right.data.data(), bytes);
+  return message;
+}
+
+StereoImages from_message(const msgs::StereoPair& message) {
+  const std::uint64_t bytes =
+      std::uint64_t{message.width()} * message.height() * message.channels();
+  if (bytes == 0 || message.width() > kLargestSide || message.height() > kLargestSide ||
+      (message.channels() != 1 && message.channels() != 3) ||
+      message.data().size() != 2 * bytes) {
+    throw InputError("A stereo pair of " + std::to_string(message.width()) + "x" +
+                         std::to_string(message.height()) + "x" +
+                         std::to_string(message.channels()) + " has " +
+                         std::to_string(message.data().size()) + " bytes of data",
+                     "The sender must fill sizes and data as msgs/sensors.proto says");
+  }
+  const int width = static_cast<int>(message.width());
+  const int height = static_cast<int>(message.height());
+  StereoImages images{geometry::ColorImage(width, height), geometry::ColorImage(width, height)};
+  copy_image(message.data().data(), message.channels(), images.left);
+  copy_image(message.data().data() + bytes, message.channels(), images.right);
+  return images;
+}
+
+msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene) {
+  msgs::ObjectHypotheses message;
+  *message.mutable_camera() = to_message(geometry::StereoCamera{scene.camera, 0}, scene.X_WC);
+  *message.mutable_table() = to_message(scene.table_W);
+  for (const auto& object : scene.objects) {
+    msgs::ObjectHypothesis& out = *message.add_objects();
+    out.set_id(static_cast<std::uint32_t>(object.id));
+    *out.mutable_cloud() = to_message(object.cloud_W);
+    write_mask(object.mask, out);
+    out.set_touches_image_border(object.touches_image_border);
+  }
+  message.set_depth(pack_depth(scene.depth));
+  return message;
+}
+
+perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
+  perception::SegmentedScene scene;
+  scene.camera = from_message(message.camera()).left;
+  const auto X_WC = camera_pose(message.camera());
+  if (!X_WC) throw InputError("Object hypotheses without the camera's pose", kSenderMend);
+  scene.X_WC = *X_WC;
+  scene.depth = unpack_depth(message.depth(), scene.camera.width, scene.camera.height);
+  scene.table_W = from_message(message.table());
+  for (const auto& object : message.objects()) {
+    scene.objects.push_back({static_cast<int>(object.id()), from_message(object.cloud()),
+                             read_mask(object, scene.camera.width, scene.camera.height),
+                             object.touches_image_border()});
+  }
+  return scene;
+}
+
+msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
+  msgs::CompletedShape message;
+  message.set_completed(true);
+  *message.mutable_cloud() = to_message(shape.cloud_W);
+  std::string& origin = *message.mutable_origin();
+  origin.reserve(shape.origin.size());
+  for (const auto o : shape.origin) origin.push_back(static_cast<char>(o));
+  *message.mutable_symmetry_point() = to_message(shape.symmetry.point_W);
+  *message.mutable_symmetry_normal() = to_message(shape.symmetry.normal_W);
+  message.set_vote(shape.symmetry.vote);
+  *message.mutable_viewpoint() = to_message(shape.viewpoint_W);
+  *message.mutable_mirrored_viewpoint() = to_message(shape.mirrored_viewpoint_W);
+  message.set_hypotheses_tried(static_cast<std::uint32_t>(shape.hypotheses.size()));
+  return message;
+}
+
+shape::CompletedShape from_message(const msgs::CompletedShape& message) {
+  shape::CompletedShape shape;
+  shape.cloud_W = from_message(message.cloud());
+  if (message.origin().size() != shape.cloud_W.size()) {
+    throw InputError("A completed shape whose points and origins differ in number", kSenderMend);
+  }
+  shape.origin.reserve(message.origin().size());
+  for (const char o : message.origin()) {
+    shape.origin.push_back(o == 0 ? shape::PointOrigin::kSeen : shape::PointOrigin::kMirrored);
+  }
+  shape.symmetry = {from_message(message.symmetry_point()),
+                    from_message(message.symmetry_normal()), message.vote()};
+  shape.viewpoint_W = from_message(message.viewpoint());
+  shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
+  return shape;
+}
+
+msgs::ObjectModel to_message(const surface::ObjectModel& model) {
+  msgs::ObjectModel message;
+  message.set_valid(true);
+  *message.mutable_mesh() = to_message(model.mesh_W);
+  message.set_watertight(model.defects.watertight());
+  message.set_mesh_defects(model.defects.to_string());
+  for (const auto& piece : model.convex_pieces_W) *message.add_convex_pieces() = to_message(piece);
+  message.set_volume(model.mass_properties.volume);
+  *message.mutable_centroid() = to_message(model.mass_properties.center_of_mass);
+  const Eigen::Matrix3d& inertia = model.mass_properties.unit_density_inertia;
+  for (const double value : {inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
+                             inertia(0, 2), inertia(1, 2)}) {
+    message.add_unit_density_inertia(value);
+  }
+  message.set_seen_deviation(model.seen_deviation);
+  return message;
+}
+
+surface::ObjectModel from_message(const msgs::ObjectModel& message) {
+  surface::ObjectModel model;
+  model.mesh_W = from_message(message.mesh());
+  model.defects = geometry::find_defects(model.mesh_W);
+  for (const auto& piece : message.convex_pieces()) {
+    model.convex_pieces_W.push_back(from_message(piece));
+  }
+  if (message.unit_density_inertia_size() != 6) {
+    throw InputError("An object model whose inertia does not have six values", kSenderMend);
+  }
+  model.mass_properties.volume = message.volume();
+  model.mass_properties.center_of_mass = from_message(message.centroid());
+  const auto value = [&message](int i) { return message.unit_density_inertia(i); };
+  model.mass_properties.unit_density_inertia << value(0), value(3), value(4),  //
+      value(3), value(1), value(5),                                            //
+      value(4), value(5), value(2);
+  model.seen_deviation = message.seen_deviation();
+  return model;
+}
+
+}  // namespace prehend::convert
