@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "prehend/geometry/camera_model.h"
@@ -20,14 +21,29 @@ struct ObjectView {
   const geometry::Plane& table_W;        // normal towards the object
 };
 
-enum class PointOrigin : std::uint8_t { kSeen = 0, kMirrored = 1 };
+enum class PointOrigin : std::uint8_t {
+  kSeen = 0,
+  kMirrored = 1,        // of a seen point, at the plane of symmetry
+  kMirroredSecond = 2,  // of a seen point, at the second plane
+  kMirroredBoth = 3,    // of a seen point, at both
+};
 
 /// One vertical plane of symmetry and how well it agrees with what was seen.
 struct SymmetryHypothesis {
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();    // on the plane [m]
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitX();  // unit, parallel to the table
   double vote = 0;  // smaller is better
+  // What the vote is made of, see symmetry.h; fractions are of the mirrored points.
+  double outside = 0;    // E[(distance to the mask / reference length)^2]
+  double in_front = 0;   // E[depth before the seen surface / reference length]
+  double coincident = 0;    // fraction that lies on the seen surface
+  double contradicted = 0;  // fraction that lies where the camera looked through
 };
+
+/// `p` mirrored at the plane of `symmetry`.
+inline Eigen::Vector3d mirrored(const SymmetryHypothesis& symmetry, const Eigen::Vector3d& p_W) {
+  return p_W - 2 * symmetry.normal_W.dot(p_W - symmetry.point_W) * symmetry.normal_W;
+}
 
 /// The seen points followed by their mirror images.
 struct CompletedShape {
@@ -37,6 +53,17 @@ struct CompletedShape {
   std::vector<SymmetryHypothesis> hypotheses;  // all that were tried, best first
   Eigen::Vector3d viewpoint_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d mirrored_viewpoint_W = Eigen::Vector3d::Zero();
+  std::optional<SymmetryHypothesis> second_symmetry;  // perpendicular to `symmetry`, if any
+
+  /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].
+  Eigen::Vector3d viewpoint_of(PointOrigin point_origin) const {
+    const bool first = point_origin == PointOrigin::kMirrored ||
+                       point_origin == PointOrigin::kMirroredBoth;
+    const bool second = point_origin == PointOrigin::kMirroredSecond ||
+                        point_origin == PointOrigin::kMirroredBoth;
+    const Eigen::Vector3d viewpoint = first ? mirrored_viewpoint_W : viewpoint_W;
+    return second && second_symmetry ? mirrored(*second_symmetry, viewpoint) : viewpoint;
+  }
 };
 
 }  // namespace prehend::shape

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/triangle_mesh.h"
+
+namespace prehend::surface {
+
+/// Distances of points to a surface [m].
+struct DeviationStatistics {
+  double mean = 0;
+  double percentile_95 = 0;
+  double max = 0;
+};
+
+struct MeshDeviation {
+  DeviationStatistics to_second;    // from points of the first mesh to the second
+  DeviationStatistics from_second;  // from points of the second mesh to the first
+};
+
+struct DeviationOptions {
+  int samples = 20000;  // points on each mesh, >= 1
+  std::uint64_t seed = 1;
+};
+
+/// `samples` points [m] distributed uniformly over the area of `mesh`; the same seed gives the same
+/// points. @throws geometry::InputError for a mesh without area.
+std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, int samples,
+                                            std::uint64_t seed);
+
+/// Unsigned distances of `points` to the surface. @throws geometry::InputError without points.
+DeviationStatistics deviation(const std::vector<Eigen::Vector3d>& points,
+                              const geometry::MeshQuery& surface);
+
+/// Both directed deviations, as Metro measures them (Cignoni, Rocchini, Scopigno: "Metro: measuring
+/// error on simplified surfaces", 1998). @throws geometry::InputError for a mesh without area.
+MeshDeviation mesh_deviation(const geometry::TriangleMesh& first,
+                             const geometry::TriangleMesh& second,
+                             const DeviationOptions& options = {});
+
+}  // namespace prehend::surface

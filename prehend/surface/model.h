@@ -1,0 +1,33 @@
+#pragma once
+
+#include "prehend/geometry/plane.h"
+#include "prehend/shape/completed_shape.h"
+#include "prehend/surface/convex_pieces.h"
+#include "prehend/surface/normals.h"
+#include "prehend/surface/object_model.h"
+#include "prehend/surface/poisson.h"
+
+namespace prehend::surface {
+
+struct ModelOptions {
+  OrientedCloudOptions cloud;
+  PoissonOptions poisson;
+  ConvexPiecesOptions convex_pieces;
+};
+
+/// Seconds each step took, in one thread.
+struct ModelTimes {
+  double normals = 0;        // voxels, outlier filter, normals
+  double poisson = 0;        // with the watertight check
+  double convex_pieces = 0;
+  double properties = 0;     // mass properties and deviation
+};
+
+/// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
+/// oriented_cloud(), reconstruct(), convex_pieces(), mass properties and the mean distance of the
+/// seen points to the mesh. `times` is filled when given.
+/// @throws geometry::InputError when the shape has too few points or gives no watertight mesh.
+ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                              const ModelOptions& options = {}, ModelTimes* times = nullptr);
+
+}  // namespace prehend::surface
