@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/camera_model.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/texture.h"
+
+namespace prehend::simulation {
+
+/// The carrier of the gripper: axes x, y, z, yaw; kinematic (it does not yield to forces).
+struct CarrierModel {
+  Eigen::Vector3d minimum{-0.6, -0.6, 0.02};  // m, of the gripper frame's origin in the world
+  Eigen::Vector3d maximum{0.6, 0.6, 0.8};     // m
+  double max_speed = 0.5;                     // m/s
+  double max_acceleration = 1.0;              // m/s^2
+  double max_yaw_rate = 1.5;                  // rad/s
+  double max_yaw_acceleration = 3.0;          // rad/s^2
+  Eigen::Vector3d start{-0.35, 0, 0.45};      // m
+  double start_yaw = 0;                       // rad
+  /// Angle between the approach direction and straight down [rad]: 0 approaches along -z of the
+  /// world, pi/2 along +x (at yaw 0).
+  double mounting_tilt = 0;
+
+  /// Pose of the gripper frame at `position` [m] and `yaw` [rad]: R_WG = Rz(yaw) Ry(-tilt) Rx(pi).
+  geometry::RigidTransform gripper_pose(const Eigen::Vector3d& position, double yaw) const;
+};
+
+struct CameraSetup {
+  geometry::StereoCamera camera{{1024, 768, 1100, 1100, 511.5, 383.5}, 0.09};
+  Eigen::Vector3d eye{0.54, 0, 0.5};     // m, of the left camera in the world
+  Eigen::Vector3d target{0, 0, 0.05};    // m, seen in the image's centre
+  double noise = 2.0;                    // grey levels, standard deviation of a pixel's noise
+  std::uint32_t seed = 1;
+
+  geometry::RigidTransform X_WC() const { return geometry::look_at(eye, target); }
+};
+
+struct Light {
+  Eigen::Vector3d direction{0.35, -0.3, 1};  // towards the light, need not be unit
+  double ambient = 0.45;                     // 0..1, share of light that comes from everywhere
+};
+
+/// The plane z = 0 with a rectangle of visible top around `center`.
+struct TableModel {
+  double friction = 0.5;
+  Eigen::Vector2d center{0, 0};  // m, of the visible top
+  Eigen::Vector2d size{1.6, 1.6};  // m
+  Texture texture{Texture::Pattern::kWood, {0.62, 0.47, 0.32}, {0.45, 0.32, 0.2}, 0.3, 0.02, 7};
+};
+
+/// One object that stands on the table at the start.
+struct ObjectModel {
+  std::string name;
+  /// box (size), can, bottle (radius, height), mug (radius, height, wall), spray_bottle (size:
+  /// width x, depth y, height z), ball (radius), mesh (file, scale)
+  std::string shape = "box";
+  Eigen::Vector3d size{0.05, 0.07, 0.12};  // m
+  double radius = 0.03;                    // m
+  double height = 0.12;                    // m
+  double wall = 0.004;                     // m
+  std::filesystem::path file;              // of shape mesh, relative to the scene file
+  double scale = 1.0;                      // m per unit of the file
+  double mass = 0.3;                       // kg
+  double friction = 0.7;    // dynamic, between the object and pads; the ratio of the pad's static to
+                            // dynamic friction is kept
+  double x = 0;             // m
+  double y = 0;             // m
+  double yaw = 0;           // rad
+  Texture texture;
+};
+
+/// What a simulation starts from: config/scenes/*.yaml. Every key of the YAML is a field here, of
+/// the same name; missing ones keep the defaults.
+struct Scene {
+  double step = 0.001;     // s
+  double gravity = 9.81;   // m/s^2, along -z
+  TableModel table;
+  robot::GripperModel gripper;  // YAML: path of config/robots/*.yaml, relative to the scene file
+  double start_opening = 0.069;  // m
+  CarrierModel carrier;
+  CameraSetup camera;
+  Light light;
+  std::vector<ObjectModel> objects;
+};
+
+/// Reads a scene file and the gripper model it names.
+/// @throws geometry::InputError "file:line: what is wrong" with the mend: missing or foreign file,
+/// unknown key (with the nearest known one), wrong type, value out of range, two objects of a name.
+Scene read_scene(const std::filesystem::path& path);
+
+/// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
+void validate(const Scene& scene);
+
+/// The mesh of `object` in its own frame B (standing on z = 0, centred, yaw 0).
+/// @throws std::invalid_argument for an unknown shape or bad dimensions, geometry::InputError for a
+/// bad mesh file.
+geometry::TriangleMesh object_mesh(const ObjectModel& object);
+
+}  // namespace prehend::simulation

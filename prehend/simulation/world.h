@@ -1,0 +1,159 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/simulation/scene.h"
+#include "prehend/simulation/texture.h"
+
+namespace prehend::simulation {
+
+enum class GripperMode { kStop, kPosition, kVelocity, kCurrent };
+enum class PadSide { kLeft, kRight };  // left is at +y of the gripper frame
+
+struct GripperReading {
+  double opening = 0;   // m
+  double velocity = 0;  // m/s, of the opening; negative closes
+  double current = 0;   // A; negative closes
+  bool moving = false;
+  bool blocked = false;  // commanded to move but has not for 50 ms
+};
+
+struct CarrierReading {
+  geometry::RigidTransform X_WG = geometry::RigidTransform::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, world
+  double yaw_rate = 0;                                 // rad/s
+  bool moving = false;
+  double remaining = 0;  // m, to the target along the path
+};
+
+/// What a pad's electronics would show: `rows` x `columns` counts, row by row, row 0 at the
+/// fingertip, column 0 at -x of the gripper frame.
+struct TactileImage {
+  int rows = 0;
+  int columns = 0;
+  std::vector<std::uint16_t> counts;  // rows * columns, 0..full scale
+  double sum = 0;                     // N, of the texels' forces, not quantised
+};
+
+struct ContactWrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // N m
+};
+
+struct BodyReading {
+  std::string name;
+  geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // m/s, of the centre of mass
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s, world
+  double mass = 0;                                             // kg
+  double height = 0;  // m, of the lowest point over the table
+  bool touches_left_pad = false;
+  bool touches_right_pad = false;
+  bool touches_table = false;
+  bool touches_gripper = false;  // fingers' backs, tips or housing
+};
+
+/// A body as a camera sees it.
+struct VisibleBody {
+  std::string name;
+  std::shared_ptr<const geometry::TriangleMesh> mesh_B;
+  geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();
+  Texture texture;
+  double height = 0;  // m, of the mesh, for the texture
+};
+
+/// The simulated world: a table (the plane z = 0), rigid objects with 6 degrees of freedom, a
+/// parallel gripper with two tactile pads, and its carrier.
+///
+/// Pads: each texel casts a ray from `thickness` behind the undeformed face through its centre;
+/// penetration is thickness - distance of the hit (the whole thickness when the ray starts inside
+/// the object). Fingers behind the pads, housing and table touch sampled points of an object's
+/// surface, with the same law and stiffer constants. Normal direction: the pad's, the table's, the
+/// nearest face's.
+///
+/// A step linearises all contacts implicitly (contact/texel.h) and solves the velocities of all
+/// bodies that touch one another, with the jaws', in one symmetric positive definite system, twice:
+/// the second time with friction, sliding speed and active set of the first solution. Positions
+/// then follow with the new velocities. First order in the step; stable for any step.
+///
+/// Same scene and same calls -> bitwise the same states. Not thread-safe: lock around it.
+class World {
+ public:
+  /// Places objects on the table, opens the gripper. @throws std::invalid_argument (see validate),
+  /// geometry::InputError for a bad mesh file.
+  explicit World(const Scene& scene);
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// Advances by scene().step. Cost: about 10 us for each awake object, 60 us more for a grasped one.
+  void step();
+  double time() const;  // s, number of steps times the step
+  const Scene& scene() const;
+
+  /// Drives the opening. kPosition: value [m] within 0..max_opening; kVelocity: [m/s], negative
+  /// closes, cut to the model's maximum; kCurrent: [A], negative closes, cut to max_current.
+  /// `current_limit` [A]: 0 means nominal; cut to max_current. In kPosition `speed` [m/s] limits the
+  /// speed; 0 means the maximum. Acceleration is the model's.
+  /// @throws std::invalid_argument for a value that is not finite or an opening out of range.
+  void set_gripper_command(GripperMode mode, double value, double current_limit = 0,
+                           double speed = 0);
+
+  /// Starts a straight line to `X_WG_target` with trapezoidal speed of at most `speed` [m/s] (yaw
+  /// runs along, in time with it). A running motion is braked to a stand first.
+  /// @throws std::invalid_argument when speed is not positive, the target is outside the carrier's
+  /// limits or turned otherwise than in yaw.
+  void move_carrier(const geometry::RigidTransform& X_WG_target, double speed);
+  /// Brakes with the carrier's acceleration.
+  void stop_carrier();
+
+  GripperReading gripper() const;
+  CarrierReading carrier() const;
+  TactileImage tactile_image(PadSide side) const;
+  /// Contact forces of objects and table on the gripper, in gripper frame G, about its origin; the
+  /// gripper's own weight is not in it.
+  ContactWrench wrist_wrench() const;
+
+  std::size_t body_count() const;
+  BodyReading body(std::size_t index) const;
+  /// @throws std::invalid_argument when there is no such body.
+  BodyReading body(const std::string& name) const;
+  /// Kinetic, gravity and contact spring energy of all objects [J]. For tests.
+  double energy() const;
+
+  /// Adds an object whose mesh is given in the world frame; its frame B has the world's axes and the
+  /// mesh's centre of mass as origin. An object of that name is replaced. The mesh is raised when it
+  /// reaches below the table, and convexity is not required.
+  /// @throws std::invalid_argument when mass is not positive and finite;
+  /// geometry::InputError when the mesh is empty, not finite or encloses no volume.
+  void add_object(const std::string& name, const geometry::TriangleMesh& mesh_W, double mass,
+                  bool is_static = false, double friction = 0.7, const Texture& texture = {});
+  /// False when there is no such object.
+  bool remove_object(const std::string& name);
+  /// Puts an object down at a pose, at rest. @throws std::invalid_argument when there is none.
+  void place_object(const std::string& name, const geometry::RigidTransform& X_WB);
+  /// Counts additions, removals and placements, from 1.
+  std::uint64_t scene_generation() const;
+
+  /// All bodies and the gripper's parts as a camera sees them. Cheap: meshes are shared.
+  std::vector<VisibleBody> visible_bodies() const;
+
+  /// Everything that changes in a step; restoring it continues bitwise as before. Valid for this
+  /// world while no object was added or removed. @throws std::invalid_argument otherwise.
+  struct State;
+  std::shared_ptr<const State> save() const;
+  void restore(const State& state);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace prehend::simulation
