@@ -1,0 +1,30 @@
+# make demo   build, then watch an object being predicted, grasped, lifted, moved and released
+# make build  install what is missing, configure and build
+# make test   build, then run all tests
+# make bench  build, then run the benchmarks; figures go to out/bench/*.json
+# make clean  remove build and out
+
+.PHONY: demo build test bench clean packages
+.DEFAULT_GOAL := build
+
+packages:
+	@scripts/install-packages.sh
+
+build: packages
+	@cmake --preset release --log-level=WARNING
+	@ninja -C build
+
+demo: build
+	@build/bin/prehend launch launch/demo.yaml out:=out/demo
+
+test: build
+	@ctest --test-dir build --output-on-failure --timeout 300
+
+bench: build
+	@mkdir -p out/bench
+	@for program in build/bin/bench_*; do \
+	  $$program --json out/bench/$$(basename $$program).json || exit 1; \
+	done
+
+clean:
+	rm -rf build out
