@@ -74,20 +74,26 @@ class McapReader {
     std::uint64_t start_time, end_time, offset, length;
   };
 
+  void check_magic() const;
+  void read_header();
   std::string read_bytes(std::uint64_t offset, std::uint64_t length) const;
   bool read_summary();
-  void take_summary_record(std::uint8_t opcode, std::string_view content);
-  void read_metadata(std::uint64_t offset, std::uint64_t length);
+  void take_summary(std::string_view records);
+  bool summary_is_usable() const;
+  void take_chunk_blocks();
+  void forget_contents();
   void scan();
   void scan_record(std::uint8_t opcode, std::uint64_t offset, std::uint64_t length);
-  void scan_block(std::uint64_t offset, std::uint64_t length);
+  void scan_block(std::uint8_t opcode, std::uint64_t offset, std::uint64_t length);
   void take_schema(McapSchema schema);
   void take_channel(McapChannel channel);
-  std::vector<McapMessage> block_messages(std::uint64_t offset, std::uint64_t length);
-  void take_inner_records(std::uint64_t offset, const std::shared_ptr<const std::string>& records,
+  std::vector<McapMessage> block_messages(const Block& block);
+  void take_inner_records(std::uint64_t chunk_offset, std::shared_ptr<const std::string> records,
                           bool cut_off, std::vector<McapMessage>& messages);
-  std::shared_ptr<const std::string> chunk_records(std::uint64_t offset, std::string content,
-                                                   bool cut_off);
+  void take_message(std::uint64_t offset, std::string_view content,
+                    const std::shared_ptr<const std::string>& storage,
+                    std::vector<McapMessage>& messages);
+  std::string chunk_records(std::string_view content, bool cut_off) const;
   void report(const std::string& problem);
 
   const std::string path_;
@@ -119,15 +125,16 @@ class McapMessageCursor {
  private:
   struct Pending {
     McapMessage message;
-    std::uint64_t order;  // in the file
+    std::uint64_t block_offset;  // with `position` the order in the file
+    std::size_t position;
   };
   static bool later(const Pending& a, const Pending& b);
-  void load_block(std::size_t position);
-  bool wanted(const McapMessage& message);
+  void load(const McapReader::Block& block);
+  bool wanted(const McapMessage& message) const;
 
   McapReader* reader_;
   McapMessageFilter filter_;
-  std::vector<std::size_t> blocks_by_time_;  // positions in McapReader::blocks_
+  std::vector<McapReader::Block> blocks_;  // by start time
   std::size_t next_block_ = 0;
   std::vector<Pending> pending_;  // heap, earliest on top
 };
