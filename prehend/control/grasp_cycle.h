@@ -1,0 +1,192 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/control/force_controller.h"
+#include "prehend/control/surprise.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/grasp/planner.h"
+#include "prehend/robot/gripper_model.h"
+
+namespace prehend::control {
+
+/// How a motion that was started goes on.
+enum class MotionStatus { kMoving, kReached, kContact, kFailed };
+
+/// What the cycle asks of a gripper. Calls return at once. Openings in m; speeds in m/s of the
+/// opening, negative closes; currents in A, > 0.
+class GripperPort {
+ public:
+  virtual ~GripperPort() = default;
+  virtual void move_to(double opening, double speed) = 0;
+  virtual MotionStatus motion() = 0;  // of the last move_to; kContact: blocked
+  /// Moves with `speed` until told otherwise, pushing with no more than `current_limit`.
+  virtual void command_velocity(double speed, double current_limit) = 0;
+  virtual void stop() = 0;
+};
+
+/// What the cycle asks of the carrier that holds the gripper. Calls return at once.
+class CarrierPort {
+ public:
+  virtual ~CarrierPort() = default;
+  /// Straight line of the gripper frame to X_WG at `speed` [m/s]; stops when the wrist force
+  /// changes by more than `contact_force` [N] when that is positive.
+  virtual void move_to(const geometry::RigidTransform& X_WG, double speed,
+                       double contact_force) = 0;
+  virtual MotionStatus motion() = 0;  // of the last move_to
+  virtual void stop() = 0;
+};
+
+/// One pad as felt.
+struct PadPercept {
+  double time = 0;  // s, of the frame
+  double sum = 0;   // N
+  double area = 0;  // m^2, of the texels above the touch threshold
+};
+
+/// All the cycle knows of the world. Unset: nothing has come yet.
+struct Percepts {
+  double time = 0;  // s, now, of the graph's clock
+  std::optional<PadPercept> left;
+  std::optional<PadPercept> right;
+  std::optional<double> opening;      // m
+  bool gripper_blocked = false;       // commanded to move but does not
+  unsigned gripper_error = 0;         // the device's code, 0 none
+  std::optional<double> wrist_force;  // N
+  std::optional<geometry::RigidTransform> X_WG;
+};
+
+struct CycleOptions {
+  Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  // unit, away from the table
+  double transit_height = 0.30;  // m along up_W, of G above which it may cross the scene; 0: none
+  double travel_speed = 0.25;    // m/s, > 0, in free space
+  double approach_speed = 0.08;  // m/s, > 0
+  double lift_speed = 0.10;      // m/s, > 0
+  double opening_speed = 0.08;   // m/s, > 0
+  double closing_speed = 0.02;   // m/s, > 0, until both pads touch
+  double pressing_speed = 0.01;  // m/s, > 0, aimed at under force control
+  double contact_force = 4;      // N, > 0, change at the wrist that counts as unexpected contact
+  double touch_force = 0.3;      // N, > 0, of a pad's sum
+  double held_ratio = 0.3;       // 0..1, of the grasp force each pad must still feel when lifted
+  double largest_collapse = 0.004;  // m, > 0, the opening may shrink after the grasp settled
+  double settled_time = 0.2;     // s, >= 0, the force must stay settled
+  double check_time = 0.4;       // s, >= 0, to wait after the lift before looking whether it is held
+  double lift_height = 0.15;     // m, >= 0.12
+  Eigen::Vector3d move_W{0, 0.15, 0};  // m, sideways with the object
+  int largest_attempts = 3;      // > 0
+  double stale_time = 0.25;      // s, > 0, after which tactile data are too old to grip by
+  double motion_timeout = 20;    // s, > 0, of each motion of carrier or gripper
+  double closing_timeout = 8;    // s, > 0, from the start of closing to the touch of both pads
+  double force_timeout = 4;      // s, > 0, to reach the grasp force
+  ForceControllerOptions force;
+  SurpriseTolerances tolerances;
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+enum class Phase { kWaiting, kApproach, kGrasp, kLift, kMove, kRelease, kDone, kFailed };
+
+/// "waiting", "approach", ... as in msgs.CycleState.phase.
+std::string to_string(Phase phase);
+
+struct CycleResult {
+  bool success = false;
+  std::string reason;   // in words, for success too
+  int grasp_index = 0;  // in the list given to start()
+  int attempts = 0;
+};
+
+/// Executes ranked grasps until one succeeds.
+///
+/// For each: opens, crosses at the transit height to the pregrasp, goes straight down the approach;
+/// closes with a constant speed until both pads touch; controls the mean of the pads' sums through
+/// the motor's current until it is settled; lifts; looks whether the object is still held (the
+/// opening has not collapsed and both pads still feel it); carries it sideways; lowers it to where
+/// it stood over the table; opens; retreats. What is felt is compared with what was predicted
+/// (surprises). On a failure it opens, retreats and takes the next grasp. Every wait ends by its
+/// time-out on the percepts' clock. When tactile data are stale while gripping, gripper and carrier
+/// are stopped and the cycle ends.
+///
+/// Not thread-safe. Never blocks, never throws after start().
+class GraspCycle {
+ public:
+  /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
+  GraspCycle(const robot::GripperModel& gripper, const CycleOptions& options,
+             GripperPort& gripper_port, CarrierPort& carrier_port);
+
+  /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
+  void start(std::vector<grasp::Grasp> grasps, const std::string& problem = "");
+
+  /// One step; call it at 50 Hz or more. @pre percepts.time does not decrease.
+  void step(const Percepts& percepts);
+
+  /// Stops gripper and carrier and ends as failed.
+  void abort(const std::string& reason);
+
+  Phase phase() const;
+  bool finished() const { return phase() == Phase::kDone || phase() == Phase::kFailed; }
+  const std::string& detail() const { return detail_; }  // in words
+  int grasp_index() const { return grasp_index_; }
+  const CycleResult& result() const { return result_; }  // final once finished()
+  const std::vector<Surprise>& surprises() const { return surprises_; }
+  /// Seconds of each phase in the order they were entered.
+  const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
+
+ private:
+  enum class Step {
+    kWaiting, kOpen, kRise, kCross, kPregrasp, kApproach, kClose, kPress, kLift, kCheck, kMove,
+    kLower, kRelease, kRetreat, kGiveUpOpen, kGiveUpRetreat, kDone, kFailed
+  };
+
+  void enter(Step step, const std::string& detail);
+  void begin_attempt();
+  void step_transit(const Percepts& percepts);
+  void step_approach(const Percepts& percepts);
+  void step_close(const Percepts& percepts);
+  void step_press(const Percepts& percepts);
+  void step_lift(const Percepts& percepts);
+  void step_check(const Percepts& percepts);
+  void step_carry(const Percepts& percepts);
+  void step_release(const Percepts& percepts);
+  void step_give_up(const Percepts& percepts);
+  void regulate_force(const Percepts& percepts);
+  bool tactile_is_fresh(const Percepts& percepts) const;
+  std::string why_not_held(const Percepts& percepts) const;
+  void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
+  void give_up_attempt(const std::string& reason);
+  void finish(bool success, const std::string& reason);
+  void move_carrier(const geometry::RigidTransform& X_WG, double speed, double contact_force);
+  geometry::RigidTransform raised_to_transit(const geometry::RigidTransform& X_WG) const;
+  geometry::RigidTransform pregrasp() const;
+  const grasp::Grasp& current_grasp() const { return grasps_[static_cast<size_t>(grasp_index_)]; }
+  bool timed_out(double limit) const { return now_ - step_start_ > limit; }
+  static Phase phase_of(Step step);
+
+  robot::GripperModel gripper_;
+  CycleOptions options_;
+  GripperPort& gripper_port_;
+  CarrierPort& carrier_port_;
+  ForceController force_controller_;
+
+  std::vector<grasp::Grasp> grasps_;
+  Step step_ = Step::kWaiting;
+  std::string detail_ = "waiting for a plan";
+  int grasp_index_ = 0;
+  double now_ = 0;              // s
+  double step_start_ = 0;       // s
+  double last_update_ = 0;      // s, of the force controller
+  double settled_since_ = -1;   // s, negative: not settled
+  double grasp_opening_ = 0;    // m, when the force settled
+  geometry::RigidTransform X_WG_target_ = geometry::RigidTransform::Identity();
+  std::string failure_;         // of the current attempt
+  CycleResult result_;
+  std::vector<Surprise> surprises_;
+  std::vector<std::pair<std::string, double>> phase_times_;
+};
+
+}  // namespace prehend::control

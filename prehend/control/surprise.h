@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+namespace prehend::control {
+
+/// What was predicted and is compared with what is felt; same order as msgs.Surprise.Kind.
+enum class SurpriseKind {
+  kOpeningAtContact,  // m
+  kContactArea,       // m^2
+  kTactileSum,        // N
+  kHeldAfterLift,     // 1 held, 0 not
+  kTouchedTooEarly,   // N at the wrist while approaching
+};
+
+/// A prediction against what was felt.
+struct Surprise {
+  SurpriseKind kind = SurpriseKind::kOpeningAtContact;
+  double predicted = 0;
+  double felt = 0;
+  double tolerance = 0;
+  bool surprising = false;  // |felt - predicted| > tolerance, or one of them is not finite
+  std::string reaction;     // what the cycle does about it
+};
+
+/// How far what is felt may be from what was predicted: the larger of the absolute and the relative
+/// tolerance. The contact area's is wide as single texels at a patch's edge come and go.
+struct SurpriseTolerances {
+  double opening = 0.006;          // m
+  double area = 1.5e-4;            // m^2, 13 texels of 3.4 mm
+  double area_ratio = 0.5;         // of the predicted area
+  double tactile_sum = 1.0;        // N
+  double tactile_sum_ratio = 0.2;  // of the predicted sum
+
+  void validate() const;  ///< @throws std::invalid_argument naming the negative field.
+};
+
+/// The tolerance of `kind` for a prediction; 0.5 for kHeldAfterLift, 0 for kTouchedTooEarly.
+double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerances& tolerances);
+
+/// Compares; `reaction_if_surprising` is said only when it is a surprise, else "carry on".
+Surprise compare(SurpriseKind kind, double predicted, double felt,
+                 const SurpriseTolerances& tolerances, const std::string& reaction_if_surprising);
+
+}  // namespace prehend::control
