@@ -53,6 +53,10 @@ struct CompletionOptions {
   bool drop_contradicted = true;
 };
 
+/// The method as published: kContradiction, one plane, one starting axis, the grid alone, and
+/// every mirrored point kept.
+CompletionOptions as_published();
+
 /// Completes an object seen from one side by the vertical plane of symmetry that contradicts the
 /// view least (Bohg, Johnson-Roberson, León, Felip, Gratal, Bergström, Kragic, Morales: "Mind the
 /// Gap - Robotic Grasping under Incomplete Observation", ICRA 2011, section II).
@@ -66,7 +70,9 @@ struct CompletionOptions {
 ///                                                      at q's depth
 ///         + in_front_weight * E[(z_seen - z_q) / l] for q within the mask, before the seen surface
 ///
-/// where both E are means over all mirrored points. kSupported adds
+/// where both E are means over all mirrored points. A depth difference within `depth_tolerance`
+/// counts as none, as does a point that projects outside the image: nobody looked there.
+/// kSupported adds
 ///
 ///     support_weight * (1 - s),   s = (C + k/2) / (C + F + k),   k = 0.5 % of the points,
 ///

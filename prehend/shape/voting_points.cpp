@@ -1,0 +1,160 @@
+#include "prehend/shape/voting_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/imgproc.hpp>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::shape {
+namespace {
+
+using geometry::InputError;
+
+constexpr int kLeastPoints = 10;
+constexpr double kFlat = 0.01;  // spread across over spread along, below which points are flat
+
+geometry::RigidTransform camera_table_frame(const ObjectView& view) {
+  const Eigen::Vector3d z = view.table_W.normal;
+  if (!(std::abs(z.norm() - 1) < 1e-6) || !std::isfinite(view.table_W.offset)) {
+    throw InputError("the table's normal is not a unit vector", "find the table again");
+  }
+  // A camera that looks straight down has its image's top as forward direction.
+  Eigen::Vector3d forward = view.X_WC.linear().col(2);
+  forward -= z * z.dot(forward);
+  if (forward.norm() < 0.05) {
+    forward = -view.X_WC.linear().col(1);
+    forward -= z * z.dot(forward);
+  }
+  if (!(forward.norm() > 1e-6)) {
+    throw InputError("the camera's pose is not a rigid transform", "check the camera's pose");
+  }
+  const Eigen::Vector3d x = forward.normalized();
+  geometry::RigidTransform X_WT = geometry::RigidTransform::Identity();
+  X_WT.linear() << x, z.cross(x), z;
+  X_WT.translation() = view.table_W.project(view.X_WC.translation());
+  return X_WT;
+}
+
+bool less(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
+
+std::vector<Eigen::Vector3d> one_per_voxel(const std::vector<Eigen::Vector3d>& points,
+                                           const Eigen::Vector3d& lower, double side) {
+  using Key = std::array<std::int64_t, 3>;
+  std::vector<std::pair<Key, Eigen::Vector3d>> keyed;
+  keyed.reserve(points.size());
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d cell = ((p - lower) / side).array().floor();
+    keyed.push_back({{static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+                      static_cast<std::int64_t>(cell.z())},
+                     p});
+  }
+  std::sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : less(a.second, b.second);
+  });
+  // The mean, not the first: it lies near the surface's middle within the voxel.
+  std::vector<Eigen::Vector3d> kept;
+  for (std::size_t begin = 0, end = 0; begin < keyed.size(); begin = end) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (end = begin; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) {
+      sum += keyed[end].second;
+    }
+    kept.push_back(sum / static_cast<double>(end - begin));
+  }
+  return kept;
+}
+
+void check_spread(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  if (!(spread(2) > 0)) {
+    throw InputError("all seen points of the object coincide", "segment the object again");
+  }
+  if (spread(1) < kFlat * spread(2)) {
+    throw InputError("the seen points of the object lie on a line", "look from another side");
+  }
+  if (spread(0) < kFlat * spread(2)) {
+    throw InputError("the seen points of the object lie in one plane",
+                     "look from another side, so that more than one face is seen");
+  }
+}
+
+}  // namespace
+
+VotingPoints make_voting_points(const ObjectView& view, double thinning) {
+  const auto& points_W = view.cloud_W.points;
+  if (points_W.size() < kLeastPoints) {
+    throw InputError("the object has " + std::to_string(points_W.size()) + " seen points",
+                     "give at least " + std::to_string(kLeastPoints));
+  }
+  VotingPoints result;
+  result.X_WT = camera_table_frame(view);
+  const geometry::RigidTransform X_TW = result.X_WT.inverse();
+  std::vector<Eigen::Vector3d> points_T;
+  points_T.reserve(points_W.size());
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p_W : points_W) {
+    if (!geometry::is_finite(p_W)) {
+      throw InputError("a seen point of the object is not finite", "remove invalid points");
+    }
+    points_T.push_back(X_TW * p_W.cast<double>());
+    box.extend(points_T.back());
+  }
+  std::sort(points_T.begin(), points_T.end(), less);
+  check_spread(points_T);
+  result.extent = box.sizes().head<2>().maxCoeff();
+  result.points_T = one_per_voxel(points_T, box.min(), thinning * box.sizes().maxCoeff());
+
+  for (const Eigen::Vector3d& p : result.points_T) result.center_T += p.head<2>();
+  result.center_T /= static_cast<double>(result.points_T.size());
+  // The camera's foot is T's origin; from straight above the camera's forward direction serves.
+  if (result.center_T.norm() > 0.05 * result.extent) result.away_T = result.center_T.normalized();
+  return result;
+}
+
+std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool footprint_axes,
+                                              double distinct) {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  std::vector<cv::Point2f> footprint;
+  for (const Eigen::Vector3d& p : points.points_T) {
+    const Eigen::Vector2d r = p.head<2>() - points.center_T;
+    covariance += r * r.transpose();
+    footprint.emplace_back(static_cast<float>(r.x() / points.extent),
+                           static_cast<float>(r.y() / points.extent));
+  }
+  const Eigen::Matrix2d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvectors();
+  const auto away = [&](const Eigen::Vector2d& n) -> Eigen::Vector2d {
+    return n.dot(points.away_T) < 0 ? -n : n;
+  };
+  const Eigen::Vector2d first = away(axes.col(0));
+  const Eigen::Vector2d second = away(axes.col(1));
+  const bool use_first = first.dot(points.away_T) >= second.dot(points.away_T);
+  std::vector<Eigen::Vector2d> normals{use_first ? first : second};
+  if (!footprint_axes) return normals;
+
+  constexpr double kCosine50Degrees = 0.6427876;
+  const double angle = cv::minAreaRect(footprint).angle * CV_PI / 180;
+  const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
+  for (const Eigen::Vector2d& axis : {side, Eigen::Vector2d(-side.y(), side.x())}) {
+    const Eigen::Vector2d n = away(axis);
+    if (n.dot(points.away_T) < kCosine50Degrees) continue;
+    if (n.dot(normals.front()) < std::cos(distinct)) normals.push_back(n);
+  }
+  return normals;
+}
+
+}  // namespace prehend::shape
