@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "msgs/graph.pb.h"
+#include "prehend/graph/schema.h"
+
+namespace prehend::graph {
+
+/// Looks at a running graph from outside, without being a node. One thread at a time.
+/// Every call throws std::runtime_error with one clear line when the registry or the node asked does
+/// not answer in time.
+class Introspection {
+ public:
+  /// `registry`: endpoint; empty: PREHEND_REGISTRY, else the default. `timeout`: of each call.
+  explicit Introspection(std::string registry = "",
+                         std::chrono::milliseconds timeout = std::chrono::seconds(2));
+  ~Introspection();
+
+  const std::string& registry() const;
+
+  /// All nodes with their topics, services, actions, state and health, sorted by name.
+  std::vector<msgs::graph::NodeRecord> nodes();
+
+  /// The message type of a topic. Throws when nobody publishes it, naming the nearest topic.
+  Schema topic_schema(const std::string& topic);
+  /// A message type by name, as far as a node has declared it; throws when unknown.
+  Schema schema(const std::string& name, std::uint64_t hash = 0);
+
+  /// A node's parameters, sorted by name. Throws when there is no such node, naming the nearest.
+  std::vector<msgs::graph::ParameterRecord> parameters(const std::string& node);
+  msgs::graph::ParameterRecord parameter(const std::string& node, const std::string& name);
+  /// Sets and returns what the node then has; throws what the node says against it.
+  msgs::graph::ParameterRecord set_parameter(const std::string& node, const std::string& name,
+                                             const std::string& text);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// `value` as text, as `prehend param get` prints it.
+std::string to_text(const msgs::graph::ParameterValue& value);
+
+}  // namespace prehend::graph
