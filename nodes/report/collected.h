@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "msgs/grasp.pb.h"
+#include "msgs/objects.pb.h"
+#include "msgs/sensors.pb.h"
+
+namespace prehend::nodes {
+
+/// A value over the graph's time [s].
+using History = std::vector<std::pair<double, double>>;
+
+/// Where a body was over time.
+struct BodyHistory {
+  History height;      // m, lowest point over the table
+  History horizontal;  // m, from where it was first seen
+  double start_x = 0;  // m
+  double start_y = 0;
+};
+
+/// Both pads at the end of one phase of the cycle.
+struct TactileSnapshot {
+  std::string phase;
+  msgs::TactileFrame left;
+  msgs::TactileFrame right;
+};
+
+/// What went over the graph, as far as the report shows it.
+struct Collected {
+  std::optional<msgs::StereoPair> stereo;
+  std::optional<msgs::CameraInfo> camera;
+  std::optional<msgs::ObjectHypotheses> objects;
+  std::map<std::uint32_t, msgs::CompletedShape> shapes;  // by object
+  std::map<std::uint32_t, msgs::ObjectModel> models;
+  std::map<std::uint32_t, msgs::GraspPlan> plans;
+  std::vector<msgs::Surprise> surprises;
+  std::optional<msgs::CycleResult> result;
+
+  std::vector<std::pair<double, std::string>> phases;  // when each began
+  std::optional<msgs::TactileFrame> left;              // newest
+  std::optional<msgs::TactileFrame> right;
+  std::vector<TactileSnapshot> snapshots;
+  History left_sum;        // N
+  History right_sum;       // N
+  History opening;         // m
+  History current;         // A
+  History wrench_z;        // N, along the gripper's approach direction
+  std::map<std::string, BodyHistory> bodies;
+  std::vector<std::string> log;  // warnings and errors, "node: text"
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,117 @@
+#include "nodes/report/collector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "msgs/graph.pb.h"
+
+namespace prehend::nodes {
+namespace {
+
+constexpr std::size_t kMostLogLines = 200;
+
+double time_of(const msgs::Header& header) { return graph::seconds(header.stamp()); }
+
+}  // namespace
+
+template <class Message, class Action>
+void Collector::listen(const std::string& topic, const graph::QoS& qos, Action action) {
+  subscriptions_.push_back(node_.subscribe<Message>(
+      topic, qos, [this, action](const graph::Received<Message>& received) {
+        {
+          const std::lock_guard lock(mutex_);
+          action(*received);
+        }
+        changed_.notify_all();
+      }));
+}
+
+Collector::Collector(graph::Node& node) : node_(node) {
+  using graph::QoS;
+  const QoS stream = QoS::queue(1000);
+  Collected& c = collected_;
+  listen<msgs::CameraInfo>("/camera/info", QoS::queue(1), [&c](const auto& m) { c.camera = m; });
+  listen<msgs::StereoPair>("/camera/stereo", QoS::queue(2), [&c](const auto& m) {
+    if (!c.stereo) c.stereo = m;  // the one that was segmented, before the gripper is in the way
+  });
+  listen<msgs::ObjectHypotheses>("/objects", QoS::queue(2), [this, &c](const auto& m) {
+    c.objects = m;
+    without_objects_since_.reset();
+    if (m.objects().empty()) without_objects_since_ = std::chrono::steady_clock::now();
+  });
+  listen<msgs::CompletedShape>("/shapes", QoS::queue(64),
+                               [&c](const auto& m) { c.shapes[m.id()] = m; });
+  listen<msgs::ObjectModel>("/models", QoS::queue(64),
+                            [&c](const auto& m) { c.models[m.id()] = m; });
+  listen<msgs::GraspPlan>("/plans", QoS::queue(64), [&c](const auto& m) { c.plans[m.id()] = m; });
+  listen<msgs::Surprise>("/surprise", QoS::queue(64),
+                         [&c](const auto& m) { c.surprises.push_back(m); });
+  listen<msgs::CycleState>("/cycle/state", QoS::queue(64),
+                           [this](const auto& m) { on_phase(m); });
+  listen<msgs::CycleResult>("/cycle/result", QoS::queue(2), [&c](const auto& m) { c.result = m; });
+  listen<msgs::TactileFrame>("/tactile/left", stream, [&c](const auto& m) {
+    c.left = m;
+    c.left_sum.emplace_back(time_of(m.header()), m.sum());
+  });
+  listen<msgs::TactileFrame>("/tactile/right", stream, [&c](const auto& m) {
+    c.right = m;
+    c.right_sum.emplace_back(time_of(m.header()), m.sum());
+  });
+  listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
+    c.opening.emplace_back(time_of(m.header()), m.opening());
+    c.current.emplace_back(time_of(m.header()), m.current());
+  });
+  listen<msgs::Wrench>("/wrench", stream, [&c](const auto& m) {
+    c.wrench_z.emplace_back(time_of(m.header()), m.wrench().force().z());
+  });
+  listen<msgs::GroundTruth>("/ground_truth", stream, [this](const auto& m) { on_ground_truth(m); });
+  listen<msgs::graph::LogLine>("/log", stream, [&c](const auto& m) {
+    if (m.level() < msgs::graph::WARNING || c.log.size() >= kMostLogLines) return;
+    c.log.push_back(m.node() + ": " + m.text());
+  });
+}
+
+void Collector::on_phase(const msgs::CycleState& state) {
+  auto& phases = collected_.phases;
+  if (!phases.empty() && phases.back().second == state.phase()) return;
+  if (!phases.empty() && collected_.left && collected_.right &&
+      collected_.left->sum() + collected_.right->sum() > 0) {
+    collected_.snapshots.push_back({phases.back().second, *collected_.left, *collected_.right});
+  }
+  phases.emplace_back(time_of(state.header()), state.phase());
+}
+
+void Collector::on_ground_truth(const msgs::GroundTruth& truth) {
+  const double time = time_of(truth.header());
+  for (const auto& body : truth.bodies()) {
+    BodyHistory& history = collected_.bodies[body.name()];
+    const auto& p = body.x_wb().position();
+    if (history.height.empty()) {
+      history.start_x = p.x();
+      history.start_y = p.y();
+    }
+    history.height.emplace_back(time, body.height());
+    history.horizontal.emplace_back(time,
+                                    std::hypot(p.x() - history.start_x, p.y() - history.start_y));
+  }
+}
+
+bool Collector::wait_for_end(std::chrono::duration<double> timeout,
+                             std::chrono::duration<double> patience) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(timeout);
+  std::unique_lock lock(mutex_);
+  while (node_.ok() && Clock::now() < deadline) {
+    if (collected_.result) return true;
+    if (without_objects_since_ && Clock::now() - *without_objects_since_ > patience) return true;
+    changed_.wait_for(lock, std::chrono::milliseconds(100));
+  }
+  return false;
+}
+
+Collected Collector::snapshot() const {
+  const std::lock_guard lock(mutex_);
+  return collected_;
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,373 @@
+#include "nodes/report/compose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/objects.h"
+#include "nodes/report/gripper_meshes.h"
+#include "prehend/report/charts.h"
+#include "prehend/report/pictures.h"
+
+namespace prehend::nodes {
+namespace {
+
+using geometry::ColorImage;
+using geometry::Rgb;
+using report::Page;
+using Row = std::vector<std::string>;
+
+constexpr int kPictureWidth = 480;
+constexpr int kPictureHeight = 400;
+constexpr Rgb kSeenColor{40, 110, 190};
+constexpr Rgb kMirroredColor{235, 130, 40};
+constexpr Rgb kGripperColor{150, 155, 165};
+constexpr Rgb kPadColor{60, 60, 65};
+
+// Runs one part of the page; what cannot be drawn is said instead.
+void section(Page& page, const std::string& heading, const std::function<void()>& write) {
+  page.add_heading(heading);
+  try {
+    write();
+  } catch (const std::exception& error) {
+    page.add_paragraph(std::string("This part could not be drawn: ") + error.what());
+  }
+}
+
+std::string seconds_text(double seconds) { return fmt::format("{:.3f}", seconds); }
+
+std::string join(const std::vector<std::string>& parts, const std::string& separator) {
+  std::string out;
+  for (const auto& part : parts) out += (out.empty() ? "" : separator) + part;
+  return out;
+}
+
+std::string rejections_text(const msgs::GraspPlan& plan) {
+  std::vector<std::string> parts;
+  for (const auto& rejection : plan.rejections()) {
+    parts.push_back(fmt::format("{} {}", rejection.count(), rejection.reason()));
+  }
+  return join(parts, "; ");
+}
+
+// The object of the cycle, or else the first.
+std::uint32_t shown_object(const Collected& collected) {
+  if (collected.result && collected.shapes.count(collected.result->object_id()) != 0) {
+    return collected.result->object_id();
+  }
+  return collected.shapes.empty() ? 0 : collected.shapes.begin()->first;
+}
+
+void add_view(Page& page, const Collected& collected) {
+  std::vector<ColorImage> pictures;
+  std::vector<std::string> captions;
+  ColorImage left;
+  if (collected.stereo) {
+    left = convert::from_message(*collected.stereo).left;
+    pictures.push_back(left);
+    captions.push_back("Left image");
+  }
+  if (!collected.objects) {
+    page.add_paragraph("No object hypotheses came.");
+  } else {
+    if (!collected.objects->problem().empty()) {
+      page.add_verdict(collected.objects->problem(), false);
+    }
+    if (collected.objects->has_camera() && collected.objects->camera().width() > 0) {
+      const auto scene = convert::from_message(*collected.objects);
+      if (!scene.depth.empty()) {
+        // Inverse depth is disparity up to the constant fx * baseline.
+        geometry::Image<float> inverse = scene.depth;
+        for (float& z : inverse.data) z = 1 / z;
+        pictures.push_back(report::color_values(inverse));
+        captions.push_back("Disparity (red near, blue far, black unknown)");
+      }
+      if (left.empty()) left = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
+      if (left.width == scene.camera.width && left.height == scene.camera.height) {
+        std::vector<geometry::MaskImage> masks;
+        for (const auto& object : scene.objects) masks.push_back(object.mask);
+        pictures.push_back(report::overlay_masks(left, masks));
+        captions.push_back(fmt::format("Segmentation: {} object(s)", masks.size()));
+      }
+    }
+  }
+  page.add_pictures(pictures, captions);
+}
+
+// Two cameras that show all of `box` from the given azimuth and from the opposite side.
+std::vector<geometry::RigidTransform> two_views(const Eigen::AlignedBox3d& box, double azimuth) {
+  const double radius = std::max(box.diagonal().norm() / 2, 0.01);
+  return {report::orbit(box.center(), radius, azimuth, 0.5),
+          report::orbit(box.center(), radius, azimuth + 2.4, 0.35)};
+}
+
+double azimuth_of(const Eigen::Vector3d& direction) {
+  return std::atan2(direction.y(), direction.x());
+}
+
+void add_shape(Page& page, const msgs::CompletedShape& message) {
+  if (!message.completed()) page.add_verdict("Not completed: " + message.problem(), false);
+  if (message.cloud().count() == 0) return;
+  const auto shape = convert::from_message(message);
+  std::vector<Rgb> colors;
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    colors.push_back(shape.origin[i] == shape::PointOrigin::kSeen ? kSeenColor : kMirroredColor);
+    box.extend(shape.cloud_W.points[i].cast<double>());
+  }
+  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const auto views = two_views(box, azimuth_of(shape.viewpoint_W - box.center()));
+  page.add_pictures({report::draw_cloud(shape.cloud_W, colors, camera, views[0]),
+                     report::draw_cloud(shape.cloud_W, colors, camera, views[1])},
+                    {"Completed cloud from the camera's side (blue seen, orange mirrored)",
+                     "The same from behind"});
+  page.add_paragraph(fmt::format("Visibility vote {:.4g}, best of {} symmetry planes.",
+                                 message.vote(), message.hypotheses_tried()));
+}
+
+void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& message,
+               const robot::GripperModel& gripper) {
+  if (!message.valid()) {
+    page.add_verdict("No mesh: " + message.problem(), false);
+    return;
+  }
+  const auto model = convert::from_message(message);
+  const auto box = geometry::bounds(model.mesh_W);
+  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const auto views = two_views(box, 0.6);
+  std::vector<report::ColoredMesh> pieces;
+  for (std::size_t i = 0; i < model.convex_pieces_W.size(); ++i) {
+    pieces.push_back({model.convex_pieces_W[i], report::category_color(static_cast<int>(i))});
+  }
+  page.add_pictures(
+      {report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[0]),
+       report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[1]),
+       report::draw_meshes(pieces, camera, views[0])},
+      {fmt::format("Mesh: {} triangles, {}", model.mesh_W.triangles.size(),
+                   message.mesh_defects()),
+       "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
+
+  const auto plan = collected.plans.find(message.id());
+  if (plan == collected.plans.end() || plan->second.grasps().empty()) return;
+  int index = 0;
+  if (collected.result && collected.result->object_id() == message.id()) {
+    index = std::min<int>(static_cast<int>(collected.result->grasp_index()),
+                          plan->second.grasps_size() - 1);
+  }
+  const auto& grasp = plan->second.grasps(index);
+  const auto X_WG = convert::from_message(grasp.x_wg());
+  const double opening = grasp.predicted().opening();
+  const std::vector<report::ColoredMesh> scene = {
+      {model.mesh_W, {215, 190, 150}},
+      {geometry::transformed(gripper_body(gripper, opening), X_WG), kGripperColor},
+      {geometry::transformed(gripper_pads(gripper, opening), X_WG), kPadColor}};
+  Eigen::AlignedBox3d all = box;
+  for (const auto& part : scene) all.extend(geometry::bounds(part.mesh_W));
+  const auto grasp_views = two_views(all, azimuth_of(X_WG.linear().col(0)) + 0.5);
+  page.add_pictures({report::draw_meshes(scene, camera, grasp_views[0]),
+                     report::draw_meshes(scene, camera, grasp_views[1])},
+                    {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N",
+                                 index + 1, plan->second.grasps_size(), 1000 * opening,
+                                 grasp.grasp_force()),
+                     "The same from the other side"});
+}
+
+void add_touch(Page& page, const Collected& collected) {
+  double full = 0;
+  for (const auto& snapshot : collected.snapshots) {
+    for (const auto* pad : {&snapshot.left, &snapshot.right}) {
+      for (const auto count : pad->intensity()) full = std::max(full, static_cast<double>(count));
+    }
+  }
+  std::vector<ColorImage> pictures;
+  std::vector<std::string> captions;
+  for (const auto& snapshot : collected.snapshots) {
+    for (const auto* pad : {&snapshot.left, &snapshot.right}) {
+      const std::vector<double> values(pad->intensity().begin(), pad->intensity().end());
+      pictures.push_back(report::draw_tactile(values, static_cast<int>(pad->rows()),
+                                              static_cast<int>(pad->columns()), full));
+      captions.push_back(fmt::format("end of {}: {} pad, {:.1f} N", snapshot.phase,
+                                     pad == &snapshot.left ? "left" : "right", pad->sum()));
+    }
+  }
+  if (pictures.empty()) page.add_paragraph("Nothing was touched.");
+  page.add_pictures(pictures, captions);
+}
+
+void add_charts(Page& page, const Collected& collected) {
+  std::vector<report::Marker> markers;
+  for (const auto& [time, phase] : collected.phases) markers.push_back({time, phase});
+  if (!collected.left_sum.empty()) {
+    page.add_chart(report::draw_line_chart({"Forces", "time [s]", "force [N]",
+                                            {{"left pad", collected.left_sum},
+                                             {"right pad", collected.right_sum},
+                                             {"wrist, along approach", collected.wrench_z}},
+                                            markers}),
+                   "What the pads and the wrist felt.");
+  }
+  if (!collected.opening.empty()) {
+    History millimetres = collected.opening;
+    for (auto& [time, value] : millimetres) value *= 1000;
+    page.add_chart(report::draw_line_chart({"Gripper", "time [s]", "opening [mm]",
+                                            {{"opening", millimetres}}, markers}),
+                   "Opening of the gripper.");
+  }
+  std::vector<report::Series> heights;
+  for (const auto& [name, body] : collected.bodies) {
+    History millimetres = body.height;
+    for (auto& [time, value] : millimetres) value *= 1000;
+    heights.push_back({name, millimetres});
+  }
+  if (!heights.empty()) {
+    page.add_chart(report::draw_line_chart({"Objects (the simulator's truth)", "time [s]",
+                                            "height over the table [mm]", heights, markers}),
+                   "How high each object was.");
+  }
+}
+
+Row surprise_row(const msgs::Surprise& surprise) {
+  struct Unit {
+    const char* name;
+    double factor;
+    const char* unit;
+  };
+  static const std::map<int, Unit> kUnits = {
+      {msgs::Surprise::OPENING_AT_CONTACT, {"opening at contact", 1e3, "mm"}},
+      {msgs::Surprise::CONTACT_AREA, {"contact area", 1e6, "mm^2"}},
+      {msgs::Surprise::TACTILE_SUM, {"tactile sum", 1, "N"}},
+      {msgs::Surprise::HELD_AFTER_LIFT, {"held after lift", 1, ""}},
+      {msgs::Surprise::TOUCHED_TOO_EARLY, {"touched too early", 1, "N"}}};
+  const auto it = kUnits.find(surprise.kind());
+  const Unit unit = it == kUnits.end() ? Unit{"unknown", 1, ""} : it->second;
+  const auto value = [&unit](double x) { return fmt::format("{:.1f} {}", x * unit.factor, unit.unit); };
+  return {unit.name, value(surprise.predicted()), value(surprise.felt()),
+          value(surprise.tolerance()), surprise.surprising() ? "surprise" : "as predicted",
+          surprise.reaction()};
+}
+
+void add_tables(Page& page, const Collected& collected, const std::vector<Process>& processes) {
+  section(page, "Predicted and felt", [&] {
+    std::vector<Row> rows;
+    for (const auto& surprise : collected.surprises) rows.push_back(surprise_row(surprise));
+    if (rows.empty()) {
+      page.add_paragraph("Nothing was compared: no grasp was executed.");
+    } else {
+      page.add_table({"what", "predicted", "felt", "tolerance", "", "reaction"}, rows);
+    }
+  });
+  section(page, "Stage times", [&] { page.add_table({"stage", "seconds"}, stage_times(collected)); });
+  section(page, "Processes", [&] {
+    std::vector<Row> rows;
+    for (const auto& process : processes) {
+      rows.push_back({process.node, fmt::format("{:.0f}", process.peak_memory / 1e6),
+                      fmt::format("{:.2f}", process.cpu_time)});
+    }
+    if (rows.empty()) {
+      page.add_paragraph("The registry did not answer.");
+    } else {
+      page.add_table({"node", "peak memory [MB]", "processor time [s]"}, rows);
+    }
+  });
+  if (collected.log.empty()) return;
+  section(page, "Warnings and errors", [&] {
+    std::vector<Row> rows;
+    for (const auto& line : collected.log) rows.push_back({line});
+    page.add_table({"node and text"}, rows);
+  });
+}
+
+}  // namespace
+
+std::vector<Row> summarize(const Collected& collected) {
+  std::vector<Row> rows;
+  if (collected.objects) {
+    rows.push_back({"objects found", std::to_string(collected.objects->objects_size())});
+  }
+  for (const auto& [id, shape] : collected.shapes) {
+    const std::string name = fmt::format("object {}", id);
+    std::vector<std::string> parts;
+    parts.push_back(shape.completed()
+                        ? fmt::format("{} points, vote {:.3g}", shape.cloud().count(), shape.vote())
+                        : "not completed: " + shape.problem());
+    if (const auto model = collected.models.find(id); model != collected.models.end()) {
+      parts.push_back(model->second.valid()
+                          ? fmt::format("mesh {}, {:.0f} cm^3, {:.1f} mm from seen points",
+                                        model->second.mesh_defects(), 1e6 * model->second.volume(),
+                                        1e3 * model->second.seen_deviation())
+                          : "no mesh: " + model->second.problem());
+    }
+    if (const auto plan = collected.plans.find(id); plan != collected.plans.end()) {
+      parts.push_back(plan->second.grasps().empty()
+                          ? plan->second.problem()
+                          : fmt::format("{} of {} grasps kept", plan->second.grasps_size(),
+                                        plan->second.candidates()));
+    }
+    rows.push_back({name, join(parts, "; ")});
+  }
+  if (collected.result && collected.result->attempts() > 0) {
+    rows.push_back({"grasped", fmt::format("object {}, grasp {}, {} attempt(s)",
+                                           collected.result->object_id(),
+                                           collected.result->grasp_index() + 1,
+                                           collected.result->attempts())});
+    const auto surprising = std::count_if(collected.surprises.begin(), collected.surprises.end(),
+                                          [](const auto& s) { return s.surprising(); });
+    rows.push_back({"surprises",
+                    fmt::format("{} of {} comparisons", surprising, collected.surprises.size())});
+  }
+  return rows;
+}
+
+std::vector<Row> stage_times(const Collected& collected) {
+  std::vector<Row> rows;
+  const auto add = [&rows](const std::string& prefix, const auto& times) {
+    for (const auto& time : times) {
+      rows.push_back({prefix + time.stage(), seconds_text(time.seconds())});
+    }
+  };
+  if (collected.objects) add("segmentation: ", collected.objects->times());
+  for (const auto& [id, shape] : collected.shapes) {
+    add(fmt::format("object {}: completion: ", id), shape.times());
+  }
+  for (const auto& [id, model] : collected.models) {
+    add(fmt::format("object {}: meshing: ", id), model.times());
+  }
+  for (const auto& [id, plan] : collected.plans) {
+    add(fmt::format("object {}: planning: ", id), plan.times());
+  }
+  if (collected.result) add("cycle (simulated time): ", collected.result->times());
+  return rows;
+}
+
+Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
+                  const robot::GripperModel& gripper, const std::vector<Process>& processes) {
+  Page page(title);
+  page.add_verdict(verdict.text, verdict.success);
+  section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
+  section(page, "What was seen", [&] { add_view(page, collected); });
+  const std::uint32_t shown = shown_object(collected);
+  for (const auto& [id, shape] : collected.shapes) {
+    const std::string name = fmt::format("Object {}{}", id, id == shown ? ", the one to grasp" : "");
+    section(page, name, [&] {
+      add_shape(page, shape);
+      if (const auto model = collected.models.find(id); model != collected.models.end()) {
+        add_model(page, collected, model->second, gripper);
+      }
+      const auto plan = collected.plans.find(id);
+      if (plan == collected.plans.end()) return;
+      if (!plan->second.problem().empty()) page.add_verdict(plan->second.problem(), false);
+      page.add_paragraph(fmt::format("{} of {} grasp candidates kept. Rejected: {}.",
+                                     plan->second.grasps_size(), plan->second.candidates(),
+                                     rejections_text(plan->second)));
+    });
+  }
+  section(page, "What the pads felt", [&] { add_touch(page, collected); });
+  section(page, "Over time", [&] { add_charts(page, collected); });
+  add_tables(page, collected, processes);
+  return page;
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,122 @@
+#include "prehend/report/page.h"
+
+#include <fstream>
+#include <stdexcept>
+
+#include "prehend/report/pictures.h"
+
+namespace prehend::report {
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+// RFC 4648, section 4.
+std::string base64(const std::string& bytes) {
+  static constexpr char kAlphabet[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      out += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
+    }
+  }
+  return out;
+}
+
+constexpr const char* kStyle = R"(
+body{font:15px/1.5 "DejaVu Sans",system-ui,sans-serif;max-width:1080px;margin:24px auto;padding:0 16px;color:#222}
+h1{font-size:24px}h2{font-size:18px;margin-top:32px;border-bottom:1px solid #ccc}
+figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
+figure img{max-width:500px;border:1px solid #ddd;image-rendering:auto}
+figcaption{font-size:13px;color:#555;max-width:500px}
+table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left}
+th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:bold}
+.good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
+.chart svg{max-width:100%;height:auto}
+)";
+
+}  // namespace
+
+Page::Page(const std::string& title) : title_(title) {}
+
+void Page::add_heading(const std::string& text) { body_ += "<h2>" + escaped(text) + "</h2>\n"; }
+
+void Page::add_paragraph(const std::string& text) { body_ += "<p>" + escaped(text) + "</p>\n"; }
+
+void Page::add_verdict(const std::string& text, bool success) {
+  body_ += std::string("<p class=\"verdict ") + (success ? "good" : "bad") + "\">" +
+           escaped(text) + "</p>\n";
+}
+
+void Page::add_pictures(const std::vector<geometry::ColorImage>& pictures,
+                        const std::vector<std::string>& captions) {
+  if (pictures.size() != captions.size()) {
+    throw std::invalid_argument("every picture needs one caption");
+  }
+  body_ += "<div>\n";
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    body_ += "<figure><img alt=\"" + escaped(captions[i]) + "\" src=\"data:image/png;base64," +
+             base64(encode_png(pictures[i])) + "\"><figcaption>" + escaped(captions[i]) +
+             "</figcaption></figure>\n";
+  }
+  body_ += "</div>\n";
+}
+
+void Page::add_chart(const std::string& svg, const std::string& caption) {
+  body_ += "<div class=\"chart\">" + svg + "<p>" + escaped(caption) + "</p></div>\n";
+}
+
+void Page::add_table(const std::vector<std::string>& header,
+                     const std::vector<std::vector<std::string>>& rows) {
+  const auto add_row = [this](const std::vector<std::string>& cells, const char* tag) {
+    body_ += "<tr>";
+    for (const auto& cell : cells) {
+      body_ += std::string("<") + tag + ">" + escaped(cell) + "</" + tag + ">";
+    }
+    body_ += "</tr>\n";
+  };
+  body_ += "<table>\n";
+  add_row(header, "th");
+  for (const auto& row : rows) {
+    if (row.size() != header.size()) throw std::invalid_argument("a table's row has other columns");
+    add_row(row, "td");
+  }
+  body_ += "</table>\n";
+}
+
+std::string Page::html() const {
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
+         escaped(title_) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" +
+         escaped(title_) + "</h1>\n" + body_ + "</body></html>\n";
+}
+
+void Page::write(const std::filesystem::path& file) const {
+  std::error_code error;
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
+  std::ofstream out(file, std::ios::binary);
+  out << html();
+  out.flush();
+  if (!out) {
+    throw std::runtime_error("cannot write " + file.string() +
+                             "; check that its folder can be written and the disk is not full");
+  }
+}
+
+}  // namespace prehend::report

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "prehend/geometry/image.h"
+
+namespace prehend::report {
+
+/// A self-contained HTML page: pictures and charts are inside the file.
+class Page {
+ public:
+  explicit Page(const std::string& title);
+
+  void add_heading(const std::string& text);
+  void add_paragraph(const std::string& text);
+  /// A paragraph that stands out: green for success, red otherwise.
+  void add_verdict(const std::string& text, bool success);
+  /// Pictures side by side, each with its caption. Pictures and captions are as many.
+  void add_pictures(const std::vector<geometry::ColorImage>& pictures,
+                    const std::vector<std::string>& captions);
+  /// An SVG element as drawn by draw_line_chart.
+  void add_chart(const std::string& svg, const std::string& caption);
+  /// `rows` have as many cells as `header`.
+  void add_table(const std::vector<std::string>& header,
+                 const std::vector<std::vector<std::string>>& rows);
+
+  /// The whole page.
+  std::string html() const;
+  /// Writes the page, making its folder. @throws std::runtime_error naming the file.
+  void write(const std::filesystem::path& file) const;
+
+ private:
+  std::string title_;
+  std::string body_;
+};
+
+}  // namespace prehend::report

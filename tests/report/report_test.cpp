@@ -1,0 +1,111 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/report/charts.h"
+#include "prehend/report/page.h"
+#include "prehend/report/pictures.h"
+
+namespace prehend::report {
+namespace {
+
+using geometry::ColorImage;
+using geometry::Rgb;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Page, EscapesTextAndHoldsItsPictures) {
+  Page page("a <b> & \"c\"");
+  page.add_paragraph("<script>alert(1)</script>");
+  page.add_pictures({ColorImage(4, 4, {255, 0, 0})}, {"red"});
+  page.add_table({"stage", "seconds"}, {{"a", "1"}, {"b", "2"}});
+  EXPECT_THAT(page.html(), Not(HasSubstr("<script>")));
+  EXPECT_THAT(page.html(), HasSubstr("a &lt;b&gt; &amp; &quot;c&quot;"));
+  EXPECT_THAT(page.html(), HasSubstr("data:image/png;base64,iVBORw0KGgo"));  // PNG's magic
+  EXPECT_THAT(page.html(), HasSubstr("<td>b</td><td>2</td>"));
+  EXPECT_THROW(page.add_table({"one"}, {{"1", "2"}}), std::invalid_argument);
+  EXPECT_THROW(page.add_pictures({}, {"no picture"}), std::invalid_argument);
+}
+
+TEST(Page, SaysWhichFileCannotBeWritten) {
+  try {
+    Page("x").write("/proc/no-such-folder/report.html");
+    FAIL() << "written to /proc";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/proc/no-such-folder/report.html"));
+  }
+}
+
+TEST(Charts, DrawSeriesWithGapsAndHostileNames) {
+  LineChart chart{"it's 'quoted'", "t [s]", "F [N]", {{"left'; system('false')", {}}}, {{0.5, "m"}}};
+  for (int i = 0; i < 100; ++i) {
+    chart.series[0].points.emplace_back(i * 0.01, i == 50 ? NAN : std::sin(i * 0.1));
+  }
+  const std::string svg = draw_line_chart(chart);
+  EXPECT_EQ(svg.rfind("<svg", 0), 0u);
+  EXPECT_THAT(svg, HasSubstr("F [N]"));
+  chart.series[0].points.clear();
+  EXPECT_THROW(draw_line_chart(chart), std::runtime_error);
+}
+
+TEST(Pictures, NearPointsHideFarOnes) {
+  geometry::PointCloud cloud;
+  cloud.points = {{0, 0, 2}, {0, 0, 1}, {0, 0, -1}, {NAN, NAN, NAN}};
+  const std::vector<Rgb> colors = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {0, 0, 0}};
+  const auto camera = picture_camera(11, 11);
+  const ColorImage image = draw_cloud(cloud, colors, camera, geometry::RigidTransform::Identity(), 1);
+  EXPECT_EQ(image.at(5, 5), (Rgb{0, 255, 0}));
+  EXPECT_EQ(image.at(0, 0), (Rgb{255, 255, 255}));
+  EXPECT_THROW(draw_cloud(cloud, {}, camera, geometry::RigidTransform::Identity()),
+               std::invalid_argument);
+}
+
+TEST(Pictures, OrbitShowsTheWholeBallInTheMiddle) {
+  const Eigen::Vector3d center(0.3, 0.2, 0.1);
+  const auto camera = picture_camera(101, 101);
+  const auto X_WC = orbit(center, 0.1, 0.7, 0.5);
+  geometry::TriangleMesh ball = geometry::make_sphere(0.1, 48);
+  for (auto& v : ball.vertices) v += center;
+  const ColorImage image = draw_meshes({{ball, {10, 200, 10}}}, camera, X_WC);
+  int painted = 0;
+  for (int i = 0; i < 101; ++i) {
+    EXPECT_EQ(image.at(i, 0), (Rgb{255, 255, 255}));  // nothing touches the border
+    EXPECT_EQ(image.at(0, i), (Rgb{255, 255, 255}));
+    painted += image.at(i, 50) != Rgb{255, 255, 255};
+  }
+  EXPECT_GT(painted, 50);
+  EXPECT_NE(image.at(50, 50), (Rgb{255, 255, 255}));
+}
+
+TEST(Pictures, ValuesMasksAndTactileImages) {
+  geometry::Image<float> values(3, 1, NAN);
+  EXPECT_EQ(color_values(values).at(0, 0), (Rgb{0, 0, 0}));
+  values.at(0, 0) = 2;
+  values.at(1, 0) = 1;
+  const ColorImage colored = color_values(values);
+  EXPECT_GT(colored.at(0, 0)[0], colored.at(0, 0)[2]);  // high is red
+  EXPECT_EQ(colored.at(2, 0), (Rgb{0, 0, 0}));
+
+  ColorImage image(20, 20, {0, 0, 0});
+  geometry::MaskImage mask(20, 20, 0);
+  for (int v = 5; v < 15; ++v) {
+    for (int u = 5; u < 15; ++u) mask.at(u, v) = 255;
+  }
+  const ColorImage overlay = overlay_masks(image, {mask});
+  EXPECT_EQ(overlay.at(0, 0), (Rgb{0, 0, 0}));
+  EXPECT_EQ(overlay.at(5, 5), category_color(0));
+  EXPECT_THROW(overlay_masks(image, {geometry::MaskImage(3, 3)}), std::invalid_argument);
+
+  const ColorImage pad = draw_tactile({0, 1}, 1, 2, 1.0, 10);
+  EXPECT_EQ(pad.at(15, 5), (Rgb{255, 255, 255}));
+  EXPECT_LT(pad.at(5, 5)[0], 30);
+  EXPECT_THROW(draw_tactile({0}, 1, 2, 1.0), std::invalid_argument);
+  EXPECT_THROW(encode_png(ColorImage{}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace prehend::report
