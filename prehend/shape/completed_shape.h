@@ -50,7 +50,7 @@ struct CompletedShape {
   geometry::PointCloud cloud_W;
   std::vector<PointOrigin> origin;  // one per point
   SymmetryHypothesis symmetry;      // the winner
-  std::vector<SymmetryHypothesis> hypotheses;  // all that were tried, best first
+  std::vector<SymmetryHypothesis> hypotheses;  // the winner, then all that were tried, best first
   Eigen::Vector3d viewpoint_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d mirrored_viewpoint_W = Eigen::Vector3d::Zero();
   std::optional<SymmetryHypothesis> second_symmetry;  // perpendicular to `symmetry`, if any

@@ -14,7 +14,7 @@ namespace prehend::shape {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kPriorEvidence = 0.005;  // k of the support, as a fraction of the points
+constexpr double kPriorEvidence = 0.02;  // k of the support, as a fraction of the points
 
 void check(const CompletionOptions& options) {
   const auto require = [](bool condition, const std::string& what) {
@@ -174,6 +174,26 @@ Candidate refined(const Ballot& ballot, Candidate best, double angle_step, doubl
   return best;
 }
 
+/// The middle of the shifts round `best` whose vote is nearly as good. Round the true plane the vote
+/// is flat within the tolerance, with shallow dents where points cross pixels.
+Candidate centered(const Ballot& ballot, const Candidate& best, double extent) {
+  constexpr double kAsGood = 0.02;  // vote
+  constexpr int kReach = 25;        // steps
+  const double step = 0.002 * extent;
+  int ends[2] = {0, 0};
+  for (const int sign : {-1, 1}) {
+    for (int i = 1; i <= kReach; ++i) {
+      const VerticalPlane plane{best.plane.angle, best.plane.offset + sign * i * step};
+      if (ballot.vote(plane).vote > best.hypothesis.vote + kAsGood) break;
+      ends[sign > 0] = sign * i;
+    }
+  }
+  Candidate middle = best;
+  middle.plane.offset += 0.5 * (ends[0] + ends[1]) * step;
+  middle.hypothesis = ballot.vote(middle.plane);
+  return middle;
+}
+
 /// All planes of the grid round one starting normal, and the refined best of them.
 std::vector<Candidate> search(const Ballot& ballot, const VotingPoints& voting,
                               const Eigen::Vector2d& start, const CompletionOptions& options) {
@@ -241,7 +261,8 @@ std::optional<SymmetryHypothesis> second_plane(const VotingPoints& voting,
     if (!best || better(candidate, *best)) best = candidate;
   }
   // Two symmetries of one solid are perpendicular, so only the shift is refined.
-  const Candidate chosen = refined(ballot, *best, 0, step / 2, 1e-3 * voting.extent);
+  const Candidate chosen = centered(
+      ballot, refined(ballot, *best, 0, step / 2, 1e-3 * voting.extent), voting.extent);
   if (ballot.contradiction(chosen.hypothesis) > options.max_second_vote ||
       chosen.hypothesis.coincident < kLeastCoincident) {
     return std::nullopt;
@@ -294,6 +315,9 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
     candidates.insert(candidates.end(), found.begin(), found.end());
   }
   std::stable_sort(candidates.begin(), candidates.end(), better);
+  if (options.refine) {
+    candidates.insert(candidates.begin(), centered(ballot, candidates.front(), voting.extent));
+  }
 
   CompletedShape shape;
   for (const Candidate& candidate : candidates) shape.hypotheses.push_back(candidate.hypothesis);

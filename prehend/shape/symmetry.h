@@ -29,7 +29,8 @@ struct CompletionOptions {
   /// Also start from the sides of the smallest rectangle round the footprint. The eigenvectors of
   /// a box seen over its edge point along its diagonals, up to 45 deg off its planes of symmetry.
   bool footprint_axes = true;
-  /// Bisect angle and shift round the best plane of each starting axis, below the grid's step.
+  /// Bisect angle and shift round the best plane of each starting axis, below the grid's step, and
+  /// take the middle of the shifts that are as good as the best one within 0.02 of its vote.
   bool refine = true;
 
   VoteKind vote = VoteKind::kSupported;
@@ -74,7 +75,7 @@ CompletionOptions as_published();
 /// counts as none, as does a point that projects outside the image: nobody looked there.
 /// kSupported adds
 ///
-///     support_weight * (1 - s),   s = (C + k/2) / (C + F + k),   k = 0.5 % of the points,
+///     support_weight * (1 - s),   s = (C + k/2) / (C + F + k),   k = 2 % of the points,
 ///
 /// C the points that come to lie on the seen surface although the mirror moved them, F those that
 /// contradict the view. Points that would be hidden count for nothing, so a plane that maps the

@@ -19,6 +19,14 @@ cv::Mat as_mat(const geometry::Image<float>& image) {
   return {image.height, image.width, CV_32F, const_cast<float*>(image.data.data())};
 }
 
+/// 0 up to half of `tolerance`, 1 from one and a half on. A point that overhangs an edge of the
+/// seen top by x appears x sin(e) outside the mask at the far edge and x / cos(e) before the
+/// surface at the near one, e the camera's elevation: with half the tolerance outside, both count
+/// alike at 45 deg, so that the plane of symmetry is drawn neither towards nor away from the camera.
+double ramp(double distance, double tolerance) {
+  return std::clamp(distance / tolerance - 0.5, 0.0, 1.0);
+}
+
 double interpolated(const geometry::Image<float>& image, double u, double v) {
   const int u0 = std::clamp(static_cast<int>(std::floor(u)), 0, image.width - 1);
   const int v0 = std::clamp(static_cast<int>(std::floor(v)), 0, image.height - 1);
@@ -124,14 +132,14 @@ PointEvidence ViewEvidence::about(const Eigen::Vector3d& p_C) const {
   const double away = interpolated(distance_, pixel.x(), pixel.y()) - 0.5;
   if (away > 0) {
     evidence.outside = away * p_C.z() / (0.5 * (camera_.fx + camera_.fy));
-    evidence.contradicted = std::min(1.0, evidence.outside / depth_tolerance_);
+    evidence.contradicted = ramp(evidence.outside, 0.5 * depth_tolerance_);
     return evidence;
   }
   const int u = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, camera_.width - 1);
   const int v = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, camera_.height - 1);
   const double before = depth_.at(u, v) - p_C.z();
   evidence.in_front = std::max(0.0, before - depth_tolerance_);
-  evidence.contradicted = std::min(1.0, evidence.in_front / depth_tolerance_);
+  evidence.contradicted = ramp(before, depth_tolerance_);
   evidence.coincident = std::max(0.0, 1 - std::abs(before) / depth_tolerance_);
   return evidence;
 }
