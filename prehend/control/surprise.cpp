@@ -1,0 +1,45 @@
+#include "prehend/control/surprise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace prehend::control {
+
+void SurpriseTolerances::validate() const {
+  for (const auto& [name, value] :
+       {std::pair{"opening", opening}, std::pair{"area", area}, std::pair{"area_ratio", area_ratio},
+        std::pair{"tactile_sum", tactile_sum}, std::pair{"tactile_sum_ratio", tactile_sum_ratio}}) {
+    if (!(value >= 0)) {
+      throw std::invalid_argument(std::string("SurpriseTolerances.") + name +
+                                  " must not be negative");
+    }
+  }
+}
+
+double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerances& tolerances) {
+  switch (kind) {
+    case SurpriseKind::kOpeningAtContact:
+      return tolerances.opening;
+    case SurpriseKind::kContactArea:
+      return std::max(tolerances.area, tolerances.area_ratio * std::abs(predicted));
+    case SurpriseKind::kTactileSum:
+      return std::max(tolerances.tactile_sum, tolerances.tactile_sum_ratio * std::abs(predicted));
+    case SurpriseKind::kHeldAfterLift:
+      return 0.5;
+    case SurpriseKind::kTouchedTooEarly:
+      return 0;
+  }
+  throw std::invalid_argument("tolerance_of: unknown kind of surprise");
+}
+
+Surprise compare(SurpriseKind kind, double predicted, double felt,
+                 const SurpriseTolerances& tolerances, const std::string& reaction_if_surprising) {
+  Surprise surprise{kind, predicted, felt, tolerance_of(kind, predicted, tolerances), false, ""};
+  surprise.surprising = !(std::abs(felt - predicted) <= surprise.tolerance);  // NaN surprises
+  surprise.reaction = surprise.surprising ? reaction_if_surprising : "carry on";
+  return surprise;
+}
+
+}  // namespace prehend::control

@@ -1,0 +1,244 @@
+#include "prehend/grasp/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+
+namespace prehend::grasp {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument("CandidateOptions." + message);
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+// Andrew's monotone chain; counter-clockwise without collinear points.
+std::vector<Eigen::Vector2d> planar_hull(std::vector<Eigen::Vector2d> points) {
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<Eigen::Vector2d> hull;
+  const auto extend = [&hull](const Eigen::Vector2d& p, std::size_t base) {
+    while (hull.size() >= base + 2 &&
+           cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
+      hull.pop_back();
+    }
+    hull.push_back(p);
+  };
+  for (const auto& p : points) extend(p, 0);
+  const std::size_t base = hull.size() - 1;
+  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) extend(*p, base);
+  hull.pop_back();
+  return hull;
+}
+
+// The vector's part perpendicular to the unit vector `axis`, normalised; zero when parallel.
+Eigen::Vector3d perpendicular_part(const Eigen::Vector3d& v, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d part = v - v.dot(axis) * axis;
+  return part.norm() < 1e-6 ? Eigen::Vector3d::Zero() : part.normalized();
+}
+
+// Unit directions from the centroid to the hand. See sample_candidates.
+std::vector<Eigen::Vector3d> circle_directions(const Eigen::Matrix3d& axes,
+                                               const Eigen::Vector3d& start, int count) {
+  const Eigen::Vector3d major = axes.col(0);
+  Eigen::Vector3d along = perpendicular_part(major, start);
+  if (along.isZero()) along = perpendicular_part(axes.col(1), start);
+  Eigen::Vector3d across = perpendicular_part(start, major);
+  if (across.isZero()) across = axes.col(1);
+  const Eigen::Vector3d third = major.cross(across);
+
+  std::vector<Eigen::Vector3d> directions;
+  const auto add = [&directions](const Eigen::Vector3d& d) {
+    const bool known = std::any_of(directions.begin(), directions.end(),
+                                   [&d](const auto& other) { return (d - other).norm() < 1e-6; });
+    if (!known) directions.push_back(d);
+  };
+  for (int circle = 0; circle < 2; ++circle) {
+    const Eigen::Vector3d& u = circle == 0 ? start : across;
+    const Eigen::Vector3d& v = circle == 0 ? along : third;
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2 * std::numbers::pi * i / count;
+      add((std::cos(angle) * u + std::sin(angle) * v).normalized());
+    }
+  }
+  return directions;
+}
+
+// Two unit vectors that make a right-handed frame with `z`.
+Eigen::Matrix3d frame_about(const Eigen::Vector3d& z) {
+  const Eigen::Vector3d helper =
+      std::abs(z.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  Eigen::Matrix3d frame;
+  frame.col(2) = z;
+  frame.col(1) = z.cross(helper).normalized();
+  frame.col(0) = frame.col(1).cross(z);
+  return frame;
+}
+
+// The object's extent seen along one approach direction.
+struct ApproachView {
+  Eigen::Matrix3d R_WA;  // z along the approach, y along the smallest width
+  double near_side = 0;  // m, along the approach from the centroid, negative
+  double far_side = 0;   // m
+};
+
+ApproachView view_along(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
+                        const Eigen::Vector3d& approach) {
+  ApproachView view;
+  const Eigen::Matrix3d frame = frame_about(approach);
+  std::vector<Eigen::Vector2d> outline;
+  outline.reserve(mesh.vertices.size());
+  view.near_side = std::numeric_limits<double>::infinity();
+  view.far_side = -view.near_side;
+  for (const auto& triangle : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d p = frame.transpose() * (mesh.vertices[triangle[k]] - centroid);
+      outline.emplace_back(p.x(), p.y());
+      view.near_side = std::min(view.near_side, p.z());
+      view.far_side = std::max(view.far_side, p.z());
+    }
+  }
+  const Eigen::Vector2d across = smallest_width(outline).direction;
+  view.R_WA.col(2) = approach;
+  view.R_WA.col(1) = (frame.col(0) * across.x() + frame.col(1) * across.y()).normalized();
+  view.R_WA.col(0) = view.R_WA.col(1).cross(approach);
+  return view;
+}
+
+// Distances of the fingertips beyond the centroid along the approach, deepest first.
+std::vector<double> tip_depths(const ApproachView& view, const Eigen::Vector3d& centroid,
+                               const geometry::Plane& table, const CandidateOptions& options) {
+  const double shallowest = view.near_side + options.least_engagement;
+  double deepest = view.far_side;
+  const double descent = -view.R_WA.col(2).dot(table.normal);  // height lost per metre
+  if (descent > 0.5) {
+    const double room = table.signed_distance(centroid) - options.table_clearance;
+    deepest = std::min(deepest, room / descent);
+  }
+  if (options.standoffs == 1 || deepest <= shallowest) return {std::min(deepest, shallowest)};
+  std::vector<double> depths;
+  for (int i = 0; i < options.standoffs; ++i) {
+    depths.push_back(deepest + (shallowest - deepest) * i / (options.standoffs - 1));
+  }
+  return depths;
+}
+
+}  // namespace
+
+bool Reachability::reaches_direction(const Eigen::Vector3d& approach) const {
+  if (!approach_W) return true;
+  return std::atan2(approach_W->cross(approach).norm(), approach_W->dot(approach)) <=
+         approach_tolerance;
+}
+
+bool Reachability::reaches_point(const Eigen::Vector3d& p_W) const {
+  return workspace_W.isEmpty() || workspace_W.contains(p_W);
+}
+
+void CandidateOptions::validate() const {
+  require(directions_per_circle > 0, "directions_per_circle must be positive");
+  require(rolls > 0, "rolls must be positive");
+  require(standoffs > 0, "standoffs must be positive");
+  require(least_engagement > 0, "least_engagement must be positive");
+  require(table_clearance >= 0, "table_clearance must not be negative");
+  require(!lateral_offsets.empty(), "lateral_offsets must not be empty");
+  for (double offset : lateral_offsets) {
+    require(std::isfinite(offset), "lateral_offsets must be finite");
+  }
+}
+
+SmallestWidth smallest_width(const std::vector<Eigen::Vector2d>& points) {
+  const std::vector<Eigen::Vector2d> hull = planar_hull(points);
+  SmallestWidth best;
+  if (hull.size() < 2) return best;
+  best.width = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
+    const Eigen::Vector2d across = Eigen::Vector2d(-edge.y(), edge.x()).normalized();
+    double width = 0;
+    for (const auto& p : hull) width = std::max(width, across.dot(p - hull[i]));
+    if (width < best.width - 1e-9) best = {width, across};
+  }
+  return best;
+}
+
+Eigen::Matrix3d principal_axes(const TriangleMesh& mesh) {
+  // Exact second moments of the triangles' area: A/12 (sum of v v' + 9 c c') about the mean.
+  double area = 0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  const Eigen::Vector3d origin =
+      mesh.triangles.empty() ? Eigen::Vector3d::Zero().eval()
+                             : mesh.vertices[mesh.triangles.front()[0]];
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
+                          c = mesh.vertices[t[2]] - origin;
+    const double triangle_area = (b - a).cross(c - a).norm() / 2;
+    const Eigen::Vector3d mean = (a + b + c) / 3;
+    area += triangle_area;
+    first += triangle_area * mean;
+    second += triangle_area / 12 *
+              (a * a.transpose() + b * b.transpose() + c * c.transpose() +
+               9 * mean * mean.transpose());
+  }
+  if (area <= 0) return Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d mean = first / area;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(second / area -
+                                                              mean * mean.transpose());
+  Eigen::Matrix3d axes;
+  axes.col(0) = solver.eigenvectors().col(2);
+  axes.col(1) = solver.eigenvectors().col(1);
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
+                                         const Eigen::Vector3d& centroid_W,
+                                         const geometry::Plane& table,
+                                         const robot::GripperModel& gripper,
+                                         const Reachability& reachability,
+                                         const CandidateOptions& options) {
+  options.validate();
+  const Eigen::Vector3d start =
+      reachability.approach_W ? Eigen::Vector3d(-*reachability.approach_W) : table.normal;
+  std::vector<Candidate> candidates;
+  for (const auto& direction :
+       circle_directions(principal_axes(mesh_W), start, options.directions_per_circle)) {
+    const ApproachView view = view_along(mesh_W, centroid_W, -direction);
+    const std::vector<double> depths = tip_depths(view, centroid_W, table, options);
+    for (int roll = 0; roll < options.rolls; ++roll) {
+      const double angle = std::numbers::pi * roll / options.rolls;
+      const Eigen::Matrix3d R_WG =
+          view.R_WA * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      for (double depth : depths) {
+        for (double offset : options.lateral_offsets) {
+          Candidate candidate;
+          candidate.approach_W = -direction;
+          candidate.standoff = -depth;
+          candidate.roll = angle;
+          candidate.lateral_offset = offset;
+          candidate.X_WG.linear() = R_WG;
+          candidate.X_WG.translation() =
+              centroid_W + offset * R_WG.col(0) + (gripper.tip_z() - depth) * direction;
+          candidates.push_back(candidate);
+        }
+      }
+    }
+  }
+  return candidates;
+}
+
+}  // namespace prehend::grasp
