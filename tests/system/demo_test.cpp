@@ -1,0 +1,187 @@
+// The demo graph as real processes, judged by what was recorded.
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "msgs/grasp.pb.h"
+#include "msgs/graph.pb.h"
+#include "msgs/sensors.pb.h"
+#include "tests/system/launched.h"
+#include "tests/system/recording.h"
+
+namespace prehend::testing {
+namespace {
+
+using std::chrono::seconds;
+using Recording = std::map<std::string, std::vector<Recorded>>;
+
+constexpr seconds kRunTimeout{120};
+
+std::vector<std::string> demo_arguments(const std::filesystem::path& out) {
+  return {"launch", "launch/demo.yaml", "out:=" + out.string(),
+          "--log-dir", (out / "log").string()};
+}
+
+// Lifted by 100 mm, moved, put down, and felt by both pads on the way.
+void expect_pick_and_place(const Recording& recording) {
+  double first_height = 1e9, highest = -1e9, last_height = 1e9, moved = 0;
+  std::string carried;
+  std::map<std::string, msgs::Vector3> start;
+  std::map<std::string, std::pair<double, double>> range;  // first and highest height of each body
+  bool left_and_right_in_the_air = false;
+  const auto truths = decode_all<msgs::GroundTruth>(recording, "/ground_truth");
+  ASSERT_FALSE(truths.empty());
+  for (const auto& truth : truths) {
+    for (const auto& body : truth.bodies()) {
+      start.try_emplace(body.name(), body.x_wb().position());
+      auto [it, is_new] = range.try_emplace(body.name(), body.height(), body.height());
+      it->second.second = std::max(it->second.second, body.height());
+      if (body.height() > 0.05 && body.touches_left_pad() && body.touches_right_pad()) {
+        left_and_right_in_the_air = true;
+      }
+    }
+  }
+  for (const auto& [name, heights] : range) {
+    if (heights.second - heights.first < highest - first_height) continue;
+    carried = name;
+    std::tie(first_height, highest) = heights;
+  }
+  for (const auto& body : truths.back().bodies()) {
+    if (body.name() != carried) continue;
+    last_height = body.height();
+    moved = std::hypot(body.x_wb().position().x() - start[carried].x(),
+                       body.x_wb().position().y() - start[carried].y());
+    EXPECT_TRUE(body.touches_table()) << carried;
+  }
+  EXPECT_GE(highest - first_height, 0.1) << carried;
+  EXPECT_GE(moved, 0.03) << carried;
+  EXPECT_LT(last_height, 0.01) << carried;
+  EXPECT_TRUE(left_and_right_in_the_air);
+  for (const char* topic : {"/tactile/left", "/tactile/right"}) {
+    double largest = 0;
+    for (const auto& frame : decode_all<msgs::TactileFrame>(recording, topic)) {
+      largest = std::max(largest, frame.sum());
+    }
+    EXPECT_GT(largest, 1.0) << topic;
+  }
+}
+
+// Every gap in a topic's sequence numbers must have been said by someone. A publisher that was
+// started again begins anew at 1.
+void expect_no_silent_loss(const Recording& recording) {
+  const auto log = decode_all<msgs::graph::LogLine>(recording, "/log");
+  for (const auto& [topic, messages] : recording) {
+    std::uint32_t previous = 0;
+    for (const auto& message : messages) {
+      const bool is_gap = previous != 0 && message.sequence > previous + 1;
+      previous = message.sequence;
+      if (!is_gap) continue;
+      const bool said = std::any_of(log.begin(), log.end(), [&](const auto& line) {
+        return line.level() >= msgs::graph::WARNING &&
+               line.text().find(topic) != std::string::npos;
+      });
+      EXPECT_TRUE(said) << "a gap before message " << message.sequence << " of " << topic;
+    }
+  }
+}
+
+void expect_report(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const std::string html((std::istreambuf_iterator<char>(in)), {});
+  for (const char* part : {"Left image", "Disparity", "Segmentation", "Completed cloud", "Mesh",
+                           "Grasp 1", "left pad", "Forces", "Stage times"}) {
+    EXPECT_NE(html.find(part), std::string::npos) << part << " is missing in " << file;
+  }
+  EXPECT_EQ(html.find("could not be drawn"), std::string::npos);
+}
+
+std::vector<msgs::GraspPlan> plans_by_object(const Recording& recording) {
+  std::map<std::uint32_t, msgs::GraspPlan> by_id;
+  for (auto& plan : decode_all<msgs::GraspPlan>(recording, "/plans")) {
+    plan.clear_times();  // seconds differ from run to run
+    by_id[plan.id()] = plan;
+  }
+  std::vector<msgs::GraspPlan> out;
+  for (auto& [id, plan] : by_id) out.push_back(plan);
+  return out;
+}
+
+TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
+  const ScratchFolder scratch;
+  const auto live_out = scratch.path() / "live";
+  std::filesystem::create_directories(live_out);
+  {
+    Launched demo("prehend", demo_arguments(live_out), scratch.path() / "live.txt");
+    const auto exit_code = demo.wait(kRunTimeout);
+    ASSERT_EQ(exit_code, 0) << demo.output();
+    EXPECT_TRUE(descendants(demo.pid(), "simulation").empty());
+  }
+  const Recording live = read_recording(live_out / "recording.mcap");
+  expect_pick_and_place(live);
+  expect_no_silent_loss(live);
+  expect_report(live_out / "report.html");
+
+  const auto replay_out = scratch.path() / "replay";
+  std::filesystem::create_directories(replay_out);
+  Launched replay("prehend",
+                  {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
+                   "out:=" + replay_out.string(), "record:=true", "--log-dir",
+                   (replay_out / "log").string()},
+                  scratch.path() / "replay.txt");
+  ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
+  const auto live_plans = plans_by_object(live);
+  const auto replayed_plans = plans_by_object(read_recording(replay_out / "recording.mcap"));
+  ASSERT_FALSE(live_plans.empty());
+  ASSERT_EQ(live_plans.size(), replayed_plans.size());
+  for (std::size_t i = 0; i < live_plans.size(); ++i) {
+    EXPECT_EQ(live_plans[i].SerializeAsString(), replayed_plans[i].SerializeAsString());
+  }
+}
+
+TEST(Demo, SurvivesAKilledSegmentation) {
+  const ScratchFolder scratch;
+  const auto out = scratch.path() / "out";
+  std::filesystem::create_directories(out);
+  Launched demo("prehend", demo_arguments(out), scratch.path() / "demo.txt");
+  // In the middle of the loop: as soon as the process is there it is working on the images.
+  pid_t victim = 0;
+  for (int i = 0; i < 600 && victim == 0; ++i) {
+    const auto found = descendants(demo.pid(), "stereo_segmentation");
+    if (!found.empty() && demo.output().find("stereo_segmentation") != std::string::npos) {
+      victim = found.front();
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  ASSERT_NE(victim, 0) << demo.output();
+  kill(victim, SIGKILL);
+  ASSERT_EQ(demo.wait(kRunTimeout), 0) << demo.output();
+  const Recording recording = read_recording(out / "recording.mcap");
+  expect_pick_and_place(recording);
+  expect_no_silent_loss(recording);
+  EXPECT_NE(demo.output().find("SIGKILL"), std::string::npos) << demo.output();
+}
+
+TEST(Demo, InterruptLeavesNoProcessBehind) {
+  const ScratchFolder scratch;
+  Launched demo("prehend", demo_arguments(scratch.path()), scratch.path() / "demo.txt");
+  std::vector<pid_t> children;
+  for (int i = 0; i < 600 && children.empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    children = descendants(demo.pid(), "grasp_cycle");
+  }
+  ASSERT_FALSE(children.empty()) << demo.output();
+  demo.send_signal(SIGINT);
+  EXPECT_TRUE(demo.wait(seconds(20))) << demo.output();
+  for (const pid_t child : children) EXPECT_NE(kill(child, 0), 0) << "process " << child;
+}
+
+}  // namespace
+}  // namespace prehend::testing
