@@ -1,0 +1,55 @@
+#include "prehend/surface/model.h"
+
+#include <chrono>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/surface/deviation.h"
+
+namespace prehend::surface {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                              const ModelOptions& options, ModelTimes* times) {
+  ModelTimes spent;
+  Stopwatch stopwatch;
+  const geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
+  spent.normals = stopwatch.lap();
+
+  ObjectModel model;
+  model.mesh_W = reconstruct(cloud, table_W, options.poisson);
+  model.defects = geometry::find_defects(model.mesh_W);
+  spent.poisson = stopwatch.lap();
+
+  model.convex_pieces_W = convex_pieces(model.mesh_W, options.convex_pieces);
+  spent.convex_pieces = stopwatch.lap();
+
+  model.mass_properties = geometry::mass_properties(model.mesh_W);
+  std::vector<Eigen::Vector3d> seen;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (shape.origin[i] == shape::PointOrigin::kSeen) {
+      seen.push_back(shape.cloud_W.points[i].cast<double>());
+    }
+  }
+  model.seen_deviation = deviation(seen, geometry::MeshQuery(model.mesh_W)).mean;
+  spent.properties = stopwatch.lap();
+  if (times) *times = spent;
+  return model;
+}
+
+}  // namespace prehend::surface

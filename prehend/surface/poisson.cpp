@@ -1,0 +1,185 @@
+#include "prehend/surface/poisson.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <pcl/point_types.h>
+#include <pcl/surface/poisson.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::surface {
+namespace {
+
+using geometry::InputError;
+using geometry::TriangleMesh;
+
+constexpr std::size_t kLeastPoints = 30;
+
+void check(const PoissonOptions& options) {
+  const auto require = [](bool condition, const std::string& what) {
+    if (!condition) throw std::invalid_argument("PoissonOptions." + what);
+  };
+  require(options.depth >= 3 && options.depth <= 10, "depth must be in [3, 10]");
+  require(options.samples_per_node >= 1 && options.samples_per_node <= 20,
+          "samples_per_node must be in [1, 20]");
+  require(options.point_weight >= 0 && std::isfinite(options.point_weight),
+          "point_weight must be >= 0");
+  require(options.scale >= 1.05 && options.scale <= 3, "scale must be in [1.05, 3]");
+  require(options.footprint_slice > 0 && options.footprint_slice <= 1,
+          "footprint_slice must be in (0, 1]");
+}
+
+/// Cloud brought to unit size about the origin, so that PCL's single precision does not matter.
+struct Normalization {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double size = 1;
+};
+
+Normalization normalization_of(const geometry::PointCloud& cloud) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : cloud.points) box.extend(p.cast<double>());
+  return {box.center(), box.sizes().maxCoeff()};
+}
+
+TriangleMesh poisson_mesh(const geometry::PointCloud& cloud, const PoissonOptions& options) {
+  const Normalization normalization = normalization_of(cloud);
+  auto input = std::make_shared<pcl::PointCloud<pcl::PointNormal>>();
+  input->reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    pcl::PointNormal point;
+    point.getVector3fMap() =
+        ((cloud.points[i].cast<double>() - normalization.center) / normalization.size)
+            .cast<float>();
+    point.getNormalVector3fMap() = cloud.normals[i];
+    input->push_back(point);
+  }
+  pcl::Poisson<pcl::PointNormal> poisson;
+  poisson.setInputCloud(input);
+  poisson.setDepth(options.depth);
+  poisson.setMinDepth(std::min(options.depth, 5));
+  // Blocks smaller than the tree would leave seams.
+  poisson.setSolverDivide(options.depth);
+  poisson.setIsoDivide(options.depth);
+  poisson.setSamplesPerNode(static_cast<float>(options.samples_per_node));
+  poisson.setPointWeight(static_cast<float>(options.point_weight));
+  poisson.setScale(static_cast<float>(options.scale));
+  poisson.setManifold(true);
+  poisson.setOutputPolygons(false);
+  poisson.setThreads(1);
+  pcl::PointCloud<pcl::PointNormal> vertices;
+  std::vector<pcl::Vertices> polygons;
+  poisson.performReconstruction(vertices, polygons);
+
+  TriangleMesh mesh;
+  for (const auto& vertex : vertices) {
+    mesh.vertices.push_back(normalization.center +
+                            normalization.size * vertex.getVector3fMap().cast<double>());
+  }
+  for (const pcl::Vertices& polygon : polygons) {
+    if (polygon.vertices.size() != 3) continue;
+    mesh.triangles.emplace_back(polygon.vertices[0], polygon.vertices[1], polygon.vertices[2]);
+  }
+  return mesh;
+}
+
+/// The connected part with the most triangles; the first of equals.
+TriangleMesh largest_part(const TriangleMesh& mesh) {
+  std::vector<int> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    parent[root(t.y())] = root(t.x());
+    parent[root(t.z())] = root(t.x());
+  }
+  std::vector<int> triangles(mesh.vertices.size(), 0);
+  for (const Eigen::Vector3i& t : mesh.triangles) ++triangles[root(t.x())];
+  const int largest = static_cast<int>(
+      std::max_element(triangles.begin(), triangles.end()) - triangles.begin());
+
+  TriangleMesh part;
+  std::vector<int> renumbered(mesh.vertices.size(), -1);
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    if (root(t.x()) != largest) continue;
+    Eigen::Vector3i triangle;
+    for (int corner = 0; corner < 3; ++corner) {
+      int& index = renumbered[t(corner)];
+      if (index < 0) {
+        index = static_cast<int>(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[t(corner)]);
+      }
+      triangle(corner) = index;
+    }
+    part.triangles.push_back(triangle);
+  }
+  return part;
+}
+
+void turn_outward(TriangleMesh& mesh) {
+  if (geometry::mass_properties(mesh).volume >= 0) return;
+  for (Eigen::Vector3i& t : mesh.triangles) std::swap(t.y(), t.z());
+}
+
+void check_input(const geometry::PointCloud& cloud) {
+  if (cloud.normals.size() != cloud.size()) {
+    throw InputError("the cloud has no normals", "estimate normals first");
+  }
+  if (cloud.size() < kLeastPoints) {
+    throw InputError("the cloud has " + std::to_string(cloud.size()) + " points, too few for a mesh",
+                     "give at least " + std::to_string(kLeastPoints));
+  }
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!geometry::is_finite(cloud.points[i]) || !geometry::is_finite(cloud.normals[i])) {
+      throw InputError("the cloud has points or normals that are not finite",
+                       "remove invalid points");
+    }
+  }
+  if (!(normalization_of(cloud).size > 0)) {
+    throw InputError("all points of the cloud coincide", "segment the object again");
+  }
+}
+
+}  // namespace
+
+TriangleMesh reconstruct(const geometry::PointCloud& cloud,
+                         const std::optional<geometry::Plane>& table,
+                         const PoissonOptions& options) {
+  check(options);
+  check_input(cloud);
+  const double spacing = normalization_of(cloud).size / 90;
+  const geometry::PointCloud closed =
+      table && options.close_bottom ? close_bottom(cloud, *table, options.footprint_slice, spacing)
+                                    : cloud;
+  std::string problem;
+  PoissonOptions attempt = options;
+  for (int tries = 0; tries < 3 && attempt.depth >= 3; ++tries) {
+    TriangleMesh mesh = largest_part(poisson_mesh(closed, attempt));
+    if (table) {
+      for (Eigen::Vector3d& vertex : mesh.vertices) {
+        if (table->signed_distance(vertex) < 0) vertex = table->project(vertex);
+      }
+    }
+    const geometry::MeshDefects defects = geometry::find_defects(mesh);
+    if (!mesh.empty() && defects.watertight()) {
+      turn_outward(mesh);
+      return mesh;
+    }
+    problem += (problem.empty() ? "" : "; ") + std::string("depth ") +
+               std::to_string(attempt.depth) + ": " +
+               (mesh.empty() ? "no triangles" : defects.to_string());
+    attempt.depth -= 1;
+    attempt.scale = std::min(3.0, attempt.scale * 1.2);
+  }
+  throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) + " points (" +
+                       problem + ")",
+                   "give more or cleaner points, or another Poisson depth");
+}
+
+}  // namespace prehend::surface
