@@ -23,7 +23,7 @@ struct SegmentationOptions {
   int max_objects = 20;
 };
 
-/// The objects that stand on `table`: points over its convex outline (PCL prism), voxel grid,
+/// The objects that stand on `table`: points over its convex outline, voxel grid,
 /// Euclidean clusters, one mask each. Organized clouds give masks by pixel membership, others by
 /// projecting splats with a depth test; small holes are closed. Largest object (points) first, ids
 /// 0, 1, ... in that order. No object is not an error: `objects` is empty.

@@ -1,0 +1,209 @@
+#include "prehend/perception/stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::perception {
+namespace {
+
+using geometry::InputError;
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::invalid_argument(std::string("StereoOptions: ") + what);
+}
+
+void check_options(const StereoOptions& o) {
+  require(std::isfinite(o.min_depth) && o.min_depth > 0, "min_depth must be positive");
+  require(std::isfinite(o.max_depth) && o.max_depth > o.min_depth,
+          "max_depth must exceed min_depth");
+  require(o.block_size % 2 == 1 && o.block_size >= 1 && o.block_size <= 21,
+          "block_size must be odd, 1..21");
+  require(o.small_step_penalty > 0, "small_step_penalty must be positive");
+  require(o.large_step_penalty > o.small_step_penalty && o.large_step_penalty <= 1000,
+          "large_step_penalty must exceed small_step_penalty, at most 1000");
+  require(o.gradient_cap >= 1 && o.gradient_cap <= 127, "gradient_cap must be 1..127");
+  require(o.uniqueness_percent >= 0 && o.uniqueness_percent <= 100,
+          "uniqueness_percent must be 0..100");
+  require(o.speckle_size >= 0, "speckle_size must not be negative");
+  require(o.speckle_range >= 1 && o.speckle_range <= 100, "speckle_range must be 1..100");
+  require(o.left_right_tolerance >= -1, "left_right_tolerance must be -1 or more");
+}
+
+void check_camera(const geometry::StereoCamera& camera) {
+  const geometry::PinholeCamera& c = camera.left;
+  const bool good = c.width > 0 && c.height > 0 && std::isfinite(c.fx) && c.fx > 0 &&
+                    std::isfinite(c.fy) && c.fy > 0 && std::isfinite(c.cx) &&
+                    std::isfinite(c.cy) && std::isfinite(camera.baseline) && camera.baseline > 0;
+  if (!good) {
+    throw InputError("The stereo camera has a size, focal length or baseline that is not positive "
+                     "(size " + std::to_string(c.width) + " x " + std::to_string(c.height) +
+                     ", fx " + std::to_string(c.fx) + ", baseline " +
+                     std::to_string(camera.baseline) + ")",
+                     "Calibrate the camera");
+  }
+}
+
+template <typename T>
+void check_images(const geometry::Image<T>& left, const geometry::Image<T>& right,
+                  const geometry::PinholeCamera& camera) {
+  if (left.width == right.width && left.height == right.height && left.width == camera.width &&
+      left.height == camera.height && !left.empty() && left.data.size() == right.data.size()) {
+    return;
+  }
+  const auto size = [](int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+  };
+  throw InputError("Left image (" + size(left.width, left.height) + "), right image (" +
+                       size(right.width, right.height) + ") and calibration (" +
+                       size(camera.width, camera.height) + ") differ in size",
+                   "Pass a pair and the calibration of the same camera");
+}
+
+DisparityImage match(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                     const StereoOptions& o) {
+  // Without padding OpenCV gives no disparity to the left (minimum + count) columns.
+  const int padding = range.minimum + range.count;
+  cv::Mat padded_left;
+  cv::Mat padded_right;
+  cv::copyMakeBorder(left, padded_left, 0, 0, padding, 0, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(right, padded_right, 0, 0, padding, 0, cv::BORDER_REPLICATE);
+  const int area = left.channels() * o.block_size * o.block_size;
+  const auto matcher = cv::StereoSGBM::create(
+      range.minimum, range.count, o.block_size, o.small_step_penalty * area,
+      o.large_step_penalty * area, o.left_right_tolerance, o.gradient_cap, o.uniqueness_percent,
+      o.speckle_size, o.speckle_range,
+      o.eight_directions ? cv::StereoSGBM::MODE_HH : cv::StereoSGBM::MODE_SGBM);
+  cv::Mat sixteenths;
+  matcher->compute(padded_left, padded_right, sixteenths);
+
+  DisparityImage disparity(left.cols, left.rows, kUnknown);
+  const int first_unknown = range.minimum * 16;  // OpenCV marks unknown by (minimum - 1) * 16
+  for (int v = 0; v < left.rows; ++v) {
+    const auto* row = sixteenths.ptr<std::int16_t>(v) + padding;
+    for (int u = 0; u < left.cols; ++u) {
+      const float d = static_cast<float>(row[u]) / 16.0F;
+      // A match left of the right image is a match with the padding.
+      if (row[u] >= first_unknown && d > 0 && d <= static_cast<float>(u)) disparity.at(u, v) = d;
+    }
+  }
+  return disparity;
+}
+
+template <typename T>
+DisparityImage disparity_of(const geometry::Image<T>& left, const geometry::Image<T>& right,
+                            const geometry::StereoCamera& camera, const StereoOptions& options,
+                            int type) {
+  const DisparityRange range = disparity_range(camera, options);
+  check_images(left, right, camera.left);
+  const auto view = [type](const geometry::Image<T>& image) {
+    return cv::Mat(image.height, image.width, type,
+                   const_cast<void*>(static_cast<const void*>(image.data.data())));
+  };
+  return match(view(left), view(right), range, options);
+}
+
+}  // namespace
+
+DisparityRange disparity_range(const geometry::StereoCamera& camera,
+                               const StereoOptions& options) {
+  check_options(options);
+  check_camera(camera);
+  const double scale = camera.left.fx * camera.baseline;
+  const double largest = scale / options.min_depth;
+  const double smallest = scale / options.max_depth;
+  if (largest < 1) {
+    throw InputError("All depths beyond min_depth = " + std::to_string(options.min_depth) +
+                         " m have disparities under one pixel with fx * baseline = " +
+                         std::to_string(scale) + " pixel m",
+                     "Check the calibration's unit (metres) or lower min_depth");
+  }
+  DisparityRange range;
+  range.minimum = static_cast<int>(std::floor(smallest));
+  // More disparities than columns cannot match anything.
+  const double last = std::min(std::ceil(largest) + 1, static_cast<double>(camera.left.width));
+  if (last <= range.minimum) {
+    throw InputError("Depths within max_depth = " + std::to_string(options.max_depth) +
+                         " m have disparities beyond the image's width",
+                     "Check the calibration's unit (metres) or raise max_depth");
+  }
+  range.count = (static_cast<int>(last) - range.minimum + 15) / 16 * 16;
+  return range;
+}
+
+DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,
+                                 const geometry::ColorImage& right,
+                                 const geometry::StereoCamera& camera,
+                                 const StereoOptions& options) {
+  return disparity_of(left, right, camera, options, CV_8UC3);
+}
+
+DisparityImage disparity_by_sgbm(const GreyImage& left, const GreyImage& right,
+                                 const geometry::StereoCamera& camera,
+                                 const StereoOptions& options) {
+  return disparity_of(left, right, camera, options, CV_8UC1);
+}
+
+geometry::DepthImage depth_from_disparity(const DisparityImage& disparity,
+                                          const geometry::StereoCamera& camera) {
+  check_camera(camera);
+  geometry::DepthImage depth(disparity.width, disparity.height, kUnknown);
+  const double scale = camera.left.fx * camera.baseline;
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    const float d = disparity.data[i];
+    if (d > 0) depth.data[i] = static_cast<float>(scale / static_cast<double>(d));
+  }
+  return depth;
+}
+
+geometry::PointCloud cloud_from_depth(const geometry::DepthImage& depth,
+                                      const geometry::PinholeCamera& camera,
+                                      const geometry::ColorImage& colors) {
+  if (depth.width != camera.width || depth.height != camera.height ||
+      (!colors.empty() && (colors.width != depth.width || colors.height != depth.height))) {
+    throw InputError("Depth image, colour image and camera differ in size",
+                     "Pass images of the calibrated camera");
+  }
+  geometry::PointCloud cloud;
+  cloud.width = depth.width;
+  cloud.height = depth.height;
+  cloud.colors = colors.data;
+  cloud.points.assign(depth.data.size(), Eigen::Vector3f::Constant(kUnknown));
+  for (int v = 0; v < depth.height; ++v) {
+    for (int u = 0; u < depth.width; ++u) {
+      const float z = depth.at(u, v);
+      if (!std::isfinite(z)) continue;
+      cloud.points[static_cast<std::size_t>(v) * depth.width + u] =
+          camera.unproject(u, v, static_cast<double>(z)).cast<float>();
+    }
+  }
+  return cloud;
+}
+
+geometry::PointCloud cloud_from_disparity(const DisparityImage& disparity,
+                                          const geometry::StereoCamera& camera,
+                                          const geometry::ColorImage& colors) {
+  return cloud_from_depth(depth_from_disparity(disparity, camera), camera.left, colors);
+}
+
+geometry::DepthImage depth_of(const geometry::PointCloud& cloud_C) {
+  geometry::DepthImage depth(cloud_C.width, cloud_C.height, kUnknown);
+  if (depth.data.size() != cloud_C.size()) {
+    throw std::invalid_argument("depth_of: the cloud is not organized");
+  }
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    if (geometry::is_finite(cloud_C.points[i])) depth.data[i] = cloud_C.points[i].z();
+  }
+  return depth;
+}
+
+}  // namespace prehend::perception

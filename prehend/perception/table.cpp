@@ -1,0 +1,298 @@
+#include "prehend/perception/table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/sample_consensus/ransac.h>
+#include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
+#include <pcl/sample_consensus/sac_model_plane.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/perception/cloud_partition.h"
+
+namespace prehend::perception {
+namespace {
+
+using geometry::InputError;
+using geometry::Plane;
+
+constexpr int kMinVoxels = 30;        // of a plane
+constexpr double kPatchGap = 0.15;    // m, larger gaps separate a plane's patches
+constexpr double kLowestTiltFactor = 0.05;
+constexpr int kMinThingVoxels = 15;   // of something that stands on a plane
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::invalid_argument(std::string("TableOptions: ") + what);
+}
+
+void check_options(const TableOptions& o) {
+  require(std::isfinite(o.inlier_distance) && o.inlier_distance > 0,
+          "inlier_distance must be positive");
+  require(o.max_iterations > 0, "max_iterations must be positive");
+  require(o.max_planes > 0, "max_planes must be positive");
+  require(o.min_support >= 0 && o.min_support <= 1, "min_support must be 0..1");
+  require(std::isfinite(o.min_extent) && o.min_extent >= 0, "min_extent must not be negative");
+  require(o.max_tilt > 0 && o.max_tilt <= 1.5708, "max_tilt must be in (0, pi/2]");
+  require(std::isfinite(o.leaf_size) && o.leaf_size >= 0, "leaf_size must not be negative");
+  require(o.max_distance > 0, "max_distance must be positive");
+  require(o.contact_height > 0, "contact_height must be positive");
+  require(o.min_object_height > 0 && o.max_object_height > o.min_object_height,
+          "max_object_height must exceed min_object_height, both positive");
+  require(o.max_object_extent > 0, "max_object_extent must be positive");
+}
+
+// Mean and scatter axes of points, smallest spread first.
+struct PrincipalAxes {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d deviations = Eigen::Vector3d::Zero();  // m
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();    // columns
+};
+
+PrincipalAxes principal_axes(const std::vector<Eigen::Vector3f>& points,
+                             const std::vector<int>& indices) {
+  PrincipalAxes result;
+  const double n = static_cast<double>(indices.size());
+  for (const int i : indices) result.mean += points[i].cast<double>() / n;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const int i : indices) {
+    const Eigen::Vector3d d = points[i].cast<double>() - result.mean;
+    scatter += d * d.transpose() / n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  result.deviations = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
+  result.axes = solver.eigenvectors();
+  return result;
+}
+
+// Depth noise of stereo and structured light grows with the square of the depth.
+double tolerance_at(const Eigen::Vector3f& p, const TableOptions& options) {
+  const double z = static_cast<double>(p.z());
+  return options.inlier_distance * std::clamp(z * z, 1.0, 4.0);
+}
+
+Plane facing_camera(const Eigen::Vector3d& normal, const Eigen::Vector3d& point) {
+  Plane plane{normal.normalized(), 0};
+  plane.offset = plane.normal.dot(point);
+  if (plane.offset > 0) plane = {-plane.normal, -plane.offset};
+  return plane;
+}
+
+std::vector<int> inliers_of(const Plane& plane, const std::vector<Eigen::Vector3f>& points,
+                            const std::vector<int>& among, const TableOptions& options,
+                            double factor) {
+  std::vector<int> inliers;
+  for (const int i : among) {
+    if (std::abs(plane.signed_distance(points[i].cast<double>())) <=
+        factor * tolerance_at(points[i], options)) {
+      inliers.push_back(i);
+    }
+  }
+  return inliers;
+}
+
+std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3f>& points,
+                                  const std::vector<int>& remaining, const TableOptions& options,
+                                  const std::optional<Eigen::Vector3d>& up_C) {
+  const auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (const int i : remaining) cloud->emplace_back(points[i].x(), points[i].y(), points[i].z());
+  pcl::SampleConsensusModelPlane<pcl::PointXYZ>::Ptr model;
+  if (up_C) {
+    const auto tilted =
+        pcl::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(cloud);
+    tilted->setAxis(up_C->normalized().cast<float>());
+    tilted->setEpsAngle(options.max_tilt);
+    model = tilted;
+  } else {
+    model = pcl::make_shared<pcl::SampleConsensusModelPlane<pcl::PointXYZ>>(cloud);
+  }
+  pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, options.inlier_distance);
+  ransac.setMaxIterations(options.max_iterations);
+  ransac.setProbability(0.9999);
+  if (!ransac.computeModel()) return std::nullopt;
+  Eigen::VectorXf coefficients;
+  ransac.getModelCoefficients(coefficients);
+  const Eigen::Vector3d normal = coefficients.head<3>().cast<double>();
+  if (!normal.allFinite() || normal.norm() < 1e-6) return std::nullopt;
+  const double n = normal.norm();
+  return facing_camera(normal / n,
+                       -static_cast<double>(coefficients[3]) / n * (normal / n));
+}
+
+// Voxels of things that stand on the plane within its outline.
+int standing_voxels(const Plane& plane, const PlaneOutline& outline,
+                    const std::vector<Eigen::Vector3f>& voxels, const TableOptions& options) {
+  std::vector<Eigen::Vector3f> above;
+  for (const Eigen::Vector3f& p : voxels) {
+    const double height = plane.signed_distance(p.cast<double>());
+    if (height > 1.5 * tolerance_at(p, options) && height < 2 * options.max_object_height &&
+        outline.contains(p.cast<double>(), 0)) {
+      above.push_back(p);
+    }
+  }
+  int count = 0;
+  const double tolerance = std::max(0.02, 2.5 * options.leaf_size);
+  for (const auto& cluster : euclidean_clusters(above, tolerance, kMinThingVoxels)) {
+    double lowest = 1e9;
+    double highest = 0;
+    Eigen::AlignedBox3f box;
+    for (const int i : cluster) {
+      const double height = plane.signed_distance(above[i].cast<double>());
+      lowest = std::min(lowest, height);
+      highest = std::max(highest, height);
+      box.extend(above[i]);
+    }
+    if (lowest <= options.contact_height && highest >= options.min_object_height &&
+        highest <= options.max_object_height &&
+        static_cast<double>(box.sizes().maxCoeff()) <= options.max_object_extent) {
+      count += static_cast<int>(cluster.size());
+    }
+  }
+  return count;
+}
+
+// 1 for a plane that faces the camera's own up, falling to 0.05 for one that faces down: with a
+// camera that looks down, walls and the fronts of boxes face down.
+double tilt_factor(const Plane& plane) {
+  const double cosine = -plane.normal.y();
+  return kLowestTiltFactor +
+         (1 - kLowestTiltFactor) * std::clamp((cosine + 0.25) / 0.4, 0.0, 1.0);
+}
+
+struct Candidate {
+  Plane plane;
+  std::vector<int> voxels;  // inliers
+  double score = 0;
+  int standing = 0;
+};
+
+// Refines by least squares over the inliers and keeps the largest connected patch.
+std::optional<Candidate> refined(Plane plane, const std::vector<Eigen::Vector3f>& voxels,
+                                 const std::vector<int>& remaining, const TableOptions& options) {
+  Candidate candidate;
+  for (int round = 0; round < 3; ++round) {
+    candidate.voxels = inliers_of(plane, voxels, remaining, options, 1.0);
+    if (candidate.voxels.size() < kMinVoxels) return std::nullopt;
+    std::vector<Eigen::Vector3f> members;
+    for (const int i : candidate.voxels) members.push_back(voxels[i]);
+    const std::vector<std::vector<int>> patches = euclidean_clusters(members, kPatchGap, 1);
+    std::vector<int> patch;
+    for (const int i : patches.front()) patch.push_back(candidate.voxels[i]);
+    candidate.voxels = patch;
+    if (candidate.voxels.size() < kMinVoxels) return std::nullopt;
+    const PrincipalAxes axes = principal_axes(voxels, candidate.voxels);
+    if (axes.deviations[1] * std::sqrt(12.0) < options.min_extent) return std::nullopt;
+    plane = facing_camera(axes.axes.col(0), axes.mean);
+  }
+  candidate.plane = plane;
+  return candidate;
+}
+
+std::vector<int> near_and_finite(const geometry::PointCloud& cloud, double max_distance) {
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f& p = cloud.points[i];
+    if (geometry::is_finite(p) && static_cast<double>(p.norm()) <= max_distance) {
+      indices.push_back(static_cast<int>(i));
+    }
+  }
+  return indices;
+}
+
+// The best candidate's voxels back to points, with a last fit over all of them.
+Table make_table(const Candidate& best, const geometry::PointCloud& cloud,
+                 const std::vector<int>& indices, const std::vector<Eigen::Vector3f>& voxels,
+                 const TableOptions& options) {
+  Table table;
+  table.object_points = best.standing;
+  std::vector<Eigen::Vector3f> members;
+  for (const int i : best.voxels) members.push_back(voxels[i]);
+  const PlaneOutline outline(best.plane, members);
+  for (const int i : inliers_of(best.plane, cloud.points, indices, options, 1.0)) {
+    if (outline.contains(cloud.points[i].cast<double>(), options.leaf_size)) {
+      table.inliers.push_back(i);
+    }
+  }
+  // Voxels weigh near and far alike, as the area does; points would favour the near part.
+  table.plane_C = best.plane;
+  table.hull_C = outline.vertices();
+  double sum = 0;
+  for (const int i : table.inliers) {
+    const double d = table.plane_C.signed_distance(cloud.points[i].cast<double>());
+    sum += d * d;
+  }
+  table.rms = std::sqrt(sum / std::max<double>(1, static_cast<double>(table.inliers.size())));
+  return table;
+}
+
+}  // namespace
+
+Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& options,
+                 const std::optional<Eigen::Vector3d>& up_C) {
+  check_options(options);
+  if (up_C && (!up_C->allFinite() || up_C->norm() < 1e-9)) {
+    throw std::invalid_argument("find_table: up_C must be a direction");
+  }
+  const std::vector<int> indices = near_and_finite(cloud_C, options.max_distance);
+  if (indices.size() < 3) {
+    throw InputError("No table: the cloud has " + std::to_string(indices.size()) +
+                         " valid points within " + std::to_string(options.max_distance) +
+                         " m of the camera",
+                     "Look at a table, or raise max_distance");
+  }
+  VoxelGrid grid = make_voxel_grid(cloud_C.points, indices, options.leaf_size);
+  // PCL draws with a fixed seed; the order of the points makes ours count.
+  std::mt19937_64 random(options.seed);
+  for (std::size_t i = grid.centroids.size(); i > 1; --i) {
+    const std::size_t j = random() % i;
+    std::swap(grid.centroids[i - 1], grid.centroids[j]);
+  }
+  const std::vector<Eigen::Vector3f>& voxels = grid.centroids;
+  std::vector<int> remaining(voxels.size());
+  for (std::size_t i = 0; i < remaining.size(); ++i) remaining[i] = static_cast<int>(i);
+
+  std::optional<Candidate> best;
+  for (int k = 0; k < options.max_planes && remaining.size() >= kMinVoxels; ++k) {
+    const std::optional<Plane> plane = ransac_plane(voxels, remaining, options, up_C);
+    if (!plane) break;
+    if (auto candidate = refined(*plane, voxels, remaining, options)) {
+      const double support =
+          static_cast<double>(candidate->voxels.size()) / static_cast<double>(voxels.size());
+      const bool upright =
+          up_C ? candidate->plane.normal.dot(up_C->normalized()) >= std::cos(options.max_tilt)
+               : tilt_factor(candidate->plane) > kLowestTiltFactor;
+      if (support >= options.min_support && upright) {
+        std::vector<Eigen::Vector3f> members;
+        for (const int i : candidate->voxels) members.push_back(voxels[i]);
+        const PlaneOutline outline(candidate->plane, members);
+        candidate->standing = standing_voxels(candidate->plane, outline, voxels, options);
+        const double things = candidate->standing;
+        const double share = things / (things + 0.05 * static_cast<double>(members.size()));
+        candidate->score =
+            support * (up_C ? 1.0 : tilt_factor(candidate->plane)) * (1 + 4 * share);
+        if (!best || candidate->score > best->score) best = candidate;
+      }
+    }
+    const std::vector<int> taken = inliers_of(*plane, voxels, remaining, options, 1.5);
+    std::vector<int> rest;
+    std::set_difference(remaining.begin(), remaining.end(), taken.begin(), taken.end(),
+                        std::back_inserter(rest));
+    if (rest.size() == remaining.size()) break;
+    remaining = std::move(rest);
+  }
+  if (!best) {
+    throw InputError("No table: none of the planes in the cloud of " +
+                         std::to_string(indices.size()) + " points is large enough and upright",
+                     "Look at a table, give the up direction, or lower min_support and min_extent");
+  }
+  return make_table(*best, cloud_C, indices, voxels, options);
+}
+
+}  // namespace prehend::perception
