@@ -51,6 +51,9 @@ struct GripperModel {
   double housing_front_z() const { return tip_z() - finger_size.z(); }   // m, negative
 };
 
+/// Checks every value. @throws std::invalid_argument naming the field.
+void validate(const GripperModel& model);
+
 /// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults.
 /// @throws geometry::InputError naming file, key and mend.
 GripperModel read_gripper_model(const std::filesystem::path& path);

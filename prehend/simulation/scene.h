@@ -57,7 +57,7 @@ struct TableModel {
 };
 
 /// One object that stands on the table at the start.
-struct ObjectModel {
+struct SceneObject {
   std::string name;
   /// box (size), can, bottle (radius, height), mug (radius, height, wall), spray_bottle (size:
   /// width x, depth y, height z), ball (radius), mesh (file, scale)
@@ -88,7 +88,7 @@ struct Scene {
   CarrierModel carrier;
   CameraSetup camera;
   Light light;
-  std::vector<ObjectModel> objects;
+  std::vector<SceneObject> objects;
 };
 
 /// Reads a scene file and the gripper model it names.
@@ -102,6 +102,6 @@ void validate(const Scene& scene);
 /// The mesh of `object` in its own frame B (standing on z = 0, centred, yaw 0).
 /// @throws std::invalid_argument for an unknown shape or bad dimensions, geometry::InputError for a
 /// bad mesh file.
-geometry::TriangleMesh object_mesh(const ObjectModel& object);
+geometry::TriangleMesh object_mesh(const SceneObject& object);
 
 }  // namespace prehend::simulation

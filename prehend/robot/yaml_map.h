@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include <Eigen/Core>
+#include <yaml-cpp/yaml.h>
+
+namespace prehend::robot {
+
+/// Loads a YAML file whose top is a map. @throws geometry::InputError "file:line: ..." when it is
+/// missing, a folder, empty, not YAML, or no map.
+YAML::Node load_yaml_map(const std::filesystem::path& path);
+
+/// Reads a YAML map of which every key must be known: ask for each key with read(), then call
+/// finish(). Keys that are absent leave the value as it was. All errors are geometry::InputError
+/// "file:line: what is wrong" with the mend.
+class YamlMap {
+ public:
+  /// `place` says what the map describes, e.g. "pad". @throws InputError when `node` is no map.
+  YamlMap(const YAML::Node& node, std::filesystem::path file, std::string place);
+
+  void read(const std::string& key, double& value);
+  void read(const std::string& key, int& value);
+  void read(const std::string& key, std::uint32_t& value);
+  void read(const std::string& key, std::string& value);
+  void read(const std::string& key, Eigen::Vector2d& value);
+  void read(const std::string& key, Eigen::Vector3d& value);
+  /// The value of `key` for a nested structure; an undefined node when absent.
+  YAML::Node child(const std::string& key);
+
+  /// @throws InputError for the first key that was never asked for, with the nearest known key.
+  void finish() const;
+
+  /// An InputError at the line of `key`.
+  [[noreturn]] void fail(const std::string& key, const std::string& wrong,
+                         const std::string& mend) const;
+
+ private:
+  std::string at(const YAML::Node& node) const;
+
+  YAML::Node node_;
+  std::filesystem::path file_;
+  std::string place_;
+  std::set<std::string> known_;
+};
+
+}  // namespace prehend::robot

@@ -1,0 +1,100 @@
+#include "prehend/simulation/carrier.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "prehend/simulation/trapezoid.h"
+
+namespace prehend::simulation {
+
+Carrier::Carrier(const CarrierModel& model)
+    : model_(model), position_(model.start), yaw_(model.start_yaw) {}
+
+void Carrier::move(const geometry::RigidTransform& X_WG_target, double speed) {
+  if (!(std::isfinite(speed) && speed > 0)) {
+    throw std::invalid_argument("carrier speed must be finite and positive");
+  }
+  const Eigen::Vector3d p = X_WG_target.translation();
+  constexpr double kSlack = 1e-9;
+  if (!p.allFinite() || (p - model_.minimum).minCoeff() < -kSlack ||
+      (model_.maximum - p).minCoeff() < -kSlack) {
+    throw std::invalid_argument("carrier target (" + std::to_string(p.x()) + ", " +
+                                std::to_string(p.y()) + ", " + std::to_string(p.z()) +
+                                ") m is outside the carrier's limits");
+  }
+  const Eigen::Matrix3d turn = X_WG_target.linear() *
+                               model_.gripper_pose(Eigen::Vector3d::Zero(), 0).linear().transpose();
+  constexpr double kTiltTolerance = 2e-3;  // rad
+  if (!turn.allFinite() || turn.col(2).cross(Eigen::Vector3d::UnitZ()).norm() > kTiltTolerance ||
+      turn(2, 2) < 0) {
+    throw std::invalid_argument(
+        "carrier target is turned otherwise than in yaw from the mounting orientation");
+  }
+  const double target_yaw = std::atan2(turn(1, 0), turn(0, 0));
+  const double change = std::remainder(target_yaw - yaw_, 2 * std::numbers::pi);
+  next_ = Target{p, yaw_ + change, speed};
+  braking_ = path_speed_ != 0;
+  if (!braking_) path_remaining_ = 0;
+}
+
+void Carrier::stop() {
+  next_.reset();
+  braking_ = path_speed_ != 0;
+  if (!braking_) path_remaining_ = 0;
+}
+
+void Carrier::start(const Target& target) {
+  goal_ = target;
+  path_direction_ = target.position - position_;
+  path_yaw_ = target.yaw - yaw_;
+  path_remaining_ = 1;
+  const double length = path_direction_.norm(), angle = std::abs(path_yaw_);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  path_max_speed_ =
+      std::min(length > 0 ? std::min(target.speed, model_.max_speed) / length : kInfinity,
+               angle > 0 ? model_.max_yaw_rate / angle : kInfinity);
+  path_acceleration_ = std::min(length > 0 ? model_.max_acceleration / length : kInfinity,
+                                angle > 0 ? model_.max_yaw_acceleration / angle : kInfinity);
+  if (length < 1e-9 && angle < 1e-9) path_remaining_ = 0;
+}
+
+void Carrier::begin_step(double h) {
+  if (braking_) {
+    path_speed_ = std::max(0.0, path_speed_ - path_acceleration_ * h);
+    if (path_speed_ == 0) {
+      braking_ = false;
+      path_remaining_ = 0;
+    }
+  }
+  if (!braking_ && next_) {
+    const Target target = *next_;
+    next_.reset();
+    start(target);
+  }
+  if (!braking_ && path_remaining_ > 0) {
+    path_speed_ = next_trapezoid_speed(path_remaining_, path_speed_, path_max_speed_,
+                                       path_acceleration_, h);
+  }
+}
+
+void Carrier::end_step(double h) {
+  if (path_speed_ == 0) return;
+  position_ += h * velocity();
+  yaw_ += h * yaw_rate();
+  path_remaining_ = std::max(0.0, path_remaining_ - h * path_speed_);
+  if (!braking_ && path_remaining_ < 1e-7) {
+    path_remaining_ = 0;
+    path_speed_ = 0;
+    position_ = goal_->position;
+    yaw_ = goal_->yaw;
+  }
+}
+
+double Carrier::remaining() const {
+  if (next_) return (next_->position - position_).norm();
+  return path_remaining_ * path_direction_.norm();
+}
+
+}  // namespace prehend::simulation

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/contact_point.h"
+#include "prehend/simulation/rigid_body.h"
+
+namespace prehend::simulation {
+
+/// Where the gripper is and how its carrier moves.
+struct GripperPlacement {
+  geometry::RigidTransform X_WG = geometry::RigidTransform::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of G's origin in the world
+  double yaw_rate = 0;                                 // rad/s, about the world's z
+  double opening = 0;                                  // m
+
+  /// Velocity of a gripper-fixed point [m/s], without the jaws' motion.
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d& p_W) const {
+    return velocity + yaw_rate * Eigen::Vector3d::UnitZ().cross(p_W - X_WG.translation());
+  }
+};
+
+/// A box of the gripper: fingers behind their pads' foam, housing. `side` is +1 for the left finger,
+/// -1 for the right one, 0 for the housing.
+struct GripperBox {
+  Eigen::AlignedBox3d box_G;  // m
+  double side = 0;
+  ContactPartner partner = kHousing;
+};
+std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double opening);
+
+/// Touching points of body `index` with the table z = 0.
+void detect_table(const BodyModel& model, const BodyState& state, int index,
+                  std::vector<ContactPoint>& contacts);
+
+/// Touching points of body `index` with pads, fingers and housing. Costs one box test when far.
+void detect_gripper(const BodyModel& model, const BodyState& state, int index,
+                    const robot::GripperModel& gripper, const GripperPlacement& placement,
+                    std::vector<ContactPoint>& contacts);
+
+/// Touching points of bodies `a` and `b`: surface points of each inside the other.
+void detect_bodies(const BodyModel& model_a, const BodyState& state_a, int a,
+                   const BodyModel& model_b, const BodyState& state_b, int b,
+                   std::vector<ContactPoint>& contacts);
+
+/// Bounds in frame F of a box given in frame B.
+Eigen::AlignedBox3d transformed_box(const geometry::RigidTransform& X_FB,
+                                    const Eigen::AlignedBox3d& box_B);
+
+}  // namespace prehend::simulation

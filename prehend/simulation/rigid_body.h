@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "prehend/contact/texel_law.h"
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/simulation/texture.h"
+
+namespace prehend::simulation {
+
+/// What does not change of an object. Frame B is the mesh's.
+struct BodyModel {
+  std::uint32_t id = 0;  // never used twice in a world
+  std::string name;
+  std::shared_ptr<const geometry::TriangleMesh> mesh;
+  std::shared_ptr<const geometry::MeshQuery> query;
+  Eigen::AlignedBox3d box;                                  // of the mesh in B [m]
+  double mass = 0;                                          // kg
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero(); // in B [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();    // about it, in B [kg m^2]
+  bool is_static = false;
+  std::vector<Eigen::Vector3d> hull_points;     // in B: what can touch a plane
+  std::vector<Eigen::Vector3d> surface_points;  // in B, a few millimetres apart: what touches boxes
+                                                // and other bodies
+  contact::TexelLaw pad_law;    // against a texel
+  contact::TexelLaw table_law;  // a hull point against the table
+  contact::TexelLaw rigid_law;  // a surface point against fingers, housing and other bodies
+  Texture texture;
+};
+
+/// What changes of an object.
+struct BodyState {
+  Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d p_WBcm = Eigen::Vector3d::Zero();            // m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // m/s, of the centre of mass
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s, world
+  double still_time = 0;                                       // s without perceptible motion
+  bool asleep = false;
+  bool touches_left_pad = false;
+  bool touches_right_pad = false;
+  bool touches_table = false;
+  bool touches_gripper = false;
+};
+
+/// Makes the model of a solid of mass `mass` [kg] bounded by `mesh_B`; `pad_law` is that of the
+/// gripper's pads, `friction` that of the object on them, `table_friction` on the table.
+/// @throws std::invalid_argument when mass or friction is not finite and positive (friction: not
+/// negative), geometry::InputError for a mesh that is empty, not finite or encloses no volume.
+BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, double mass,
+                    double friction, double table_friction, const contact::TexelLaw& pad_law);
+
+/// Points of the surface of `mesh`, about `spacing` [m] apart, vertices first (thinned to the
+/// spacing). Deterministic.
+std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, double spacing);
+
+/// Pose of frame B.
+geometry::RigidTransform body_pose(const BodyModel& model, const BodyState& state);
+
+/// Puts frame B at X_WB.
+void set_body_pose(const BodyModel& model, const geometry::RigidTransform& X_WB, BodyState& state);
+
+/// Height of the lowest hull point over z = 0 [m].
+double lowest_point(const BodyModel& model, const BodyState& state);
+
+/// Moves by the velocities over `h` [s]; the orientation by the exponential map.
+void integrate(double h, BodyState& state);
+
+}  // namespace prehend::simulation

@@ -1,0 +1,141 @@
+#include <stdexcept>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/yaml_map.h"
+#include "prehend/simulation/scene.h"
+
+namespace prehend::simulation {
+namespace {
+
+using robot::YamlMap;
+using Path = std::filesystem::path;
+
+void read_texture(const YAML::Node& node, const Path& file, const std::string& owner,
+                  Texture& texture) {
+  YamlMap map(node, file, owner + ".texture");
+  std::string pattern;
+  map.read("pattern", pattern);
+  if (pattern == "noise") texture.pattern = Texture::Pattern::kNoise;
+  else if (pattern == "stripes") texture.pattern = Texture::Pattern::kStripes;
+  else if (pattern == "label") texture.pattern = Texture::Pattern::kLabel;
+  else if (pattern == "wood") texture.pattern = Texture::Pattern::kWood;
+  else if (!pattern.empty()) {
+    map.fail("pattern", "is '" + pattern + "'", "Write noise, stripes, label or wood");
+  }
+  map.read("color", texture.color);
+  map.read("second_color", texture.second_color);
+  map.read("contrast", texture.contrast);
+  map.read("scale", texture.scale);
+  map.read("seed", texture.seed);
+  map.finish();
+}
+
+void read_table(const YAML::Node& node, const Path& file, TableModel& table) {
+  YamlMap map(node, file, "table");
+  map.read("friction", table.friction);
+  map.read("center", table.center);
+  map.read("size", table.size);
+  if (const YAML::Node texture = map.child("texture")) {
+    read_texture(texture, file, "table", table.texture);
+  }
+  map.finish();
+}
+
+void read_carrier(const YAML::Node& node, const Path& file, CarrierModel& carrier) {
+  YamlMap map(node, file, "carrier");
+  map.read("minimum", carrier.minimum);
+  map.read("maximum", carrier.maximum);
+  map.read("max_speed", carrier.max_speed);
+  map.read("max_acceleration", carrier.max_acceleration);
+  map.read("max_yaw_rate", carrier.max_yaw_rate);
+  map.read("max_yaw_acceleration", carrier.max_yaw_acceleration);
+  map.read("start", carrier.start);
+  map.read("start_yaw", carrier.start_yaw);
+  map.read("mounting_tilt", carrier.mounting_tilt);
+  map.finish();
+}
+
+void read_camera(const YAML::Node& node, const Path& file, CameraSetup& setup) {
+  YamlMap map(node, file, "camera");
+  map.read("width", setup.camera.left.width);
+  map.read("height", setup.camera.left.height);
+  map.read("fx", setup.camera.left.fx);
+  map.read("fy", setup.camera.left.fy);
+  map.read("cx", setup.camera.left.cx);
+  map.read("cy", setup.camera.left.cy);
+  map.read("baseline", setup.camera.baseline);
+  map.read("eye", setup.eye);
+  map.read("target", setup.target);
+  map.read("noise", setup.noise);
+  map.read("seed", setup.seed);
+  map.finish();
+}
+
+void read_light(const YAML::Node& node, const Path& file, Light& light) {
+  YamlMap map(node, file, "light");
+  map.read("direction", light.direction);
+  map.read("ambient", light.ambient);
+  map.finish();
+}
+
+SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t index) {
+  SceneObject object;
+  YamlMap map(node, file, "objects[" + std::to_string(index) + "]");
+  map.read("name", object.name);
+  map.read("shape", object.shape);
+  map.read("size", object.size);
+  map.read("radius", object.radius);
+  map.read("height", object.height);
+  map.read("wall", object.wall);
+  std::string mesh_file;
+  map.read("file", mesh_file);
+  object.file = file.parent_path() / mesh_file;
+  map.read("scale", object.scale);
+  map.read("mass", object.mass);
+  map.read("friction", object.friction);
+  map.read("x", object.x);
+  map.read("y", object.y);
+  map.read("yaw", object.yaw);
+  if (const YAML::Node texture = map.child("texture")) {
+    read_texture(texture, file, "object '" + object.name + "'", object.texture);
+  }
+  map.finish();
+  if (object.shape == "mesh" && mesh_file.empty()) {
+    map.fail("shape", "is mesh without a file", "Add `file: NAME`");
+  }
+  return object;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& path) {
+  Scene scene;
+  YamlMap map(robot::load_yaml_map(path), path, "scene");
+  map.read("step", scene.step);
+  map.read("gravity", scene.gravity);
+  map.read("start_opening", scene.start_opening);
+  std::string gripper;
+  map.read("gripper", gripper);
+  if (!gripper.empty()) scene.gripper = robot::read_gripper_model(path.parent_path() / gripper);
+  if (const YAML::Node node = map.child("table")) read_table(node, path, scene.table);
+  if (const YAML::Node node = map.child("carrier")) read_carrier(node, path, scene.carrier);
+  if (const YAML::Node node = map.child("camera")) read_camera(node, path, scene.camera);
+  if (const YAML::Node node = map.child("light")) read_light(node, path, scene.light);
+  const YAML::Node objects = map.child("objects");
+  if (objects.IsDefined() && !objects.IsNull()) {
+    if (!objects.IsSequence()) map.fail("objects", "is no list", "Write one `- name: ...` each");
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      scene.objects.push_back(read_object(objects[i], path, i));
+    }
+  }
+  map.finish();
+  try {
+    validate(scene);
+    for (const SceneObject& object : scene.objects) object_mesh(object);
+  } catch (const std::invalid_argument& error) {
+    throw geometry::InputError(path.string() + ": " + error.what(), "Correct that value");
+  }
+  return scene;
+}
+
+}  // namespace prehend::simulation
