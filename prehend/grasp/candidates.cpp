@@ -93,6 +93,7 @@ struct ApproachView {
   Eigen::Matrix3d R_WA;  // z along the approach, y along the smallest width
   double near_side = 0;  // m, along the approach from the centroid, negative
   double far_side = 0;   // m
+  double width = 0;      // m, smallest of the outline
 };
 
 ApproachView view_along(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
@@ -111,7 +112,8 @@ ApproachView view_along(const TriangleMesh& mesh, const Eigen::Vector3d& centroi
       view.far_side = std::max(view.far_side, p.z());
     }
   }
-  const Eigen::Vector2d across = smallest_width(outline).direction;
+  const auto [width, across] = smallest_width(outline);
+  view.width = width;
   view.R_WA.col(2) = approach;
   view.R_WA.col(1) = (frame.col(0) * across.x() + frame.col(1) * across.y()).normalized();
   view.R_WA.col(0) = view.R_WA.col(1).cross(approach);
@@ -230,6 +232,7 @@ std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
           candidate.standoff = -depth;
           candidate.roll = angle;
           candidate.lateral_offset = offset;
+          candidate.outline_width = view.width;
           candidate.X_WG.linear() = R_WG;
           candidate.X_WG.translation() =
               centroid_W + offset * R_WG.col(0) + (gripper.tip_z() - depth) * direction;

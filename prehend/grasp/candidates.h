@@ -36,6 +36,7 @@ struct Candidate {
   double standoff = 0;        // m, from the fingertips forward to the centroid along the approach
   double roll = 0;            // rad, about the approach from the direction of smallest width
   double lateral_offset = 0;  // m, of G's origin from the centroid along G's x axis
+  double outline_width = 0;   // m, smallest width of the object's outline seen along the approach
 };
 
 struct CandidateOptions {

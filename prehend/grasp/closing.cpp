@@ -122,8 +122,8 @@ class PadBeds {
 };
 
 // Heights over all texels of both open pads; nothing when a pad starts inside the object.
-std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object, const RigidTransform& X_WG,
-                                                   double opening,
+std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object,
+                                                   const RigidTransform& X_WG, double opening,
                                                    const robot::TactilePadModel& pad) {
   std::vector<Spring> springs;
   for (int side : {1, -1}) {
@@ -132,9 +132,16 @@ std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object, cons
       for (int column = 0; column < pad.columns; ++column) {
         const Eigen::Vector2d c = texel_center(pad, row, column);
         const Eigen::Vector3d origin_G(c.x(), side * opening / 2, c.y());
-        const auto hit = object.cast_ray(X_WG * origin_G, direction_W, opening);
+        const auto hit = object.cast_ray(X_WG * origin_G, direction_W);
         if (!hit) continue;
-        if (hit->normal.dot(direction_W) > 0) return std::nullopt;  // leaves: started inside
+        if (hit->normal.dot(direction_W) > 0) {
+          // The ray leaves the object. Through a hole of an open mesh it may do so without having
+          // started inside: then the way back meets nothing from inside.
+          const auto back = object.cast_ray(X_WG * origin_G, -direction_W);
+          if (back && back->normal.dot(direction_W) < 0) return std::nullopt;
+          continue;
+        }
+        if (hit->distance > opening) continue;
         springs.push_back({c.x(), c.y(), opening / 2 - hit->distance, side,
                            X_WG.linear().transpose() * hit->normal});
       }

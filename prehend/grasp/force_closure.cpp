@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 namespace prehend::grasp {

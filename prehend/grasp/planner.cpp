@@ -34,6 +34,10 @@ constexpr const char* kTurns = "closing would turn the object";
 constexpr const char* kNotClosed = "no force closure";
 constexpr const char* kTooHeavy = "too heavy for the grip force";
 constexpr const char* kRankedBelow = "ranked below the best";
+// In the order of the tests: who fails late was nearly a grasp.
+constexpr std::array kStages{kDirection,  kNothing, kTooWide,   kWorkspace,
+                             kTable,      kObject,  kObstacle,  kBottomsOut,
+                             kTurns,      kTooHeavy, kOffCentre, kNotClosed};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("PlannerOptions." + message);
@@ -132,9 +136,9 @@ class Planner {
   robot::GripperModel gripper_;
   Reachability reachability_;
   PlannerOptions options_;
-  double largest_force_ = 0;                                       // N, per pad
-  double narrowest_ = std::numeric_limits<double>::infinity();     // m, sections met so far
-  double section_width_ = 0;                                       // m, of the last candidate
+  double largest_force_ = 0;                                    // N, per pad
+  double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
+  double section_width_ = 0;                                    // m, of the last candidate
 };
 
 // Shifts the hand along its closing direction to the middle of the section between the pads.
@@ -142,7 +146,6 @@ const char* Planner::centre(RigidTransform* X_WG) {
   const SectionExtent section = measure_section(query_, *X_WG, gripper_);
   if (!section.met) return kNothing;
   section_width_ = section.upper - section.lower;
-  narrowest_ = std::min(narrowest_, section_width_);
   const double room = gripper_.max_opening - 2 * options_.collision.object_margin;
   double offset = (section.upper + section.lower) / 2;
   if (section_width_ > room) {
@@ -258,6 +261,7 @@ double Planner::score(const Grasp& grasp, const ClosedHand& hand) const {
 
 const char* Planner::evaluate(Candidate candidate, Grasp* grasp) {
   if (!reachability_.reaches_direction(candidate.approach_W)) return kDirection;
+  narrowest_ = std::min(narrowest_, candidate.outline_width);
   if (reachability_.approach_W) {
     candidate = snapped(candidate, *reachability_.approach_W, solid_.center_of_mass_W);
   }
@@ -290,38 +294,37 @@ const char* Planner::evaluate(Candidate candidate, Grasp* grasp) {
   return nullptr;
 }
 
+// The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
+// reachable candidates got to.
 std::string Planner::problem(const GraspPlanResult& result) const {
-  int reachable = result.candidates;
-  std::pair<std::string, int> dominating{"", 0};
-  for (const auto& [reason, count] : result.rejections) {
-    if (reason == kDirection || reason == kWorkspace) {
-      reachable -= count;
-    } else if (count > dominating.second) {
-      dominating = {reason, count};
-    }
-  }
+  const auto count = [&result](const char* reason) {
+    const auto entry = result.rejections.find(reason);
+    return entry == result.rejections.end() ? 0 : entry->second;
+  };
+  const std::string start = "cannot be grasped: ";
+  const int reachable = result.candidates - count(kDirection) - count(kWorkspace);
+  if (reachable == 0) return start + "no approach to it is within the robot's reach";
+
   std::array<char, 200> text{};
-  if (dominating.second == 0) {
-    return "cannot be grasped: no approach to it is within the robot's reach";
+  if (narrowest_ > gripper_.max_opening - 2 * options_.collision.object_margin) {
+    std::snprintf(text.data(), text.size(), "narrowest width %.0f mm exceeds the gripper's %.0f mm%s",
+                  narrowest_ * 1e3, gripper_.max_opening * 1e3,
+                  narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
+    return start + text.data();
   }
-  if (dominating.first == kTooWide) {
-    const double room = gripper_.max_opening - 2 * options_.collision.object_margin;
-    if (narrowest_ > room) {
-      std::snprintf(text.data(), text.size(), "narrowest width %.0f mm exceeds the gripper's %.0f mm%s",
-                    narrowest_ * 1e3, gripper_.max_opening * 1e3,
-                    narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
-      return std::string("cannot be grasped: ") + text.data();
-    }
+  const char* last = nullptr;
+  for (const char* stage : kStages) {
+    if (stage != kDirection && stage != kWorkspace && 10 * count(stage) >= reachable) last = stage;
   }
-  if (dominating.first == kTooHeavy) {
+  if (last == kTooHeavy) {
     std::snprintf(text.data(), text.size(),
                   "too heavy for the grip force: %.2f kg need more than %.0f N", solid_.mass,
                   largest_force_);
-    return std::string("cannot be grasped: ") + text.data();
+  } else {
+    std::snprintf(text.data(), text.size(), "%s (%d of %d reachable candidates)", last, count(last),
+                  reachable);
   }
-  std::snprintf(text.data(), text.size(), "%s (%d of %d reachable candidates)",
-                dominating.first.c_str(), dominating.second, reachable);
-  return std::string("cannot be grasped: ") + text.data();
+  return start + text.data();
 }
 
 GraspPlanResult Planner::plan() {

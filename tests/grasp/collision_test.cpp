@@ -1,0 +1,97 @@
+#include "prehend/grasp/collision.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::grasp {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+const robot::GripperModel kGripper;
+
+TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
+  return geometry::transformed(geometry::make_box(size),
+                               geometry::make_transform(Eigen::Quaterniond::Identity(), p));
+}
+
+// The hand from above, pads' centre at `p`, closing along world y.
+RigidTransform from_above(const Eigen::Vector3d& p) {
+  return geometry::make_transform(Eigen::Quaterniond(0, 1, 0, 0), p);
+}
+
+TEST(Collision, TableClearanceIsThatOfTheFingertips) {
+  const CollisionScene scene({}, geometry::Plane{}, {});
+  const auto hand = swept_hand(kGripper, 0.069, 0.1);
+  EXPECT_NEAR(scene.table_clearance(hand, from_above({0, 0, 0.1})), 0.1 - kGripper.tip_z(), 1e-12);
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, 0.1})), HandCollision::kNone);
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0039})),
+            HandCollision::kTable);
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0041})),
+            HandCollision::kNone);
+}
+
+TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
+  const auto hand = swept_hand(kGripper, 0.069, 0.1);
+  const geometry::Plane table;
+  const RigidTransform X_WG = from_above({0, 0, 0.05});
+  // Margin 1.5 mm at each side: 66 mm is the limit.
+  EXPECT_EQ(CollisionScene(box_at({0.05, 0.0658, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
+            HandCollision::kNone);
+  EXPECT_EQ(CollisionScene(box_at({0.05, 0.0662, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
+            HandCollision::kObject);
+}
+
+TEST(Collision, TheWayFromThePregraspIsSwept) {
+  const auto still = swept_hand(kGripper, 0.069, 0);
+  const auto swept = swept_hand(kGripper, 0.069, 0.2);
+  // A board over the housing: only the way down from the pregrasp meets it.
+  Obstacles obstacles;
+  obstacles.meshes_W.push_back(box_at({0.3, 0.3, 0.01}, {0, 0, 0.3}));
+  const CollisionScene scene({}, geometry::Plane{}, obstacles);
+  EXPECT_EQ(scene.check(still, from_above({0, 0, 0.05})), HandCollision::kNone);
+  EXPECT_EQ(scene.check(swept, from_above({0, 0, 0.05})), HandCollision::kObstacle);
+}
+
+TEST(Collision, ObstacleCloudsAndMeshesAgree) {
+  const TriangleMesh neighbour = box_at({0.03, 0.03, 0.1}, {0, 0.065, 0.05});
+  Obstacles as_mesh, as_cloud;
+  as_mesh.meshes_W.push_back(neighbour);
+  for (int i = 0; i <= 10; ++i) {
+    for (int k = 0; k <= 20; ++k) {
+      as_cloud.cloud_W.points.emplace_back(-0.015f + 0.003f * static_cast<float>(i), 0.05f,
+                                           0.005f * static_cast<float>(k));
+    }
+  }
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  as_cloud.cloud_W.points.emplace_back(nan, nan, nan);
+  const CollisionScene mesh_scene({}, geometry::Plane{}, as_mesh);
+  const CollisionScene cloud_scene({}, geometry::Plane{}, as_cloud);
+  for (double opening : {0.02, 0.04, 0.05, 0.065, 0.069}) {
+    // Finger's back at opening/2 + 12 mm, margin 5 mm, obstacle's face at 50 mm.
+    const bool expected = opening / 2 + 0.012 + 0.005 > 0.05;
+    const auto hand = swept_hand(kGripper, opening, 0.0);
+    const RigidTransform X_WG = from_above({0, 0, 0.06});
+    EXPECT_EQ(mesh_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
+    EXPECT_EQ(cloud_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
+  }
+}
+
+TEST(Collision, SwallowedHandIsNoticed) {
+  const CollisionScene scene(box_at({10, 10, 10}, {0, 0, 5}), geometry::Plane{}, {});
+  EXPECT_EQ(scene.check(swept_hand(kGripper, 0.069, 0.1), from_above({0, 0, 4})),
+            HandCollision::kObject);
+}
+
+TEST(Collision, RejectsBrokenMeshes) {
+  TriangleMesh broken = geometry::make_box({1, 1, 1});
+  broken.vertices[0].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(CollisionScene(broken, geometry::Plane{}, {}), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::grasp

@@ -1,0 +1,262 @@
+#include "prehend/grasp/planner.h"
+
+#include <chrono>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::grasp {
+namespace {
+
+using geometry::TriangleMesh;
+
+const robot::GripperModel kGripper;
+
+surface::ObjectModel object_at(const TriangleMesh& mesh, const Eigen::Vector3d& p, double yaw = 0) {
+  surface::ObjectModel object;
+  object.mesh_W = geometry::transformed(
+      mesh, geometry::make_transform(
+                Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), p));
+  return object;
+}
+
+Reachability carrier() {
+  Reachability reachability;
+  reachability.approach_W = -Eigen::Vector3d::UnitZ();
+  return reachability;
+}
+
+int rejected(const GraspPlanResult& result) {
+  return std::accumulate(result.rejections.begin(), result.rejections.end(), 0,
+                         [](int sum, const auto& entry) { return sum + entry.second; });
+}
+
+GraspPlanResult plan(const std::string& name, const surface::ObjectModel& object,
+                     const Reachability& reachability = carrier(), const Obstacles& obstacles = {}) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto result = plan_grasps(object, geometry::Plane{}, obstacles, kGripper, reachability);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("%s: %d candidates, %zu grasps listed, %.3f s, %s\n", name.c_str(), result.candidates,
+              result.grasps.size(), seconds, result.problem.c_str());
+  for (const auto& [reason, count] : result.rejections) {
+    std::printf("  %5d %s\n", count, reason.c_str());
+  }
+  EXPECT_EQ(static_cast<int>(result.grasps.size()) + rejected(result), result.candidates);
+  EXPECT_EQ(result.grasps.empty(), !result.problem.empty());
+  for (std::size_t i = 1; i < result.grasps.size(); ++i) {
+    EXPECT_GE(result.grasps[i - 1].score, result.grasps[i].score);
+  }
+  return result;
+}
+
+TEST(PlanGrasps, CubeFromAbove) {
+  const auto result =
+      plan("cube 50 mm", object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025}, 0.3));
+  ASSERT_FALSE(result.grasps.empty()) << result.problem;
+  const Grasp& best = result.grasps.front();
+  EXPECT_NEAR(best.predicted.opening, 0.05, 5e-4);
+  EXPECT_NEAR(best.predicted.lifted_mass, 0.1, 1e-3);
+  EXPECT_NEAR(best.predicted.tactile_sum, best.grasp_force, 0.02 * best.grasp_force);
+  EXPECT_NEAR(best.approach_W.z(), -1, 1e-12);
+  EXPECT_NEAR(best.X_WG.translation().x(), 0.4, 1e-3);
+  EXPECT_NEAR(best.X_WG.translation().y(), 0.1, 1e-3);
+  EXPECT_GT(best.quality, 0);
+  // The fingertips stay over the table.
+  EXPECT_GT((best.X_WG * Eigen::Vector3d(0, 0, kGripper.tip_z())).z(), 0.0039);
+  // The contacts lie on opposite faces of the cube, 50 mm apart.
+  ASSERT_FALSE(best.left_contacts_W.empty());
+  const Eigen::Vector3d apart = best.left_contacts_W.front() - best.right_contacts_W.front();
+  EXPECT_NEAR(std::abs(apart.dot(best.X_WG.linear().col(1))), 0.05, 1e-3);
+}
+
+TEST(PlanGrasps, CanAndBall) {
+  const auto can = plan("can 66 x 115 mm", object_at(geometry::make_revolution({{0.031, -0.0575}, {0.031, 0.0575}}),
+                                         {0.3, 0, 0.0575}));
+  ASSERT_FALSE(can.grasps.empty()) << can.problem;
+  EXPECT_NEAR(can.grasps.front().predicted.opening, 0.062, 1e-3);
+  const auto ball = plan("ball 60 mm", object_at(geometry::make_sphere(0.03), {0.3, 0, 0.03}));
+  ASSERT_FALSE(ball.grasps.empty()) << ball.problem;
+  EXPECT_LT(ball.grasps.front().predicted.contact_area,
+            can.grasps.front().predicted.contact_area);
+}
+
+TEST(PlanGrasps, BottleWithAnArmThatReachesAll) {
+  const auto result = plan(
+      "bottle, all directions",
+      object_at(geometry::make_revolution(
+                    {{0.03, 0}, {0.03, 0.13}, {0.012, 0.17}, {0.012, 0.2}}, 48),
+                {0.3, 0, 0}),
+      Reachability{});
+  ASSERT_FALSE(result.grasps.empty()) << result.problem;
+}
+
+TEST(PlanGrasps, WideCup) {
+  // A cup 90 mm wide. Its wall would fit, but no candidate is centred on the wall.
+  const TriangleMesh cup = geometry::make_revolution(
+      {{0.045, 0}, {0.045, 0.09}, {0.039, 0.09}, {0.039, 0.01}, {0.0, 0.01}}, 64);
+  surface::ObjectModel object = object_at(cup, {0.3, 0, 0});
+  const auto result = plan("cup 90 mm", object);
+  EXPECT_EQ(result.problem,
+            "cannot be grasped: narrowest width 90 mm exceeds the gripper's 69 mm");
+}
+
+TEST(PlanGrasps, TooWideBoxSaysHowWide) {
+  const auto result =
+      plan("box 94 mm", object_at(geometry::make_box({0.12, 0.094, 0.1}), {0.4, 0, 0.05}, 0.2));
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_EQ(result.problem,
+            "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
+}
+
+TEST(PlanGrasps, TooHeavySaysHowHeavy) {
+  PlannerOptions options;
+  options.density = 20000;
+  const auto result = plan_grasps(object_at(geometry::make_box({0.05, 0.05, 0.2}), {0, 0, 0.1}),
+                                  geometry::Plane{}, {}, kGripper, carrier(), options);
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_NE(result.problem.find("too heavy"), std::string::npos) << result.problem;
+}
+
+TEST(PlanGrasps, CrumbIsOutOfTheFingertipsReach) {
+  const auto result =
+      plan("crumb 4 mm", object_at(geometry::make_box({0.004, 0.004, 0.004}), {0.4, 0, 0.002}));
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_EQ(result.problem.rfind("cannot be grasped: ", 0), 0u) << result.problem;
+}
+
+TEST(PlanGrasps, OutOfTheWorkspace) {
+  Reachability reachability = carrier();
+  reachability.workspace_W =
+      Eigen::AlignedBox3d(Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(2, 2, 1));
+  const auto result =
+      plan("out of reach", object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025}), reachability);
+  EXPECT_EQ(result.problem, "cannot be grasped: no approach to it is within the robot's reach");
+}
+
+TEST(PlanGrasps, NeighboursNarrowTheChoice) {
+  const surface::ObjectModel cube =
+      object_at(geometry::make_box({0.04, 0.04, 0.05}), {0.4, 0, 0.025});
+  const auto alone = plan("cube 40 mm alone", cube);
+  // Walls at both sides in y leave only closing along x.
+  Obstacles walls;
+  for (double side : {-1.0, 1.0}) {
+    walls.meshes_W.push_back(
+        object_at(geometry::make_box({0.3, 0.02, 0.1}), {0.4, side * 0.034, 0.05}).mesh_W);
+  }
+  const auto between = plan("cube 40 mm between walls", cube, carrier(), walls);
+  ASSERT_FALSE(alone.grasps.empty());
+  EXPECT_GT(between.rejections.at("hand would hit another object"), 0);
+  for (const auto& grasp : between.grasps) {
+    EXPECT_GT(std::abs(grasp.X_WG.linear().col(1).x()), 0.9);
+  }
+  // Walls all round leave nothing.
+  for (double side : {-1.0, 1.0}) {
+    walls.meshes_W.push_back(
+        object_at(geometry::make_box({0.02, 0.3, 0.1}), {0.4 + side * 0.034, 0, 0.05}).mesh_W);
+  }
+  const auto enclosed = plan("cube 40 mm enclosed", cube, carrier(), walls);
+  EXPECT_TRUE(enclosed.grasps.empty());
+  EXPECT_NE(enclosed.problem.find("another object"), std::string::npos) << enclosed.problem;
+}
+
+TEST(PlanGrasps, NarrowerOpeningBesideANeighbour) {
+  const surface::ObjectModel cube =
+      object_at(geometry::make_box({0.03, 0.03, 0.06}), {0.4, 0, 0.03});
+  Obstacles walls;
+  for (double side : {-1.0, 1.0}) {  // finger's back at 20 + 12 mm, + 5 mm margin: 37 mm
+    walls.meshes_W.push_back(
+        object_at(geometry::make_box({0.3, 0.02, 0.1}), {0.4, side * 0.050, 0.05}).mesh_W);
+  }
+  const auto result = plan("narrow opening", cube, carrier(), walls);
+  ASSERT_FALSE(result.grasps.empty());
+  bool narrowed = false;
+  for (const auto& grasp : result.grasps) {
+    if (std::abs(grasp.X_WG.linear().col(1).y()) > 0.9) {
+      EXPECT_LT(grasp.pregrasp_opening, 0.045);
+      narrowed = true;
+    }
+  }
+  EXPECT_TRUE(narrowed);
+}
+
+TEST(PlanGrasps, LowNeighboursAllowANarrowerOpening) {
+  const surface::ObjectModel post =
+      object_at(geometry::make_box({0.03, 0.03, 0.12}), {0.4, 0, 0.06});
+  Obstacles walls;
+  for (double side : {-1.0, 1.0}) {
+    walls.meshes_W.push_back(
+        object_at(geometry::make_box({0.3, 0.02, 0.05}), {0.4, side * 0.050, 0.025}).mesh_W);
+    walls.meshes_W.push_back(
+        object_at(geometry::make_box({0.02, 0.3, 0.05}), {0.4 + side * 0.050, 0, 0.025}).mesh_W);
+  }
+  const auto result = plan("post between low walls", post, carrier(), walls);
+  ASSERT_FALSE(result.grasps.empty()) << result.problem;
+}
+
+TEST(PlanGrasps, SameInputSameResult) {
+  const auto object = object_at(geometry::make_sphere(0.028), {0.1, 0.2, 0.028});
+  const auto a = plan("ball", object), b = plan("ball", object);
+  ASSERT_EQ(a.grasps.size(), b.grasps.size());
+  EXPECT_EQ(a.rejections, b.rejections);
+  for (std::size_t i = 0; i < a.grasps.size(); ++i) {
+    EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
+    EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
+    EXPECT_EQ(a.grasps[i].predicted.opening, b.grasps[i].predicted.opening);
+  }
+}
+
+TEST(PlanGrasps, OpenMeshStillHasAWeight) {
+  surface::ObjectModel object =
+      object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025});
+  object.mesh_W.triangles.pop_back();
+  const auto result = plan("cube with a hole", object);
+  ASSERT_FALSE(result.grasps.empty()) << result.problem;
+  EXPECT_NEAR(result.grasps.front().predicted.lifted_mass, 0.1, 1e-3);
+}
+
+TEST(PlanGrasps, InsideOutMeshIsTurned) {
+  surface::ObjectModel object =
+      object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025});
+  for (auto& t : object.mesh_W.triangles) std::swap(t[0], t[1]);
+  EXPECT_FALSE(plan("inside out", object).grasps.empty());
+}
+
+TEST(PlanGrasps, BrokenMeshesAreInputErrors) {
+  surface::ObjectModel object;
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+               geometry::InputError);
+  object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
+  object.mesh_W.vertices[3].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+               geometry::InputError);
+  object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
+  object.mesh_W.triangles[0][1] = 99;
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+               geometry::InputError);
+  // A flat sheet bounds no solid.
+  object.mesh_W.vertices = {{0, 0, 0.1}, {0.1, 0, 0.1}, {0, 0.1, 0.1}, {0.1, 0.1, 0.1}};
+  object.mesh_W.triangles = {{0, 1, 2}, {2, 1, 3}};
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+               geometry::InputError);
+}
+
+TEST(PlanGrasps, RejectsNonsenseOptions) {
+  const auto object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
+  PlannerOptions options;
+  options.density = -1;
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options),
+               std::invalid_argument);
+  options = {};
+  options.safety_factor = 0.5;
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prehend::grasp
