@@ -15,6 +15,8 @@ using geometry::Plane;
 using geometry::PointCloud;
 using geometry::RigidTransform;
 
+constexpr int kMinClusterVoxels = 5;  // smaller ones are noise
+
 void require(bool condition, const char* what) {
   if (!condition) throw std::invalid_argument(std::string("SegmentationOptions: ") + what);
 }
@@ -32,6 +34,8 @@ void check_options(const SegmentationOptions& o) {
   require(std::isfinite(o.hull_margin), "hull_margin must be finite");
   require(o.close_radius >= 0 && o.close_radius <= 50, "close_radius must be 0..50");
   require(o.max_objects > 0, "max_objects must be positive");
+  require(o.parts.contact_height >= 0 && o.parts.join_gap >= 0 && o.parts.drop_height >= 0,
+          "parts must not have negative lengths");
 }
 
 std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table,
@@ -44,7 +48,8 @@ std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table
     if (!geometry::is_finite(cloud_C.points[i])) continue;
     const Eigen::Vector3d p = cloud_C.points[i].cast<double>();
     const double height = table.plane_C.signed_distance(p);
-    if (height >= options.min_height && height <= options.max_height &&
+    const double noise_growth = std::clamp(p.z() * p.z(), 1.0, 4.0);
+    if (height >= options.min_height * noise_growth && height <= options.max_height &&
         p.norm() <= options.max_distance && outline.contains(p, options.hull_margin)) {
       indices.push_back(static_cast<int>(i));
     }
@@ -58,7 +63,10 @@ std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C, const Tabl
   const VoxelGrid grid = make_voxel_grid(
       cloud_C.points, points_over_table(cloud_C, table, options), options.leaf_size);
   std::vector<std::vector<int>> objects;
-  for (const auto& cluster : euclidean_clusters(grid.centroids, options.cluster_tolerance, 1)) {
+  const std::vector<std::vector<int>> clusters =
+      euclidean_clusters(grid.centroids, options.cluster_tolerance, kMinClusterVoxels);
+  for (const auto& cluster :
+       joined_parts(grid.centroids, clusters, table.plane_C, options.parts)) {
     std::vector<int> members;
     double height = 0;
     for (const int voxel : cluster) {

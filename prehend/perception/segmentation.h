@@ -5,13 +5,15 @@
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/perception/object_parts.h"
 #include "prehend/perception/segmented_scene.h"
 #include "prehend/perception/table.h"
 
 namespace prehend::perception {
 
 struct SegmentationOptions {
-  double min_height = 0.008;        // m over the table: lower points belong to the table
+  /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond.
+  double min_height = 0.008;
   double max_height = 0.45;         // m over the table: higher points are dropped
   double max_distance = 2.5;        // m from the camera
   double cluster_tolerance = 0.02;  // m, gap that separates two objects
@@ -21,10 +23,11 @@ struct SegmentationOptions {
   double hull_margin = 0.02;        // m, the table's outline is widened by this much
   int close_radius = 2;             // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
+  PartOptions parts;                // which clusters are one object
 };
 
 /// The objects that stand on `table`: points over its convex outline, voxel grid,
-/// Euclidean clusters, one mask each. Organized clouds give masks by pixel membership, others by
+/// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by pixel membership, others by
 /// projecting splats with a depth test; small holes are closed. Largest object (points) first, ids
 /// 0, 1, ... in that order. No object is not an error: `objects` is empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.

@@ -173,6 +173,22 @@ struct Candidate {
   int standing = 0;
 };
 
+// The largest group of points without a gap over kPatchGap; a coarse grid is enough to tell.
+std::vector<int> largest_patch(const std::vector<Eigen::Vector3f>& points,
+                               const std::vector<int>& indices) {
+  const VoxelGrid coarse = make_voxel_grid(points, indices, kPatchGap / 3);
+  std::vector<int> largest;
+  for (const auto& patch : euclidean_clusters(coarse.centroids, kPatchGap, 1)) {
+    std::vector<int> members;
+    for (const int v : patch) {
+      members.insert(members.end(), coarse.members[v].begin(), coarse.members[v].end());
+    }
+    if (members.size() > largest.size()) largest = std::move(members);
+  }
+  std::sort(largest.begin(), largest.end());
+  return largest;
+}
+
 // Refines by least squares over the inliers and keeps the largest connected patch.
 std::optional<Candidate> refined(Plane plane, const std::vector<Eigen::Vector3f>& voxels,
                                  const std::vector<int>& remaining, const TableOptions& options) {
@@ -180,12 +196,7 @@ std::optional<Candidate> refined(Plane plane, const std::vector<Eigen::Vector3f>
   for (int round = 0; round < 3; ++round) {
     candidate.voxels = inliers_of(plane, voxels, remaining, options, 1.0);
     if (candidate.voxels.size() < kMinVoxels) return std::nullopt;
-    std::vector<Eigen::Vector3f> members;
-    for (const int i : candidate.voxels) members.push_back(voxels[i]);
-    const std::vector<std::vector<int>> patches = euclidean_clusters(members, kPatchGap, 1);
-    std::vector<int> patch;
-    for (const int i : patches.front()) patch.push_back(candidate.voxels[i]);
-    candidate.voxels = patch;
+    candidate.voxels = largest_patch(voxels, candidate.voxels);
     if (candidate.voxels.size() < kMinVoxels) return std::nullopt;
     const PrincipalAxes axes = principal_axes(voxels, candidate.voxels);
     if (axes.deviations[1] * std::sqrt(12.0) < options.min_extent) return std::nullopt;
@@ -259,7 +270,11 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
   for (std::size_t i = 0; i < remaining.size(); ++i) remaining[i] = static_cast<int>(i);
 
   std::optional<Candidate> best;
-  for (int k = 0; k < options.max_planes && remaining.size() >= kMinVoxels; ++k) {
+  const std::size_t fewest =
+      std::max<std::size_t>(kMinVoxels, static_cast<std::size_t>(
+                                            options.min_support *
+                                            static_cast<double>(voxels.size())));
+  for (int k = 0; k < options.max_planes && remaining.size() >= fewest; ++k) {
     const std::optional<Plane> plane = ransac_plane(voxels, remaining, options, up_C);
     if (!plane) break;
     if (auto candidate = refined(*plane, voxels, remaining, options)) {

@@ -1,0 +1,194 @@
+#include "prehend/perception/object_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include <Eigen/Dense>
+
+namespace prehend::perception {
+namespace {
+
+constexpr std::size_t kMinPartPoints = 12;  // fewer say nothing about a shape
+constexpr double kHollowSagitta = 0.12;     // depth of a hollow footprint over its half width
+constexpr double kOverlap = 0.6;            // of the lateral widths of inner and outer wall
+constexpr double kRimDifference = 0.025;    // m, between the heights of the two walls
+constexpr double kWallGap = 0.6;            // of the width, between the walls' nearest points
+
+struct Part {
+  double lowest = 0;   // m over the table
+  double highest = 0;  // m, 98 % quantile
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+};
+
+double quantile(std::vector<double>& values, double q) {
+  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+class PartJoiner {
+ public:
+  PartJoiner(const std::vector<Eigen::Vector3f>& points,
+             const std::vector<std::vector<int>>& clusters, const geometry::Plane& table)
+      : points_(points), clusters_(clusters), table_(table) {
+    for (const std::vector<int>& cluster : clusters) {
+      Part part;
+      std::vector<double> heights;
+      for (const int i : cluster) {
+        const Eigen::Vector3d p = points[i].cast<double>();
+        part.center += p / static_cast<double>(cluster.size());
+        heights.push_back(table.signed_distance(p));
+      }
+      part.lowest = quantile(heights, 0.02);
+      part.highest = quantile(heights, 0.98);
+      parts_.push_back(part);
+    }
+  }
+
+  const Part& part(std::size_t k) const { return parts_[k]; }
+
+  double distance(std::size_t a, std::size_t b) const {
+    float least = std::numeric_limits<float>::infinity();
+    for (const int i : clusters_[a]) {
+      for (const int j : clusters_[b]) {
+        least = std::min(least, (points_[i] - points_[j]).squaredNorm());
+      }
+    }
+    return std::sqrt(static_cast<double>(least));
+  }
+
+  // The cluster that part k, floating, belongs to.
+  std::optional<std::size_t> carrier_of(std::size_t k, double contact_height,
+                                        double join_gap) const {
+    std::optional<std::size_t> carrier;
+    double nearest = join_gap;
+    for (std::size_t other = 0; other < clusters_.size(); ++other) {
+      if (other == k || parts_[other].lowest > contact_height) continue;
+      if (clusters_[other].size() < 2 * clusters_[k].size()) continue;
+      const double gap = distance(k, other);
+      if (gap >= nearest) continue;
+      nearest = gap;
+      carrier = other;
+    }
+    return carrier;
+  }
+
+  // The near wall of the vessel whose far inside wall is part k.
+  std::optional<std::size_t> near_wall_of(std::size_t k) const {
+    if (clusters_[k].size() < kMinPartPoints) return std::nullopt;
+    const View view = view_of(k);
+    const Footprint far = footprint(k, view);
+    const double half_width = 0.5 * (far.right - far.left);
+    if (half_width <= 0 || far.curvature * half_width * half_width > -kHollowSagitta * half_width) {
+      return std::nullopt;
+    }
+    std::optional<std::size_t> wall;
+    double nearest = kWallGap * 2 * half_width;
+    for (std::size_t other = 0; other < clusters_.size(); ++other) {
+      if (other == k || clusters_[other].size() < kMinPartPoints) continue;
+      if (std::abs(parts_[other].highest - parts_[k].highest) > kRimDifference) continue;
+      const Footprint near = footprint(other, view);
+      const double overlap = std::min(near.right, far.right) - std::max(near.left, far.left);
+      const double widest = std::max(near.right - near.left, far.right - far.left);
+      if (overlap < kOverlap * widest || near.middle >= far.middle) continue;
+      const double gap = distance(k, other);
+      if (gap >= nearest) continue;
+      nearest = gap;
+      wall = other;
+    }
+    return wall;
+  }
+
+ private:
+  struct View {
+    Eigen::Vector3d along;    // horizontal, away from the camera
+    Eigen::Vector3d lateral;  // horizontal
+  };
+
+  struct Footprint {
+    double left = 0;       // m, 3 % and 97 % quantiles across
+    double right = 0;
+    double middle = 0;     // m, mean along the view
+    double curvature = 0;  // 1/m, of along = a + b lateral + curvature lateral^2
+  };
+
+  View view_of(std::size_t k) const {
+    Eigen::Vector3d along = table_.project(parts_[k].center) -
+                            table_.project(Eigen::Vector3d::Zero());
+    // Straight from above every horizontal direction is as good.
+    if (along.norm() < 1e-6) along = table_.normal.unitOrthogonal();
+    along.normalize();
+    return {along, table_.normal.cross(along)};
+  }
+
+  Footprint footprint(std::size_t k, const View& view) const {
+    const std::vector<int>& cluster = clusters_[k];
+    const Eigen::Vector3d& center = parts_[k].center;
+    Eigen::MatrixX3d basis(static_cast<Eigen::Index>(cluster.size()), 3);
+    Eigen::VectorXd along(basis.rows());
+    std::vector<double> lateral;
+    for (Eigen::Index r = 0; r < basis.rows(); ++r) {
+      const Eigen::Vector3d p = points_[cluster[static_cast<std::size_t>(r)]].cast<double>();
+      const double l = view.lateral.dot(p - center);
+      lateral.push_back(view.lateral.dot(p));
+      basis.row(r) << 1, l, l * l;
+      along[r] = view.along.dot(p);
+    }
+    Footprint result;
+    result.left = quantile(lateral, 0.03);
+    result.right = quantile(lateral, 0.97);
+    result.middle = along.mean();
+    const Eigen::Matrix3d normal_matrix = basis.transpose() * basis;
+    const Eigen::Vector3d moments = basis.transpose() * along;
+    const Eigen::Vector3d solution = normal_matrix.ldlt().solve(moments);
+    if (solution.allFinite()) result.curvature = solution[2];
+    return result;
+  }
+
+  const std::vector<Eigen::Vector3f>& points_;
+  const std::vector<std::vector<int>>& clusters_;
+  const geometry::Plane& table_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace
+
+std::vector<std::vector<int>> joined_parts(const std::vector<Eigen::Vector3f>& points,
+                                           const std::vector<std::vector<int>>& clusters,
+                                           const geometry::Plane& table_C,
+                                           const PartOptions& options) {
+  const PartJoiner joiner(points, clusters, table_C);
+  std::vector<std::size_t> target(clusters.size());
+  std::iota(target.begin(), target.end(), 0);
+  std::vector<char> dropped(clusters.size(), 0);
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    const bool floats = joiner.part(k).lowest > options.contact_height;
+    std::optional<std::size_t> whole = joiner.near_wall_of(k);
+    if (!whole && floats) {
+      whole = joiner.carrier_of(k, options.contact_height, options.join_gap);
+    }
+    if (whole) {
+      target[k] = *whole;
+    } else if (joiner.part(k).lowest > options.drop_height) {
+      dropped[k] = 1;
+    }
+  }
+  std::vector<std::vector<int>> result(clusters.size());
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    // Parts of parts; a circle ends where it started.
+    std::size_t root = k;
+    for (std::size_t steps = 0; target[root] != root && steps < clusters.size(); ++steps) {
+      root = target[root];
+    }
+    if (dropped[root]) continue;
+    result[root].insert(result[root].end(), clusters[k].begin(), clusters[k].end());
+  }
+  std::erase_if(result, [](const auto& part) { return part.empty(); });
+  for (std::vector<int>& part : result) std::sort(part.begin(), part.end());
+  return result;
+}
+
+}  // namespace prehend::perception
