@@ -1,0 +1,150 @@
+#include <chrono>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "msgs/convert/objects.h"
+#include "msgs/objects.pb.h"
+#include "nodes/segmentation_parameters/segmentation_parameters.h"
+#include "prehend/geometry/cloud_files.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node.h"
+#include "prehend/perception/recorded_cloud.h"
+
+namespace {
+
+using namespace prehend;
+
+// The numbers of a parameter like "0 0 1"; none for an empty one.
+std::vector<double> read_numbers(const std::string& name, const std::string& text,
+                                 std::size_t count, const std::string& meaning) {
+  std::istringstream stream(text);
+  std::vector<double> numbers;
+  for (double number = 0; stream >> number;) numbers.push_back(number);
+  if (stream.eof() && (numbers.empty() || numbers.size() == count)) return numbers;
+  throw geometry::InputError("Parameter " + name + " is '" + text + "'",
+                             "Give " + meaning + ", separated by spaces");
+}
+
+perception::RecordedCloudOptions read_options(graph::Node& node) {
+  perception::RecordedCloudOptions options;
+  options.scale = node.declare_parameter<double>({.name = "scale",
+                                                  .default_value = 1.0,
+                                                  .minimum = 1e-9,
+                                                  .maximum = 1e9,
+                                                  .description = "metres per unit of the file"});
+  const auto viewpoint = node.declare_parameter<std::string>(
+      {.name = "viewpoint",
+       .description = "pose of the camera's optical frame in the file's frame: x y z qw qx qy qz; "
+                      "empty: found out from the file"});
+  const auto up = node.declare_parameter<std::string>(
+      {.name = "up", .description = "direction up in the file's frame: x y z; empty: unknown"});
+  const auto single_object = node.declare_parameter<std::string>(
+      {.name = "single_object",
+       .default_value = "auto",
+       .choices = {"auto", "yes", "no"},
+       .description = "whether the cloud is one object without a table"});
+  if (const auto v = read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
+      !v.empty()) {
+    const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
+    if (!(q.norm() > 0.5 && q.norm() < 2)) {
+      throw geometry::InputError("Parameter viewpoint has a quaternion of length " +
+                                     std::to_string(q.norm()), "Give a unit quaternion, w first");
+    }
+    options.viewpoint = geometry::make_transform(q, {v[0], v[1], v[2]});
+  }
+  if (const auto v = read_numbers("up", up, 3, "x y z"); !v.empty()) {
+    options.up = Eigen::Vector3d(v[0], v[1], v[2]);
+    if (options.up->norm() < 1e-9) {
+      throw geometry::InputError("Parameter up has no length", "Give a direction like 0 0 1");
+    }
+  }
+  if (single_object != "auto") options.single_object = single_object == "yes";
+  return options;
+}
+
+class StageClock {
+ public:
+  void end_stage(msgs::ObjectHypotheses& message, const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    msgs::StageTime* time = message.add_times();
+    time->set_stage(stage);
+    time->set_seconds(std::chrono::duration<double>(now - start_).count());
+    start_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// A cloud without table or objects is an answer: it is published and the node stays.
+msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedCloud& recorded,
+                               msgs::ObjectHypotheses times, StageClock& clock) {
+  msgs::ObjectHypotheses message;
+  try {
+    const perception::SegmentedScene scene = perception::segment_recorded_cloud(
+        recorded, nodes::segmentation_options(node), nodes::table_options(node));
+    message = convert::to_message(scene);
+    if (scene.objects.empty()) {
+      message.set_problem("The table is empty: nothing of a graspable size stands on it");
+    }
+  } catch (const geometry::InputError& error) {
+    message.set_problem(error.what());
+  }
+  clock.end_stage(times, "segmentation");
+  message.mutable_times()->Swap(times.mutable_times());
+  return message;
+}
+
+void run(graph::Node& node) {
+  const auto file = node.declare_parameter<std::string>(
+      {.name = "file", .description = "a .pcd or .ply cloud"});
+  const perception::RecordedCloudOptions options = read_options(node);
+  nodes::declare_segmentation_parameters(node);
+  const auto publisher =
+      node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
+  const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
+    message.mutable_header()->set_frame_id("world");
+    message.mutable_header()->set_stamp(node.clock().now());
+    publisher.publish(std::move(message));
+  };
+
+  StageClock clock;
+  msgs::ObjectHypotheses times;
+  msgs::ObjectHypotheses message;
+  try {
+    if (file.empty()) {
+      throw geometry::InputError("Parameter file is empty", "Name a .pcd or .ply cloud");
+    }
+    const geometry::CloudFile cloud = geometry::read_cloud_file(file);
+    clock.end_stage(times, "read");
+    const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
+    clock.end_stage(times, "viewpoint");
+    for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
+    message = segment(node, recorded, std::move(times), clock);
+  } catch (const geometry::InputError& error) {
+    message.set_problem(error.what());
+    publish(message);  // for those who listen already; the launch shows the reason too
+    throw;
+  }
+  if (message.problem().empty()) {
+    node.report(graph::Health::kOk, fmt::format("{} objects in {}", message.objects_size(), file));
+  } else {
+    node.report(graph::Health::kWarning, fmt::format("{}: {}", file, message.problem()));
+  }
+  publish(std::move(message));
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"cloud_source",
+       "Reads a recorded point cloud, works out from where it was seen, finds the table and the "
+       "objects on it, and publishes them once on /objects (latched). A file that cannot be used "
+       "ends the node with the reason."},
+      run);
+}

@@ -1,0 +1,208 @@
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "msgs/convert/objects.h"
+#include "msgs/objects.pb.h"
+#include "msgs/sensors.pb.h"
+#include "nodes/segmentation_parameters/segmentation_parameters.h"
+#include "prehend/graph/node.h"
+#include "prehend/perception/segmentation.h"
+#include "prehend/perception/stereo.h"
+#include "prehend/perception/table.h"
+
+namespace {
+
+using namespace prehend;
+
+constexpr const char* kNoObjects =
+    "The table is empty: nothing of a graspable size stands on it within max_distance";
+
+void declare_stereo_parameters(graph::Node& node) {
+  const perception::StereoOptions o;
+  const auto declare_count = [&node](const char* name, int value, int minimum, int maximum,
+                                     const char* description) {
+    node.declare_parameter<int>({.name = name,
+                                 .default_value = value,
+                                 .unit = "px",
+                                 .minimum = minimum,
+                                 .maximum = maximum,
+                                 .description = description});
+  };
+  node.declare_parameter<std::string>(
+      {.name = "process",
+       .default_value = "once_per_scene",
+       .choices = {"once_per_scene", "every"},
+       .description = "which pairs are looked at: the first after the simulated scene changed "
+                      "(recordings: each), or every one"});
+  node.declare_parameter<double>({.name = "minimum_depth",
+                                  .default_value = o.min_depth,
+                                  .unit = "m",
+                                  .minimum = 0.01,
+                                  .maximum = 100.0,
+                                  .description = "nearest depth looked for; smaller costs time"});
+  node.declare_parameter<double>({.name = "maximum_depth",
+                                  .default_value = o.max_depth,
+                                  .unit = "m",
+                                  .minimum = 0.02,
+                                  .maximum = 1000.0,
+                                  .description = "farthest depth looked for"});
+  declare_count("block_size", o.block_size, 1, 21, "side of the matched window, odd");
+  declare_count("small_step_penalty", o.small_step_penalty, 1, 1000,
+                "cost of a disparity step of one pixel");
+  declare_count("large_step_penalty", o.large_step_penalty, 2, 1000,
+                "cost of a larger step; more than small_step_penalty");
+  declare_count("gradient_cap", o.gradient_cap, 1, 127, "clips the derivative that is compared");
+  node.declare_parameter<int>({.name = "uniqueness_percent",
+                               .default_value = o.uniqueness_percent,
+                               .unit = "%",
+                               .minimum = 0,
+                               .maximum = 100,
+                               .description = "by which the best match must win"});
+  declare_count("speckle_size", o.speckle_size, 0, 100000, "smaller patches are dropped");
+  declare_count("speckle_range", o.speckle_range, 1, 100, "disparity step within a patch");
+  declare_count("left_right_tolerance", o.left_right_tolerance, -1, 100,
+                "of the left-right check; -1: no check");
+  node.declare_parameter<bool>({.name = "eight_directions",
+                                .default_value = o.eight_directions,
+                                .description = "the full two-pass algorithm"});
+}
+
+perception::StereoOptions stereo_options(const graph::Node& node) {
+  perception::StereoOptions o;
+  o.min_depth = node.parameter<double>("minimum_depth");
+  o.max_depth = node.parameter<double>("maximum_depth");
+  o.block_size = node.parameter<int>("block_size");
+  o.small_step_penalty = node.parameter<int>("small_step_penalty");
+  o.large_step_penalty = node.parameter<int>("large_step_penalty");
+  o.gradient_cap = node.parameter<int>("gradient_cap");
+  o.uniqueness_percent = node.parameter<int>("uniqueness_percent");
+  o.speckle_size = node.parameter<int>("speckle_size");
+  o.speckle_range = node.parameter<int>("speckle_range");
+  o.left_right_tolerance = node.parameter<int>("left_right_tolerance");
+  o.eight_directions = node.parameter<bool>("eight_directions");
+  return o;
+}
+
+// Seconds since the last call, by stage.
+class StageClock {
+ public:
+  void end_stage(msgs::ObjectHypotheses& message, const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    msgs::StageTime* time = message.add_times();
+    time->set_stage(stage);
+    time->set_seconds(std::chrono::duration<double>(now - start_).count());
+    start_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+class StereoSegmentation {
+ public:
+  explicit StereoSegmentation(graph::Node& node) : node_(node) {
+    declare_stereo_parameters(node);
+    nodes::declare_segmentation_parameters(node);
+    publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
+    camera_ = node.subscribe<msgs::CameraInfo>(
+        "/camera/info", graph::QoS::queue(1), [this](const graph::Received<msgs::CameraInfo>& m) {
+          info_ = m.shared();
+          process_pending();
+        });
+    stereo_ = node.subscribe<msgs::StereoPair>(
+        "/camera/stereo", graph::QoS::latest(), [this](const graph::Received<msgs::StereoPair>& m) {
+          pending_ = m.shared();
+          process_pending();
+        });
+  }
+
+ private:
+  void process_pending() {
+    if (!info_ || !pending_) return;
+    const std::shared_ptr<const msgs::StereoPair> pair = std::move(pending_);
+    pending_ = nullptr;
+    const std::uint64_t generation = pair->scene_generation();
+    const bool seen = generation != 0 && generation == last_generation_;
+    if (seen && node_.parameter<std::string>("process") == "once_per_scene") return;
+    last_generation_ = generation;
+    publish(*pair);
+  }
+
+  void publish(const msgs::StereoPair& pair) {
+    msgs::ObjectHypotheses message;
+    try {
+      message = segment(pair);
+    } catch (const std::exception& error) {
+      message.Clear();
+      *message.mutable_camera() = *info_;
+      message.set_problem(error.what());
+    }
+    *message.mutable_header() = pair.header();
+    message.mutable_header()->set_frame_id("world");
+    *message.mutable_camera()->mutable_header() = pair.header();
+    if (message.problem().empty()) {
+      node_.report(graph::Health::kOk,
+                   fmt::format("{} objects on the table", message.objects_size()));
+      node_.log_info("{} objects on the table", message.objects_size());
+    } else {
+      node_.report(graph::Health::kWarning, message.problem());
+    }
+    publisher_.publish(std::move(message));
+  }
+
+  msgs::ObjectHypotheses segment(const msgs::StereoPair& pair) {
+    StageClock clock;
+    msgs::ObjectHypotheses times;
+    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
+    const convert::StereoImages images = convert::from_message(pair);
+    const perception::DisparityImage disparity = perception::disparity_by_sgbm(
+        images.left, images.right, camera, stereo_options(node_));
+    clock.end_stage(times, "disparity");
+    const geometry::PointCloud cloud_C =
+        perception::cloud_from_disparity(disparity, camera, images.left);
+    clock.end_stage(times, "cloud");
+    std::optional<Eigen::Vector3d> up_C;
+    if (X_WC) up_C = X_WC->linear().transpose() * Eigen::Vector3d::UnitZ();
+    const perception::Table table =
+        perception::find_table(cloud_C, nodes::table_options(node_), up_C);
+    clock.end_stage(times, "table");
+    const perception::SegmentedScene scene = perception::segment_on_table(
+        cloud_C, camera.left, table, X_WC, nodes::segmentation_options(node_));
+    clock.end_stage(times, "segmentation");
+
+    msgs::ObjectHypotheses message = convert::to_message(scene);
+    message.mutable_camera()->set_baseline(camera.baseline);
+    message.mutable_times()->Swap(times.mutable_times());
+    if (scene.objects.empty()) message.set_problem(kNoObjects);
+    return message;
+  }
+
+  graph::Node& node_;
+  graph::Publisher<msgs::ObjectHypotheses> publisher_;
+  std::shared_ptr<const msgs::CameraInfo> info_;
+  std::shared_ptr<const msgs::StereoPair> pending_;
+  std::uint64_t last_generation_ = 0;
+  graph::Subscription camera_;
+  graph::Subscription stereo_;
+};
+
+void run(graph::Node& node) {
+  const StereoSegmentation segmentation(node);
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"stereo_segmentation",
+       "Finds the table and the objects on it in a rectified stereo pair. Takes /camera/info and "
+       "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest is "
+       "looked at. When there is no table or no object, /objects says why in `problem`."},
+      run);
+}
