@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <limits>
 #include <vector>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/surface/poisson.h"
+#include "prehend/surface/closing.h"
+#include "prehend/surface/outline.h"
 
 namespace prehend::surface {
 namespace {
@@ -12,41 +13,7 @@ namespace {
 using geometry::InputError;
 using Outline = std::vector<Eigen::Vector2d>;
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// Convex hull, counter-clockwise, by Andrew's monotone chain (1979).
-Outline convex_outline(Outline points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  Outline hull;
-  const auto add_chain = [&](auto begin, auto end) {
-    const std::size_t least = hull.size() + 2;
-    for (auto p = begin; p != end; ++p) {
-      while (hull.size() >= least &&
-             cross(hull.back() - hull[hull.size() - 2], *p - hull.back()) <= 0) {
-        hull.pop_back();
-      }
-      hull.push_back(*p);
-    }
-    hull.pop_back();  // the other chain starts with it
-  };
-  if (points.size() < 3) return {};
-  add_chain(points.begin(), points.end());
-  add_chain(points.rbegin(), points.rend());
-  return hull.size() < 3 ? Outline{} : hull;
-}
-
-bool inside(const Outline& outline, const Eigen::Vector2d& p) {
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Eigen::Vector2d& a = outline[i];
-    const Eigen::Vector2d& b = outline[(i + 1) % outline.size()];
-    if (cross(b - a, p - a) < 0) return false;
-  }
-  return true;
-}
+constexpr double kUpright = 0.2;  // mean of -normal · up below which the lowest slice is upright
 
 }  // namespace
 
@@ -59,7 +26,7 @@ geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geome
   const Eigen::Vector3d x = up.unitOrthogonal();
   const Eigen::Vector3d y = up.cross(x);
   double top = 0;
-  double lowest = 1e9;
+  double lowest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3f& p : cloud.points) {
     const double height = table.signed_distance(p.cast<double>());
     top = std::max(top, height);
@@ -70,15 +37,30 @@ geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geome
                      "check the table's plane and the side its normal points to");
   }
   lowest = std::max(lowest, 0.0);
+  // Feet: where the arc that touches the surface in a point of the lowest slice touches the table.
+  // With -n · up = s and height h the arc's radius is h / (1 - s).
+  Outline feet;
   Outline slice_points;
-  for (const Eigen::Vector3f& p : cloud.points) {
-    const Eigen::Vector3d p_W = p.cast<double>();
+  double downward = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d p_W = cloud.points[i].cast<double>();
     const double height = table.signed_distance(p_W);
-    if (height <= lowest + slice * (top - lowest)) slice_points.emplace_back(x.dot(p_W), y.dot(p_W));
+    if (height > lowest + slice * (top - lowest)) continue;
+    const Eigen::Vector3d n = cloud.normals[i].cast<double>();
+    const Eigen::Vector2d out(x.dot(n), y.dot(n));
+    const double under = std::clamp(-up.dot(n), 0.0, 0.95);
+    const double inwards = std::max(height, 0.0) * std::sqrt(1 - under * under) / (1 - under);
+    slice_points.emplace_back(x.dot(p_W), y.dot(p_W));
+    feet.push_back(slice_points.back());
+    if (out.norm() > 0.1) feet.back() -= inwards * out.normalized();
+    downward += -up.dot(n);
   }
+  const bool upright = downward < kUpright * static_cast<double>(slice_points.size());
   geometry::PointCloud closed = cloud;
   closed.colors.clear();
-  const Outline outline = convex_outline(std::move(slice_points));
+  const Outline& candidates = upright ? slice_points : feet;
+  Outline outline;
+  for (const int i : convex_outline(candidates)) outline.push_back(candidates[i]);
   if (outline.empty()) return closed;
 
   const auto add = [&](const Eigen::Vector2d& p, double height, const Eigen::Vector3d& normal) {
@@ -90,9 +72,10 @@ geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geome
   for (const Eigen::Vector2d& p : outline) box.extend(p);
   for (double u = box.min().x() + 0.5 * spacing; u < box.max().x(); u += spacing) {
     for (double v = box.min().y() + 0.5 * spacing; v < box.max().y(); v += spacing) {
-      if (inside(outline, {u, v})) add({u, v}, 0, -up);
+      if (contains(outline, {u, v})) add({u, v}, 0, -up);
     }
   }
+  if (!upright) return closed;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Eigen::Vector2d& a = outline[i];
     const Eigen::Vector2d side = outline[(i + 1) % outline.size()] - a;

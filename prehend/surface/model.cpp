@@ -4,6 +4,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/surface/closing.h"
 #include "prehend/surface/deviation.h"
 
 namespace prehend::surface {
@@ -22,13 +23,25 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Longest side of the cloud's bounds [m].
+double extent(const geometry::PointCloud& cloud) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : cloud.points) box.extend(p);
+  return box.sizes().maxCoeff();
+}
+
 }  // namespace
 
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options, ModelTimes* times) {
   ModelTimes spent;
   Stopwatch stopwatch;
-  const geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
+  geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
+  if (options.close_sides) {
+    const geometry::PointCloud sides = side_points(shape, table_W, extent(cloud) / 90);
+    cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
+    cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
+  }
   spent.normals = stopwatch.lap();
 
   ObjectModel model;

@@ -11,6 +11,7 @@ namespace prehend::surface {
 
 struct ModelOptions {
   OrientedCloudOptions cloud;
+  bool close_sides = true;  // see closing.h
   PoissonOptions poisson;
   ConvexPiecesOptions convex_pieces;
 };
@@ -24,7 +25,7 @@ struct ModelTimes {
 };
 
 /// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
-/// oriented_cloud(), reconstruct(), convex_pieces(), mass properties and the mean distance of the
+/// oriented_cloud(), side_points(), reconstruct(), convex_pieces(), mass properties and the mean distance of the
 /// seen points to the mesh. `times` is filled when given.
 /// @throws geometry::InputError when the shape has too few points or gives no watertight mesh.
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,

@@ -11,6 +11,7 @@
 #include <pcl/surface/poisson.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/surface/closing.h"
 
 namespace prehend::surface {
 namespace {
@@ -157,9 +158,17 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
   const geometry::PointCloud closed =
       table && options.close_bottom ? close_bottom(cloud, *table, options.footprint_slice, spacing)
                                     : cloud;
+  // Points on the octree's cell borders can leave holes; another cube moves the borders.
+  struct Attempt {
+    int less_depth;
+    double larger_scale;
+  };
   std::string problem;
-  PoissonOptions attempt = options;
-  for (int tries = 0; tries < 3 && attempt.depth >= 3; ++tries) {
+  for (const auto& [less_depth, larger_scale] :
+       {Attempt{0, 1}, Attempt{0, 1.07}, Attempt{1, 1.03}, Attempt{2, 1.11}}) {
+    PoissonOptions attempt = options;
+    attempt.depth = std::max(3, options.depth - less_depth);
+    attempt.scale = options.scale * larger_scale;
     TriangleMesh mesh = largest_part(poisson_mesh(closed, attempt));
     if (table) {
       for (Eigen::Vector3d& vertex : mesh.vertices) {
@@ -174,8 +183,6 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
     problem += (problem.empty() ? "" : "; ") + std::string("depth ") +
                std::to_string(attempt.depth) + ": " +
                (mesh.empty() ? "no triangles" : defects.to_string());
-    attempt.depth -= 1;
-    attempt.scale = std::min(3.0, attempt.scale * 1.2);
   }
   throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) + " points (" +
                        problem + ")",

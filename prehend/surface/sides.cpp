@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <vector>
+
+#include "prehend/surface/closing.h"
+#include "prehend/surface/outline.h"
+
+namespace prehend::surface {
+namespace {
+
+constexpr double kCosine25Degrees = 0.9063078;
+constexpr double kLeastGap = 4;  // spacings; shorter edges are bridged by Poisson
+constexpr double kUprightSlope = 0.5;
+constexpr double kNear = 2;      // spacings
+
+struct Slice {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<bool> mirrored;  // one per point: on the mirror's far side
+};
+
+/// True when the outermost points on one side (sign of y) stand over one another from three slices
+/// below `level` to three above it, as far as there are any.
+bool is_upright(const std::map<int, Slice>& slices, int level, bool left, double spacing) {
+  const auto outermost = [&](const Slice& slice) {
+    const auto [least, most] = std::minmax_element(
+        slice.points.begin(), slice.points.end(),
+        [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.y() < b.y(); });
+    return left ? least->y() : most->y();
+  };
+  const auto below = slices.lower_bound(level - 3);
+  const auto above = std::prev(slices.upper_bound(level + 3));
+  const int levels = above->first - below->first;
+  const double shift = outermost(above->second) - outermost(below->second);
+  return std::abs(shift) <= kUprightSlope * std::max(levels, 1) * spacing;
+}
+
+bool is_mirrored(shape::PointOrigin origin) {
+  return origin == shape::PointOrigin::kMirrored || origin == shape::PointOrigin::kMirroredBoth;
+}
+
+bool is_near_any(const Slice& slice, const Eigen::Vector2d& p, double distance) {
+  return std::any_of(slice.points.begin(), slice.points.end(), [&](const Eigen::Vector2d& q) {
+    return (p - q).squaredNorm() < distance * distance;
+  });
+}
+
+}  // namespace
+
+geometry::PointCloud side_points(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                                 double spacing) {
+  if (!(spacing > 0)) throw std::invalid_argument("side_points: spacing must be > 0");
+  const Eigen::Vector3d up = table_W.normal;
+  const Eigen::Vector3d x = shape.symmetry.normal_W;
+  const Eigen::Vector3d y = up.cross(x);
+  std::map<int, Slice> slices;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    const Eigen::Vector3d p_W = shape.cloud_W.points[i].cast<double>();
+    const double height = table_W.signed_distance(p_W);
+    if (!(std::abs(height) < 1e6 * spacing)) continue;
+    Slice& slice = slices[static_cast<int>(std::floor(height / spacing))];
+    slice.points.emplace_back(x.dot(p_W), y.dot(p_W));
+    slice.mirrored.push_back(is_mirrored(shape.origin[i]));
+  }
+
+  geometry::PointCloud sides;
+  for (const auto& [level, slice] : slices) {
+    const double height = (level + 0.5) * spacing;
+    const std::vector<int> outline = convex_outline(slice.points);
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const int from = outline[i];
+      const int to = outline[(i + 1) % outline.size()];
+      const Eigen::Vector2d edge = slice.points[to] - slice.points[from];
+      const double length = edge.norm();
+      if (length < kLeastGap * spacing || slice.mirrored[from] == slice.mirrored[to] ||
+          std::abs(edge.x()) < kCosine25Degrees * length) {
+        continue;
+      }
+      if (!is_upright(slices, level, edge.x() > 0, spacing)) continue;
+      const Eigen::Vector2d out = Eigen::Vector2d(edge.y(), -edge.x()) / length;
+      const int steps = static_cast<int>(length / spacing);
+      for (int step = 1; step < steps; ++step) {
+        const Eigen::Vector2d p = slice.points[from] + edge * step / steps;
+        if (is_near_any(slice, p, kNear * spacing)) continue;
+        sides.points.push_back(
+            (p.x() * x + p.y() * y + (table_W.offset + height) * up).cast<float>());
+        sides.normals.push_back((out.x() * x + out.y() * y).cast<float>());
+      }
+    }
+  }
+  return sides;
+}
+
+}  // namespace prehend::surface
