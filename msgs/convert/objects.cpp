@@ -202,6 +202,10 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   *message.mutable_symmetry_point() = to_message(shape.symmetry.point_W);
   *message.mutable_symmetry_normal() = to_message(shape.symmetry.normal_W);
   message.set_vote(shape.symmetry.vote);
+  if (shape.second_symmetry) {
+    *message.mutable_second_symmetry_point() = to_message(shape.second_symmetry->point_W);
+    *message.mutable_second_symmetry_normal() = to_message(shape.second_symmetry->normal_W);
+  }
   *message.mutable_viewpoint() = to_message(shape.viewpoint_W);
   *message.mutable_mirrored_viewpoint() = to_message(shape.mirrored_viewpoint_W);
   message.set_hypotheses_tried(static_cast<std::uint32_t>(shape.hypotheses.size()));
@@ -216,10 +220,17 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
   }
   shape.origin.reserve(message.origin().size());
   for (const char o : message.origin()) {
-    shape.origin.push_back(o == 0 ? shape::PointOrigin::kSeen : shape::PointOrigin::kMirrored);
+    if (o < 0 || o > static_cast<char>(shape::PointOrigin::kMirroredBoth)) {
+      throw InputError("A completed shape with a point of unknown origin", kSenderMend);
+    }
+    shape.origin.push_back(static_cast<shape::PointOrigin>(o));
   }
   shape.symmetry = {from_message(message.symmetry_point()),
                     from_message(message.symmetry_normal()), message.vote()};
+  if (message.has_second_symmetry_point() && message.has_second_symmetry_normal()) {
+    shape.second_symmetry = {from_message(message.second_symmetry_point()),
+                             from_message(message.second_symmetry_normal())};
+  }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
   return shape;

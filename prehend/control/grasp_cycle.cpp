@@ -12,6 +12,8 @@ namespace {
 
 using geometry::RigidTransform;
 
+constexpr double kGravity = 9.81;  // m/s^2
+
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("CycleOptions." + message);
 }
@@ -48,6 +50,8 @@ void CycleOptions::validate() const {
   require(lift_speed > 0, "lift_speed must be positive");
   require(opening_speed > 0, "opening_speed must be positive");
   require(closing_speed > 0, "closing_speed must be positive");
+  require(fast_closing_speed > 0, "fast_closing_speed must be positive");
+  require(closing_margin >= 0, "closing_margin must not be negative");
   require(pressing_speed > 0, "pressing_speed must be positive");
   require(contact_force > 0, "contact_force must be positive");
   require(touch_force > 0, "touch_force must be positive");
@@ -332,7 +336,11 @@ void GraspCycle::step_close(const Percepts& percepts) {
       (gripper_.friction_force + std::max(5.0, current_grasp().grasp_force / 2)) /
           gripper_.force_per_current,
       options_.force.least_current, options_.force.largest_current);
-  gripper_port_.command_velocity(-options_.closing_speed, current);
+  // Faster through what should be empty.
+  const bool far = !left && !right &&
+                   *percepts.opening > current_grasp().predicted.opening + options_.closing_margin;
+  gripper_port_.command_velocity(-(far ? options_.fast_closing_speed : options_.closing_speed),
+                                 current);
 }
 
 void GraspCycle::regulate_force(const Percepts& percepts) {
@@ -420,8 +428,9 @@ void GraspCycle::step_carry(const Percepts& percepts) {
   }
   if (!lowering) {
     enter(Step::kLower, "lowering it");
+    const double weight = kGravity * current_grasp().predicted.lifted_mass;
     return move_carrier(shifted(current_grasp().X_WG, options_.move_W), options_.approach_speed,
-                        2 * options_.contact_force);
+                        weight + options_.contact_force);
   }
   enter(Step::kRelease, "opening");
   gripper_port_.move_to(gripper_.max_opening, options_.opening_speed);

@@ -35,7 +35,7 @@ class CarrierPort {
  public:
   virtual ~CarrierPort() = default;
   /// Straight line of the gripper frame to X_WG at `speed` [m/s]; stops when the wrist force
-  /// changes by more than `contact_force` [N] when that is positive.
+  /// exceeds `contact_force` [N] if that is positive. The force includes a held object's weight.
   virtual void move_to(const geometry::RigidTransform& X_WG, double speed,
                        double contact_force) = 0;
   virtual MotionStatus motion() = 0;  // of the last move_to
@@ -69,8 +69,10 @@ struct CycleOptions {
   double lift_speed = 0.10;      // m/s, > 0
   double opening_speed = 0.08;   // m/s, > 0
   double closing_speed = 0.02;   // m/s, > 0, until both pads touch
+  double fast_closing_speed = 0.05;  // m/s, > 0, before that, where nothing is predicted
+  double closing_margin = 0.006;     // m, >= 0, of the opening over the predicted one: then slower
   double pressing_speed = 0.01;  // m/s, > 0, aimed at under force control
-  double contact_force = 4;      // N, > 0, change at the wrist that counts as unexpected contact
+  double contact_force = 4;      // N, > 0, at the wrist that counts as unexpected contact
   double touch_force = 0.3;      // N, > 0, of a pad's sum
   double held_ratio = 0.3;       // 0..1, of the grasp force each pad must still feel when lifted
   double largest_collapse = 0.004;  // m, > 0, the opening may shrink after the grasp settled

@@ -46,7 +46,6 @@ class SimulatedCarrier : public CarrierPort {
   explicit SimulatedCarrier(World& world) : world_(world) {}
   void move_to(const RigidTransform& X_WG, double speed, double contact_force) override {
     contact_force_ = contact_force;
-    start_force_ = world_.wrist_wrench().force;
     contact_ = false;
     world_.move_carrier(X_WG, speed);
   }
@@ -57,8 +56,7 @@ class SimulatedCarrier : public CarrierPort {
   void stop() override { world_.stop_carrier(); }
   // What a driver would do in every cycle of its loop.
   void watch() {
-    if (contact_force_ > 0 &&
-        (world_.wrist_wrench().force - start_force_).norm() > contact_force_) {
+    if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
       world_.stop_carrier();
       contact_force_ = 0;
       contact_ = true;
@@ -68,7 +66,6 @@ class SimulatedCarrier : public CarrierPort {
  private:
   World& world_;
   double contact_force_ = 0;
-  Eigen::Vector3d start_force_ = Eigen::Vector3d::Zero();
   bool contact_ = false;
 };
 

@@ -1,0 +1,86 @@
+#include "msgs/convert/grasp.h"
+
+#include <cmath>
+#include <string>
+
+#include "msgs/convert/geometry.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::convert {
+namespace {
+
+constexpr const char* kSenderMend = "Look for the fault in the node that published it";
+
+void require_positive(double value, const std::string& name) {
+  if (!(value > 0) || !std::isfinite(value)) {
+    throw geometry::InputError("A grasp whose " + name + " is not positive and finite",
+                               kSenderMend);
+  }
+}
+
+}  // namespace
+
+msgs::Grasp to_message(const grasp::Grasp& grasp) {
+  msgs::Grasp message;
+  *message.mutable_x_wg() = to_message(grasp.X_WG);
+  *message.mutable_approach_direction() = to_message(grasp.approach_W);
+  message.set_standoff(grasp.standoff);
+  message.set_roll(grasp.roll);
+  message.set_pregrasp_opening(grasp.pregrasp_opening);
+  message.set_pregrasp_distance(grasp.pregrasp_distance);
+  message.set_grasp_force(grasp.grasp_force);
+  message.set_quality(grasp.quality);
+  message.set_score(grasp.score);
+  auto& predicted = *message.mutable_predicted();
+  predicted.set_opening(grasp.predicted.opening);
+  predicted.set_contact_area(grasp.predicted.contact_area);
+  predicted.set_tactile_sum(grasp.predicted.tactile_sum);
+  predicted.set_lifted_mass(grasp.predicted.lifted_mass);
+  for (const auto& p_W : grasp.left_contacts_W) *message.add_left_contacts() = to_message(p_W);
+  for (const auto& p_W : grasp.right_contacts_W) *message.add_right_contacts() = to_message(p_W);
+  return message;
+}
+
+grasp::Grasp from_message(const msgs::Grasp& message) {
+  grasp::Grasp grasp;
+  grasp.X_WG = from_message(message.x_wg());
+  grasp.approach_W = from_message(message.approach_direction());
+  if (!(std::abs(grasp.approach_W.norm() - 1) < 1e-3)) {
+    throw geometry::InputError("A grasp whose approach direction is not a unit vector",
+                               kSenderMend);
+  }
+  require_positive(message.pregrasp_opening(), "pregrasp opening");
+  require_positive(message.pregrasp_distance(), "pregrasp distance");
+  require_positive(message.grasp_force(), "grasp force");
+  grasp.standoff = message.standoff();
+  grasp.roll = message.roll();
+  grasp.pregrasp_opening = message.pregrasp_opening();
+  grasp.pregrasp_distance = message.pregrasp_distance();
+  grasp.grasp_force = message.grasp_force();
+  grasp.quality = message.quality();
+  grasp.score = message.score();
+  grasp.predicted = {message.predicted().opening(), message.predicted().contact_area(),
+                     message.predicted().tactile_sum(), message.predicted().lifted_mass()};
+  for (const auto& p_W : message.left_contacts()) {
+    grasp.left_contacts_W.push_back(from_message(p_W));
+  }
+  for (const auto& p_W : message.right_contacts()) {
+    grasp.right_contacts_W.push_back(from_message(p_W));
+  }
+  return grasp;
+}
+
+msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan) {
+  msgs::GraspPlan message;
+  for (const auto& grasp : plan.grasps) *message.add_grasps() = to_message(grasp);
+  for (const auto& [reason, count] : plan.rejections) {
+    auto& rejection = *message.add_rejections();
+    rejection.set_reason(reason);
+    rejection.set_count(static_cast<std::uint32_t>(count));
+  }
+  message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
+  message.set_problem(plan.problem);
+  return message;
+}
+
+}  // namespace prehend::convert

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "msgs/grasp.pb.h"
+#include "prehend/grasp/planner.h"
+
+namespace prehend::convert {
+
+msgs::Grasp to_message(const grasp::Grasp& grasp);
+/// @throws InputError for NaN, an approach that is not a unit vector, an opening, distance or force
+/// that is not positive, and for what geometry.h's conversions refuse.
+grasp::Grasp from_message(const msgs::Grasp& message);
+
+/// Fills grasps, rejections, candidates and problem.
+msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan);
+
+}  // namespace prehend::convert

@@ -1,0 +1,326 @@
+#include "nodes/grasp_cycle/cycle_node.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "msgs/convert/geometry.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::nodes {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr double kPeriod = 0.01;  // s, of the control loop
+constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
+constexpr auto kServiceTimeout = std::chrono::seconds(10);
+
+bool declare_flag(graph::Node& node, const std::string& name, const std::string& description) {
+  return node.declare_parameter<bool>(
+      {.name = name, .default_value = false, .description = description});
+}
+
+double declare_length(graph::Node& node, const std::string& name, double value, double minimum,
+                      const std::string& description) {
+  return node.declare_parameter<double>({.name = name,
+                                         .default_value = value,
+                                         .unit = "m",
+                                         .minimum = minimum,
+                                         .description = description});
+}
+
+control::CycleOptions declare_cycle_options(graph::Node& node, const robot::GripperModel& gripper) {
+  control::CycleOptions options;
+  options.force.force_per_current = gripper.force_per_current;
+  options.force.largest_current = gripper.nominal_current;
+  options.lift_height = declare_length(node, "lift_height", options.lift_height, 0.12,
+                                       "of the object");
+  options.transit_height = declare_length(node, "transit_height", options.transit_height, 0,
+                                          "above which the hand crosses the scene");
+  options.largest_attempts =
+      node.declare_parameter<int>({.name = "largest_attempts",
+                                   .default_value = options.largest_attempts,
+                                   .minimum = 1,
+                                   .description = "grasps tried before giving up"});
+  return options;
+}
+
+control::PutDownOptions declare_put_down_options(graph::Node& node, double lift_height) {
+  control::PutDownOptions options;
+  options.lift_height = lift_height;
+  options.distance =
+      declare_length(node, "move_distance", options.distance, 0.01, "sideways with the object");
+  const double reach = declare_length(node, "workspace", 0.55, 0.01,
+                                      "half the side of the square the carrier reaches");
+  options.workspace_W = {Eigen::Vector3d(-reach, -reach, -10), Eigen::Vector3d(reach, reach, 10)};
+  return options;
+}
+
+double touched_area(const msgs::TactileFrame& frame, int counts) {
+  const auto touched = std::count_if(
+      frame.intensity().begin(), frame.intensity().end(),
+      [counts](std::uint32_t value) { return value > static_cast<std::uint32_t>(counts); });
+  return static_cast<double>(touched) * frame.texel_width() * frame.texel_height();
+}
+
+Eigen::AlignedBox3d bounds_in(const geometry::TriangleMesh& mesh_W,
+                              const geometry::RigidTransform& X_SW) {
+  return geometry::bounds(geometry::transformed(mesh_W, X_SW));
+}
+
+}  // namespace
+
+CycleNode::CycleNode(graph::Node& node)
+    : node_(node),
+      object_(node.declare_parameter<int>({.name = "object",
+                                           .default_value = -1,
+                                           .minimum = -1,
+                                           .description = "id of the object to grasp, -1: the one "
+                                                          "with the best grasp"})),
+      spawns_(declare_flag(node, "spawn_predicted",
+                           "put the predicted objects into the simulation before grasping")),
+      exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
+      ungraspable_is_ok_(
+          declare_flag(node, "ungraspable_is_ok", "exit code 0 when nothing can be grasped")),
+      density_(node.declare_parameter<double>({.name = "density",
+                                               .default_value = 800,
+                                               .unit = "kg/m^3",
+                                               .minimum = 1,
+                                               .description = "of spawned objects"})),
+      touch_counts_(node.declare_parameter<int>({.name = "touch_counts",
+                                                 .default_value = 10,
+                                                 .minimum = 0,
+                                                 .description = "above: a texel is touched"})),
+      gripper_model_(robot::read_gripper_model(
+          node.declare_parameter<std::string>({.name = "gripper",
+                                               .default_value = "config/robots/pg70_dsa.yaml",
+                                               .description = "gripper model"}))),
+      options_(declare_cycle_options(node, gripper_model_)),
+      put_down_(declare_put_down_options(node, options_.lift_height)),
+      views_(std::chrono::duration<double>(
+          node.declare_parameter<double>({.name = "patience",
+                                          .default_value = 8.0,
+                                          .unit = "s",
+                                          .minimum = 0.0,
+                                          .description = "wall time to wait for the other plans "
+                                                         "of a view"}))),
+      gripper_(node),
+      carrier_(node),
+      spawn_(node.client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn")),
+      surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
+      states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
+      results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))) {
+  subscribe();
+  timer_ = node.create_timer(kPeriod, [this] { tick(); });
+}
+
+void CycleNode::subscribe() {
+  using graph::QoS;
+  const auto keep = [this]<class Message>(const std::string& topic,
+                                          std::shared_ptr<const Message>& place) {
+    subscriptions_.push_back(node_.subscribe<Message>(
+        topic, QoS::latest(), [&place](const auto& message) { place = message.shared(); }));
+  };
+  keep("/tactile/left", left_);
+  keep("/tactile/right", right_);
+  keep("/gripper/state", gripper_state_);
+  keep("/carrier/state", carrier_state_);
+  subscriptions_.push_back(
+      node_.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+        wrist_force_ = convert::from_message(message->wrench().force()).norm();
+      }));
+  subscriptions_.push_back(
+      node_.subscribe<msgs::GraspPlan>("/plans", QoS::latched(32), [this](const auto& plan) {
+        views_.add(plan.shared(), steady_clock::now());
+      }));
+  subscriptions_.push_back(
+      node_.subscribe<msgs::ObjectModel>("/models", QoS::latched(32), [this](const auto& model) {
+        views_.add(model.shared());
+      }));
+  start_service_ =
+      node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
+        msgs::Acknowledge answer;
+        answer.set_success(!running_);
+        if (running_) {
+          answer.set_reason("a cycle is running");
+        } else {
+          armed_ = true;
+          answer.set_reason("starts on the newest plans");
+        }
+        return answer;
+      });
+}
+
+control::Percepts CycleNode::percepts() const {
+  control::Percepts percepts;
+  percepts.time = graph::seconds(node_.clock().now());
+  const auto pad = [this](const msgs::TactileFrame& frame) {
+    return control::PadPercept{graph::seconds(frame.header().stamp()), frame.sum(),
+                               touched_area(frame, touch_counts_)};
+  };
+  if (left_) percepts.left = pad(*left_);
+  if (right_) percepts.right = pad(*right_);
+  if (gripper_state_) {
+    percepts.opening = gripper_state_->opening();
+    percepts.gripper_blocked = gripper_state_->blocked();
+    percepts.gripper_error = gripper_state_->error_code();
+  }
+  percepts.wrist_force = wrist_force_;
+  if (carrier_state_) percepts.X_WG = convert::from_message(carrier_state_->x_wg());
+  return percepts;
+}
+
+void CycleNode::tick() {
+  if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
+  if (running_) {
+    cycle_->step(percepts());
+    publish_progress();
+    if (cycle_->finished()) finish(cycle_->result(), false);
+    return;
+  }
+  if (!armed_) return;
+  if (const View* view = views_.newest_ready(steady_clock::now())) {
+    armed_ = false;
+    start(*view);
+  }
+}
+
+void CycleNode::start(const View& view) {
+  control::CycleResult failure;
+  try {
+    target_ = choose_target(view, object_);
+    if (target_.grasps.empty()) {
+      failure.reason = target_.problem;
+      return finish(failure, target_.ungraspable);
+    }
+    if (spawns_ && view.models.count(target_.id) == 0) {
+      failure.reason = "the model of object " + std::to_string(target_.id) + " did not come";
+      return finish(failure, false);
+    }
+    const auto X_SW = spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
+    for (auto& grasp : target_.grasps) grasp = transformed(grasp, X_SW);
+    if (spawns_ && !spawn_predicted(view, target_, X_SW)) return;
+    control::CycleOptions options = options_;
+    options.move_W = choose_move(view, target_, X_SW);
+    node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
+                   target_.grasps.size(), target_.grasps.front().score);
+    cycle_.emplace(gripper_model_, options, gripper_, carrier_);
+    surprises_sent_ = 0;
+    last_detail_.clear();
+    cycle_->start(target_.grasps);
+    running_ = true;
+  } catch (const geometry::InputError& error) {
+    failure.reason = error.what();
+    finish(failure, false);
+  }
+}
+
+bool CycleNode::spawn_predicted(const View& view, const Target& target,
+                                const geometry::RigidTransform& X_SW) {
+  for (const auto& [id, mesh_W] : meshes_of(view)) {
+    msgs::SpawnRequest request;
+    request.set_name("object_" + std::to_string(id));
+    *request.mutable_mesh() = convert::to_message(geometry::transformed(mesh_W, X_SW));
+    for (const auto& piece : view.models.at(id)->convex_pieces()) {
+      *request.add_convex_pieces() =
+          convert::to_message(geometry::transformed(convert::from_message(piece), X_SW));
+    }
+    request.set_density(density_);
+    // Neighbours predicted a little too large would push each other about.
+    request.set_is_static(id != target.id);
+    const auto outcome = spawn_.call(request, kServiceTimeout);
+    const std::string reason =
+        !outcome.ok() ? outcome.error() : (outcome->success() ? "" : outcome->reason());
+    if (reason.empty()) continue;
+    if (id == target.id) {
+      control::CycleResult failure;
+      failure.reason = "the predicted object cannot be simulated: " + reason;
+      finish(failure, false);
+      return false;
+    }
+    node_.report(graph::Health::kWarning,
+                 "object " + std::to_string(id) + " is not in the simulation: " + reason);
+  }
+  return true;
+}
+
+Eigen::Vector3d CycleNode::choose_move(const View& view, const Target& target,
+                                       const geometry::RigidTransform& X_SW) const {
+  const Eigen::Vector3d hand = target.grasps.front().X_WG.translation();
+  Eigen::AlignedBox3d object(hand, hand);
+  std::vector<Eigen::AlignedBox3d> obstacles;
+  for (const auto& [id, mesh_W] : meshes_of(view)) {
+    const Eigen::AlignedBox3d box = bounds_in(mesh_W, X_SW);
+    if (id == target.id) {
+      object = box;
+    } else {
+      obstacles.push_back(box);
+    }
+  }
+  return control::choose_move(object, hand, obstacles, put_down_);
+}
+
+msgs::Surprise CycleNode::to_message(const control::Surprise& surprise) const {
+  msgs::Surprise message;
+  message.mutable_header()->set_stamp(node_.clock().now());
+  message.set_kind(static_cast<msgs::Surprise::Kind>(surprise.kind));
+  message.set_predicted(surprise.predicted);
+  message.set_felt(surprise.felt);
+  message.set_tolerance(surprise.tolerance);
+  message.set_surprising(surprise.surprising);
+  message.set_reaction(surprise.reaction);
+  return message;
+}
+
+void CycleNode::publish_progress() {
+  for (; surprises_sent_ < cycle_->surprises().size(); ++surprises_sent_) {
+    const auto message = to_message(cycle_->surprises()[surprises_sent_]);
+    if (message.surprising()) {
+      node_.log_warning("surprise: {} predicted {:.4g}, felt {:.4g}: {}",
+                        msgs::Surprise::Kind_Name(message.kind()), message.predicted(),
+                        message.felt(), message.reaction());
+    }
+    surprises_.publish(message);
+  }
+  if (cycle_->detail() == last_detail_) return;
+  last_detail_ = cycle_->detail();
+  msgs::CycleState state;
+  state.mutable_header()->set_stamp(node_.clock().now());
+  state.set_phase(control::to_string(cycle_->phase()));
+  state.set_object_id(target_.id);
+  state.set_grasp_index(static_cast<std::uint32_t>(cycle_->grasp_index()));
+  state.set_detail(last_detail_);
+  states_.publish(state);
+  node_.log_info("{}: {}", state.phase(), state.detail());
+}
+
+void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
+  msgs::CycleResult message;
+  message.mutable_header()->set_stamp(node_.clock().now());
+  message.set_success(result.success);
+  message.set_reason(result.reason);
+  message.set_object_id(target_.id);
+  message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
+  message.set_attempts(static_cast<std::uint32_t>(result.attempts));
+  if (running_) {
+    for (const auto& surprise : cycle_->surprises()) *message.add_surprises() = to_message(surprise);
+    for (const auto& [phase, seconds] : cycle_->phase_times()) {
+      auto& time = *message.add_times();
+      time.set_stage(phase);
+      time.set_seconds(seconds);
+    }
+  }
+  results_.publish(message);
+  running_ = false;
+  if (result.success) {
+    node_.log_info("success: {}", result.reason);
+  } else if (ungraspable) {
+    node_.log_info("{}", result.reason);
+  } else {
+    node_.report(graph::Health::kError, result.reason);
+  }
+  exit_code_ = result.success ? 0 : (ungraspable ? (ungraspable_is_ok_ ? 0 : 3) : 2);
+  if (exits_) exit_time_ = steady_clock::now() + kExitDelay;
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "msgs/grasp.pb.h"
+#include "nodes/grasp_cycle/ports.h"
+#include "nodes/grasp_cycle/view.h"
+#include "prehend/control/grasp_cycle.h"
+#include "prehend/control/put_down.h"
+#include "prehend/graph/node.h"
+#include "prehend/robot/gripper_model.h"
+
+namespace prehend::nodes {
+
+/// Runs control::GraspCycle on the plans of one view with what the devices' topics tell.
+class CycleNode {
+ public:
+  explicit CycleNode(graph::Node& node);
+
+  /// 0 success, 2 failure, 3 nothing can be grasped (0 when that is declared fine).
+  int exit_code() const { return exit_code_; }
+
+ private:
+  void subscribe();
+  void tick();
+  /// Starts on `view`; false when it has to wait or has failed.
+  void start(const View& view);
+  bool spawn_predicted(const View& view, const Target& target,
+                       const geometry::RigidTransform& X_SW);
+  Eigen::Vector3d choose_move(const View& view, const Target& target,
+                              const geometry::RigidTransform& X_SW) const;
+  control::Percepts percepts() const;
+  void publish_progress();
+  void finish(const control::CycleResult& result, bool ungraspable);
+  msgs::Surprise to_message(const control::Surprise& surprise) const;
+
+  graph::Node& node_;
+  int object_;
+  bool spawns_;
+  bool exits_;
+  bool ungraspable_is_ok_;
+  double density_;  // kg/m^3
+  int touch_counts_;
+  robot::GripperModel gripper_model_;
+  control::CycleOptions options_;
+  control::PutDownOptions put_down_;
+  ViewCollector views_;
+  GripperActions gripper_;
+  CarrierActions carrier_;
+  graph::ServiceClient<msgs::SpawnRequest, msgs::SpawnResponse> spawn_;
+  graph::Publisher<msgs::Surprise> surprises_;
+  graph::Publisher<msgs::CycleState> states_;
+  graph::Publisher<msgs::CycleResult> results_;
+  std::vector<graph::Subscription> subscriptions_;
+  graph::Service start_service_;
+  graph::Node::Timer timer_;
+
+  std::shared_ptr<const msgs::TactileFrame> left_, right_;
+  std::shared_ptr<const msgs::GripperState> gripper_state_;
+  std::shared_ptr<const msgs::CarrierState> carrier_state_;
+  std::optional<double> wrist_force_;  // N
+
+  std::optional<control::GraspCycle> cycle_;
+  Target target_;
+  bool armed_ = true;        // waits for plans to start on
+  bool running_ = false;
+  std::string last_detail_;
+  std::size_t surprises_sent_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> exit_time_;
+  int exit_code_ = 0;
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "msgs/actions.pb.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/control/grasp_cycle.h"
+#include "prehend/graph/node.h"
+
+namespace prehend::nodes {
+
+/// The gripper behind the action /gripper/move and the topic /gripper/command. The device's
+/// watchdog stops it 0.2 s after the last velocity command, so the cycle repeats them.
+class GripperActions : public control::GripperPort {
+ public:
+  explicit GripperActions(graph::Node& node);
+  void move_to(double opening, double speed) override;
+  control::MotionStatus motion() override;
+  void command_velocity(double speed, double current_limit) override;
+  void stop() override;
+
+ private:
+  void publish(msgs::GripperCommand::Mode mode, double value, double current_limit);
+
+  graph::Node& node_;
+  graph::Publisher<msgs::GripperCommand> commands_;
+  graph::ActionClient<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult>
+      client_;
+  graph::GoalHandle<msgs::MoveGripperResult> goal_;
+};
+
+/// The carrier behind the action /carrier/move.
+class CarrierActions : public control::CarrierPort {
+ public:
+  explicit CarrierActions(graph::Node& node);
+  void move_to(const geometry::RigidTransform& X_WG, double speed, double contact_force) override;
+  control::MotionStatus motion() override;
+  void stop() override;
+
+ private:
+  graph::Node& node_;
+  graph::ActionClient<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult>
+      client_;
+  graph::GoalHandle<msgs::MoveCarrierResult> goal_;
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "msgs/grasp.pb.h"
+#include "msgs/objects.pb.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/grasp/planner.h"
+
+namespace prehend::nodes {
+
+/// Plans and models of the objects seen in one view, by id.
+struct View {
+  std::map<std::uint32_t, std::shared_ptr<const msgs::GraspPlan>> plans;
+  std::map<std::uint32_t, std::shared_ptr<const msgs::ObjectModel>> models;
+  std::chrono::steady_clock::time_point first_plan{};
+
+  /// As many plans as the view has objects, and the model of each.
+  bool complete() const;
+};
+
+/// Sorts plans and models, which come in any order, into the views they belong to by their stamp.
+class ViewCollector {
+ public:
+  explicit ViewCollector(std::chrono::duration<double> patience) : patience_(patience) {}
+
+  void add(std::shared_ptr<const msgs::GraspPlan> plan, std::chrono::steady_clock::time_point now);
+  void add(std::shared_ptr<const msgs::ObjectModel> model);
+
+  /// The newest view that is complete, or whose first plan came `patience` ago; else nullptr.
+  const View* newest_ready(std::chrono::steady_clock::time_point now) const;
+
+ private:
+  View& view_of(std::int64_t stamp);
+
+  std::chrono::duration<double> patience_;
+  std::map<std::int64_t, View> views_;  // by stamp [ns]; the newest few
+};
+
+/// What is to be grasped.
+struct Target {
+  std::uint32_t id = 0;
+  std::vector<grasp::Grasp> grasps;  // best first; empty: see problem
+  std::string problem;               // "cannot be grasped: ..." or why the choice is impossible
+  bool ungraspable = false;          // the planner's answer, not a failure
+};
+
+/// The object whose best grasp scores highest, or the one with id `object` when that is >= 0. When
+/// it has no grasp, the problem tells why; of several objects, each one's.
+/// @throws geometry::InputError for a plan that does not make sense.
+Target choose_target(const View& view, int object);
+
+/// Meshes of the valid models by id, in the world frame.
+/// @throws geometry::InputError for a mesh that does not make sense.
+std::map<std::uint32_t, geometry::TriangleMesh> meshes_of(const View& view);
+
+/// Pose X_SW of a recording's world W in a simulation's world S, whose table is z = 0: the table
+/// comes to z = 0, the grasps' approach to straight down, and the target above the origin. The
+/// identity when table and approach are so already and the target is within 0.4 m of the origin.
+geometry::RigidTransform simulation_pose(const View& view, const Target& target);
+
+/// The same grasp in frame S, given X_SW.
+grasp::Grasp transformed(const grasp::Grasp& grasp_W, const geometry::RigidTransform& X_SW);
+
+}  // namespace prehend::nodes

@@ -1,0 +1,190 @@
+#include <chrono>
+#include <limits>
+#include <string>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/grasp.h"
+#include "msgs/convert/objects.h"
+#include "nodes/grasp_planning/model_batch.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node.h"
+#include "prehend/grasp/planner.h"
+#include "prehend/robot/gripper_model.h"
+
+namespace {
+
+using namespace prehend;
+using std::chrono::steady_clock;
+
+// A table whose normal is no further from the world's z axis is approached straight down.
+constexpr double kLevelTable = 0.17;  // rad
+
+grasp::PlannerOptions declare_planner_options(graph::Node& node) {
+  grasp::PlannerOptions options;
+  const auto declare = [&node](const std::string& name, double& value, const std::string& unit,
+                               double minimum, const std::string& description) {
+    value = node.declare_parameter<double>({.name = name,
+                                            .default_value = value,
+                                            .unit = unit,
+                                            .minimum = minimum,
+                                            .description = description});
+  };
+  declare("density", options.density, "kg/m^3", 1, "assumed of the objects");
+  declare("friction", options.friction, "", 0.01, "assumed between pads and objects");
+  declare("safety_factor", options.safety_factor, "", 1, "of the grasp force against slipping");
+  declare("least_force", options.least_force, "N", 0.1, "per pad");
+  declare("largest_force", options.largest_force, "N", 0,
+          "per pad, 0: by the gripper's nominal current");
+  declare("pregrasp_distance", options.pregrasp_distance, "m", 0.01,
+          "back along the approach direction");
+  declare("table_margin", options.collision.table_margin, "m", 0, "between hand and table");
+  declare("obstacle_margin", options.collision.obstacle_margin, "m", 0,
+          "between hand and other objects");
+  options.candidates.rolls = node.declare_parameter<int>({.name = "rolls",
+                                                          .default_value = options.candidates.rolls,
+                                                          .minimum = 1,
+                                                          .description = "over half a turn"});
+  options.candidates.standoffs =
+      node.declare_parameter<int>({.name = "standoffs",
+                                   .default_value = options.candidates.standoffs,
+                                   .minimum = 1,
+                                   .description = "depths of the fingertips tried"});
+  options.largest_count = node.declare_parameter<int>({.name = "largest_count",
+                                                       .default_value = options.largest_count,
+                                                       .minimum = 1,
+                                                       .description = "of grasps in a plan"});
+  return options;
+}
+
+class GraspPlanning {
+ public:
+  explicit GraspPlanning(graph::Node& node)
+      : node_(node),
+        options_(declare_planner_options(node)),
+        gripper_(robot::read_gripper_model(node.declare_parameter<std::string>(
+            {.name = "gripper",
+             .default_value = "config/robots/pg70_dsa.yaml",
+             .description = "gripper model"}))),
+        approach_(node.declare_parameter<std::string>(
+            {.name = "approach",
+             .default_value = "auto",
+             .choices = {"auto", "down", "table", "any"},
+             .description = "directions the robot can approach along: down the world's z axis, "
+                            "straight at the table, any; auto: down when the table is level"})),
+        workspace_(node.declare_parameter<double>(
+            {.name = "workspace",
+             .default_value = 0.0,
+             .unit = "m",
+             .minimum = 0.0,
+             .description = "half the side of the square the carrier reaches, 0: no limit"})),
+        batch_(std::chrono::duration<double>(node.declare_parameter<double>(
+            {.name = "patience",
+             .default_value = 5.0,
+             .unit = "s",
+             .minimum = 0.0,
+             .description = "wall time to wait for the other models of a view"}))),
+        plans_(node.advertise<msgs::GraspPlan>("/plans", graph::QoS::latched(32))),
+        models_(node.subscribe<msgs::ObjectModel>("/models", graph::QoS::latched(32),
+                                                  [this](const auto& model) {
+                                                    batch_.add(model.shared(), steady_clock::now());
+                                                    plan_ready();
+                                                  })),
+        timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
+    options_.validate();
+  }
+
+ private:
+  void plan_ready() {
+    const auto ready = batch_.take_ready(steady_clock::now());
+    if (!ready.empty() && batch_.incomplete()) {
+      node_.report(graph::Health::kWarning,
+                   fmt::format("planning with {} of {} models of the view as obstacles",
+                               batch_.models().size(), ready.front()->object_count()));
+    }
+    for (const auto& model : ready) plans_.publish(plan(*model));
+  }
+
+  grasp::Reachability reachability(const geometry::Plane& table) const {
+    grasp::Reachability result;
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    const bool level = table.normal.dot(up) > std::cos(kLevelTable);
+    if (approach_ != "any") {
+      const bool down = approach_ == "down" || (approach_ == "auto" && level);
+      result.approach_W = down ? Eigen::Vector3d(-up) : Eigen::Vector3d(-table.normal);
+    }
+    if (workspace_ > 0) {
+      const double infinity = std::numeric_limits<double>::infinity();
+      result.workspace_W = {Eigen::Vector3d(-workspace_, -workspace_, -infinity),
+                            Eigen::Vector3d(workspace_, workspace_, infinity)};
+    }
+    return result;
+  }
+
+  grasp::GraspPlanResult plan_on(const msgs::ObjectModel& message) const {
+    grasp::GraspPlanResult result;
+    if (!message.valid()) {
+      result.problem = "cannot be grasped: no shape was predicted: " + message.problem();
+      return result;
+    }
+    try {
+      grasp::Obstacles obstacles;
+      for (const auto& [id, other] : batch_.models()) {
+        if (id != message.id() && other->valid()) {
+          obstacles.meshes_W.push_back(convert::from_message(other->mesh()));
+        }
+      }
+      const geometry::Plane table = convert::from_message(message.table());
+      return grasp::plan_grasps(convert::from_message(message), table, obstacles, gripper_,
+                                reachability(table), options_);
+    } catch (const geometry::InputError& error) {
+      result.problem = std::string("cannot be grasped: ") + error.what();
+      return result;
+    }
+  }
+
+  msgs::GraspPlan plan(const msgs::ObjectModel& message) const {
+    const auto start = steady_clock::now();
+    msgs::GraspPlan plan = convert::to_message(plan_on(message));
+    const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
+    *plan.mutable_header() = message.header();
+    plan.set_id(message.id());
+    plan.set_object_count(message.object_count());
+    *plan.mutable_centroid() = message.centroid();
+    auto& time = *plan.add_times();
+    time.set_stage("grasp_planning");
+    time.set_seconds(seconds);
+    if (plan.problem().empty()) {
+      node_.log_info("object {}: {} grasps of {} candidates, best score {:.2f}, {:.2f} s",
+                     plan.id(), plan.grasps_size(), plan.candidates(), plan.grasps(0).score(),
+                     seconds);
+    } else {
+      node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
+    }
+    return plan;
+  }
+
+  graph::Node& node_;
+  grasp::PlannerOptions options_;
+  robot::GripperModel gripper_;
+  std::string approach_;
+  double workspace_;
+  nodes::ModelBatch batch_;
+  graph::Publisher<msgs::GraspPlan> plans_;
+  graph::Subscription models_;
+  graph::Node::Timer timer_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"grasp_planning",
+       "Plans grasps of predicted objects (/models) with a parallel gripper and publishes ranked "
+       "lists (/plans), with the reason and count of everything that was rejected. The other "
+       "objects of the view are obstacles."},
+      [](prehend::graph::Node& node) {
+        GraspPlanning planning(node);
+        node.spin();
+      });
+}
