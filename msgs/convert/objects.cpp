@@ -228,8 +228,9 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
   shape.symmetry = {from_message(message.symmetry_point()),
                     from_message(message.symmetry_normal()), message.vote()};
   if (message.has_second_symmetry_point() && message.has_second_symmetry_normal()) {
-    shape.second_symmetry = {from_message(message.second_symmetry_point()),
-                             from_message(message.second_symmetry_normal())};
+    shape.second_symmetry = shape::SymmetryHypothesis{
+        from_message(message.second_symmetry_point()),
+        from_message(message.second_symmetry_normal())};
   }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
