@@ -1,0 +1,167 @@
+#include <exception>
+#include <string>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/objects.h"
+#include "msgs/objects.pb.h"
+#include "prehend/graph/node.h"
+#include "prehend/surface/model.h"
+
+namespace {
+
+using namespace prehend;
+
+constexpr std::size_t kMostObjects = 32;  // that wait for a late reader
+
+void declare_parameters(graph::Node& node) {
+  const surface::ModelOptions o;
+  node.declare_parameter<int>({.name = "depth",
+                               .default_value = o.poisson.depth,
+                               .minimum = 3,
+                               .maximum = 10,
+                               .description = "of the octree: detail doubles and time grows about "
+                                              "fourfold with each"});
+  node.declare_parameter<double>({.name = "samples_per_node",
+                                  .default_value = o.poisson.samples_per_node,
+                                  .minimum = 1.0,
+                                  .maximum = 20.0,
+                                  .description = "more for noisier clouds"});
+  node.declare_parameter<double>({.name = "point_weight",
+                                  .default_value = o.poisson.point_weight,
+                                  .minimum = 0.0,
+                                  .maximum = 100.0,
+                                  .description = "of the points besides their normals"});
+  node.declare_parameter<double>({.name = "scale",
+                                  .default_value = o.poisson.scale,
+                                  .minimum = 1.05,
+                                  .maximum = 3.0,
+                                  .description = "reconstruction cube over the cloud's extent"});
+  node.declare_parameter<bool>({.name = "close_bottom",
+                                .default_value = o.poisson.close_bottom,
+                                .description = "close the object on the table"});
+  node.declare_parameter<bool>({.name = "close_sides",
+                                .default_value = o.close_sides,
+                                .description = "close sides between seen and mirrored points"});
+  node.declare_parameter<double>({.name = "spacing",
+                                  .default_value = o.cloud.spacing,
+                                  .unit = "m",
+                                  .minimum = 0.0,
+                                  .maximum = 0.1,
+                                  .description = "voxel in which points are averaged; 0: 1/90 of "
+                                                 "the extent"});
+  node.declare_parameter<int>({.name = "normal_neighbors",
+                               .default_value = o.cloud.normals.neighbors,
+                               .minimum = 3,
+                               .maximum = 200,
+                               .description = "points that a normal is fitted to"});
+  node.declare_parameter<double>({.name = "outlier_deviations",
+                                  .default_value = o.cloud.outliers.deviations,
+                                  .minimum = 0.1,
+                                  .maximum = 100.0,
+                                  .description = "standard deviations beyond which points go"});
+  node.declare_parameter<double>({.name = "concavity",
+                                  .default_value = o.convex_pieces.concavity,
+                                  .minimum = 0.001,
+                                  .maximum = 1.0,
+                                  .description = "dent that a convex piece may fill, of the "
+                                                 "diagonal"});
+}
+
+surface::ModelOptions model_options(const graph::Node& node) {
+  surface::ModelOptions o;
+  o.poisson.depth = node.parameter<int>("depth");
+  o.poisson.samples_per_node = node.parameter<double>("samples_per_node");
+  o.poisson.point_weight = node.parameter<double>("point_weight");
+  o.poisson.scale = node.parameter<double>("scale");
+  o.poisson.close_bottom = node.parameter<bool>("close_bottom");
+  o.close_sides = node.parameter<bool>("close_sides");
+  o.cloud.spacing = node.parameter<double>("spacing");
+  o.cloud.normals.neighbors = node.parameter<int>("normal_neighbors");
+  o.cloud.outliers.deviations = node.parameter<double>("outlier_deviations");
+  o.convex_pieces.concavity = node.parameter<double>("concavity");
+  return o;
+}
+
+void add_time(msgs::ObjectModel& message, const char* stage, double seconds) {
+  msgs::StageTime* time = message.add_times();
+  time->set_stage(stage);
+  time->set_seconds(seconds);
+}
+
+/// The model of one shape, or why there is none.
+msgs::ObjectModel to_model(const msgs::CompletedShape& shape,
+                           const surface::ModelOptions& options) {
+  msgs::ObjectModel message;
+  if (!shape.completed()) {
+    message.set_problem("not completed: " + shape.problem());
+    return message;
+  }
+  try {
+    surface::ModelTimes times;
+    message = convert::to_message(surface::make_object_model(
+        convert::from_message(shape), convert::from_message(shape.table()), options, &times));
+    message.set_valid(true);
+    add_time(message, "normals", times.normals);
+    add_time(message, "poisson", times.poisson);
+    add_time(message, "convex_pieces", times.convex_pieces);
+    add_time(message, "properties", times.properties);
+  } catch (const std::exception& error) {
+    message = msgs::ObjectModel();
+    message.set_problem(error.what());
+  }
+  return message;
+}
+
+class PoissonMeshing {
+ public:
+  explicit PoissonMeshing(graph::Node& node) : node_(node) {
+    declare_parameters(node);
+    publisher_ = node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects));
+    subscription_ = node.subscribe<msgs::CompletedShape>(
+        "/shapes", graph::QoS::queue(kMostObjects),
+        [this](const graph::Received<msgs::CompletedShape>& message) { publish(*message); });
+  }
+
+ private:
+  void publish(const msgs::CompletedShape& shape) {
+    msgs::ObjectModel model = to_model(shape, model_options(node_));
+    *model.mutable_header() = shape.header();
+    model.set_id(shape.id());
+    model.set_object_count(shape.object_count());
+    model.set_vote(shape.vote());
+    *model.mutable_table() = shape.table();
+    if (model.valid()) {
+      const std::string text = fmt::format(
+          "object {}: {} triangles, {}, {} convex pieces, {:.0f} cm^3, {:.2f} mm from what was seen",
+          shape.id(), model.mesh().triangle_count(), model.mesh_defects(),
+          model.convex_pieces_size(), model.volume() * 1e6, model.seen_deviation() * 1e3);
+      node_.log_info("{}", text);
+      node_.report(graph::Health::kOk, text);
+    } else {
+      node_.report(graph::Health::kWarning,
+                   fmt::format("object {} has no mesh: {}", shape.id(), model.problem()));
+    }
+    publisher_.publish(std::move(model));
+  }
+
+  graph::Node& node_;
+  graph::Publisher<msgs::ObjectModel> publisher_;
+  graph::Subscription subscription_;
+};
+
+void run(graph::Node& node) {
+  const PoissonMeshing meshing(node);
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"poisson_meshing",
+       "Turns each completed shape into a watertight mesh, convex pieces and mass properties. "
+       "Takes /shapes, publishes one message per object on /models (latched, the last 32). A shape "
+       "that gives no mesh is published as not valid, with the reason."},
+      run);
+}

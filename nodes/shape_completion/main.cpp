@@ -1,0 +1,165 @@
+#include <chrono>
+#include <exception>
+#include <string>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/objects.h"
+#include "msgs/objects.pb.h"
+#include "prehend/graph/node.h"
+#include "prehend/shape/symmetry.h"
+
+namespace {
+
+using namespace prehend;
+
+constexpr double kRadiansPerDegree = 0.017453292519943295;
+constexpr std::size_t kMostObjects = 32;  // that wait for a late reader
+
+void declare_parameters(graph::Node& node) {
+  const shape::CompletionOptions o;
+  node.declare_parameter<int>({.name = "orientations",
+                               .default_value = o.orientations,
+                               .minimum = 1,
+                               .maximum = 181,
+                               .description = "of the symmetry plane about each axis, odd"});
+  node.declare_parameter<double>({.name = "max_angle",
+                                  .default_value = o.max_angle / kRadiansPerDegree,
+                                  .unit = "deg",
+                                  .minimum = 0.1,
+                                  .maximum = 45.0,
+                                  .description = "of the orientations, to both sides"});
+  node.declare_parameter<int>({.name = "shifts",
+                               .default_value = o.shifts,
+                               .minimum = 2,
+                               .maximum = 1000,
+                               .description = "of the plane along its normal; time grows with it"});
+  node.declare_parameter<double>({.name = "thinning",
+                                  .default_value = o.thinning,
+                                  .minimum = 0.001,
+                                  .maximum = 0.2,
+                                  .description = "voxel in which one point votes, of the extent"});
+  node.declare_parameter<double>({.name = "depth_tolerance",
+                                  .default_value = o.depth_tolerance,
+                                  .unit = "m",
+                                  .minimum = 1e-5,
+                                  .maximum = 0.1,
+                                  .description = "depth differences below this are noise"});
+  node.declare_parameter<std::string>(
+      {.name = "vote",
+       .default_value = "supported",
+       .choices = {"supported", "contradiction", "as_published"},
+       .description = "contradiction: the published vote alone; supported: with points that "
+                      "coincide; as_published: the published method in all its parts"});
+  node.declare_parameter<bool>({.name = "second_plane",
+                                .default_value = o.second_plane,
+                                .description = "mirror at a perpendicular plane too, if there is "
+                                               "one that the view does not contradict"});
+}
+
+shape::CompletionOptions completion_options(const graph::Node& node) {
+  const auto vote = node.parameter<std::string>("vote");
+  const bool as_published = vote == "as_published";
+  shape::CompletionOptions o = as_published ? shape::as_published() : shape::CompletionOptions{};
+  if (vote == "contradiction") o.vote = shape::VoteKind::kContradiction;
+  if (!as_published) o.second_plane = node.parameter<bool>("second_plane");
+  o.orientations = node.parameter<int>("orientations");
+  o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
+  o.shifts = node.parameter<int>("shifts");
+  o.thinning = node.parameter<double>("thinning");
+  o.depth_tolerance = node.parameter<double>("depth_tolerance");
+  return o;
+}
+
+class ShapeCompletion {
+ public:
+  explicit ShapeCompletion(graph::Node& node) : node_(node) {
+    declare_parameters(node);
+    publisher_ =
+        node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
+    subscription_ = node.subscribe<msgs::ObjectHypotheses>(
+        "/objects", graph::QoS::queue(4),
+        [this](const graph::Received<msgs::ObjectHypotheses>& message) { complete_all(*message); });
+  }
+
+ private:
+  void complete_all(const msgs::ObjectHypotheses& message) {
+    if (message.objects_size() == 0) {
+      node_.report(graph::Health::kWarning, "nothing to complete: " + message.problem());
+      return;
+    }
+    perception::SegmentedScene scene;
+    try {
+      scene = convert::from_message(message);
+    } catch (const std::exception& error) {
+      node_.report(graph::Health::kError, std::string("objects are damaged: ") + error.what());
+      return;
+    }
+    int completed = 0;
+    std::string problem;
+    for (const perception::ObjectHypothesis& object : scene.objects) {
+      msgs::CompletedShape shape = complete(scene, object);
+      *shape.mutable_header() = message.header();
+      shape.set_object_count(static_cast<std::uint32_t>(scene.objects.size()));
+      if (shape.completed()) {
+        ++completed;
+        node_.log_info("object {}: {} seen points became {}, vote {:.4f}, {} planes tried",
+                       object.id, object.cloud_W.size(), shape.cloud().count(), shape.vote(),
+                       shape.hypotheses_tried());
+      } else {
+        problem = fmt::format("; object {}: {}", object.id, shape.problem());
+        node_.log_warning("object {} is not completed: {}", object.id, shape.problem());
+      }
+      publisher_.publish(std::move(shape));
+    }
+    node_.report(problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
+                 fmt::format("{} of {} objects completed{}", completed, scene.objects.size(),
+                             problem));
+  }
+
+  msgs::CompletedShape complete(const perception::SegmentedScene& scene,
+                                const perception::ObjectHypothesis& object) {
+    const auto start = std::chrono::steady_clock::now();
+    msgs::CompletedShape message;
+    try {
+      message = convert::to_message(shape::complete_by_symmetry(
+          {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W},
+          completion_options(node_)));
+    } catch (const std::exception& error) {
+      message = msgs::CompletedShape();
+      message.set_problem(error.what());
+      *message.mutable_cloud() = convert::to_message(object.cloud_W);
+      message.set_origin(std::string(object.cloud_W.size(), '\0'));
+      *message.mutable_viewpoint() =
+          convert::to_message(Eigen::Vector3d(scene.X_WC.translation()));
+    }
+    message.set_id(static_cast<std::uint32_t>(object.id));
+    *message.mutable_table() = convert::to_message(scene.table_W);
+    message.set_touches_image_border(object.touches_image_border);
+    msgs::StageTime* time = message.add_times();
+    time->set_stage("completion");
+    time->set_seconds(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return message;
+  }
+
+  graph::Node& node_;
+  graph::Publisher<msgs::CompletedShape> publisher_;
+  graph::Subscription subscription_;
+};
+
+void run(graph::Node& node) {
+  const ShapeCompletion completion(node);
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"shape_completion",
+       "Predicts the unseen side of each object by the vertical plane of symmetry that contradicts "
+       "the view least. Takes /objects, publishes one message per object on /shapes (latched, the "
+       "last 32). An object that cannot be completed is published as seen, with the reason."},
+      run);
+}
