@@ -14,7 +14,6 @@
 
 #include "prehend/graph/action.h"
 #include "prehend/graph/clock.h"
-#include "prehend/graph/names.h"
 #include "prehend/graph/outcome.h"
 #include "prehend/graph/parameter.h"
 #include "prehend/graph/publisher.h"
@@ -53,6 +52,8 @@ struct TopicInfo {
   std::size_t depth = 0;                     ///< of the first publisher
   std::vector<std::string> publishers;       ///< node names
 };
+
+struct NodeDescription;
 
 /// A node of the graph: one per process as a rule, several are possible.
 ///
@@ -269,6 +270,10 @@ class Node {
                                  const Type& feedback, const Type& result, GoalHandler handler);
   std::shared_ptr<ActionClientCore> action_client_core(const std::string& action, const Type& goal,
                                                        const Type& feedback, const Type& result);
+
+  friend int run_node(int, char**, const NodeDescription&,
+                      const std::function<void(Node&)>&);
+  Node(NodeOptions options, bool describing);  // describing: joins no graph, for --help
 
   std::shared_ptr<Impl> impl_;
 };

@@ -1,0 +1,36 @@
+#include "prehend/graph/names.h"
+
+#include <stdexcept>
+
+namespace prehend::graph {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
+}
+
+}  // namespace
+
+void check_node_name(const std::string& name) {
+  bool good = !name.empty() && name.size() <= 100 && !is_digit(name[0]);
+  for (const char c : name) good = good && is_word(c);
+  if (!good) {
+    throw std::invalid_argument("node name '" + name +
+                                "': use 1 to 100 letters, digits and '_', no digit first");
+  }
+}
+
+void check_resource_name(const std::string& name) {
+  bool good = name.size() >= 2 && name.size() <= 200 && name[0] == '/' && name.back() != '/';
+  for (std::size_t i = 1; i < name.size() && good; ++i) {
+    good = is_word(name[i]) || (name[i] == '/' && name[i - 1] != '/');
+  }
+  if (!good) {
+    throw std::invalid_argument("name '" + name +
+                                "': use '/' and letters, digits and '_' in each part, as in "
+                                "'/camera/left'");
+  }
+}
+
+}  // namespace prehend::graph

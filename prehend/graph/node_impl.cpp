@@ -1,0 +1,378 @@
+#include "prehend/graph/node_impl.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <future>
+#include <random>
+
+#include "msgs/sensors.pb.h"
+#include "prehend/graph/link/runtime_folder.h"
+#include "prehend/graph/names.h"
+
+namespace prehend::graph {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kFlushTime = 1s;
+
+std::shared_ptr<spdlog::logger> make_logger(const std::string& name, LogLevel level) {
+  auto logger = std::make_shared<spdlog::logger>(
+      name, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  logger->set_pattern("[%H:%M:%S.%e] [%^%l%$] [%n] %v");
+  static constexpr spdlog::level::level_enum kLevels[] = {
+      spdlog::level::debug, spdlog::level::info, spdlog::level::warn, spdlog::level::err};
+  logger->set_level(kLevels[static_cast<int>(level)]);
+  return logger;
+}
+
+std::string registry_endpoint(const NodeOptions& options) {
+  if (!options.registry.empty()) return options.registry;
+  const char* from_environment = std::getenv("PREHEND_REGISTRY");
+  return from_environment && *from_environment ? from_environment : kDefaultRegistryEndpoint;
+}
+
+std::string make_instance(const std::string& name) {
+  std::random_device random;
+  return fmt::format("{}-{}-{:08x}", name, ::getpid(), random());
+}
+
+template <class Message>
+void publish_to(const std::shared_ptr<PublisherCore>& publisher, const Message& message) {
+  if (publisher) publisher->publish(encode(message), message.stamp());
+}
+
+}  // namespace
+
+std::uint64_t next_local_id() {
+  static std::atomic<std::uint64_t> next{1};
+  return next++;
+}
+
+Node::Impl::Impl(NodeOptions node_options, bool is_describing)
+    : options(std::move(node_options)),
+      describing(is_describing),
+      parameters(options.parameters),
+      link(std::make_shared<NodeLink>()),
+      clock(link->clock = std::make_shared<Clock::State>(options.clock)),
+      logger(make_logger(options.name, options.log_level)) {
+  check_node_name(options.name);
+  link->node_name = options.name;
+  link->loop = std::make_shared<IoLoop>();
+  link->log = [this](LogLevel level, const std::string& text) { log(level, text); };
+  link->report = [this](Health level, const std::string& text) { report(level, text); };
+  link->send_to_client = [this, loop = link->loop](const std::string& client,
+                                                   const msgs::graph::PeerMessage& message) {
+    loop->post([this, client, message] { channels->send_to_client(client, message); });
+  };
+  link->record_changed = [this] { record_changed(); };
+  link->executor = std::make_shared<Executor>(
+      link->clock, [this](const std::string& source, const std::string& what) {
+        callback_failed(source, what);
+      });
+  record.set_name(options.name);
+  record.set_program(options.program.empty() ? options.name : options.program);
+  record.set_instance(make_instance(options.name));
+  record.set_pid(::getpid());
+  record.set_process_space(process_space());
+}
+
+void Node::Impl::join_graph() {
+  start_link();
+  make_own_topics();
+  std::promise<std::string> ended;
+  bool told = false;  // in the loop's thread
+  join_ended = [&](const std::string& error) {
+    if (!std::exchange(told, true)) ended.set_value(error);
+  };
+  link->loop->post([this] { registry->hello(record); });
+  loop_thread = std::thread([this] { link->loop->run(); });
+  auto future = ended.get_future();
+  std::string error;
+  if (future.wait_for(options.registry_timeout) == std::future_status::ready) {
+    error = future.get();
+  } else {
+    error = fmt::format("no registry answers at {} within {:.3g} s: start one with 'registry', or "
+                        "this node by 'prehend launch'",
+                        registry_endpoint(options),
+                        std::chrono::duration<double>(options.registry_timeout).count());
+  }
+  std::promise<void> cleared;
+  link->loop->post([&] {
+    join_ended = nullptr;
+    cleared.set_value();
+  });
+  cleared.get_future().wait();
+  if (!error.empty()) throw std::runtime_error(error);
+}
+
+void Node::Impl::make_own_topics() {
+  log_publisher = make_publisher("/log", QoS::latched(100), schema_of(*msgs::graph::LogLine::descriptor()));
+  diagnostic_publisher =
+      make_publisher("/diagnostics", QoS::latched(1),
+                     schema_of(*msgs::graph::Diagnostic::descriptor()));
+  if (options.clock == ClockMode::kSimulated) {
+    const auto take_clock = [this](const WaitingMessage& message) {
+      msgs::Clock stamp;
+      if (!decode(message.frames, stamp)) return false;
+      link->clock->set(stamp.time());
+      link->executor->wake();
+      return true;
+    };
+    clock_subscription = make_subscription("/clock", QoS::latest(),
+                                           schema_of(*msgs::Clock::descriptor()), take_clock, true);
+  }
+}
+
+void Node::Impl::start_link() {
+  PeerChannels::Events peer;
+  peer.client_message = [this](auto& client, auto& message) {
+    take_client_message(client, message);
+  };
+  peer.server_message = [this](auto& server, auto& message) {
+    take_server_message(server, message);
+  };
+  peer.topic_message = [this](auto& server, auto& frames) {
+    if (!subscribers->take_message(server, frames)) count_malformed("a message from " + server);
+  };
+  peer.client_lost = [this](auto& client) {
+    publishers->lose_client(client);
+    for (auto& [name, server] : action_servers) server->lose_client(client);
+  };
+  peer.server_lost = [this](auto& server) {
+    calls->lose_server(server);
+    goals->lose_server(server);
+  };
+  peer.server_back = [this](auto& server) { subscribers->rejoin(server); };
+  peer.malformed = [this](auto& what) { count_malformed(what); };
+  channels = std::make_unique<PeerChannels>(*link->loop, record.instance(), std::move(peer));
+
+  RegistryLink::Events events;
+  events.welcome = [this](auto& folder) { welcome(folder); };
+  events.refused = [this](auto& error) {
+    if (join_ended) return join_ended(error);
+    report(Health::kError, error);
+  };
+  events.known = [this](std::uint64_t version) {
+    publishers->registry_knows(version);
+    joined = true;
+    if (join_ended) join_ended("");
+  };
+  events.node_changed = [this](auto& node) { meet(node); };
+  events.node_gone = [this](auto& instance) { lose_node(instance); };
+  events.registry_answers = [this](bool answers) {
+    log(answers ? LogLevel::kInfo : LogLevel::kWarning,
+        answers ? "the registry is back"
+                : "the registry at " + registry_endpoint(options) +
+                      " does not answer; messages flow on, but nobody new is found");
+  };
+  try {
+    registry = std::make_unique<RegistryLink>(*link->loop, registry_endpoint(options),
+                                              std::move(events));
+  } catch (const zmq::error_t& error) {
+    throw std::runtime_error("registry endpoint '" + registry_endpoint(options) +
+                             "': " + error.what() + "; an example is " + kDefaultRegistryEndpoint);
+  }
+  publishers = std::make_unique<PublisherSide>(*link, *channels, *registry);
+  subscribers = std::make_unique<SubscriberSide>(*link, *channels, *registry);
+  calls = std::make_unique<CallSide>(*channels, *registry);
+  goals = std::make_unique<GoalSide>(*channels, *registry);
+  link->loop->every(100ms, [this] { tick(); });
+}
+
+void Node::Impl::shutdown() {
+  {
+    const std::lock_guard lock(mutex);
+    if (std::exchange(is_shut_down, true)) return;
+  }
+  link->clock->stop();
+  link->executor->stop();
+  if (!loop_thread.joinable()) return;
+  link->loop->post([this] {
+    calls->stop();
+    goals->stop();
+    record.set_state(msgs::graph::STOPPING);
+    record_changed();
+  });
+}
+
+Node::Impl::~Impl() {
+  shutdown();
+  if (spin_thread.joinable()) spin_thread.join();
+  std::vector<std::weak_ptr<ActionServerCore>> servers;
+  {
+    const std::lock_guard lock(mutex);
+    servers.swap(action_server_list);
+  }
+  for (const auto& server : servers) {
+    if (const auto alive = server.lock()) alive->stop();
+  }
+  if (!loop_thread.joinable()) return;
+  link->loop->post([this] {
+    flush_deadline = std::chrono::steady_clock::now() + kFlushTime;
+    flush_and_leave();
+  });
+  loop_thread.join();
+  // Sockets have to go before their context; both of this thread now, as the loop's has ended.
+  goals.reset();
+  calls.reset();
+  subscribers.reset();
+  publishers.reset();
+  registry.reset();
+  channels.reset();
+  if (!socket_file.empty()) ::unlink(socket_file.c_str());
+  if (!runtime_folder.empty()) clean_runtime_folder(runtime_folder);
+}
+
+void Node::Impl::check_not_describing() const {
+  if (describing) throw DescriptionDone();
+}
+
+std::string Node::Impl::resolve(const std::string& name) {
+  check_not_describing();
+  check_resource_name(name);
+  const std::lock_guard lock(mutex);
+  names_used.insert(name);
+  const auto remap = options.remaps.find(name);
+  if (remap == options.remaps.end()) return name;
+  remaps_used.insert(name);
+  check_resource_name(remap->second);
+  return remap->second;
+}
+
+void Node::Impl::take_name(const std::string& purpose, const std::string& name) {
+  if (!link->names.take(purpose, name)) {
+    throw std::invalid_argument("node '" + options.name + "' has the " + purpose + " " + name +
+                                " already");
+  }
+}
+
+std::shared_ptr<PublisherCore> Node::Impl::make_publisher(const std::string& topic,
+                                                          const QoS& qos,
+                                                          std::shared_ptr<const Schema> schema) {
+  if (qos.depth == 0 || qos.max_bytes == 0) {
+    throw std::invalid_argument("topic " + topic + ": QoS depth and max_bytes must be positive");
+  }
+  take_name("publisher of", topic);
+  const std::uint64_t id = next_local_id();
+  auto core = std::make_shared<PublisherCore>(link, topic, qos, schema, id);
+  core->set_drain([this, id] { publishers->drain(id); });
+  link->loop->post([this, core, schema] {
+    registry->offer_schema(schema);
+    publishers->add(core);
+    record_changed();
+  });
+  // The loop keeps the core; what users hold ends the publisher when the last copy goes.
+  const auto withdraw = [core, shared = link, this, id](PublisherCore*) {
+    shared->names.release("publisher of", core->topic());
+    shared->loop->post([this, id] {
+      publishers->remove(id);
+      record_changed();
+    });
+  };
+  return std::shared_ptr<PublisherCore>(core.get(), withdraw);
+}
+
+std::shared_ptr<SubscriptionCore> Node::Impl::make_subscription(
+    const std::string& topic, const QoS& qos, std::shared_ptr<const Schema> schema,
+    SubscriptionCore::Handler handler, bool in_loop) {
+  if (qos.depth == 0 || qos.max_bytes == 0) {
+    throw std::invalid_argument("topic " + topic + ": QoS depth and max_bytes must be positive");
+  }
+  const std::uint64_t id = next_local_id();
+  auto core = std::make_shared<SubscriptionCore>(link, topic, qos, schema, std::move(handler), id,
+                                                 in_loop);
+  core->set_withdraw([this, id] {
+    subscribers->remove(id);
+    record_changed();
+  });
+  link->loop->post([this, core] {
+    subscribers->add(core);
+    record_changed();
+  });
+  return core;
+}
+
+void Node::Impl::log(LogLevel level, const std::string& text) {
+  static constexpr spdlog::level::level_enum kLevels[] = {
+      spdlog::level::debug, spdlog::level::info, spdlog::level::warn, spdlog::level::err};
+  if (level < options.log_level) return;
+  logger->log(kLevels[static_cast<int>(level)], text);
+  msgs::graph::LogLine line;
+  line.set_stamp(link->clock->now());
+  line.set_level(static_cast<msgs::graph::LogLevel>(level));
+  line.set_node(options.name);
+  line.set_text(text);
+  publish_to(log_publisher, line);
+}
+
+void Node::Impl::report(Health level, const std::string& text) {
+  bool changed = false;
+  {
+    const std::lock_guard lock(mutex);
+    changed = level != health || text != health_text;
+    health = level;
+    health_text = text;
+  }
+  if (!changed) return;
+  if (level != Health::kOk) {
+    log(level == Health::kError ? LogLevel::kError : LogLevel::kWarning, text);
+  }
+  msgs::graph::Diagnostic diagnostic;
+  diagnostic.set_stamp(link->clock->now());
+  diagnostic.set_node(options.name);
+  diagnostic.set_level(static_cast<msgs::graph::HealthLevel>(level));
+  diagnostic.set_text(text);
+  publish_to(diagnostic_publisher, diagnostic);
+  link->loop->post([this] { record_changed(); });
+}
+
+void Node::Impl::callback_failed(const std::string& source, const std::string& what) {
+  const std::string text = source + ": exception in the callback: " + what;
+  std::uint64_t count = 0;
+  {
+    const std::lock_guard lock(mutex);
+    auto& [failed, line] = failures[source];
+    if (line.is_due(++failed)) count = failed;
+  }
+  const auto health_before = [this] {
+    const std::lock_guard lock(mutex);
+    return health_text;
+  }();
+  if (health_before != text) {
+    report(Health::kError, text);
+  } else if (count > 0) {
+    log(LogLevel::kError, fmt::format("{} ({} times in all)", text, count));
+  }
+}
+
+void Node::Impl::parameter_was_set(const ParameterInfo& parameter) {
+  log(LogLevel::kInfo,
+      fmt::format("parameter {} is now {}", parameter.name, to_text(parameter.value)));
+  if (!parameter.on_change) return;
+  link->executor->schedule("on_change of parameter " + parameter.name,
+                           [parameter] { parameter.on_change(parameter.value); });
+}
+
+void Node::Impl::start_spinning() {
+  parameters.check_all_given_are_declared();
+  for (const auto& [from, to] : options.remaps) {
+    const std::lock_guard lock(mutex);
+    if (remaps_used.count(from)) continue;
+    std::string used;
+    for (const std::string& name : names_used) used += " " + name;
+    logger->warn("nothing of this node is named {}, which was to be remapped to {}; it uses:{}",
+                 from, to, used);
+  }
+  link->loop->post([this] {
+    record.set_state(msgs::graph::READY);
+    record_changed();
+  });
+}
+
+}  // namespace prehend::graph

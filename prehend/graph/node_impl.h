@@ -1,0 +1,125 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "prehend/graph/link/action_server_core.h"
+#include "prehend/graph/link/call_side.h"
+#include "prehend/graph/link/goal_side.h"
+#include "prehend/graph/link/node_link.h"
+#include "prehend/graph/link/parameter_store.h"
+#include "prehend/graph/link/peer_channels.h"
+#include "prehend/graph/link/registry_link.h"
+#include "prehend/graph/link/topic_sides.h"
+#include "prehend/graph/node.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace prehend::graph {
+
+/// Thrown by the first call of a describing node that is not declare_parameter: see run_node.
+struct DescriptionDone {};
+
+/// Unique in a node: publishers, subscriptions.
+std::uint64_t next_local_id();
+
+/// A node's inside. The members below `loop thread` belong to the thread that runs the loop.
+struct Node::Impl {
+  /// `describing`: the node joins no graph, it only collects parameters for --help.
+  Impl(NodeOptions node_options, bool describing);
+  ~Impl();
+
+  /// Connects to the registry and waits until it has taken the node.
+  void join_graph();
+  void shutdown();
+  void check_not_describing() const;
+  /// The name after remapping. Throws when malformed.
+  std::string resolve(const std::string& name);
+  /// Notes that this node uses the name for that purpose; throws when it does already.
+  void take_name(const std::string& purpose, const std::string& name);
+
+  std::shared_ptr<PublisherCore> make_publisher(const std::string& topic, const QoS& qos,
+                                                std::shared_ptr<const Schema> schema);
+  std::shared_ptr<SubscriptionCore> make_subscription(const std::string& topic, const QoS& qos,
+                                                      std::shared_ptr<const Schema> schema,
+                                                      SubscriptionCore::Handler handler,
+                                                      bool in_loop);
+  void log(LogLevel level, const std::string& text);
+  void report(Health health, const std::string& text);
+  void callback_failed(const std::string& source, const std::string& what);
+  void parameter_was_set(const ParameterInfo& parameter);
+  void start_spinning();
+
+  const NodeOptions options;
+  const bool describing;
+  ParameterStore parameters;
+  std::shared_ptr<NodeLink> link;
+  Clock clock;
+  std::shared_ptr<spdlog::logger> logger;
+  std::shared_ptr<PublisherCore> log_publisher;
+  std::shared_ptr<PublisherCore> diagnostic_publisher;
+  std::shared_ptr<SubscriptionCore> clock_subscription;
+  std::thread loop_thread;
+  std::thread spin_thread;
+
+  std::mutex mutex;
+  std::set<std::string> remaps_used;
+  std::set<std::string> names_used;
+  Health health = Health::kOk;
+  std::string health_text;
+  std::map<std::string, std::pair<std::uint64_t, LossLine>> failures;  // of callbacks, by source
+  bool is_shut_down = false;
+  std::vector<std::weak_ptr<ActionServerCore>> action_server_list;
+
+  void make_own_topics();
+
+  // loop thread
+  void start_link();
+  void flush_and_leave();
+  void record_changed();
+  void send_record();
+  void welcome(const std::string& runtime_folder);
+  void meet(const msgs::graph::NodeRecord& node);
+  void lose_node(const std::string& instance);
+  void take_client_message(const std::string& client, msgs::graph::PeerMessage& message);
+  void take_server_message(const std::string& server, msgs::graph::PeerMessage& message);
+  void take_call(const std::string& client, msgs::graph::PeerMessage::Call& call);
+  void take_goal(const std::string& client, msgs::graph::PeerMessage::Goal& goal);
+  void answer_parameters(const std::string& client,
+                         const msgs::graph::PeerMessage::ParameterRequest& request);
+  void count_malformed(const std::string& what);
+  void watch_new_topics(const msgs::graph::NodeRecord& node);
+  void tell_topic(const std::function<void(const TopicInfo&)>& watcher, const std::string& topic);
+  void tick();
+
+  msgs::graph::NodeRecord record;  // without the lists of ends and offers
+  std::unique_ptr<PeerChannels> channels;
+  std::unique_ptr<RegistryLink> registry;
+  std::unique_ptr<PublisherSide> publishers;
+  std::unique_ptr<SubscriberSide> subscribers;
+  std::unique_ptr<CallSide> calls;
+  std::unique_ptr<GoalSide> goals;
+  bool joined = false;
+  std::map<std::string, std::shared_ptr<ServiceCore>> services;
+  std::map<std::string, std::shared_ptr<ActionServerCore>> action_servers;
+  std::vector<std::function<void(const TopicInfo&)>> topic_watchers;
+  std::set<std::string> topics_told;
+  std::set<std::string> conflicts_told;
+  std::string socket_file;
+  std::string runtime_folder;
+  std::uint64_t malformed = 0;
+  std::string malformed_example;
+  LossLine malformed_line;
+  bool record_change_pending = false;
+  std::function<void(const std::string& error)> join_ended;  // empty: joined
+  std::chrono::steady_clock::time_point flush_deadline;
+};
+
+}  // namespace prehend::graph

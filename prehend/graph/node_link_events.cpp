@@ -1,0 +1,207 @@
+// The part of a node that runs in its loop's thread: what the registry and the peers say.
+
+#include <fmt/format.h>
+
+#include "prehend/graph/link/runtime_folder.h"
+#include "prehend/graph/node_impl.h"
+
+namespace prehend::graph {
+
+using msgs::graph::PeerMessage;
+
+void Node::Impl::welcome(const std::string& folder) {
+  try {
+    if (options.use_tcp) {
+      record.set_endpoint(channels->bind("tcp://127.0.0.1:*"));
+    } else {
+      runtime_folder = folder;
+      socket_file = socket_path(folder, record.instance());
+      record.set_endpoint(channels->bind("ipc://" + socket_file));
+    }
+  } catch (const std::exception& error) {
+    socket_file.clear();
+    if (join_ended) join_ended(fmt::format("cannot open a socket in {}: {}", folder, error.what()));
+    return;
+  }
+  send_record();
+}
+
+void Node::Impl::record_changed() {
+  if (record.endpoint().empty() || std::exchange(record_change_pending, true)) return;
+  link->loop->soon([this] {
+    record_change_pending = false;
+    send_record();
+  });
+}
+
+void Node::Impl::send_record() {
+  msgs::graph::NodeRecord full = record;
+  publishers->fill(full);
+  subscribers->fill(full);
+  for (const auto& [name, service] : services) *full.add_services() = to_record(service->offer());
+  for (const auto& [name, action] : action_servers) *full.add_actions() = to_record(action->offer());
+  {
+    const std::lock_guard lock(mutex);
+    full.set_health(static_cast<msgs::graph::HealthLevel>(health));
+    full.set_health_text(health_text);
+  }
+  full.clear_version();
+  publishers->record_sent(registry->update(full));
+}
+
+void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
+  subscribers->meet(node);
+  calls->look_again();
+  goals->look_again();
+  publishers->check_opening();
+  watch_new_topics(node);
+  if (node.instance() == record.instance()) return;
+  const auto check = [&](const auto& offers, const auto& own, const std::string& kind) {
+    for (const auto& offer : offers) {
+      if (!own.count(offer.name()) || !conflicts_told.insert(kind + offer.name()).second) continue;
+      report(Health::kError, fmt::format("{}{} is served by this node and by node '{}'; clients "
+                                         "take either",
+                                         kind, offer.name(), node.name()));
+    }
+  };
+  check(node.services(), services, "service ");
+  check(node.actions(), action_servers, "action ");
+}
+
+void Node::Impl::lose_node(const std::string& instance) {
+  subscribers->lose_server(instance);
+  publishers->lose_client(instance);
+  calls->lose_server(instance);
+  goals->lose_server(instance);
+  for (auto& [name, server] : action_servers) server->lose_client(instance);
+  channels->forget(instance);
+}
+
+void Node::Impl::take_client_message(const std::string& client, PeerMessage& message) {
+  switch (message.content_case()) {
+    case PeerMessage::kSubscribe: return publishers->join(client, message.subscribe());
+    case PeerMessage::kUnsubscribe: return publishers->leave(client, message.unsubscribe());
+    case PeerMessage::kCall: return take_call(client, *message.mutable_call());
+    case PeerMessage::kGoal: return take_goal(client, *message.mutable_goal());
+    case PeerMessage::kCancel: {
+      const auto server = action_servers.find(message.cancel().action());
+      if (server != action_servers.end()) server->second->cancel(client, message.cancel().id());
+      return;
+    }
+    case PeerMessage::kParameterRequest:
+      return answer_parameters(client, message.parameter_request());
+    default: return count_malformed("an answer where a request belongs");
+  }
+}
+
+void Node::Impl::take_server_message(const std::string& server, PeerMessage& message) {
+  switch (message.content_case()) {
+    case PeerMessage::kSubscribed: return subscribers->take_subscribed(server, message.subscribed());
+    case PeerMessage::kHistoryEnd:
+      return subscribers->take_history_end(server, message.history_end());
+    case PeerMessage::kAnswer: return calls->take_answer(*message.mutable_answer());
+    case PeerMessage::kFeedback: return goals->take_feedback(*message.mutable_feedback());
+    case PeerMessage::kGoalResult: return goals->take_result(*message.mutable_goal_result());
+    default: return count_malformed("a request where an answer belongs");
+  }
+}
+
+void Node::Impl::take_call(const std::string& client, PeerMessage::Call& call) {
+  const auto service = services.find(call.service());
+  if (service != services.end()) return service->second->push(client, std::move(call));
+  PeerMessage message;
+  message.mutable_answer()->set_id(call.id());
+  message.mutable_answer()->set_error("node '" + options.name + "' does not serve " +
+                                      call.service());
+  channels->send_to_client(client, message);
+}
+
+void Node::Impl::take_goal(const std::string& client, PeerMessage::Goal& goal) {
+  const auto server = action_servers.find(goal.action());
+  if (server != action_servers.end()) return server->second->accept(client, std::move(goal));
+  PeerMessage message;
+  message.mutable_goal_result()->set_id(goal.id());
+  message.mutable_goal_result()->set_status(PeerMessage::FAILED);
+  message.mutable_goal_result()->set_error("node '" + options.name + "' does not serve " +
+                                           goal.action());
+  channels->send_to_client(client, message);
+}
+
+void Node::Impl::answer_parameters(const std::string& client,
+                                   const PeerMessage::ParameterRequest& request) {
+  PeerMessage message;
+  auto& answer = *message.mutable_parameter_answer();
+  answer.set_id(request.id());
+  try {
+    if (request.has_set_text()) {
+      const ParameterInfo parameter = parameters.set(request.name(), request.set_text());
+      parameter_was_set(parameter);
+      *answer.add_parameters() = to_record(parameter);
+    } else if (!request.name().empty()) {
+      *answer.add_parameters() = to_record(parameters.get(request.name()));
+    } else {
+      for (const auto& parameter : parameters.all()) *answer.add_parameters() = to_record(parameter);
+    }
+  } catch (const std::invalid_argument& error) {
+    answer.set_error(error.what());
+  }
+  channels->send_to_client(client, message);
+}
+
+void Node::Impl::count_malformed(const std::string& what) {
+  ++malformed;
+  malformed_example = what;
+}
+
+void Node::Impl::watch_new_topics(const msgs::graph::NodeRecord& node) {
+  for (const auto& end : node.publishers()) {
+    if (!topics_told.insert(end.topic()).second) continue;
+    for (const auto& watcher : topic_watchers) tell_topic(watcher, end.topic());
+  }
+}
+
+void Node::Impl::tell_topic(const std::function<void(const TopicInfo&)>& watcher,
+                            const std::string& topic) {
+  TopicInfo info;
+  info.topic = topic;
+  for (const auto& [instance, node] : registry->nodes()) {
+    for (const auto& end : node.publishers()) {
+      if (end.topic() != topic) continue;
+      if (info.publishers.empty()) {
+        info.schema_name = end.schema_name();
+        info.schema_hash = end.schema_hash();
+        info.policy = static_cast<QoS::Policy>(end.policy());
+        info.depth = end.depth();
+      }
+      info.publishers.push_back(node.name());
+    }
+  }
+  link->executor->schedule("watch_topics", [watcher, info] { watcher(info); });
+}
+
+void Node::Impl::tick() {
+  publishers->check_opening();
+  publishers->log_losses(false);
+  subscribers->log_losses(false);
+  if (malformed_line.is_due(malformed)) {
+    log(LogLevel::kError, fmt::format("{} damaged or foreign messages thrown away in all, the last "
+                                      "one: {}",
+                                      malformed, malformed_example));
+  }
+}
+
+void Node::Impl::flush_and_leave() {
+  publishers->check_opening();
+  const bool idle = !joined || (channels->is_idle() && publishers->is_idle());
+  if (!idle && std::chrono::steady_clock::now() < flush_deadline) {
+    link->loop->soon([this] { link->loop->post([this] { flush_and_leave(); }); });
+    return;
+  }
+  publishers->log_losses(true);
+  subscribers->log_losses(true);
+  publishers->stop();
+  registry->goodbye();
+  link->loop->close();
+}
+
+}  // namespace prehend::graph
