@@ -73,7 +73,7 @@ LinearisedContact linearise(const TexelLaw& law, double h, double depth,
                             double normal_force_guess, double speed_guess) {
   LinearisedContact contact;
   contact.normal_offset = law.stiffness * depth;
-  contact.normal_damping = h * law.stiffness + law.damping;
+  contact.normal_damping = h * law.stiffness + (depth > 0 ? law.damping : 0.0);
   const double g = stribeck_force(law, normal_force_guess, speed_guess);
   if (g <= 0) return contact;
   contact.decay = 1 + h * law.bristle_stiffness * speed_guess / g;

@@ -56,7 +56,9 @@ struct LinearisedContact {
 
 /// Linearises the law over a step of `h` [s], with D and g frozen at a guess of the normal force
 /// [N] and of the sliding speed |v| [m/s]: take those of the step's start first, then once more
-/// those of the first solution. A guess of no normal force gives no friction.
+/// those of the first solution. A guess of no normal force gives no friction. A negative `depth` is a
+/// gap that may close within the step: the spring then acts from where it closes, without damping, so
+/// that no spring energy appears that the body did not bring.
 LinearisedContact linearise(const TexelLaw& law, double h, double depth, double normal_force_guess,
                             double speed_guess);
 

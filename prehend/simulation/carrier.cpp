@@ -84,7 +84,7 @@ void Carrier::end_step(double h) {
   position_ += h * velocity();
   yaw_ += h * yaw_rate();
   path_remaining_ = std::max(0.0, path_remaining_ - h * path_speed_);
-  if (!braking_ && path_remaining_ < 1e-7) {
+  if (!braking_ && path_remaining_ < 1e-9 && path_speed_ <= path_acceleration_ * h) {
     path_remaining_ = 0;
     path_speed_ = 0;
     position_ = goal_->position;

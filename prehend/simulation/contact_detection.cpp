@@ -145,16 +145,17 @@ std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double o
   return {{left, 1, kLeftFinger}, {right, -1, kRightFinger}, {housing, 0, kHousing}};
 }
 
-void detect_table(const BodyModel& model, const BodyState& state, int index,
+void detect_table(const BodyModel& model, const BodyState& state, int index, double h,
                   std::vector<ContactPoint>& contacts) {
-  const double radius = (model.box.sizes()).norm();
-  if (state.p_WBcm.z() > radius) return;
+  const double radius = model.box.sizes().norm();
+  const double reach = h * (state.velocity.norm() + radius * state.angular_velocity.norm());
+  if (state.p_WBcm.z() > radius + reach) return;
   const Eigen::Matrix3d R_WB = state.q_WB.toRotationMatrix();
   const Eigen::RowVector3d up = R_WB.row(2);
   const double base = state.p_WBcm.z() - up * model.center_of_mass;
   for (std::size_t i = 0; i < model.hull_points.size(); ++i) {
     const double z = base + up * model.hull_points[i];
-    if (z >= 0) continue;
+    if (z > reach || z == 0) continue;
     ContactPoint contact = make_contact(model, index, kTable, i);
     contact.law = &model.table_law;
     contact.point = state.p_WBcm + R_WB * (model.hull_points[i] - model.center_of_mass);

@@ -31,8 +31,9 @@ struct GripperBox {
 };
 std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double opening);
 
-/// Touching points of body `index` with the table z = 0.
-void detect_table(const BodyModel& model, const BodyState& state, int index,
+/// Points of body `index` that touch the table z = 0 or are nearer to it than they can come within
+/// `h` [s] at their present speed.
+void detect_table(const BodyModel& model, const BodyState& state, int index, double h,
                   std::vector<ContactPoint>& contacts);
 
 /// Touching points of body `index` with pads, fingers and housing. Costs one box test when far.

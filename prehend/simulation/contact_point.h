@@ -30,7 +30,7 @@ struct ContactPoint {
   const contact::TexelLaw* law = nullptr;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    // m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from the partner into body a
-  double depth = 0;                                   // m, > 0
+  double depth = 0;  // m, negative: a gap that may close within the step
   /// Velocity of the partner's point without what is solved for [m/s]: that of the carrier.
   Eigen::Vector3d partner_velocity = Eigen::Vector3d::Zero();
   /// The partner's point also moves with jaw_motion * (velocity of the opening).

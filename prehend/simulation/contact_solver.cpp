@@ -11,7 +11,7 @@ namespace prehend::simulation {
 namespace {
 
 constexpr int kLeastIterations = 2;
-constexpr int kMostIterations = 4;
+constexpr int kMostIterations = 6;
 
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
@@ -48,7 +48,7 @@ class VelocitySolver {
   VelocitySolver(double h, const GripperDrive& drive, std::vector<SolverBody>& bodies,
                  double jaw_velocity)
       : h_(h), drive_(drive), bodies_(bodies), jaw_start_(jaw_velocity), jaw_end_(jaw_velocity),
-        first_row_(bodies.size(), -1) {
+        first_row_(bodies.size(), -1), saturation_(drive.last_saturation()) {
     for (const SolverBody& body : bodies) {
       Eigen::Matrix<double, 6, 1> u;
       u << body.velocity, body.angular_velocity;
@@ -79,7 +79,12 @@ class VelocitySolver {
       for (const int i : members) end_[i] = solution_.segment<6>(first_row_[i]);
       if (with_jaws) jaw_end_ = solution_[jaw_row_];
       store_forces(contacts);
-      const bool changed = update_guesses(contacts);
+      bool changed = update_guesses(contacts);
+      if (with_jaws) {
+        const int saturation = drive_.next_saturation(h_, jaw_end_, saturation_);
+        changed = changed || saturation != saturation_;
+        saturation_ = saturation;
+      }
       if (!changed && iteration + 1 >= kLeastIterations) break;
     }
     advance_bristles(contacts);
@@ -117,13 +122,13 @@ class VelocitySolver {
       const Eigen::Vector3d v = relative_velocity(contact);
       const double normal_speed = contact.normal.dot(v);
       const double tangential_speed = (v - normal_speed * contact.normal).norm();
-      const contact::TexelLaw& law = *contact.law;
-      const double force = law.stiffness * contact.depth -
-                           (h_ * law.stiffness + law.damping) * normal_speed;
       Line line;
+      line.law = contact::linearise(*contact.law, h_, contact.depth, 0, 0);
+      const double force = line.law.normal_offset - line.law.normal_damping * normal_speed;
       line.presses = force > 0;
       if (line.presses) {
-        line.law = contact::linearise(law, h_, contact.depth, force, tangential_speed);
+        line.law =
+            contact::linearise(*contact.law, h_, contact.depth, force, tangential_speed);
       }
       changed = changed || line.presses != lines_[c].presses;
       lines_[c] = line;
@@ -141,7 +146,7 @@ class VelocitySolver {
   }
 
   void add_drive() {
-    const GripperDrive::Force force = drive_.linearised(h_, jaw_end_);
+    const GripperDrive::Force force = drive_.linearised(h_, jaw_end_, saturation_);
     matrix_(jaw_row_, jaw_row_) = drive_.effective_mass() + h_ * force.slope;
     right_[jaw_row_] = drive_.effective_mass() * jaw_start_ + h_ * force.constant;
   }
@@ -229,6 +234,7 @@ class VelocitySolver {
   double jaw_start_, jaw_end_;
   std::vector<int> first_row_;  // of each body in the present island, -1: not in it
   int jaw_row_ = -1;
+  int saturation_;      // of the drive
   std::vector<Eigen::Matrix<double, 6, 1>> start_, end_;
   std::vector<Line> lines_, used_;
   Eigen::MatrixXd matrix_;

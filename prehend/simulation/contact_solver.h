@@ -24,8 +24,8 @@ struct SolverBody {
 /// Advances the velocities of all bodies and of the jaws over a step of `h` [s] under linearised
 /// contacts, and fills the contacts' forces and bristles. `jaw_velocity` [m/s] is that of the opening
 /// before and after. Bodies that touch one another, and the jaws with those that touch them, are one
-/// dense symmetric positive definite system each; it is solved twice, and up to four times while the
-/// set of pressing contacts still changes.
+/// dense symmetric positive definite system each; it is solved twice, and up to six times while the
+/// set of pressing contacts or the saturation of the drive still changes.
 void solve_contacts(double h, const GripperDrive& drive, std::vector<SolverBody>& bodies,
                     std::vector<ContactPoint>& contacts, double& jaw_velocity);
 

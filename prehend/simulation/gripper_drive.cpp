@@ -68,6 +68,13 @@ void GripperDrive::command(GripperMode mode, double value, double current_limit,
 
 void GripperDrive::begin_step(double h) {
   const double a = model_.max_acceleration;
+  // Anti-windup: a jaw that lags behind by more than the limit's deflection is blocked.
+  const double lead = 1.2 * force_limit_ / stiffness_;
+  const double cut = std::clamp(reference_, opening_ - lead, opening_ + lead);
+  if (cut != reference_) {
+    reference_ = cut;
+    reference_speed_ = std::clamp(reference_speed_, velocity_ - a * h, velocity_ + a * h);
+  }
   if (mode_ == GripperMode::kPosition) {
     reference_speed_ =
         next_trapezoid_speed(target_ - reference_, reference_speed_, speed_limit_, a, h);
@@ -79,13 +86,6 @@ void GripperDrive::begin_step(double h) {
         next_trapezoid_speed(end - reference_, reference_speed_, std::abs(target_), a, h);
   }
   reference_ += h * reference_speed_;
-  // Anti-windup: a jaw that lags behind by more than the limit's deflection is blocked.
-  const double lead = 1.2 * force_limit_ / stiffness_;
-  const double cut = std::clamp(reference_, opening_ - lead, opening_ + lead);
-  if (cut != reference_) {
-    reference_ = cut;
-    reference_speed_ = std::clamp(reference_speed_, velocity_ - a * h, velocity_ + a * h);
-  }
 }
 
 double GripperDrive::servo_force(double h, double velocity) const {
@@ -97,11 +97,17 @@ contact::LinearisedContact GripperDrive::friction(double h, double velocity) con
   return contact::linearise(friction_law_, h, 0, model_.friction_force, std::abs(velocity));
 }
 
-GripperDrive::Force GripperDrive::linearised(double h, double velocity_guess) const {
+int GripperDrive::next_saturation(double h, double velocity, int assumed) const {
+  const double servo = servo_force(h, velocity);
+  const int next = servo > force_limit_ ? 1 : servo < -force_limit_ ? -1 : 0;
+  return next * assumed < 0 ? 0 : next;
+}
+
+GripperDrive::Force GripperDrive::linearised(double h, double velocity_guess,
+                                             int saturation) const {
   Force force;
-  const double servo = servo_force(h, velocity_guess);
-  if (std::abs(servo) > force_limit_) {
-    force.constant = std::copysign(force_limit_, servo);
+  if (saturation != 0) {
+    force.constant = saturation * force_limit_;
   } else {
     force.constant = servo_force(h, 0);
     force.slope = h * stiffness_ + damping_;
@@ -121,6 +127,7 @@ GripperDrive::Force GripperDrive::linearised(double h, double velocity_guess) co
 
 void GripperDrive::end_step(double h, double velocity) {
   drive_force_ = std::clamp(servo_force(h, velocity), -force_limit_, force_limit_);
+  saturation_ = next_saturation(h, velocity, 0);
   const contact::LinearisedContact dry = friction(h, velocity);
   bristle_ = std::clamp((bristle_ + h * velocity) / dry.decay,
                         -model_.friction_force / friction_law_.bristle_stiffness,

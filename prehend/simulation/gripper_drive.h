@@ -27,13 +27,21 @@ class GripperDrive {
   /// Advances the reference for the coming step.
   void begin_step(double h);
 
-  /// Force along the opening as function of its velocity at the step's end: constant - slope v,
-  /// linearised at a guess of that velocity [m/s].
+  /// Force along the opening as function of its velocity at the step's end: constant - slope v.
   struct Force {
     double constant = 0;  // N
     double slope = 0;     // N s/m, >= 0
   };
-  Force linearised(double h, double velocity_guess) const;
+  /// Friction and end stops are linearised at a guess of that velocity [m/s]; `saturation` says
+  /// whether the servo's force is cut: 0 no, +1 or -1 at the limit.
+  Force linearised(double h, double velocity_guess, int saturation) const;
+
+  /// The state of the servo for a solution: start with that of the last step, then solve again while
+  /// this differs from what was assumed. It settles, since the servo's force falls with the velocity
+  /// and the solution without cut tells on which side the cut is; hence from one limit to the other
+  /// it goes by way of 0.
+  int next_saturation(double h, double velocity, int assumed) const;
+  int last_saturation() const { return saturation_; }
 
   /// Takes the solved velocity of the opening and moves.
   void end_step(double h, double velocity);
@@ -66,6 +74,7 @@ class GripperDrive {
   double bristle_ = 0;      // m, of the drive's friction
   double drive_force_ = 0;  // N
   double blocked_time_ = 0;
+  int saturation_ = 0;      // in the last step
 };
 
 }  // namespace prehend::simulation

@@ -44,7 +44,7 @@ struct CameraSetup {
 };
 
 struct Light {
-  Eigen::Vector3d direction{0.35, -0.3, 1};  // towards the light, need not be unit
+  Eigen::Vector3d direction{0.6, -0.3, 1};  // towards the light, need not be unit
   double ambient = 0.45;                     // 0..1, share of light that comes from everywhere
 };
 

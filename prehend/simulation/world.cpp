@@ -141,7 +141,7 @@ struct World::Implementation {
     }
     contacts.insert(contacts.end(), between.begin(), between.end());
     for (int i = 0; i < count; ++i) {
-      if (moves(i)) detect_table(models[i], state.bodies[i], i, contacts);
+      if (moves(i)) detect_table(models[i], state.bodies[i], i, scene.step, contacts);
     }
     std::sort(contacts.begin(), contacts.end(),
               [](const ContactPoint& x, const ContactPoint& y) { return x.key < y.key; });
@@ -378,7 +378,7 @@ double World::energy() const {
     const Eigen::Vector3d w_B = body.q_WB.conjugate() * body.angular_velocity;
     sum += 0.5 * model.mass * body.velocity.squaredNorm() + 0.5 * w_B.dot(model.inertia * w_B) +
            model.mass * implementation_->scene.gravity * body.p_WBcm.z();
-    detect_table(model, body, static_cast<int>(i), touching);
+    detect_table(model, body, static_cast<int>(i), 0, touching);
   }
   for (const ContactPoint& contact : touching) {
     sum += 0.5 * contact.law->stiffness * contact.depth * contact.depth;
@@ -389,19 +389,16 @@ double World::energy() const {
 void World::add_object(const std::string& name, const geometry::TriangleMesh& mesh_W, double mass,
                        bool is_static, double friction, const Texture& texture) {
   if (name.empty()) throw std::invalid_argument("an object needs a name");
-  BodyModel probe = make_body(name, mesh_W, mass, friction, implementation_->scene.table.friction,
-                              implementation_->scene.gripper.pad.law);
-  // Again around its centre, since ray queries are exact near their frame's origin only.
-  RigidTransform X_BW = RigidTransform::Identity();
-  X_BW.translation() = -probe.center_of_mass;
-  BodyModel model = make_body(name, geometry::transformed(mesh_W, X_BW), mass, friction,
+  // Around its own centre, since ray queries are exact near their frame's origin only.
+  const Eigen::AlignedBox3d box = geometry::bounds(mesh_W);
+  RigidTransform X_WB = RigidTransform::Identity();
+  if (!box.isEmpty()) X_WB.translation() = box.center();
+  BodyModel model = make_body(name, geometry::transformed(mesh_W, X_WB.inverse()), mass, friction,
                               implementation_->scene.table.friction,
                               implementation_->scene.gripper.pad.law);
   model.is_static = is_static;
   model.texture = texture;
-  RigidTransform X_WB = X_BW.inverse();
-  const double lowest = geometry::bounds(mesh_W).min().z();
-  if (lowest < 0) X_WB.translation().z() -= lowest;
+  X_WB.translation().z() -= std::min(0.0, box.min().z());
   const int existing = implementation_->index_of(name);
   if (existing >= 0) implementation_->remove(existing);
   implementation_->add(std::move(model), X_WB);

@@ -129,7 +129,7 @@ class World {
   double energy() const;
 
   /// Adds an object whose mesh is given in the world frame; its frame B has the world's axes and the
-  /// mesh's centre of mass as origin. An object of that name is replaced. The mesh is raised when it
+  /// centre of the mesh's bounds as origin. An object of that name is replaced. The mesh is raised when it
   /// reaches below the table, and convexity is not required.
   /// @throws std::invalid_argument when mass is not positive and finite;
   /// geometry::InputError when the mesh is empty, not finite or encloses no volume.
