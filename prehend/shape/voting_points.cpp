@@ -80,7 +80,8 @@ void check_spread(const std::vector<Eigen::Vector3d>& points) {
   for (const Eigen::Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
   const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-  if (!(spread(2) > 0)) {
+  // Below single precision at that distance the spread is rounding.
+  if (!(spread(2) > 1e-7 * mean.norm() * std::sqrt(static_cast<double>(points.size())))) {
     throw InputError("all seen points of the object coincide", "segment the object again");
   }
   if (spread(1) < kFlat * spread(2)) {

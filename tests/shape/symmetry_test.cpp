@@ -1,0 +1,248 @@
+#include "prehend/shape/symmetry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/shape/synthetic_view.h"
+
+namespace prehend::shape {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+/// Distances of the mirrored points to the true surface [m], ascending.
+std::vector<double> mirrored_errors(const CompletedShape& shape,
+                                    const geometry::TriangleMesh& truth) {
+  const geometry::MeshQuery query(truth);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (shape.origin[i] == PointOrigin::kSeen) continue;
+    errors.push_back(query.nearest(shape.cloud_W.points[i].cast<double>())->distance);
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+/// Greatest distance from points of the truth to the nearest completed point [m].
+double greatest_gap(const CompletedShape& shape, const std::vector<Eigen::Vector3d>& truth) {
+  double greatest = 0;
+  for (const Eigen::Vector3d& p : truth) {
+    double least = 1e9;
+    for (const Eigen::Vector3f& q : shape.cloud_W.points) {
+      least = std::min(least, (q.cast<double>() - p).squaredNorm());
+    }
+    greatest = std::max(greatest, std::sqrt(least));
+  }
+  return greatest;
+}
+
+struct Solid {
+  std::string name;
+  geometry::TriangleMesh mesh;
+};
+
+Solid box() { return {"box", geometry::make_box({0.06, 0.09, 0.12})}; }
+Solid square_box() { return {"square_box", geometry::make_box({0.06, 0.06, 0.15})}; }
+Solid long_box() { return {"long_box", geometry::make_box({0.15, 0.06, 0.08})}; }
+Solid cylinder() {
+  return {"cylinder", geometry::make_revolution({{0.035, 0}, {0.035, 0.1}}, 128)};
+}
+
+struct Case {
+  Solid solid;
+  double elevation;  // deg
+  double yaw;        // deg
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.solid.name << "_elevation_" << c.elevation << "_yaw_" << c.yaw;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> result;
+  for (const Solid& solid : {box(), square_box(), long_box(), cylinder()}) {
+    for (const double elevation : {35.0, 42.0, 50.0}) {
+      for (const double yaw : {0.0, 20.0, 45.0, 70.0, 90.0}) {
+        result.push_back({solid, elevation, yaw});
+      }
+    }
+  }
+  return result;
+}
+
+class CutByTheView : public testing::TestWithParam<Case> {};
+
+TEST_P(CutByTheView, IsCompletedWithinTwoMillimetres) {
+  const auto& [solid, elevation, yaw] = GetParam();
+  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kDegree, 0.1, 0.05);
+  const SyntheticView view = synthetic_view(truth, {.elevation = elevation * kDegree});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  const std::vector<double> errors = mirrored_errors(shape, truth);
+  ASSERT_GT(errors.size(), view.cloud_W.size() / 2);
+  EXPECT_LT(errors.back(), 0.002);
+}
+
+TEST_P(CutByTheView, StaysWithinThreeMillimetresUnderOneMillimetreOfNoise) {
+  const auto& [solid, elevation, yaw] = GetParam();
+  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kDegree, 0.1, 0.05);
+  const SyntheticView view = synthetic_view(
+      truth, {.elevation = elevation * kDegree, .depth_noise = 0.001, .seed = 7});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  const std::vector<double> errors = mirrored_errors(shape, truth);
+  ASSERT_GT(errors.size(), view.cloud_W.size() / 2);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.003);
+  EXPECT_LT(errors[errors.size() / 2], 0.0015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solids, CutByTheView, testing::ValuesIn(cases()),
+                         testing::PrintToStringParamName());
+
+TEST(Symmetry, FillsTheFarSidesOfABoxSeenOverItsEdge) {
+  const geometry::TriangleMesh truth = standing(box().mesh, 40 * kDegree);
+  const SyntheticView view = synthetic_view(truth, {.width = 320});
+  std::vector<Eigen::Vector3d> corners_and_centers;
+  for (const double x : {-0.03, 0.0, 0.03}) {
+    for (const double y : {-0.045, 0.0, 0.045}) {
+      if (x == 0 && y == 0) continue;
+      for (const double z : {0.01, 0.06, 0.12}) {
+        const Eigen::AngleAxisd turn(40 * kDegree, Eigen::Vector3d::UnitZ());
+        corners_and_centers.push_back(turn * Eigen::Vector3d(x, y, z));
+      }
+    }
+  }
+  EXPECT_LT(greatest_gap(complete_by_symmetry(view.view()), corners_and_centers), 0.004);
+  CompletionOptions one_plane;
+  one_plane.second_plane = false;
+  EXPECT_GT(greatest_gap(complete_by_symmetry(view.view(), one_plane), corners_and_centers), 0.02);
+}
+
+TEST(Symmetry, PlaneStandsOnTheTableAndMirrorsTheViewpoint) {
+  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  EXPECT_NEAR(shape.symmetry.normal_W.norm(), 1, 1e-12);
+  EXPECT_NEAR(shape.symmetry.normal_W.dot(view.table_W.normal), 0, 1e-12);
+  const Eigen::Vector3d between = 0.5 * (shape.viewpoint_W + shape.mirrored_viewpoint_W);
+  EXPECT_NEAR((between - shape.symmetry.point_W).dot(shape.symmetry.normal_W), 0, 1e-12);
+  ASSERT_TRUE(shape.second_symmetry.has_value());
+  EXPECT_NEAR(shape.second_symmetry->normal_W.dot(shape.symmetry.normal_W), 0, 1e-9);
+}
+
+TEST(Symmetry, KeepsTheSeenPointsFirstWithTheirColors) {
+  SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {.width = 160});
+  view.cloud_W.colors.assign(view.cloud_W.size(), geometry::Rgb{1, 2, 3});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  ASSERT_EQ(shape.origin.size(), shape.cloud_W.size());
+  ASSERT_EQ(shape.cloud_W.colors.size(), shape.cloud_W.size());
+  for (std::size_t i = 0; i < view.cloud_W.size(); ++i) {
+    ASSERT_EQ(shape.cloud_W.points[i], view.cloud_W.points[i]);
+    ASSERT_EQ(shape.origin[i], PointOrigin::kSeen);
+  }
+  EXPECT_NE(shape.origin.back(), PointOrigin::kSeen);
+}
+
+TEST(Symmetry, ListsTheHypothesesBestFirst) {
+  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {.width = 320});
+  const CompletionOptions options;
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  ASSERT_GE(shape.hypotheses.size(),
+            static_cast<std::size_t>(options.orientations * options.shifts));
+  EXPECT_EQ(shape.hypotheses.front().vote, shape.symmetry.vote);
+  for (std::size_t i = 2; i < shape.hypotheses.size(); ++i) {
+    ASSERT_LE(shape.hypotheses[i - 1].vote, shape.hypotheses[i].vote);
+  }
+  EXPECT_GT(shape.hypotheses.back().vote, 10 * shape.symmetry.vote);
+}
+
+TEST(Symmetry, VoteHasALowValueForTheTruthAndTellsItsParts) {
+  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  EXPECT_LT(shape.symmetry.outside, 1e-3);
+  EXPECT_LT(shape.symmetry.in_front, 5e-3);
+  EXPECT_LT(shape.symmetry.contradicted, 0.02);
+  EXPECT_GT(shape.symmetry.coincident, 0.2);  // the top maps onto itself
+}
+
+TEST(Symmetry, VoteHardlyDependsOnTheCamerasResolution) {
+  const geometry::TriangleMesh truth = standing(box().mesh, 20 * kDegree);
+  const CompletionOptions options = as_published();
+  const auto worst = [&](int width) {
+    const SyntheticView view = synthetic_view(truth, {.width = width});
+    return complete_by_symmetry(view.view(), options).hypotheses.back().vote;
+  };
+  // In pixels it would be 1/16.
+  EXPECT_NEAR(worst(320) / worst(1280), 1, 0.2);
+}
+
+TEST(Symmetry, PublishedVoteAloneStaysWithinAGridStep) {
+  for (const double yaw : {0.0, 10.0}) {
+    const geometry::TriangleMesh truth = standing(long_box().mesh, yaw * kDegree, 0.1, 0.05);
+    const SyntheticView view = synthetic_view(truth, {});
+    const CompletedShape shape = complete_by_symmetry(view.view(), as_published());
+    EXPECT_EQ(shape.cloud_W.size(), 2 * view.cloud_W.size());
+    EXPECT_FALSE(shape.second_symmetry.has_value());
+    const Eigen::Vector3d center = geometry::bounds(truth).center();
+    // Its shallow valley (third power of the shift) allows for several millimetres.
+    EXPECT_LT(std::abs(shape.symmetry.normal_W.dot(center - shape.symmetry.point_W)), 0.012);
+  }
+}
+
+TEST(Symmetry, SameInputGivesTheSameBits) {
+  const SyntheticView view =
+      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
+  const CompletedShape first = complete_by_symmetry(view.view());
+  const CompletedShape second = complete_by_symmetry(view.view());
+  EXPECT_EQ(first.symmetry.vote, second.symmetry.vote);
+  EXPECT_EQ(first.symmetry.point_W, second.symmetry.point_W);
+  EXPECT_EQ(first.cloud_W.points, second.cloud_W.points);
+}
+
+TEST(Symmetry, OrderOfThePointsDoesNotMatter) {
+  const SyntheticView view =
+      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
+  SyntheticView reversed = view;
+  std::reverse(reversed.cloud_W.points.begin(), reversed.cloud_W.points.end());
+  const CompletedShape first = complete_by_symmetry(view.view());
+  const CompletedShape second = complete_by_symmetry(reversed.view());
+  EXPECT_EQ(first.symmetry.vote, second.symmetry.vote);
+  EXPECT_EQ(first.symmetry.point_W, second.symmetry.point_W);
+  EXPECT_EQ(first.symmetry.normal_W, second.symmetry.normal_W);
+  ASSERT_EQ(first.cloud_W.size(), second.cloud_W.size());
+}
+
+TEST(Symmetry, MovesWithARigidMotionOfEverything) {
+  const SyntheticView view = synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001});
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  for (int i = 0; i < 5; ++i) {
+    const geometry::RigidTransform X_VW = geometry::make_transform(
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.7 + i, Eigen::Vector3d(1, i - 2, 0.3).normalized())),
+        {0.3 * i, -1, 0.5});
+    const CompletedShape other = complete_by_symmetry(moved(view, X_VW).view());
+    // Single precision moves a few points to another voxel.
+    EXPECT_NEAR(other.symmetry.vote, shape.symmetry.vote, 0.01);
+    const Eigen::Vector3d normal_V = X_VW.linear() * shape.symmetry.normal_W;
+    EXPECT_GT(normal_V.dot(other.symmetry.normal_W), std::cos(1 * kDegree));
+    const Eigen::Vector3d center_V = X_VW * Eigen::Vector3d(0, 0, 0.06);
+    EXPECT_NEAR((center_V - X_VW * shape.symmetry.point_W).dot(normal_V),
+                (center_V - other.symmetry.point_W).dot(other.symmetry.normal_W), 0.0005);
+  }
+}
+
+TEST(Symmetry, SizeOfTheWorldDoesNotMatter) {
+  // The same picture of a box 1000 and 0.01 times the size, with the tolerance scaled alike.
+  for (const double scale : {0.01, 1.0, 1000.0}) {
+    const geometry::TriangleMesh truth =
+        standing(geometry::make_box(scale * Eigen::Vector3d(0.06, 0.09, 0.12)), 20 * kDegree);
+    const SyntheticView view = synthetic_view(truth, {.distance = 0.7 * scale});
+    CompletionOptions options;
+    options.depth_tolerance *= scale;
+    const CompletedShape shape = complete_by_symmetry(view.view(), options);
+    EXPECT_LT(mirrored_errors(shape, truth).back(), 0.002 * scale);
+  }
+}
+
+}  // namespace
+}  // namespace prehend::shape
