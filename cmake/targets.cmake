@@ -3,6 +3,8 @@
 add_library(prehend_compile_flags INTERFACE)
 target_include_directories(prehend_compile_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(prehend_compile_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+# GCC 12 warns wrongly of uninitialised members of std::variant and std::optional when it inlines.
+target_compile_options(prehend_compile_flags INTERFACE -Wno-maybe-uninitialized)
 if(PREHEND_SANITIZE)
   target_compile_options(prehend_compile_flags INTERFACE
                          -fsanitize=${PREHEND_SANITIZE} -fno-omit-frame-pointer -g)
