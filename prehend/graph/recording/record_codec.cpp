@@ -7,6 +7,7 @@
 namespace prehend::graph::recording {
 
 std::uint32_t crc32_of(std::string_view bytes, std::uint32_t crc) {
+  if (bytes.empty()) return crc;  // zlib takes a null pointer for "start again"
   return static_cast<std::uint32_t>(
       crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
