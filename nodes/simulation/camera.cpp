@@ -1,0 +1,80 @@
+#include "nodes/simulation/camera.h"
+
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "msgs/convert/objects.h"
+
+namespace prehend::nodes {
+
+Camera::Camera(graph::Node& node, SimulatedRobot& robot, const simulation::Scene& scene,
+               const simulation::RenderOptions& options)
+    : node_(node), robot_(robot), scene_(scene), options_(options),
+      info_(node.advertise<msgs::CameraInfo>("/camera/info", graph::QoS::latched())),
+      stereo_(node.advertise<msgs::StereoPair>("/camera/stereo", graph::QoS::latched())) {
+  msgs::CameraInfo info = convert::to_message(scene.camera.camera, scene.camera.X_WC());
+  info.mutable_header()->set_frame_id("camera");
+  info_.publish(info);
+  thread_ = std::thread([this] { run(); });
+}
+
+Camera::~Camera() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Camera::request() {
+  {
+    const std::lock_guard lock(mutex_);
+    requested_ = true;
+  }
+  wake_.notify_all();
+}
+
+void Camera::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [this] { return requested_ || ends_; });
+    if (ends_) return;
+    requested_ = false;
+    lock.unlock();
+    try {
+      render();
+    } catch (const std::exception& error) {
+      node_.report(graph::Health::kError, std::string("no picture: ") + error.what());
+    }
+    lock.lock();
+  }
+}
+
+void Camera::render() {
+  struct View {
+    std::vector<simulation::VisibleBody> bodies;
+    double time = 0;
+    std::uint64_t generation = 0;
+  };
+  const View view = robot_.with_world([](simulation::World& world) {
+    return View{world.visible_bodies(), world.time(), world.scene_generation()};
+  });
+  const auto start = std::chrono::steady_clock::now();
+  simulation::StereoImages images =
+      simulation::render_stereo(scene_, view.bodies, frame_++, options_);
+  const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+  msgs::StereoPair message =
+      convert::to_message(convert::StereoImages{std::move(images.left), std::move(images.right)});
+  message.mutable_header()->set_stamp(std::llround(view.time * 1e9));
+  message.mutable_header()->set_frame_id("camera");
+  message.set_scene_generation(view.generation);
+  stereo_.publish(std::move(message));
+  node_.log_info("stereo pair of {:.2f} s simulated time, rendered in {:.2f} s", view.time,
+                 duration.count());
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+
+#include "msgs/sensors.pb.h"
+#include "nodes/simulation/simulated_robot.h"
+#include "prehend/graph/node.h"
+#include "prehend/simulation/stereo_renderer.h"
+
+namespace prehend::nodes {
+
+/// The simulated stereo camera: publishes /camera/info and, whenever asked to, /camera/stereo (both
+/// latched). A thread of its own renders, so that a picture holds up neither physics nor commands.
+class Camera {
+ public:
+  Camera(graph::Node& node, SimulatedRobot& robot, const simulation::Scene& scene,
+         const simulation::RenderOptions& options);
+  ~Camera();
+
+  /// Asks for a picture of the world as it is when the thread comes to it. Requests merge.
+  void request();
+
+ private:
+  void run();
+  void render();
+
+  graph::Node& node_;
+  SimulatedRobot& robot_;
+  simulation::Scene scene_;
+  simulation::RenderOptions options_;
+  graph::Publisher<msgs::CameraInfo> info_;
+  graph::Publisher<msgs::StereoPair> stereo_;
+  std::uint32_t frame_ = 0;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool requested_ = false;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+}  // namespace prehend::nodes

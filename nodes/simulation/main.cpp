@@ -1,0 +1,152 @@
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "msgs/actions.pb.h"
+#include "msgs/convert/geometry.h"
+#include "nodes/simulation/camera.h"
+#include "nodes/simulation/motion_actions.h"
+#include "nodes/simulation/sensor_messages.h"
+#include "nodes/simulation/simulated_robot.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node.h"
+#include "prehend/simulation/scene.h"
+
+namespace {
+
+using namespace prehend;
+
+struct Settings {
+  std::string scene;
+  double speed = 1;
+  bool camera = true;
+  double camera_period = 0;
+  int noise_seed = -1;
+  simulation::RenderOptions render;
+};
+
+Settings declare_settings(graph::Node& node) {
+  Settings s;
+  s.scene = node.declare_parameter<std::string>(
+      {.name = "scene", .default_value = "config/scenes/demo.yaml", .description = "scene file"});
+  s.camera = node.declare_parameter<bool>(
+      {.name = "camera",
+       .default_value = true,
+       .description = "publish /camera/info and a stereo pair at the start"});
+  s.camera_period = node.declare_parameter<double>(
+      {.name = "camera_period",
+       .default_value = 0.0,
+       .unit = "s",
+       .minimum = 0.0,
+       .description = "simulated time between further stereo pairs, 0: on request only"});
+  s.noise_seed = node.declare_parameter<int>(
+      {.name = "noise_seed",
+       .default_value = -1,
+       .minimum = -1,
+       .description = "of the camera's noise, -1: that of the scene"});
+  s.render.samples_per_side = node.declare_parameter<int>(
+      {.name = "samples_per_side",
+       .default_value = s.render.samples_per_side,
+       .minimum = 1,
+       .maximum = 4,
+       .description = "rays of a pixel are its square; rendering time grows with them"});
+  s.render.threads = node.declare_parameter<int>({.name = "render_threads",
+                                                  .default_value = s.render.threads,
+                                                  .minimum = 1,
+                                                  .maximum = 64,
+                                                  .description = "threads that render"});
+  return s;
+}
+
+msgs::SpawnResponse spawn(nodes::SimulatedRobot& robot, const msgs::SpawnRequest& request) {
+  msgs::SpawnResponse response;
+  try {
+    const geometry::TriangleMesh mesh_W = convert::from_message(request.mesh());
+    if (!(request.density() > 0)) throw std::invalid_argument("density must be positive");
+    const double mass = request.density() * geometry::mass_properties(mesh_W).volume;
+    if (!(mass > 0)) {
+      throw std::invalid_argument("the mesh of '" + request.name() + "' encloses no volume");
+    }
+    robot.with_world([&](simulation::World& world) {
+      world.add_object(request.name(), mesh_W, mass, request.is_static());
+    });
+    response.set_success(true);
+  } catch (const std::invalid_argument& error) {
+    response.set_reason(error.what());
+  } catch (const geometry::InputError& error) {
+    response.set_reason(error.what());
+  }
+  return response;
+}
+
+struct StopAtEnd {
+  nodes::SimulatedRobot& robot;
+  ~StopAtEnd() { robot.stop(); }
+};
+
+void run(graph::Node& node) {
+  using namespace prehend::nodes;
+  const Settings settings = declare_settings(node);
+  SimulatedRobot* running = nullptr;
+  const double speed = node.declare_parameter<double>(
+      {.name = "speed",
+       .default_value = 1.0,
+       .unit = "s/s",
+       .minimum = 0.0,
+       .description = "simulated seconds per wall second, 0: as fast as possible",
+       .on_change = [&running](const double& value) { if (running) running->set_speed(value); }});
+  simulation::Scene scene = simulation::read_scene(settings.scene);
+  if (settings.noise_seed >= 0) {
+    scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
+  }
+
+  SensorPublisher sensors(node, scene.gripper);
+  Camera* camera_to_ask = nullptr;
+  std::int64_t next_picture = graph::nanoseconds(settings.camera_period);
+  SimulatedRobot robot(
+      scene, speed,
+      [&](const SensorReadings& readings) {
+        sensors.publish(readings, node.parameter<double>("speed"));
+        if (!camera_to_ask || settings.camera_period <= 0 || readings.stamp < next_picture) return;
+        next_picture += graph::nanoseconds(settings.camera_period);
+        camera_to_ask->request();
+      },
+      [&node](const std::string& note) { node.log_warning("{}", note); });
+  running = &robot;
+  std::unique_ptr<Camera> camera;
+  const StopAtEnd stop_at_end{robot};  // before the camera goes, which the robot's thread asks
+  if (settings.camera) {
+    camera = std::make_unique<Camera>(node, robot, scene, settings.render);
+    camera_to_ask = camera.get();
+    camera->request();
+  }
+  const MotionActions motion(node, robot);
+  const graph::Service spawn_service = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
+      "/simulation/spawn", [&](const msgs::SpawnRequest& request) { return spawn(robot, request); });
+  const graph::Service render_service = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/simulation/render", [&](const msgs::Empty&) {
+        msgs::Acknowledge answer;
+        answer.set_success(camera != nullptr);
+        answer.set_reason(camera ? "the stereo pair follows" : "started with camera:=false");
+        if (camera) camera->request();
+        return answer;
+      });
+  node.log_info("scene {}: {} objects", settings.scene, scene.objects.size());
+  robot.start();
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return prehend::graph::run_node(
+      argc, argv,
+      {"simulation",
+       "Stands in for the robot: table, objects, a PG70 gripper with two tactile pads on a carrier "
+       "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
+       "/camera/info, /camera/stereo, /gripper/state, /tactile/left, /tactile/right, /wrench, "
+       "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
+       "while moving), the actions /carrier/move and /gripper/move, and the services /gripper/stop, "
+       "/gripper/acknowledge, /simulation/spawn and /simulation/render."},
+      run);
+}

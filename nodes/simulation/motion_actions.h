@@ -1,0 +1,30 @@
+#pragma once
+
+#include "msgs/actions.pb.h"
+#include "msgs/sensors.pb.h"
+#include "nodes/simulation/simulated_robot.h"
+#include "prehend/graph/node.h"
+
+namespace prehend::nodes {
+
+/// What moves the simulated robot: actions /carrier/move and /gripper/move, topic /gripper/command,
+/// services /gripper/stop and /gripper/acknowledge.
+class MotionActions {
+ public:
+  MotionActions(graph::Node& node, SimulatedRobot& robot);
+
+ private:
+  using CarrierContext = graph::ActionContext<msgs::MoveCarrierFeedback>;
+  using GripperContext = graph::ActionContext<msgs::MoveGripperFeedback>;
+  msgs::MoveCarrierResult move_carrier(const msgs::MoveCarrierGoal& goal, CarrierContext& context);
+  msgs::MoveGripperResult move_gripper(const msgs::MoveGripperGoal& goal, GripperContext& context);
+  void command(const msgs::GripperCommand& command);
+
+  graph::Node& node_;
+  SimulatedRobot& robot_;
+  graph::Service stop_, acknowledge_;
+  graph::Subscription command_;
+  graph::ActionServer carrier_, gripper_;
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,102 @@
+#include "nodes/simulation/sensor_messages.h"
+
+#include "msgs/convert/geometry.h"
+
+namespace prehend::nodes {
+namespace {
+
+using graph::QoS;
+
+template <class Message>
+Message stamped(std::int64_t stamp, const char* frame_id) {
+  Message message;
+  message.mutable_header()->set_stamp(stamp);
+  message.mutable_header()->set_frame_id(frame_id);
+  return message;
+}
+
+msgs::GripperState gripper_message(const SensorReadings& readings) {
+  auto message = stamped<msgs::GripperState>(readings.stamp, "gripper");
+  message.set_opening(readings.gripper.opening);
+  message.set_velocity(readings.gripper.velocity);
+  message.set_current(readings.gripper.current);
+  message.set_referenced(true);
+  message.set_moving(readings.gripper.moving);
+  message.set_blocked(readings.gripper.blocked);
+  return message;
+}
+
+msgs::Wrench wrench_message(const SensorReadings& readings) {
+  auto message = stamped<msgs::Wrench>(readings.stamp, "gripper");
+  *message.mutable_wrench()->mutable_force() = convert::to_message(readings.wrench.force);
+  *message.mutable_wrench()->mutable_torque() = convert::to_message(readings.wrench.torque);
+  message.set_biased(true);
+  return message;
+}
+
+msgs::CarrierState carrier_message(const SensorReadings& readings) {
+  auto message = stamped<msgs::CarrierState>(readings.stamp, "world");
+  *message.mutable_x_wg() = convert::to_message(readings.carrier.X_WG);
+  *message.mutable_velocity() = convert::to_message(readings.carrier.velocity);
+  message.set_yaw_rate(readings.carrier.yaw_rate);
+  message.set_moving(readings.carrier.moving);
+  return message;
+}
+
+msgs::GroundTruth truth_message(const SensorReadings& readings) {
+  auto message = stamped<msgs::GroundTruth>(readings.stamp, "world");
+  for (const simulation::BodyReading& body : readings.bodies) {
+    msgs::GroundTruth::Body* out = message.add_bodies();
+    out->set_name(body.name);
+    *out->mutable_x_wb() = convert::to_message(body.X_WB);
+    *out->mutable_velocity() = convert::to_message(body.velocity);
+    out->set_mass(body.mass);
+    out->set_height(body.height);
+    out->set_touches_left_pad(body.touches_left_pad);
+    out->set_touches_right_pad(body.touches_right_pad);
+    out->set_touches_table(body.touches_table);
+  }
+  return message;
+}
+
+}  // namespace
+
+SensorPublisher::SensorPublisher(graph::Node& node, const robot::GripperModel& gripper)
+    : pad_(gripper.pad),
+      clock_(node.advertise<msgs::Clock>("/clock", QoS::latched())),
+      gripper_(node.advertise<msgs::GripperState>("/gripper/state", QoS::queue(100))),
+      left_(node.advertise<msgs::TactileFrame>("/tactile/left", QoS::queue(50))),
+      right_(node.advertise<msgs::TactileFrame>("/tactile/right", QoS::queue(50))),
+      wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
+      carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
+      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched())) {}
+
+void SensorPublisher::publish(const SensorReadings& readings, double speed) {
+  msgs::Clock clock;
+  clock.set_time(readings.stamp);
+  clock.set_speed(speed);
+  clock_.publish(clock);
+  gripper_.publish(gripper_message(readings));
+  wrench_.publish(wrench_message(readings));
+  if (count_++ % 2 != 0) return;
+  left_.publish(tactile(readings.left, readings.stamp, "left_pad"));
+  right_.publish(tactile(readings.right, readings.stamp, "right_pad"));
+  carrier_.publish(carrier_message(readings));
+  truth_.publish(truth_message(readings));
+}
+
+msgs::TactileFrame SensorPublisher::tactile(const simulation::TactileImage& image,
+                                            std::int64_t stamp, const char* frame_id) const {
+  auto message = stamped<msgs::TactileFrame>(stamp, frame_id);
+  message.set_rows(image.rows);
+  message.set_columns(image.columns);
+  message.set_texel_width(pad_.texel_pitch);
+  message.set_texel_height(pad_.texel_pitch);
+  message.set_full_scale(pad_.full_scale);
+  for (const std::uint16_t counts : image.counts) message.add_intensity(counts);
+  message.set_sum(image.sum);
+  message.set_newton_per_count(pad_.newton_per_count);
+  return message;
+}
+
+}  // namespace prehend::nodes

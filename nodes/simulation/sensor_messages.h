@@ -1,0 +1,32 @@
+#pragma once
+
+#include "msgs/sensors.pb.h"
+#include "nodes/simulation/simulated_robot.h"
+#include "prehend/graph/node.h"
+#include "prehend/robot/gripper_model.h"
+
+namespace prehend::nodes {
+
+/// Publishes readings as the topics a real robot has, and the ground truth:
+/// /clock, /gripper/state, /wrench 100 Hz; /tactile/left, /tactile/right, /carrier/state,
+/// /ground_truth 50 Hz (simulated).
+class SensorPublisher {
+ public:
+  SensorPublisher(graph::Node& node, const robot::GripperModel& gripper);
+  void publish(const SensorReadings& readings, double speed);
+
+ private:
+  msgs::TactileFrame tactile(const simulation::TactileImage& image, std::int64_t stamp,
+                             const char* frame_id) const;
+
+  robot::TactilePadModel pad_;
+  std::uint64_t count_ = 0;
+  graph::Publisher<msgs::Clock> clock_;
+  graph::Publisher<msgs::GripperState> gripper_;
+  graph::Publisher<msgs::TactileFrame> left_, right_;
+  graph::Publisher<msgs::Wrench> wrench_;
+  graph::Publisher<msgs::CarrierState> carrier_;
+  graph::Publisher<msgs::GroundTruth> truth_;
+};
+
+}  // namespace prehend::nodes

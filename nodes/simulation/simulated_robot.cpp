@@ -1,0 +1,144 @@
+#include "nodes/simulation/simulated_robot.h"
+
+#include <cmath>
+#include <utility>
+
+namespace prehend::nodes {
+
+using simulation::GripperMode;
+using simulation::PadSide;
+
+SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, double speed,
+                               std::function<void(const SensorReadings&)> on_readings,
+                               std::function<void(const std::string&)> on_note)
+    : world_(scene), on_readings_(std::move(on_readings)), on_note_(std::move(on_note)),
+      speed_(speed) {}
+
+SimulatedRobot::~SimulatedRobot() { stop(); }
+
+void SimulatedRobot::start() {
+  running_ = true;
+  deadline_ = std::chrono::steady_clock::now();
+  thread_ = std::thread([this] { run(); });
+}
+
+void SimulatedRobot::stop() {
+  running_ = false;
+  if (thread_.joinable()) thread_.join();
+}
+
+void SimulatedRobot::run() {
+  while (running_) {
+    SensorReadings readings;
+    bool watchdog_fired = false;
+    {
+      const std::lock_guard lock(mutex_);
+      step_slice();
+      readings = read();
+      ++slices_;
+      watchdog_fired = std::exchange(watchdog_fired_, false);
+    }
+    slice_done_.notify_all();
+    if (watchdog_fired) on_note_("no gripper command for 0.2 s while moving: stopped");
+    on_readings_(readings);
+    pace();
+  }
+}
+
+void SimulatedRobot::step_slice() {
+  const int steps = std::max(1, static_cast<int>(std::lround(kSlice / world_.scene().step)));
+  for (int i = 0; i < steps; ++i) {
+    world_.step();
+    if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
+      world_.stop_carrier();
+      contact_ = true;
+      contact_force_ = 0;
+    }
+    if (continuous_command_ && world_.time() - command_time_ > kWatchdog &&
+        world_.gripper().moving) {
+      world_.set_gripper_command(GripperMode::kStop, 0);
+      continuous_command_ = false;
+      watchdog_fired_ = true;
+    }
+  }
+}
+
+SensorReadings SimulatedRobot::read() const {
+  SensorReadings readings;
+  readings.stamp = std::llround(world_.time() * 1e9);
+  readings.gripper = world_.gripper();
+  readings.carrier = world_.carrier();
+  readings.left = world_.tactile_image(PadSide::kLeft);
+  readings.right = world_.tactile_image(PadSide::kRight);
+  readings.wrench = world_.wrist_wrench();
+  for (std::size_t i = 0; i < world_.body_count(); ++i) readings.bodies.push_back(world_.body(i));
+  return readings;
+}
+
+void SimulatedRobot::pace() {
+  using std::chrono::steady_clock;
+  const double speed = speed_;
+  const steady_clock::time_point now = steady_clock::now();
+  if (speed <= 0) {
+    deadline_ = now;
+    // Lets waiting commands in: a mutex is not fair.
+    std::this_thread::yield();
+    return;
+  }
+  deadline_ += std::chrono::duration_cast<steady_clock::duration>(
+      std::chrono::duration<double>(kSlice / speed));
+  constexpr auto kMostLag = std::chrono::milliseconds(300);
+  if (now - deadline_ > kMostLag) {
+    if (!slow_) on_note_("this machine is too slow for the speed asked for; simulated time lags");
+    slow_ = true;
+    deadline_ = now;
+  }
+  std::this_thread::sleep_until(deadline_);
+}
+
+void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit) {
+  const std::lock_guard lock(mutex_);
+  world_.set_gripper_command(mode, value, current_limit);
+  ++gripper_ticket_;
+  continuous_command_ = mode != GripperMode::kStop;
+  command_time_ = world_.time();
+}
+
+std::uint64_t SimulatedRobot::move_gripper(double opening, double speed, double current_limit) {
+  const std::lock_guard lock(mutex_);
+  world_.set_gripper_command(GripperMode::kPosition, opening, current_limit, speed);
+  continuous_command_ = false;
+  return ++gripper_ticket_;
+}
+
+bool SimulatedRobot::holds_gripper(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  return ticket == gripper_ticket_;
+}
+
+void SimulatedRobot::move_carrier(const geometry::RigidTransform& X_WG, double speed,
+                                  double contact_force) {
+  const std::lock_guard lock(mutex_);
+  world_.move_carrier(X_WG, speed);
+  contact_force_ = contact_force;
+  contact_ = false;
+}
+
+void SimulatedRobot::stop_carrier() {
+  const std::lock_guard lock(mutex_);
+  world_.stop_carrier();
+  contact_force_ = 0;
+}
+
+bool SimulatedRobot::stopped_by_contact() {
+  const std::lock_guard lock(mutex_);
+  return contact_;
+}
+
+void SimulatedRobot::wait_for_slice() {
+  std::unique_lock lock(mutex_);
+  const std::uint64_t before = slices_;
+  slice_done_.wait_for(lock, std::chrono::milliseconds(100), [&] { return slices_ != before; });
+}
+
+}  // namespace prehend::nodes

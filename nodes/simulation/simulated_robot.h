@@ -1,0 +1,99 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "prehend/simulation/world.h"
+
+namespace prehend::nodes {
+
+/// What the sensors show at one instant.
+struct SensorReadings {
+  std::int64_t stamp = 0;  // ns, simulated
+  simulation::GripperReading gripper;
+  simulation::CarrierReading carrier;
+  simulation::TactileImage left, right;
+  simulation::ContactWrench wrench;
+  std::vector<simulation::BodyReading> bodies;
+};
+
+/// The world with its clock: a thread steps it in slices of 10 ms of simulated time, paced by the
+/// wall clock, and hands out readings after each slice, outside the lock. Commands may come from
+/// any thread.
+class SimulatedRobot {
+ public:
+  static constexpr double kSlice = 0.01;     // s, simulated
+  static constexpr double kWatchdog = 0.2;   // s, simulated
+
+  /// `on_readings` is called by the thread after each slice; `on_note` takes rare remarks.
+  SimulatedRobot(const simulation::Scene& scene, double speed,
+                 std::function<void(const SensorReadings&)> on_readings,
+                 std::function<void(const std::string&)> on_note);
+  ~SimulatedRobot();
+
+  void start();
+  void stop();
+  /// Simulated seconds per wall second; 0: as fast as possible.
+  void set_speed(double speed) { speed_ = speed; }
+
+  /// Runs `work` on the world between two steps.
+  template <class Work>
+  auto with_world(Work&& work) {
+    const std::lock_guard lock(mutex_);
+    return work(world_);
+  }
+
+  /// A continuous command: stopped by the watchdog when the jaws still move kWatchdog later.
+  /// Like an action's command it takes the gripper over from whoever had it.
+  /// @throws std::invalid_argument as World::set_gripper_command.
+  void command_gripper(simulation::GripperMode mode, double value, double current_limit);
+  /// A command with an own end; returns a ticket that holds_gripper() knows until the next command.
+  std::uint64_t move_gripper(double opening, double speed, double current_limit);
+  bool holds_gripper(std::uint64_t ticket);
+
+  /// Starts a line; when `contact_force` [N] > 0, the carrier is stopped within one step once the
+  /// wrist feels more. @throws std::invalid_argument as World::move_carrier.
+  void move_carrier(const geometry::RigidTransform& X_WG, double speed, double contact_force);
+  void stop_carrier();
+  /// True when the last motion was stopped by contact.
+  bool stopped_by_contact();
+
+  /// Waits for the next slice, at most 100 ms of wall time.
+  void wait_for_slice();
+
+ private:
+  void run();
+  void step_slice();
+  SensorReadings read() const;
+  void pace();
+
+  simulation::World world_;
+  std::function<void(const SensorReadings&)> on_readings_;
+  std::function<void(const std::string&)> on_note_;
+  std::atomic<double> speed_;
+  std::atomic<bool> running_{false};
+  std::thread thread_;
+
+  std::mutex mutex_;  // guards what follows and world_
+  std::condition_variable slice_done_;
+  std::uint64_t slices_ = 0;
+  std::uint64_t gripper_ticket_ = 0;
+  bool continuous_command_ = false;
+  double command_time_ = 0;   // s, simulated
+  bool watchdog_fired_ = false;
+  double contact_force_ = 0;  // N, 0: not watched
+  bool contact_ = false;
+
+  // Of the thread alone.
+  std::chrono::steady_clock::time_point deadline_;
+  bool slow_ = false;
+};
+
+}  // namespace prehend::nodes
