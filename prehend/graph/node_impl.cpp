@@ -164,6 +164,7 @@ void Node::Impl::start_link() {
     if (join_ended) join_ended("");
   };
   events.node_changed = [this](auto& node) { meet(node); };
+  events.forgotten = [this] { subscribers->rejoin_all(); };
   events.node_gone = [this](auto& instance) { lose_node(instance); };
   events.registry_answers = [this](bool answers) {
     log(answers ? LogLevel::kInfo : LogLevel::kWarning,
@@ -186,9 +187,14 @@ void Node::Impl::start_link() {
 }
 
 void Node::Impl::shutdown() {
+  std::vector<std::weak_ptr<ActionServerCore>> servers;
   {
     const std::lock_guard lock(mutex);
     if (std::exchange(is_shut_down, true)) return;
+    servers = action_server_list;
+  }
+  for (const auto& server : servers) {
+    if (const auto alive = server.lock()) alive->begin_stop();
   }
   link->clock->stop();
   link->executor->stop();

@@ -88,6 +88,7 @@ struct Node::Impl {
   void welcome(const std::string& runtime_folder);
   void meet(const msgs::graph::NodeRecord& node);
   void lose_node(const std::string& instance);
+  void forget_departed();
   void take_client_message(const std::string& client, msgs::graph::PeerMessage& message);
   void take_server_message(const std::string& server, msgs::graph::PeerMessage& message);
   void take_call(const std::string& client, msgs::graph::PeerMessage::Call& call);
@@ -112,6 +113,7 @@ struct Node::Impl {
   std::vector<std::function<void(const TopicInfo&)>> topic_watchers;
   std::set<std::string> topics_told;
   std::set<std::string> conflicts_told;
+  std::map<std::string, std::chrono::steady_clock::time_point> departed;  // since when
   std::string socket_file;
   std::string runtime_folder;
   std::uint64_t malformed = 0;

@@ -7,6 +7,12 @@
 
 namespace prehend::graph {
 
+namespace {
+
+constexpr auto kLastMessages = std::chrono::milliseconds(300);
+
+}  // namespace
+
 using msgs::graph::PeerMessage;
 
 void Node::Impl::welcome(const std::string& folder) {
@@ -69,12 +75,27 @@ void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
 }
 
 void Node::Impl::lose_node(const std::string& instance) {
-  subscribers->lose_server(instance);
   publishers->lose_client(instance);
   calls->lose_server(instance);
   goals->lose_server(instance);
   for (auto& [name, server] : action_servers) server->lose_client(instance);
-  channels->forget(instance);
+  // Its last messages may be on their way still.
+  departed[instance] = std::chrono::steady_clock::now();
+}
+
+void Node::Impl::forget_departed() {
+  const auto before = std::chrono::steady_clock::now() - kLastMessages;
+  for (auto node = departed.begin(); node != departed.end();) {
+    if (node->second > before) {
+      ++node;
+      continue;
+    }
+    if (!registry->nodes().count(node->first)) {  // else it was not dead
+      subscribers->lose_server(node->first);
+      channels->forget(node->first);
+    }
+    node = departed.erase(node);
+  }
 }
 
 void Node::Impl::take_client_message(const std::string& client, PeerMessage& message) {
@@ -180,6 +201,7 @@ void Node::Impl::tell_topic(const std::function<void(const TopicInfo&)>& watcher
 }
 
 void Node::Impl::tick() {
+  forget_departed();
   publishers->check_opening();
   publishers->log_losses(false);
   subscribers->log_losses(false);

@@ -57,12 +57,14 @@ ParameterInfo to_parameter_info(const ParameterDeclaration<Type>& declaration) {
   using Storage = ParameterStorage<Type>;
   ParameterInfo info;
   info.name = declaration.name;
-  info.default_value = Storage(declaration.default_value);
-  info.value = info.default_value;
+  info.default_value.template emplace<Storage>(declaration.default_value);
+  info.value.template emplace<Storage>(declaration.default_value);
   info.unit = declaration.unit;
-  if (declaration.minimum) info.minimum = ParameterValue(Storage(*declaration.minimum));
-  if (declaration.maximum) info.maximum = ParameterValue(Storage(*declaration.maximum));
-  for (const Type& choice : declaration.choices) info.choices.push_back(Storage(choice));
+  if (declaration.minimum) info.minimum.emplace(std::in_place_type<Storage>, *declaration.minimum);
+  if (declaration.maximum) info.maximum.emplace(std::in_place_type<Storage>, *declaration.maximum);
+  for (const Type& choice : declaration.choices) {
+    info.choices.emplace_back(std::in_place_type<Storage>, choice);
+  }
   info.description = declaration.description;
   if (declaration.on_change) {
     info.on_change = [callback = declaration.on_change](const ParameterValue& value) {

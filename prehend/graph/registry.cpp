@@ -229,7 +229,7 @@ Registry::~Registry() {
   impl_->loop.close();
   impl_->thread.join();
   impl_->socket.close();
-  clean_runtime_folder(impl_->folder);
+  leave_runtime_folder(impl_->folder);
 }
 
 const std::string& Registry::endpoint() const { return impl_->endpoint; }

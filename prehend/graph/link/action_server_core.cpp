@@ -119,7 +119,7 @@ void ActionServerCore::send_end(const GoalTask& task, PeerMessage::GoalStatus st
   link_->send_to_client(task.client, message);
 }
 
-void ActionServerCore::stop() {
+void ActionServerCore::begin_stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -127,6 +127,10 @@ void ActionServerCore::stop() {
   }
   changed_.notify_all();
   link_->clock->wake();
+}
+
+void ActionServerCore::stop() {
+  begin_stop();
   if (thread_.joinable()) thread_.join();
 }
 

@@ -41,7 +41,9 @@ class ActionServerCore {
   /// Cancels the goals of a client that is gone.
   void lose_client(const std::string& client);
   void set_withdraw(std::function<void()> withdraw) { withdraw_ = std::move(withdraw); }
-  /// Cancels and waits for the handler.
+  /// Cancels; no goal is taken any more.
+  void begin_stop();
+  /// The same and waits for the handler.
   void stop();
   void withdraw();
 

@@ -8,7 +8,7 @@ namespace {
 
 // The outbox is emptied within microseconds unless the machine is overloaded, so a burst may be
 // longer than the depth meant for slow readers.
-constexpr std::size_t kLeastOutbox = 1000;
+constexpr std::size_t kLeastOutbox = 10000;
 
 const std::shared_ptr<PublisherCore>& checked(const std::shared_ptr<PublisherCore>& core) {
   if (!core) throw std::logic_error("this publisher was not made by Node::advertise");

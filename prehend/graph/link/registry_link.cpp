@@ -152,7 +152,11 @@ void RegistryLink::take(const RegistryReply& reply) {
     full_list_due_ = now() + kGathering;
     full_list_wanted_ = true;
   }
-  if (reply.unknown_node()) return send_record();
+  if (reply.unknown_node()) {
+    follow_revision(reply);
+    events_.forgotten();
+    return send_record();
+  }
   if (reply.id() != 0 && reply.id() == update_id_) return take_update_answer(reply);
   if (reply.id() != 0 && reply.id() == list_id_) return take_all(reply);
   follow_revision(reply);

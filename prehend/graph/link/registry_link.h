@@ -29,6 +29,8 @@ class RegistryLink {
     /// A node appeared or changed. Its former record is gone.
     std::function<void(const msgs::graph::NodeRecord&)> node_changed;
     std::function<void(const std::string& instance)> node_gone;
+    /// The registry had taken this node for dead, and told others so, or is a new one.
+    std::function<void()> forgotten;
     /// The registry does not answer (false) or is back (true).
     std::function<void(bool)> registry_answers;
   };

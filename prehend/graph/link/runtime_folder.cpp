@@ -38,6 +38,10 @@ std::int64_t pid_in(const std::string& name) {
   return error == std::errc() && stop == last ? pid : 0;
 }
 
+std::string registry_file(const std::string& folder) {
+  return folder + "/registry-" + std::to_string(::getpid()) + "-lives";
+}
+
 }  // namespace
 
 std::string make_runtime_folder() {
@@ -45,7 +49,13 @@ std::string make_runtime_folder() {
   if (!::mkdtemp(path.data())) {
     throw std::system_error(errno, std::generic_category(), "cannot make the folder " + path);
   }
+  std::ofstream(registry_file(path)) << "The registry of this graph lives.\n";
   return path;
+}
+
+void leave_runtime_folder(const std::string& folder) {
+  ::unlink(registry_file(folder).c_str());
+  clean_runtime_folder(folder);
 }
 
 std::string socket_path(const std::string& folder, const std::string& instance) {
@@ -62,8 +72,7 @@ void clean_runtime_folder(const std::string& folder) {
     const std::int64_t pid = pid_in(entry.path().filename());
     if (pid > 0 && !is_process_alive(pid)) fs::remove(entry.path(), ignored);
   }
-  const std::int64_t owner = pid_in(fs::path(folder).filename());
-  if (owner == ::getpid() || !is_process_alive(owner)) fs::remove(folder, ignored);
+  fs::remove(folder, ignored);  // fails unless it is empty
 }
 
 void clean_stale_runtime_folders() {

@@ -104,6 +104,12 @@ void SubscriberSide::rejoin(const std::string& server) {
   }
 }
 
+void SubscriberSide::rejoin_all() {
+  for (auto& [id, entry] : entries_) {
+    for (const auto& [server, source] : entry.sources) request(entry, server);
+  }
+}
+
 void SubscriberSide::take_subscribed(const std::string& server,
                                      const PeerMessage::Subscribed& answer) {
   const auto found = entries_.find(answer.subscription());

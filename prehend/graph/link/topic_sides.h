@@ -92,6 +92,9 @@ class SubscriberSide {
   void lose_server(const std::string& server);
   /// The connection broke and came back.
   void rejoin(const std::string& server);
+  /// Others may have taken this node for dead and dropped its subscriptions: asks for them again.
+  /// Publishers that have them still do not mind.
+  void rejoin_all();
   void take_subscribed(const std::string& server, const msgs::graph::PeerMessage::Subscribed&);
   void take_history_end(const std::string& server, const msgs::graph::PeerMessage::HistoryEnd&);
   /// False: damaged.
