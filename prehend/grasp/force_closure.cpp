@@ -18,6 +18,9 @@ namespace {
 
 using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
+// A programme of some 20 variables takes about 20 iterations.
+constexpr int kLargestIterations = 500;
+
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("ForceClosureOptions." + message);
 }
@@ -45,23 +48,30 @@ class WrenchProgramme {
     glp_set_obj_coef(programme_.get(), count_ + 1, 1);
   }
 
-  // The largest x; nothing when there is no feasible weight.
+  // The largest x; `feasible` is false, and the result 0, when no weights fulfil the equations.
   // `wrench`, `sum`: the extra variable's coefficients in the six wrench rows and in the sum.
   double maximise(const Eigen::Matrix<double, 6, 1>& wrench, double sum, bool* feasible) {
     set_column(count_ + 1, wrench, sum);
     glp_smcp parameters;
     glp_init_smcp(&parameters);
     parameters.msg_lev = GLP_MSG_OFF;
-    parameters.presolve = GLP_OFF;
-    parameters.tol_bnd = 1e-9;
-    parameters.tol_dj = 1e-9;
+    parameters.it_lim = kLargestIterations;
     glp_std_basis(programme_.get());
-    *feasible = glp_simplex(programme_.get(), &parameters) == 0 &&
-                glp_get_status(programme_.get()) == GLP_OPT;
+    *feasible = solved(glp_simplex(programme_.get(), &parameters));
+    if (!*feasible) {
+      // With six zeros on the right-hand side the programme is degenerate, and rounding can make
+      // the simplex method cycle or lose its feasibility: once more in rational arithmetic.
+      glp_std_basis(programme_.get());
+      *feasible = solved(glp_exact(programme_.get(), &parameters));
+    }
     return *feasible ? glp_get_obj_val(programme_.get()) : 0;
   }
 
  private:
+  bool solved(int return_code) const {
+    return return_code == 0 && glp_get_status(programme_.get()) == GLP_OPT;
+  }
+
   void set_column(int column, const Eigen::Matrix<double, 6, 1>& wrench, double sum) {
     // GLPK counts from one and wants no zeros.
     int rows[8];

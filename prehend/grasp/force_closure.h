@@ -45,8 +45,8 @@ struct ForceClosure {
 /// the convex hull of the primitive wrenches W. That is so exactly when W has rank 6 and a strictly
 /// positive combination of its columns is zero; the latter is the linear programme
 ///   max t   subject to   W lambda = 0,  sum lambda = 1,  lambda_i >= t
-/// solved by GLPK's simplex method. Two point contacts are never closed (rank 5: no torque about
-/// their line).
+/// solved by GLPK's simplex method, in rational arithmetic where rounding makes that one cycle. Two
+/// point contacts are never closed (rank 5: no torque about their line).
 ///
 /// `quality` is the largest r for which all twelve wrenches +-r e_k are in the hull, e_k the axes of
 /// the wrench space: twelve exact linear programmes. The radius epsilon of the largest ball
