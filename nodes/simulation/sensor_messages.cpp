@@ -63,13 +63,13 @@ msgs::GroundTruth truth_message(const SensorReadings& readings) {
 
 SensorPublisher::SensorPublisher(graph::Node& node, const robot::GripperModel& gripper)
     : pad_(gripper.pad),
-      clock_(node.advertise<msgs::Clock>("/clock", QoS::latched())),
+      clock_(node.advertise<msgs::Clock>("/clock", QoS::latched(20))),
       gripper_(node.advertise<msgs::GripperState>("/gripper/state", QoS::queue(100))),
       left_(node.advertise<msgs::TactileFrame>("/tactile/left", QoS::queue(50))),
       right_(node.advertise<msgs::TactileFrame>("/tactile/right", QoS::queue(50))),
       wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
       carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
-      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched())) {}
+      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {}
 
 void SensorPublisher::publish(const SensorReadings& readings, double speed) {
   msgs::Clock clock;

@@ -1,0 +1,255 @@
+// The simulation node as a process of its own: its topics, services and actions.
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "msgs/actions.pb.h"
+#include "msgs/convert/geometry.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/graph/node.h"
+#include "prehend/graph/registry.h"
+
+namespace prehend {
+namespace {
+
+using namespace std::chrono_literals;
+using graph::QoS;
+
+pid_t start_simulation(std::vector<std::string> arguments, const std::string& output) {
+  const char* folder = std::getenv("PREHEND_BIN");
+  const std::string program = std::string(folder ? folder : "build/bin") + "/simulation";
+  arguments.insert(arguments.begin(), program);
+  std::vector<char*> pointers;
+  for (auto& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 2, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  pid_t pid = -1;
+  const int error =
+      posix_spawn(&pid, program.c_str(), &actions, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  EXPECT_EQ(error, 0) << program;
+  return pid;
+}
+
+int exit_code(pid_t pid) {
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+class SimulationNode : public ::testing::Test {
+ protected:
+  SimulationNode()
+      : output_(std::filesystem::temp_directory_path() /
+                ("prehend_simulation_" + std::to_string(getpid()) + ".log")),
+        registry_({.endpoint = "tcp://127.0.0.1:*"}) {}
+
+  void SetUp() override { start({}); }
+
+  void start(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"--registry", registry_.endpoint(), "--param", "speed:=0",
+                                       "--param", "scene:=config/scenes/demo.yaml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    simulation_ = start_simulation(arguments, output_);
+    graph::NodeOptions options;
+    options.name = "tester";
+    options.registry = registry_.endpoint();
+    node_ = std::make_unique<graph::Node>(options);
+    commands_ = node_->advertise<msgs::GripperCommand>("/gripper/command", QoS::queue(10));
+    gripper_subscription_ = node_->subscribe<msgs::GripperState>(
+        "/gripper/state", QoS::queue(100), [this](const graph::Received<msgs::GripperState>& m) {
+          const std::lock_guard lock(mutex_);
+          gripper_ = *m;
+          ++gripper_count_;
+        });
+    truth_subscription_ = node_->subscribe<msgs::GroundTruth>(
+        "/ground_truth", QoS::queue(100), [this](const graph::Received<msgs::GroundTruth>& m) {
+          const std::lock_guard lock(mutex_);
+          truth_ = *m;
+        });
+    node_->spin_in_background();
+  }
+
+  void TearDown() override {
+    node_.reset();
+    kill(simulation_, SIGTERM);
+    EXPECT_EQ(exit_code(simulation_), 0);
+    std::filesystem::remove(output_);
+  }
+
+  bool wait_until(const std::function<bool()>& condition) {
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    while (std::chrono::steady_clock::now() < end) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (condition()) return true;
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+    return false;
+  }
+
+  std::string output_;
+  graph::Registry registry_;
+  pid_t simulation_ = -1;
+  std::unique_ptr<graph::Node> node_;
+  graph::Publisher<msgs::GripperCommand> commands_;
+  graph::Subscription gripper_subscription_, truth_subscription_;
+  std::mutex mutex_;
+  msgs::GripperState gripper_;
+  msgs::GroundTruth truth_;
+  int gripper_count_ = 0;
+};
+
+msgs::Pose down_at(double x, double y, double z) {
+  msgs::Pose pose;
+  pose.mutable_position()->set_x(x);
+  pose.mutable_position()->set_y(y);
+  pose.mutable_position()->set_z(z);
+  pose.mutable_orientation()->set_x(1);  // half a turn about x: approach straight down
+  return pose;
+}
+
+TEST_F(SimulationNode, PublishesSensorsAndOnePictureOfTheScene) {
+  msgs::StereoPair pair;
+  const auto subscription = node_->subscribe<msgs::StereoPair>(
+      "/camera/stereo", QoS::latest(), [&](const graph::Received<msgs::StereoPair>& m) {
+        const std::lock_guard lock(mutex_);
+        pair = *m;
+      });
+  EXPECT_TRUE(wait_until([&] { return gripper_count_ > 10 && truth_.bodies_size() == 3; }));
+  EXPECT_TRUE(wait_until([&] { return !pair.data().empty(); }));
+  const std::lock_guard lock(mutex_);
+  EXPECT_EQ(pair.data().size(), 2u * pair.width() * pair.height() * 3);
+  EXPECT_EQ(pair.scene_generation(), 1u);
+  EXPECT_NEAR(gripper_.opening(), 0.069, 1e-3);
+  EXPECT_TRUE(truth_.bodies(0).touches_table());
+}
+
+TEST_F(SimulationNode, CarrierMovesAndStopsOnContact) {
+  const auto client = node_->action_client<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback,
+                                           msgs::MoveCarrierResult>("/carrier/move");
+  msgs::MoveCarrierGoal goal;
+  *goal.mutable_x_wg() = down_at(0.25, 0, 0.2);
+  goal.set_speed(0.4);
+  std::atomic<int> feedback_count{0};
+  auto outcome =
+      client.send(goal, [&](const msgs::MoveCarrierFeedback&) { ++feedback_count; }).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->reached()) << outcome->reason();
+  EXPECT_NEAR(outcome->x_wg().position().x(), 0.25, 1e-6);
+  EXPECT_GT(feedback_count, 3);
+
+  *goal.mutable_x_wg() = down_at(0.25, 0, 0.021);  // tips 5 mm below the table
+  goal.set_speed(0.05);
+  goal.set_stop_on_contact(true);
+  goal.set_contact_force(5);
+  outcome = client.send(goal).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->contact());
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_NEAR(outcome->x_wg().position().z(), 0.0258, 0.0016);
+
+  *goal.mutable_x_wg() = down_at(0.25, 0, 5);
+  goal.set_stop_on_contact(false);
+  outcome = client.send(goal).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_NE(outcome->reason().find("limits"), std::string::npos) << outcome->reason();
+}
+
+TEST_F(SimulationNode, GripperMovesByAction) {
+  const auto client = node_->action_client<msgs::MoveGripperGoal, msgs::MoveGripperFeedback,
+                                           msgs::MoveGripperResult>("/gripper/move");
+  msgs::MoveGripperGoal goal;
+  goal.set_opening(0.03);
+  goal.set_speed(0.08);
+  auto outcome = client.send(goal).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->reached()) << outcome->reason();
+  EXPECT_NEAR(outcome->opening(), 0.03, 5e-4);
+  goal.set_opening(0.2);
+  outcome = client.send(goal).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_FALSE(outcome->reason().empty());
+}
+
+TEST_F(SimulationNode, WatchdogStopsAForgottenCommand) {
+  ASSERT_TRUE(wait_until([&] { return gripper_count_ > 0; }));
+  ASSERT_TRUE(commands_.wait_for_subscribers(1, 10s));
+  msgs::GripperCommand command;
+  command.set_mode(msgs::GripperCommand::VELOCITY);
+  command.set_value(-0.02);
+  commands_.publish(command);
+  ASSERT_TRUE(wait_until([&] { return gripper_.opening() < 0.0685; }));
+  ASSERT_TRUE(wait_until([&] { return !gripper_.moving(); }));
+  const std::lock_guard lock(mutex_);
+  // 0.2 s of 20 mm/s and some for speeding up and braking; unwatched it would close.
+  EXPECT_NEAR(gripper_.opening(), 0.069 - 0.004, 0.0015);
+}
+
+TEST_F(SimulationNode, SpawnsPredictedMeshesAndRefusesBadOnes) {
+  const auto spawn =
+      node_->client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn");
+  msgs::SpawnRequest request;
+  request.set_name("predicted");
+  geometry::TriangleMesh mesh = geometry::make_box({0.04, 0.05, 0.06});
+  for (auto& v : mesh.vertices) v += Eigen::Vector3d(0.3, 0, 0.03);
+  *request.mutable_mesh() = convert::to_message(mesh);
+  request.set_density(500);
+  auto outcome = spawn.call(request, 10s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->success()) << outcome->reason();
+  EXPECT_TRUE(wait_until([&] { return truth_.bodies_size() == 4; }));
+  EXPECT_NEAR(truth_.bodies(3).mass(), 0.06, 1e-6);
+
+  request.set_density(0);
+  outcome = spawn.call(request, 10s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->success());
+  EXPECT_NE(outcome->reason().find("density"), std::string::npos);
+  request.set_density(500);
+  request.mutable_mesh()->clear_data();
+  outcome = spawn.call(request, 10s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->success());
+}
+
+TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeOne) {
+  const graph::Registry registry({.endpoint = "tcp://127.0.0.1:*"});
+  const std::string output = std::filesystem::temp_directory_path() /
+                             ("prehend_simulation_bad_" + std::to_string(getpid()) + ".log");
+  const pid_t pid = start_simulation(
+      {"--registry", registry.endpoint(), "--param", "scene:=config/robots/pg70_dsa.yaml"}, output);
+  EXPECT_EQ(exit_code(pid), 1);
+  FILE* file = fopen(output.c_str(), "r");
+  ASSERT_NE(file, nullptr);
+  char text[4096];
+  const std::size_t length = fread(text, 1, sizeof text, file);
+  fclose(file);
+  std::filesystem::remove(output);
+  const std::string message(text, length);
+  EXPECT_NE(message.find("config/robots/pg70_dsa.yaml:3: unknown key 'name'"), std::string::npos)
+      << message;
+}
+
+}  // namespace
+}  // namespace prehend
