@@ -21,8 +21,8 @@ using geometry::Rgb;
 using report::Page;
 using Row = std::vector<std::string>;
 
-constexpr int kPictureWidth = 480;
-constexpr int kPictureHeight = 400;
+constexpr int kPictureWidth = 420;
+constexpr int kPictureHeight = 360;
 constexpr Rgb kSeenColor{40, 110, 190};
 constexpr Rgb kMirroredColor{235, 130, 40};
 constexpr Rgb kGripperColor{150, 155, 165};
@@ -174,6 +174,22 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
                                  index + 1, plan->second.grasps_size(), 1000 * opening,
                                  grasp.grasp_force()),
                      "The same from the other side"});
+}
+
+void add_object(Page& page, const Collected& collected, const msgs::CompletedShape& shape,
+                const robot::GripperModel& gripper, const std::string& heading) {
+  section(page, heading, [&] {
+    add_shape(page, shape);
+    if (const auto model = collected.models.find(shape.id()); model != collected.models.end()) {
+      add_model(page, collected, model->second, gripper);
+    }
+    const auto plan = collected.plans.find(shape.id());
+    if (plan == collected.plans.end()) return;
+    if (!plan->second.problem().empty()) page.add_verdict(plan->second.problem(), false);
+    page.add_paragraph(fmt::format("{} of {} grasp candidates kept. Rejected: {}.",
+                                   plan->second.grasps_size(), plan->second.candidates(),
+                                   rejections_text(plan->second)));
+  });
 }
 
 void add_touch(Page& page, const Collected& collected) {
@@ -348,21 +364,14 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   page.add_verdict(verdict.text, verdict.success);
   section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
   section(page, "What was seen", [&] { add_view(page, collected); });
+  // The object of the cycle first.
   const std::uint32_t shown = shown_object(collected);
+  if (const auto first = collected.shapes.find(shown); first != collected.shapes.end()) {
+    add_object(page, collected, first->second, gripper,
+               fmt::format("Object {}, the one to grasp", shown));
+  }
   for (const auto& [id, shape] : collected.shapes) {
-    const std::string name = fmt::format("Object {}{}", id, id == shown ? ", the one to grasp" : "");
-    section(page, name, [&] {
-      add_shape(page, shape);
-      if (const auto model = collected.models.find(id); model != collected.models.end()) {
-        add_model(page, collected, model->second, gripper);
-      }
-      const auto plan = collected.plans.find(id);
-      if (plan == collected.plans.end()) return;
-      if (!plan->second.problem().empty()) page.add_verdict(plan->second.problem(), false);
-      page.add_paragraph(fmt::format("{} of {} grasp candidates kept. Rejected: {}.",
-                                     plan->second.grasps_size(), plan->second.candidates(),
-                                     rejections_text(plan->second)));
-    });
+    if (id != shown) add_object(page, collected, shape, gripper, fmt::format("Object {}", id));
   }
   section(page, "What the pads felt", [&] { add_touch(page, collected); });
   section(page, "Over time", [&] { add_charts(page, collected); });

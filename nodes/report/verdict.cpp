@@ -60,7 +60,7 @@ Verdict judge(const Collected& collected, bool require_lift, const std::string& 
   }
   const std::string measured = fmt::format(
       "'{}' was raised by {:.0f} mm, moved by {:.0f} mm and ended {:.1f} mm over the table",
-      lift.body, 1000 * lift.raised, 1000 * lift.moved, 1000 * lift.end_height);
+      lift.body, 1000 * lift.raised, 1000 * lift.moved, std::max(0.0, 1000 * lift.end_height));
   if (lift.raised < kRequiredRaise) {
     verdict.success = false;
     verdict.text = lift.body.empty() ? "the cycle says it succeeded, but nothing was raised"

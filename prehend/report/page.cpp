@@ -44,8 +44,8 @@ constexpr const char* kStyle = R"(
 body{font:15px/1.5 "DejaVu Sans",system-ui,sans-serif;max-width:1080px;margin:24px auto;padding:0 16px;color:#222}
 h1{font-size:24px}h2{font-size:18px;margin-top:32px;border-bottom:1px solid #ccc}
 figure{display:inline-block;margin:6px 10px 6px 0;vertical-align:top}
-figure img{max-width:500px;border:1px solid #ddd;image-rendering:auto}
-figcaption{font-size:13px;color:#555;max-width:500px}
+figure img{max-width:342px;border:1px solid #ddd;image-rendering:auto}
+figcaption{font-size:13px;color:#555;max-width:342px}
 table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left}
 th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:bold}
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
