@@ -132,7 +132,8 @@ class PoissonMeshing {
     *model.mutable_table() = shape.table();
     if (model.valid()) {
       const std::string text = fmt::format(
-          "object {}: {} triangles, {}, {} convex pieces, {:.0f} cm^3, {:.2f} mm from what was seen",
+          "object {}: {} triangles, {}, {} convex pieces, {:.0f} cm^3, {:.2f} mm from what was "
+          "seen",
           shape.id(), model.mesh().triangle_count(), model.mesh_defects(),
           model.convex_pieces_size(), model.volume() * 1e6, model.seen_deviation() * 1e3);
       node_.log_info("{}", text);

@@ -74,8 +74,7 @@ class ShapeCompletion {
  public:
   explicit ShapeCompletion(graph::Node& node) : node_(node) {
     declare_parameters(node);
-    publisher_ =
-        node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
+    publisher_ = node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::ObjectHypotheses>(
         "/objects", graph::QoS::queue(4),
         [this](const graph::Received<msgs::ObjectHypotheses>& message) { complete_all(*message); });
@@ -111,9 +110,9 @@ class ShapeCompletion {
       }
       publisher_.publish(std::move(shape));
     }
-    node_.report(problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
-                 fmt::format("{} of {} objects completed{}", completed, scene.objects.size(),
-                             problem));
+    node_.report(
+        problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
+        fmt::format("{} of {} objects completed{}", completed, scene.objects.size(), problem));
   }
 
   msgs::CompletedShape complete(const perception::SegmentedScene& scene,
@@ -129,8 +128,7 @@ class ShapeCompletion {
       message.set_problem(error.what());
       *message.mutable_cloud() = convert::to_message(object.cloud_W);
       message.set_origin(std::string(object.cloud_W.size(), '\0'));
-      *message.mutable_viewpoint() =
-          convert::to_message(Eigen::Vector3d(scene.X_WC.translation()));
+      *message.mutable_viewpoint() = convert::to_message(Eigen::Vector3d(scene.X_WC.translation()));
     }
     message.set_id(static_cast<std::uint32_t>(object.id));
     *message.mutable_table() = convert::to_message(scene.table_W);

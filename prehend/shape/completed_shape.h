@@ -32,10 +32,10 @@ enum class PointOrigin : std::uint8_t {
 struct SymmetryHypothesis {
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();    // on the plane [m]
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitX();  // unit, parallel to the table
-  double vote = 0;  // smaller is better
+  double vote = 0;                                      // smaller is better
   // What the vote is made of, see symmetry.h; fractions are of the mirrored points.
-  double outside = 0;    // E[(distance to the mask / reference length)^2]
-  double in_front = 0;   // E[depth before the seen surface / reference length]
+  double outside = 0;       // E[(distance to the mask / reference length)^2]
+  double in_front = 0;      // E[depth before the seen surface / reference length]
   double coincident = 0;    // fraction that lies on the seen surface
   double contradicted = 0;  // fraction that lies where the camera looked through
 };
@@ -48,8 +48,8 @@ inline Eigen::Vector3d mirrored(const SymmetryHypothesis& symmetry, const Eigen:
 /// The seen points followed by their mirror images.
 struct CompletedShape {
   geometry::PointCloud cloud_W;
-  std::vector<PointOrigin> origin;  // one per point
-  SymmetryHypothesis symmetry;      // the winner
+  std::vector<PointOrigin> origin;             // one per point
+  SymmetryHypothesis symmetry;                 // the winner
   std::vector<SymmetryHypothesis> hypotheses;  // the winner, then all that were tried, best first
   Eigen::Vector3d viewpoint_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d mirrored_viewpoint_W = Eigen::Vector3d::Zero();
@@ -57,10 +57,10 @@ struct CompletedShape {
 
   /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].
   Eigen::Vector3d viewpoint_of(PointOrigin point_origin) const {
-    const bool first = point_origin == PointOrigin::kMirrored ||
-                       point_origin == PointOrigin::kMirroredBoth;
-    const bool second = point_origin == PointOrigin::kMirroredSecond ||
-                        point_origin == PointOrigin::kMirroredBoth;
+    const bool first =
+        point_origin == PointOrigin::kMirrored || point_origin == PointOrigin::kMirroredBoth;
+    const bool second =
+        point_origin == PointOrigin::kMirroredSecond || point_origin == PointOrigin::kMirroredBoth;
     const Eigen::Vector3d viewpoint = first ? mirrored_viewpoint_W : viewpoint_W;
     return second && second_symmetry ? mirrored(*second_symmetry, viewpoint) : viewpoint;
   }

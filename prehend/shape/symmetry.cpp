@@ -32,13 +32,12 @@ void check(const CompletionOptions& options) {
           "reference_fraction must be > 0");
   require(options.depth_tolerance > 0 && std::isfinite(options.depth_tolerance),
           "depth_tolerance must be > 0");
-  for (const auto& [value, name] :
-       {std::pair{options.outside_weight, "outside_weight"},
-        {options.in_front_weight, "in_front_weight"},
-        {options.support_weight, "support_weight"},
-        {options.oblique_weight, "oblique_weight"},
-        {options.depth_prior_weight, "depth_prior_weight"},
-        {options.max_second_vote, "max_second_vote"}}) {
+  for (const auto& [value, name] : {std::pair{options.outside_weight, "outside_weight"},
+                                    {options.in_front_weight, "in_front_weight"},
+                                    {options.support_weight, "support_weight"},
+                                    {options.oblique_weight, "oblique_weight"},
+                                    {options.depth_prior_weight, "depth_prior_weight"},
+                                    {options.max_second_vote, "max_second_vote"}}) {
     require(value >= 0 && std::isfinite(value), std::string(name) + " must be >= 0");
   }
 }
@@ -114,8 +113,8 @@ class Ballot {
   }
 
   double support_term(const SymmetryHypothesis& h) const {
-    const double support = (h.coincident + kPriorEvidence / 2) /
-                           (h.coincident + h.contradicted + kPriorEvidence);
+    const double support =
+        (h.coincident + kPriorEvidence / 2) / (h.coincident + h.contradicted + kPriorEvidence);
     return options_.support_weight * (1 - support);
   }
 
@@ -174,8 +173,8 @@ Candidate refined(const Ballot& ballot, Candidate best, double angle_step, doubl
   return best;
 }
 
-/// The middle of the shifts round `best` whose vote is nearly as good. Round the true plane the vote
-/// is flat within the tolerance, with shallow dents where points cross pixels.
+/// The middle of the shifts round `best` whose vote is nearly as good. Round the true plane the
+/// vote is flat within the tolerance, with shallow dents where points cross pixels.
 Candidate centered(const Ballot& ballot, const Candidate& best, double extent) {
   constexpr double kAsGood = 0.02;  // vote
   constexpr int kReach = 25;        // steps
@@ -261,8 +260,8 @@ std::optional<SymmetryHypothesis> second_plane(const VotingPoints& voting,
     if (!best || better(candidate, *best)) best = candidate;
   }
   // Two symmetries of one solid are perpendicular, so only the shift is refined.
-  const Candidate chosen = centered(
-      ballot, refined(ballot, *best, 0, step / 2, 1e-3 * voting.extent), voting.extent);
+  const Candidate chosen =
+      centered(ballot, refined(ballot, *best, 0, step / 2, 1e-3 * voting.extent), voting.extent);
   if (ballot.contradiction(chosen.hypothesis) > options.max_second_vote ||
       chosen.hypothesis.coincident < kLeastCoincident) {
     return std::nullopt;
@@ -281,7 +280,7 @@ void append_mirrored(CompletedShape& shape, std::size_t count, const SymmetryHyp
     cloud.points.push_back(q_W.cast<float>());
     if (!cloud.colors.empty()) cloud.colors.push_back(geometry::Rgb(cloud.colors[i]));
     const bool of_mirrored = shape.origin[i] == PointOrigin::kMirrored;
-    shape.origin.push_back(!is_second     ? PointOrigin::kMirrored
+    shape.origin.push_back(!is_second    ? PointOrigin::kMirrored
                            : of_mirrored ? PointOrigin::kMirroredBoth
                                          : PointOrigin::kMirroredSecond);
   }
@@ -309,8 +308,7 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
 
   const double half_step = options.max_angle / options.orientations;
   std::vector<Candidate> candidates;
-  for (const Eigen::Vector2d& start :
-       starting_normals(voting, options.footprint_axes, half_step)) {
+  for (const Eigen::Vector2d& start : starting_normals(voting, options.footprint_axes, half_step)) {
     const std::vector<Candidate> found = search(ballot, voting, start, options);
     candidates.insert(candidates.end(), found.begin(), found.end());
   }
@@ -325,8 +323,7 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
   shape.viewpoint_W = view.X_WC.translation();
   shape.mirrored_viewpoint_W = mirrored(shape.symmetry, shape.viewpoint_W);
   if (options.second_plane) {
-    shape.second_symmetry =
-        second_plane(voting, candidates.front().plane, evidence, X_CT, options);
+    shape.second_symmetry = second_plane(voting, candidates.front().plane, evidence, X_CT, options);
   }
 
   shape.cloud_W.points = view.cloud_W.points;

@@ -16,9 +16,9 @@ enum class VoteKind {
 /// Knobs of the search. The number of votes is (starting axes, 1..3) x orientations x shifts, each
 /// O(points after thinning); `thinning` and `shifts` influence the time most.
 struct CompletionOptions {
-  int orientations = 15;   // of the plane about each starting axis, odd, >= 1
+  int orientations = 15;        // of the plane about each starting axis, odd, >= 1
   double max_angle = 0.349066;  // rad (20 deg): they span +-max_angle, in (0, pi/4]
-  int shifts = 41;         // of the plane along its normal, >= 2
+  int shifts = 41;              // of the plane along its normal, >= 2
   /// Range of the shifts from the thinned cloud's centre, away from the viewer, as a fraction of
   /// the seen cloud's extent along the table. Planes before the centre can only be right when
   /// more of the far side than of the near side was seen, so little of that is searched.
@@ -41,8 +41,8 @@ struct CompletionOptions {
   double in_front_weight = 1;  // of E[depth before the seen surface], >= 0
   /// Depth differences below this are noise of the sensor [m], > 0.
   double depth_tolerance = 0.003;
-  double support_weight = 1;      // kSupported, >= 0
-  double oblique_weight = 0.02;   // kSupported: of 1 - cos(angle between normal and view), >= 0
+  double support_weight = 1;         // kSupported, >= 0
+  double oblique_weight = 0.02;      // kSupported: of 1 - cos(angle between normal and view), >= 0
   double depth_prior_weight = 0.01;  // kSupported: of |depth / width - 1| when completed, >= 0
 
   /// Mirror the completed cloud once more at a plane perpendicular to the first, when one exists
@@ -67,22 +67,22 @@ CompletionOptions as_published();
 /// the viewer, and the cloud is mirrored at it. With q a mirrored point, l = reference_fraction *
 /// extent and z the depth along the optical axis, the vote is
 ///
-///     V =   outside_weight  * E[(d(q) / l)^2]       d: distance of q's pixel to the mask, as metres
-///                                                      at q's depth
-///         + in_front_weight * E[(z_seen - z_q) / l] for q within the mask, before the seen surface
+///     V =   outside_weight  * E[(d(q) / l)^2]        for q outside the mask
+///         + in_front_weight * E[(z_seen - z_q) / l]  for q within it, before the seen surface
 ///
-/// where both E are means over all mirrored points. A depth difference within `depth_tolerance`
-/// counts as none, as does a point that projects outside the image: nobody looked there.
+/// with d(q) the distance of q's pixel to the mask, as metres at q's depth (a distance transform),
+/// and both E means over all mirrored points. A depth difference within `depth_tolerance` counts
+/// as none, as does a point that projects outside the image: nobody looked there.
 /// kSupported adds
 ///
 ///     support_weight * (1 - s),   s = (C + k/2) / (C + F + k),   k = 2 % of the points,
 ///
 /// C the points that come to lie on the seen surface although the mirror moved them, F those that
 /// contradict the view. Points that would be hidden count for nothing, so a plane that maps the
-/// seen top face onto itself has s = 1. This settles what V leaves flat: V grows only with the third
-/// power of a small shift. A plane *in* the seen surface, for which V = 0 as well, gains no support,
-/// since points that the mirror hardly moves are not counted. Where nothing of the top was seen,
-/// only the two priors are left: as deep as wide, mirrored straight away from the viewer.
+/// seen top face onto itself has s = 1. This settles what V leaves flat: V grows only with the
+/// third power of a small shift. A plane *in* the seen surface, for which V = 0 as well, gains no
+/// support, since points that the mirror hardly moves are not counted. Where nothing of the top was
+/// seen, only the two priors are left: as deep as wide, mirrored straight away from the viewer.
 ///
 /// The result's cloud is the seen points in their order, then each mirrored copy. It does not
 /// depend on the order of the points but for that, and moves with a rigid motion of everything.

@@ -22,7 +22,8 @@ cv::Mat as_mat(const geometry::Image<float>& image) {
 /// 0 up to half of `tolerance`, 1 from one and a half on. A point that overhangs an edge of the
 /// seen top by x appears x sin(e) outside the mask at the far edge and x / cos(e) before the
 /// surface at the near one, e the camera's elevation: with half the tolerance outside, both count
-/// alike at 45 deg, so that the plane of symmetry is drawn neither towards nor away from the camera.
+/// alike at 45 deg, so that the plane of symmetry is drawn neither towards nor away from the
+/// camera.
 double ramp(double distance, double tolerance) {
   return std::clamp(distance / tolerance - 0.5, 0.0, 1.0);
 }

@@ -8,8 +8,8 @@ namespace prehend::shape {
 
 /// What a view says about a point that was not itself seen.
 struct PointEvidence {
-  double outside = 0;   // distance of its pixel to the mask, as metres at its depth; 0 within
-  double in_front = 0;  // how far it lies before the seen surface, less the tolerance [m]
+  double outside = 0;       // distance of its pixel to the mask, as metres at its depth; 0 within
+  double in_front = 0;      // how far it lies before the seen surface, less the tolerance [m]
   double coincident = 0;    // 1 on the seen surface, falling to 0 at the tolerance
   double contradicted = 0;  // 0 agrees or hidden, 1 lies clearly where the camera looked through
 };

@@ -12,8 +12,9 @@ namespace prehend::shape {
 /// normal, x the camera's forward direction along the table, the origin the camera's foot on it.
 struct VotingPoints {
   geometry::RigidTransform X_WT;
-  std::vector<Eigen::Vector3d> points_T;  // one per voxel, in an order that the input's does not set
-  double extent = 0;                      // longer side of the cloud's bounds along T's x and y [m]
+  std::vector<Eigen::Vector3d>
+      points_T;       // one per voxel, in an order that the input's does not set
+  double extent = 0;  // longer side of the cloud's bounds along T's x and y [m]
   Eigen::Vector2d center_T = Eigen::Vector2d::Zero();  // mean along the table [m]
   Eigen::Vector2d away_T = Eigen::Vector2d::UnitX();   // unit, from the viewer to the center
 };

@@ -58,9 +58,17 @@ geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geome
   const bool upright = downward < kUpright * static_cast<double>(slice_points.size());
   geometry::PointCloud closed = cloud;
   closed.colors.clear();
-  const Outline& candidates = upright ? slice_points : feet;
-  Outline outline;
-  for (const int i : convex_outline(candidates)) outline.push_back(candidates[i]);
+  const auto corners_of = [](const Outline& points) {
+    Outline corners;
+    for (const int i : convex_outline(points)) corners.push_back(points[i]);
+    return corners;
+  };
+  Outline outline = corners_of(slice_points);
+  if (!upright) {
+    // A flipped normal at the limb would send its foot outwards.
+    std::erase_if(feet, [&](const Eigen::Vector2d& foot) { return !contains(outline, foot); });
+    outline = corners_of(feet);
+  }
   if (outline.empty()) return closed;
 
   const auto add = [&](const Eigen::Vector2d& p, double height, const Eigen::Vector3d& normal) {

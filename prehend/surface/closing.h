@@ -21,8 +21,9 @@ geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geome
 /// seen front and its mirror image are two sheets with nothing between. In each horizontal slice of
 /// the height `spacing` [m] the edges of the convex outline that join a seen point with a mirrored
 /// one along the symmetry's normal (within 25 deg) are filled where the slice has no point near and
-/// the outline stands upright (within 27 deg): under a ball's equator nothing is known of the sides.
-/// These edges lie in the bundle of rays through the silhouette, so nothing was seen beyond them.
+/// the outline stands upright (within 27 deg): under a ball's equator nothing is known of the
+/// sides. These edges lie in the bundle of rays through the silhouette, so nothing was seen beyond
+/// them.
 geometry::PointCloud side_points(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                                  double spacing);
 

@@ -30,8 +30,8 @@ void check(const ConvexPiecesOptions& options) {
   require(options.max_triangles >= 50, "max_triangles must be >= 50");
   require(options.concavity > 0 && std::isfinite(options.concavity), "concavity must be > 0");
   require(options.min_pieces >= 1, "min_pieces must be >= 1");
-  require(options.max_hull_vertices >= 4 && options.max_hull_vertices <= 100,
-          "max_hull_vertices must be in [4, 100]");
+  require(options.max_hull_vertices >= 4 && options.max_hull_vertices <= 1000,
+          "max_hull_vertices must be in [4, 1000]");
 }
 
 void check(const TriangleMesh& mesh) {
@@ -79,7 +79,7 @@ std::vector<int> partition(const TriangleMesh& mesh, const ConvexPiecesOptions& 
   hacd.SetCompacityWeight(0.1);
   hacd.SetVolumeWeight(0);
   hacd.SetNClusters(options.min_pieces);
-  hacd.SetNVerticesPerCH(options.max_hull_vertices);
+  hacd.SetNVerticesPerCH(100);  // of its own hulls, which are not used
   hacd.SetConcavity(options.concavity * kScale);
   hacd.SetConnectDist(options.concavity * kScale);
   hacd.SetAddExtraDistPoints(false);

@@ -11,9 +11,7 @@ namespace prehend::surface {
 namespace {
 
 /// Uniform in [0, 1), the same on every standard library.
-double uniform(std::mt19937_64& random) {
-  return static_cast<double>(random() >> 11) * 0x1.0p-53;
-}
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 }  // namespace
 
@@ -37,8 +35,8 @@ std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, 
     // Stratified over the area: one point in each of `samples` equal parts.
     const double at = (i + uniform(random)) / samples * area;
     const auto found = std::lower_bound(cumulated_area.begin(), cumulated_area.end(), at);
-    const auto triangle = std::min<std::size_t>(found - cumulated_area.begin(),
-                                                mesh.triangles.size() - 1);
+    const auto triangle =
+        std::min<std::size_t>(found - cumulated_area.begin(), mesh.triangles.size() - 1);
     const Eigen::Vector3i& t = mesh.triangles[triangle];
     const double root = std::sqrt(uniform(random));
     const double second = uniform(random);

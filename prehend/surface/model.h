@@ -18,15 +18,15 @@ struct ModelOptions {
 
 /// Seconds each step took, in one thread.
 struct ModelTimes {
-  double normals = 0;        // voxels, outlier filter, normals
-  double poisson = 0;        // with the watertight check
+  double normals = 0;  // voxels, outlier filter, normals
+  double poisson = 0;  // with the watertight check
   double convex_pieces = 0;
-  double properties = 0;     // mass properties and deviation
+  double properties = 0;  // mass properties and deviation
 };
 
 /// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
-/// oriented_cloud(), side_points(), reconstruct(), convex_pieces(), mass properties and the mean distance of the
-/// seen points to the mesh. `times` is filled when given.
+/// oriented_cloud(), side_points(), reconstruct(), convex_pieces(), mass properties and the mean
+/// distance of the seen points to the mesh. `times` is filled when given.
 /// @throws geometry::InputError when the shape has too few points or gives no watertight mesh.
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);

@@ -20,8 +20,8 @@ using geometry::InputError;
 using Points = std::vector<Eigen::Vector3f>;
 
 struct Neighbors {
-  int count = 0;                // per point, the point itself first
-  std::vector<int> indices;     // n x count
+  int count = 0;                 // per point, the point itself first
+  std::vector<int> indices;      // n x count
   std::vector<float> distances;  // n x count, squared [m^2]
 };
 
@@ -34,8 +34,7 @@ Neighbors nearest_neighbors(const Points& points, int count) {
   const flann::Matrix<float> data(const_cast<float*>(points.front().data()), points.size(), 3);
   flann::Matrix<int> indices(result.indices.data(), points.size(), count);
   flann::Matrix<float> distances(result.distances.data(), points.size(), count);
-  flann::KDTreeSingleIndex<flann::L2_Simple<float>> index(data,
-                                                          flann::KDTreeSingleIndexParams(15));
+  flann::KDTreeSingleIndex<flann::L2_Simple<float>> index(data, flann::KDTreeSingleIndexParams(15));
   index.buildIndex();
   flann::SearchParams search(flann::FLANN_CHECKS_UNLIMITED, 0, true);
   search.cores = 1;
@@ -162,8 +161,9 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
 
   Points thinned;
   std::vector<Eigen::Vector3d> viewpoints;
-  for (const auto origin : {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored,
-                            shape::PointOrigin::kMirroredSecond, shape::PointOrigin::kMirroredBoth}) {
+  for (const auto origin :
+       {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored,
+        shape::PointOrigin::kMirroredSecond, shape::PointOrigin::kMirroredBoth}) {
     Points of_origin;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (shape.origin[i] == origin) of_origin.push_back(points[i]);

@@ -12,7 +12,7 @@ struct ObjectModel {
   geometry::MeshDefects defects;
   std::vector<geometry::TriangleMesh> convex_pieces_W;
   geometry::MassProperties mass_properties;  // in W
-  double seen_deviation = 0;  // mean distance of the seen points to the mesh [m]
+  double seen_deviation = 0;                 // mean distance of the seen points to the mesh [m]
 };
 
 }  // namespace prehend::surface

@@ -26,9 +26,8 @@ std::vector<int> convex_outline(const std::vector<Eigen::Vector2d>& points) {
   const auto add_chain = [&](auto begin, auto end) {
     const std::size_t least = hull.size() + 2;
     for (auto i = begin; i != end; ++i) {
-      while (hull.size() >= least &&
-             cross(points[hull.back()] - points[hull[hull.size() - 2]],
-                   points[*i] - points[hull.back()]) <= 0) {
+      while (hull.size() >= least && cross(points[hull.back()] - points[hull[hull.size() - 2]],
+                                           points[*i] - points[hull.back()]) <= 0) {
         hull.pop_back();
       }
       hull.push_back(*i);

@@ -20,6 +20,7 @@ using geometry::InputError;
 using geometry::TriangleMesh;
 
 constexpr std::size_t kLeastPoints = 30;
+constexpr double kLeastShare = 0.05;
 
 void check(const PoissonOptions& options) {
   const auto require = [](bool condition, const std::string& what) {
@@ -88,8 +89,8 @@ TriangleMesh poisson_mesh(const geometry::PointCloud& cloud, const PoissonOption
   return mesh;
 }
 
-/// The connected part with the most triangles; the first of equals.
-TriangleMesh largest_part(const TriangleMesh& mesh) {
+/// The connected parts with at least `kLeastShare` of the triangles of the largest one.
+TriangleMesh without_crumbs(const TriangleMesh& mesh) {
   std::vector<int> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
@@ -102,13 +103,12 @@ TriangleMesh largest_part(const TriangleMesh& mesh) {
   }
   std::vector<int> triangles(mesh.vertices.size(), 0);
   for (const Eigen::Vector3i& t : mesh.triangles) ++triangles[root(t.x())];
-  const int largest = static_cast<int>(
-      std::max_element(triangles.begin(), triangles.end()) - triangles.begin());
+  const int largest = triangles.empty() ? 0 : *std::max_element(triangles.begin(), triangles.end());
 
   TriangleMesh part;
   std::vector<int> renumbered(mesh.vertices.size(), -1);
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    if (root(t.x()) != largest) continue;
+    if (triangles[root(t.x())] < kLeastShare * largest) continue;
     Eigen::Vector3i triangle;
     for (int corner = 0; corner < 3; ++corner) {
       int& index = renumbered[t(corner)];
@@ -133,8 +133,9 @@ void check_input(const geometry::PointCloud& cloud) {
     throw InputError("the cloud has no normals", "estimate normals first");
   }
   if (cloud.size() < kLeastPoints) {
-    throw InputError("the cloud has " + std::to_string(cloud.size()) + " points, too few for a mesh",
-                     "give at least " + std::to_string(kLeastPoints));
+    throw InputError(
+        "the cloud has " + std::to_string(cloud.size()) + " points, too few for a mesh",
+        "give at least " + std::to_string(kLeastPoints));
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!geometry::is_finite(cloud.points[i]) || !geometry::is_finite(cloud.normals[i])) {
@@ -169,7 +170,7 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
     PoissonOptions attempt = options;
     attempt.depth = std::max(3, options.depth - less_depth);
     attempt.scale = options.scale * larger_scale;
-    TriangleMesh mesh = largest_part(poisson_mesh(closed, attempt));
+    TriangleMesh mesh = without_crumbs(poisson_mesh(closed, attempt));
     if (table) {
       for (Eigen::Vector3d& vertex : mesh.vertices) {
         if (table->signed_distance(vertex) < 0) vertex = table->project(vertex);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kCosine25Degrees = 0.9063078;
 constexpr double kLeastGap = 4;  // spacings; shorter edges are bridged by Poisson
 constexpr double kUprightSlope = 0.5;
-constexpr double kNear = 2;      // spacings
+constexpr double kNear = 2;  // spacings
 
 struct Slice {
   std::vector<Eigen::Vector2d> points;

@@ -40,8 +40,8 @@ TEST(HostileView, EmptyAndTooSmallClouds) {
 }
 
 TEST(HostileView, NotFinitePoints) {
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(),
-                          std::numeric_limits<float>::infinity()}) {
+  for (const float bad :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     SyntheticView view = good_view();
     view.cloud_W.points[5].y() = bad;
     EXPECT_THAT(complaint(view), HasSubstr("not finite"));

@@ -89,8 +89,8 @@ TEST_P(CutByTheView, IsCompletedWithinTwoMillimetres) {
 TEST_P(CutByTheView, StaysWithinThreeMillimetresUnderOneMillimetreOfNoise) {
   const auto& [solid, elevation, yaw] = GetParam();
   const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kDegree, 0.1, 0.05);
-  const SyntheticView view = synthetic_view(
-      truth, {.elevation = elevation * kDegree, .depth_noise = 0.001, .seed = 7});
+  const SyntheticView view =
+      synthetic_view(truth, {.elevation = elevation * kDegree, .depth_noise = 0.001, .seed = 7});
   const CompletedShape shape = complete_by_symmetry(view.view());
   const std::vector<double> errors = mirrored_errors(shape, truth);
   ASSERT_GT(errors.size(), view.cloud_W.size() / 2);

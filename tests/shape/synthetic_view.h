@@ -53,8 +53,7 @@ inline SyntheticView synthetic_view(const geometry::TriangleMesh& mesh_W,
   const Eigen::Vector3d eye = result.X_WC.translation();
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d ray =
-          (result.X_WC.linear() * camera.unproject(u, v, 1)).normalized();
+      const Eigen::Vector3d ray = (result.X_WC.linear() * camera.unproject(u, v, 1)).normalized();
       const auto hit = query.cast_ray(eye, ray);
       if (!hit) continue;
       // Sum of uniform numbers: the same on every standard library.

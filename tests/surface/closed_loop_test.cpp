@@ -1,0 +1,137 @@
+// From one synthetic view to a solid, measured against the truth.
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/shape/symmetry.h"
+#include "prehend/surface/deviation.h"
+#include "prehend/surface/model.h"
+#include "tests/shape/synthetic_view.h"
+
+namespace prehend::surface {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+struct Outcome {
+  ObjectModel model;
+  MeshDeviation deviation;
+  double volume_ratio = 0;
+};
+
+Outcome predict(const geometry::TriangleMesh& truth, const shape::ViewOptions& options) {
+  const shape::SyntheticView view = shape::synthetic_view(truth, options);
+  Outcome outcome;
+  outcome.model = make_object_model(shape::complete_by_symmetry(view.view()), view.table_W);
+  outcome.deviation = mesh_deviation(outcome.model.mesh_W, truth);
+  outcome.volume_ratio =
+      outcome.model.mass_properties.volume / geometry::mass_properties(truth).volume;
+  return outcome;
+}
+
+void expect_solid(const Outcome& outcome) {
+  EXPECT_TRUE(outcome.model.defects.watertight()) << outcome.model.defects.to_string();
+  EXPECT_GE(geometry::bounds(outcome.model.mesh_W).min().z(), -1e-9);
+  EXPECT_FALSE(outcome.model.convex_pieces_W.empty());
+}
+
+/// Turned, and straight on one face.
+TEST(ClosedLoop, Box) {
+  for (const double yaw : {0.0, 30.0, 45.0}) {
+    const Outcome outcome = predict(
+        shape::standing(geometry::make_box({0.06, 0.09, 0.12}), yaw * kDegree, 0.1, 0.05), {});
+    expect_solid(outcome);
+    EXPECT_LT(outcome.deviation.to_second.mean, 0.0006);
+    EXPECT_LT(outcome.deviation.from_second.mean, 0.0006);
+    EXPECT_LT(outcome.deviation.to_second.max, 0.003);
+    EXPECT_LT(outcome.deviation.from_second.max, 0.004);  // Poisson rounds the corners
+    EXPECT_NEAR(outcome.volume_ratio, 1, 0.03);
+    EXPECT_LT(outcome.model.seen_deviation, 0.0003);
+    EXPECT_EQ(outcome.model.convex_pieces_W.size(), 1u);
+  }
+}
+
+TEST(ClosedLoop, BoxUnderNoise) {
+  for (const double yaw : {0.0, 30.0}) {
+    const Outcome outcome =
+        predict(shape::standing(geometry::make_box({0.06, 0.09, 0.12}), yaw * kDegree),
+                {.depth_noise = 0.001});
+    expect_solid(outcome);
+    EXPECT_LT(outcome.deviation.to_second.mean, 0.001);
+    EXPECT_LT(outcome.deviation.from_second.mean, 0.001);
+    EXPECT_LT(outcome.deviation.from_second.max, 0.006);
+    EXPECT_NEAR(outcome.volume_ratio, 1, 0.05);
+  }
+}
+
+TEST(ClosedLoop, Cylinder) {
+  const Outcome outcome = predict(
+      shape::standing(geometry::make_revolution({{0.035, 0}, {0.035, 0.1}}, 128), 0, 0.1), {});
+  expect_solid(outcome);
+  EXPECT_LT(outcome.deviation.to_second.mean, 0.0005);
+  EXPECT_LT(outcome.deviation.from_second.mean, 0.0005);
+  EXPECT_LT(outcome.deviation.from_second.max, 0.004);
+  EXPECT_NEAR(outcome.volume_ratio, 1, 0.03);
+}
+
+TEST(ClosedLoop, Bottle) {
+  const Outcome outcome = predict(
+      shape::standing(
+          geometry::make_revolution({{0.03, 0}, {0.03, 0.10}, {0.012, 0.13}, {0.012, 0.16}}, 128),
+          0),
+      {});
+  expect_solid(outcome);
+  EXPECT_LT(outcome.deviation.to_second.mean, 0.001);
+  EXPECT_LT(outcome.deviation.from_second.mean, 0.001);
+  EXPECT_LT(outcome.deviation.from_second.max, 0.004);
+  EXPECT_NEAR(outcome.volume_ratio, 1, 0.06);
+  EXPECT_GE(outcome.model.convex_pieces_W.size(), 2u);
+}
+
+/// Its lower part is never seen: the arc to the table is a guess that is right for a ball.
+TEST(ClosedLoop, Ball) {
+  const Outcome outcome = predict(shape::standing(geometry::make_sphere(0.04, 128), 0), {});
+  expect_solid(outcome);
+  EXPECT_LT(outcome.deviation.to_second.mean, 0.0015);
+  EXPECT_LT(outcome.deviation.from_second.percentile_95, 0.006);
+  EXPECT_LT(outcome.deviation.from_second.max, 0.012);
+  EXPECT_NEAR(outcome.volume_ratio, 1, 0.05);
+}
+
+TEST(ClosedLoop, SameInputGivesTheSameBits) {
+  const auto truth = shape::standing(geometry::make_box({0.06, 0.09, 0.12}), 0.4);
+  const Outcome first = predict(truth, {.depth_noise = 0.001, .width = 320});
+  const Outcome second = predict(truth, {.depth_noise = 0.001, .width = 320});
+  EXPECT_EQ(first.model.mesh_W.vertices, second.model.mesh_W.vertices);
+  EXPECT_EQ(first.model.mesh_W.triangles, second.model.mesh_W.triangles);
+  EXPECT_EQ(first.model.seen_deviation, second.model.seen_deviation);
+  ASSERT_EQ(first.model.convex_pieces_W.size(), second.model.convex_pieces_W.size());
+  for (std::size_t i = 0; i < first.model.convex_pieces_W.size(); ++i) {
+    EXPECT_EQ(first.model.convex_pieces_W[i].vertices, second.model.convex_pieces_W[i].vertices);
+  }
+}
+
+TEST(ClosedLoop, ShapesWithoutVolumeOrPointsAreRefused) {
+  EXPECT_THROW(make_object_model({}, {}), geometry::InputError);
+  shape::CompletedShape few;
+  few.cloud_W.points.assign(5, Eigen::Vector3f(0, 0, 0.1f));
+  few.cloud_W.points[1].x() = 0.1f;
+  few.origin.assign(5, shape::PointOrigin::kSeen);
+  EXPECT_THROW(make_object_model(few, {}), geometry::InputError);
+}
+
+TEST(ClosedLoop, TimesAreMeasured) {
+  const auto truth = shape::standing(geometry::make_box({0.06, 0.09, 0.12}), 0.4);
+  const shape::SyntheticView view = shape::synthetic_view(truth, {.width = 320});
+  ModelTimes times;
+  make_object_model(shape::complete_by_symmetry(view.view()), view.table_W, {}, &times);
+  EXPECT_GT(times.normals, 0);
+  EXPECT_GT(times.poisson, 0);
+  EXPECT_GT(times.convex_pieces, 0);
+  EXPECT_GT(times.properties, 0);
+}
+
+}  // namespace
+}  // namespace prehend::surface

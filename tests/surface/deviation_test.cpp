@@ -1,0 +1,72 @@
+#include "prehend/surface/deviation.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "tests/surface/sampled_solid.h"
+
+namespace prehend::surface {
+namespace {
+
+TEST(Deviation, OfConcentricSpheresIsTheDifferenceOfTheirRadii) {
+  const auto d =
+      mesh_deviation(geometry::make_sphere(0.05, 128), geometry::make_sphere(0.052, 128));
+  for (const auto& one : {d.to_second, d.from_second}) {
+    EXPECT_NEAR(one.mean, 0.002, 2e-5);
+    EXPECT_NEAR(one.percentile_95, 0.002, 3e-5);
+    EXPECT_NEAR(one.max, 0.002, 1e-4);
+  }
+}
+
+TEST(Deviation, IsDirected) {
+  // A box against the same box with a thin rod on it: only the second's points are far.
+  const auto box = geometry::make_box({0.1, 0.1, 0.1});
+  const auto rod = shifted(geometry::make_box({0.002, 0.002, 0.05}), {0, 0, 0.075});
+  const auto d = mesh_deviation(box, geometry::concatenated({box, rod}));
+  EXPECT_LT(d.to_second.max, 1e-6);
+  EXPECT_NEAR(d.from_second.max, 0.05, 1e-3);
+}
+
+TEST(Deviation, ToItselfIsZero) {
+  const auto mesh = make_l_shape(0.05);
+  EXPECT_LT(mesh_deviation(mesh, mesh).to_second.max, 1e-7);
+}
+
+TEST(SampleSurface, IsUniformOverTheArea) {
+  // A small and a large square: points in proportion to 1 : 9.
+  geometry::TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0},  {1, 0, 0},  {1, 1, 0},  {0, 1, 0},
+                   {10, 0, 0}, {13, 0, 0}, {13, 3, 0}, {10, 3, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  int small = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : sample_surface(mesh, 10000, 5)) {
+    if (p.x() < 5)
+      ++small;
+    else
+      mean += p / 9000;
+  }
+  EXPECT_NEAR(small, 1000, 2);
+  EXPECT_NEAR(mean.x(), 11.5, 0.03);
+  EXPECT_NEAR(mean.y(), 1.5, 0.03);
+}
+
+TEST(SampleSurface, SeedDecides) {
+  const auto mesh = geometry::make_sphere(0.05);
+  EXPECT_EQ(sample_surface(mesh, 100, 1), sample_surface(mesh, 100, 1));
+  EXPECT_NE(sample_surface(mesh, 100, 1), sample_surface(mesh, 100, 2));
+}
+
+TEST(Deviation, HostileInputIsRefused) {
+  EXPECT_THROW(sample_surface({}, 10, 1), geometry::InputError);
+  EXPECT_THROW(deviation({}, geometry::MeshQuery(geometry::make_sphere(1))), geometry::InputError);
+  EXPECT_THROW(
+      deviation({Eigen::Vector3d::Constant(NAN)}, geometry::MeshQuery(geometry::make_sphere(1))),
+      geometry::InputError);
+  EXPECT_THROW(sample_surface(geometry::make_sphere(1), 0, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prehend::surface
