@@ -76,7 +76,7 @@ TEST(PlanGrasps, CubeFromAbove) {
 }
 
 TEST(PlanGrasps, CanAndBall) {
-  const auto can = plan("can 66 x 115 mm", object_at(geometry::make_revolution({{0.031, -0.0575}, {0.031, 0.0575}}),
+  const auto can = plan("can 62 x 115 mm", object_at(geometry::make_revolution({{0.031, -0.0575}, {0.031, 0.0575}}),
                                          {0.3, 0, 0.0575}));
   ASSERT_FALSE(can.grasps.empty()) << can.problem;
   EXPECT_NEAR(can.grasps.front().predicted.opening, 0.062, 1e-3);
