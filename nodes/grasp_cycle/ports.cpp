@@ -18,6 +18,7 @@ void GripperActions::move_to(double opening, double speed) {
   msgs::MoveGripperGoal goal;
   goal.set_opening(opening);
   goal.set_speed(speed);
+  goal.set_stamp(node_.clock().now());
   goal_ = client_.send(goal);
 }
 

@@ -29,7 +29,7 @@ GripperMode mode_of(const msgs::GripperCommand& command) {
 MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
     : node_(node), robot_(robot) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/stop", [this](const msgs::Empty&) {
-    robot_.command_gripper(GripperMode::kStop, 0, 0);
+    robot_.command_gripper(GripperMode::kStop, 0, 0, 0);
     msgs::Acknowledge answer;
     answer.set_success(true);
     return answer;
@@ -58,7 +58,8 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
 
 void MotionActions::command(const msgs::GripperCommand& command) {
   try {
-    robot_.command_gripper(mode_of(command), command.value(), command.current_limit());
+    robot_.command_gripper(mode_of(command), command.value(), command.current_limit(),
+                           command.header().stamp());
   } catch (const std::invalid_argument& error) {
     node_.log_warning("/gripper/command refused: {}", error.what());
   }
@@ -120,7 +121,7 @@ msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal&
   std::uint64_t ticket = 0;
   try {
     if (!(goal.speed() > 0)) throw std::invalid_argument("speed must be positive");
-    ticket = robot_.move_gripper(goal.opening(), goal.speed(), goal.current_limit());
+    ticket = robot_.move_gripper(goal.opening(), goal.speed(), goal.current_limit(), goal.stamp());
   } catch (const std::invalid_argument& error) {
     result.set_reason(error.what());
     result.set_opening(gripper.opening);
@@ -146,7 +147,7 @@ msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal&
       break;
     }
     if (context.cancelled()) {
-      if (!context.preempted()) robot_.command_gripper(GripperMode::kStop, 0, 0);
+      if (!context.preempted()) robot_.command_gripper(GripperMode::kStop, 0, 0, 0);
       result.set_reason("cancelled");
       break;
     }

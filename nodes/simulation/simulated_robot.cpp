@@ -96,16 +96,20 @@ void SimulatedRobot::pace() {
   std::this_thread::sleep_until(deadline_);
 }
 
-void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit) {
+void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit,
+                                     std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
+  if (stamp != 0 && stamp <= action_stamp_) return;
   world_.set_gripper_command(mode, value, current_limit);
   ++gripper_ticket_;
   continuous_command_ = mode != GripperMode::kStop;
   command_time_ = world_.time();
 }
 
-std::uint64_t SimulatedRobot::move_gripper(double opening, double speed, double current_limit) {
+std::uint64_t SimulatedRobot::move_gripper(double opening, double speed, double current_limit,
+                                           std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
+  action_stamp_ = stamp;
   world_.set_gripper_command(GripperMode::kPosition, opening, current_limit, speed);
   continuous_command_ = false;
   return ++gripper_ticket_;

@@ -51,11 +51,14 @@ class SimulatedRobot {
   }
 
   /// A continuous command: stopped by the watchdog when the jaws still move kWatchdog later.
-  /// Like an action's command it takes the gripper over from whoever had it.
+  /// Like an action's command it takes the gripper over from whoever had it, unless `stamp` [ns]
+  /// is set and not later than that of the last move_gripper: then it came late and is ignored.
   /// @throws std::invalid_argument as World::set_gripper_command.
-  void command_gripper(simulation::GripperMode mode, double value, double current_limit);
+  void command_gripper(simulation::GripperMode mode, double value, double current_limit,
+                       std::int64_t stamp);
   /// A command with an own end; returns a ticket that holds_gripper() knows until the next command.
-  std::uint64_t move_gripper(double opening, double speed, double current_limit);
+  std::uint64_t move_gripper(double opening, double speed, double current_limit,
+                             std::int64_t stamp);
   bool holds_gripper(std::uint64_t ticket);
 
   /// Starts a line; when `contact_force` [N] > 0, the carrier is stopped within one step once the
@@ -85,6 +88,7 @@ class SimulatedRobot {
   std::condition_variable slice_done_;
   std::uint64_t slices_ = 0;
   std::uint64_t gripper_ticket_ = 0;
+  std::int64_t action_stamp_ = 0;  // ns, of the last move_gripper
   bool continuous_command_ = false;
   double command_time_ = 0;   // s, simulated
   bool watchdog_fired_ = false;
