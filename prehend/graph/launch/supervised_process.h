@@ -1,0 +1,56 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prehend/graph/launch/child_process.h"
+#include "prehend/graph/launch/launch_output.h"
+
+namespace prehend::graph::launch {
+
+/// One program of a launch over all its restarts: splits its output into lines for a LaunchOutput.
+class SupervisedProcess {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  SupervisedProcess(std::string name, std::vector<std::string> command,
+                    std::map<std::string, std::string> environment, LaunchOutput& output)
+      : name_(std::move(name)),
+        command_(std::move(command)),
+        environment_(std::move(environment)),
+        output_(output) {}
+
+  void start();
+  /// Shows what the child has written; false when there was nothing.
+  bool forward_output();
+  /// The status when the child has just ended: once for each start. All its output is out by then.
+  std::optional<int> reap();
+
+  const std::string& name() const { return name_; }
+  bool running() const { return child_ != nullptr; }
+  ChildProcess* child() { return child_.get(); }
+  /// The last line it wrote that is not blank.
+  const std::string& last_line() const { return last_line_; }
+  Clock::time_point started() const { return started_; }
+
+  bool ready = false;                          ///< the registry has it as ready, since its start
+  std::optional<Clock::time_point> restart_at; ///< when to start it again
+  std::chrono::milliseconds delay{0};          ///< of the last restart
+
+ private:
+  void show_line(std::string_view line);
+
+  const std::string name_;
+  const std::vector<std::string> command_;
+  const std::map<std::string, std::string> environment_;
+  LaunchOutput& output_;
+  std::unique_ptr<ChildProcess> child_;
+  std::string partial_line_, last_line_;
+  Clock::time_point started_{};
+};
+
+}  // namespace prehend::graph::launch
