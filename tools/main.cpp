@@ -1,0 +1,37 @@
+// The `prehend` command: starts graphs, looks into running ones, handles recordings.
+
+#include <cstdio>
+#include <exception>
+
+#include "tools/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace prehend::tools;
+  CLI::App app("prehend: a robot grasps objects it never saw. Starts graphs of nodes, looks into "
+               "running ones, and handles recordings.",
+               "prehend");
+  app.footer("Examples:\n"
+             "  prehend launch launch/demo.yaml scene:=table_objects\n"
+             "  prehend node list\n"
+             "  prehend topic echo /gripper/state\n"
+             "  prehend record -o run.mcap\n"
+             "Each command explains itself: prehend topic echo --help");
+  app.require_subcommand(1);
+  Outcome outcome;
+  add_launch_command(app, outcome);
+  add_node_commands(app);
+  add_topic_commands(app, outcome);
+  add_service_commands(app);
+  add_param_commands(app);
+  add_recording_commands(app);
+  add_bag_commands(app, outcome);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "prehend: %s\n", error.what());
+    return 1;
+  }
+  return outcome.exit_code;
+}

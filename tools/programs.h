@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace prehend::tools {
+
+/// The folder of the running executable, where the nodes' programs are, too.
+std::string program_folder();
+
+/// Becomes the program `name` of that folder; returns only by throwing std::runtime_error.
+[[noreturn]] void become_program(const std::string& name, const std::vector<std::string>& arguments);
+
+}  // namespace prehend::tools

@@ -1,0 +1,130 @@
+#include <unistd.h>
+
+#include <array>
+#include <ctime>
+#include <memory>
+
+#include "tools/commands.h"
+#include "tools/programs.h"
+#include "tools/table.h"
+
+namespace prehend::tools {
+namespace {
+
+struct RecordChoices {
+  std::string registry, output, compression = "lz4", clock = "wall";
+  std::vector<std::string> topics, attachments;
+  bool all = false;
+  double duration = 0;
+};
+
+struct ReplayChoices {
+  std::string registry, file;
+  std::vector<std::string> topics;
+  double rate = 1, start = 0, wait = 2;
+  bool loop = false, hold = false, no_clock = false;
+};
+
+std::string default_output() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  ::localtime_r(&now, &local);
+  std::array<char, 64> name{};
+  std::strftime(name.data(), name.size(), "recording-%Y%m%d-%H%M%S.mcap", &local);
+  return name.data();
+}
+
+// The command line of a node that several people may start at a time.
+std::vector<std::string> node_arguments(const std::string& name, const std::string& registry) {
+  std::vector<std::string> words{"--name", name + "_" + std::to_string(::getpid())};
+  if (!registry.empty()) words.insert(words.end(), {"--registry", registry});
+  return words;
+}
+
+void add_parameter(std::vector<std::string>& words, const std::string& name,
+                   const std::string& value) {
+  words.insert(words.end(), {"--param", name + ":=" + value});
+}
+
+void record(const RecordChoices& choices) {
+  if (choices.all && !choices.topics.empty()) {
+    throw std::invalid_argument("give either --all or topics, not both");
+  }
+  auto words = node_arguments("recorder", choices.registry);
+  words.insert(words.end(), {"--clock", choices.clock});
+  add_parameter(words, "output", choices.output.empty() ? default_output() : choices.output);
+  add_parameter(words, "topics", joined(choices.topics, " "));
+  add_parameter(words, "attachment", joined(choices.attachments, " "));
+  add_parameter(words, "compression", choices.compression);
+  add_parameter(words, "duration", std::to_string(choices.duration));
+  become_program("recorder", words);
+}
+
+void replay(const ReplayChoices& choices) {
+  auto words = node_arguments("replay", choices.registry);
+  add_parameter(words, "file", choices.file);
+  add_parameter(words, "topics", joined(choices.topics, " "));
+  add_parameter(words, "rate", std::to_string(choices.rate));
+  add_parameter(words, "start", std::to_string(choices.start));
+  add_parameter(words, "wait_for_subscribers", std::to_string(choices.wait));
+  add_parameter(words, "loop", choices.loop ? "true" : "false");
+  add_parameter(words, "hold", choices.hold ? "true" : "false");
+  add_parameter(words, "clock", choices.no_clock ? "false" : "true");
+  become_program("replay", words);
+}
+
+void add_record(CLI::App& app) {
+  auto choices = std::make_shared<RecordChoices>();
+  CLI::App* command = app.add_subcommand(
+      "record", "Record topics to an MCAP file until Ctrl-C; nothing that arrived is lost");
+  command->add_option("topics", choices->topics, "Topics to record; default: all, also new ones");
+  command->add_flag("-a,--all", choices->all, "All topics, which is the default");
+  command->add_option("-o,--output", choices->output, "File; default: recording-DATE-TIME.mcap");
+  command->add_option("-d,--duration", choices->duration, "Seconds after which it ends; 0: never")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--attach", choices->attachments, "Files to keep in the recording")
+      ->allow_extra_args(false);
+  command->add_option("--compression", choices->compression, "none, lz4 or zstd")
+      ->check(CLI::IsMember({"none", "lz4", "zstd"}))->capture_default_str();
+  command->add_option("--clock", choices->clock, "Time of the recording: wall or simulated")
+      ->check(CLI::IsMember({"wall", "simulated"}))->capture_default_str();
+  add_registry_option(*command, choices->registry);
+  command->footer("Examples:\n"
+                  "  prehend record -o run.mcap\n"
+                  "  prehend record /camera/stereo /camera/info --duration 10\n"
+                  "  prehend record --attach launch/demo.yaml --compression zstd");
+  command->callback([choices] { record(*choices); });
+}
+
+void add_replay(CLI::App& app) {
+  auto choices = std::make_shared<ReplayChoices>();
+  CLI::App* command = app.add_subcommand(
+      "replay", "Publish a recording again, with its stamps and its time on /clock");
+  command->add_option("file", choices->file, "The recording")->required()->check(CLI::ExistingFile);
+  command->add_option("-r,--rate", choices->rate,
+                      "Recorded seconds per second; 0: as fast as possible")
+      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("-s,--start", choices->start, "Seconds after its beginning to start at")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("-t,--topics", choices->topics, "Only these topics");
+  command->add_option("--wait", choices->wait, "Longest wait for subscribers before it begins [s]")
+      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_flag("-l,--loop", choices->loop, "Begin again at the end");
+  command->add_flag("--hold", choices->hold, "Stay at the end for late subscribers");
+  command->add_flag("--no-clock", choices->no_clock, "Do not publish /clock");
+  add_registry_option(*command, choices->registry);
+  command->footer("Examples:\n"
+                  "  prehend replay run.mcap\n"
+                  "  prehend replay run.mcap --rate 0.5 --start 3 --topics /camera/stereo\n"
+                  "Use a graph of its own (prehend launch), or the topics have two publishers.");
+  command->callback([choices] { replay(*choices); });
+}
+
+}  // namespace
+
+void add_recording_commands(CLI::App& app) {
+  add_record(app);
+  add_replay(app);
+}
+
+}  // namespace prehend::tools
