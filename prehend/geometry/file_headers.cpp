@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -151,6 +152,32 @@ std::optional<RigidTransform> parse_viewpoint(const Entries& entries,
   return make_transform(q, p);
 }
 
+// PCL reads words as NaN and takes missing values from the next line without a word.
+void check_ascii_points(std::ifstream& stream, const std::filesystem::path& path,
+                        std::size_t points, std::size_t values) {
+  std::string line;
+  for (std::size_t i = 0; i < points; ++i) {
+    if (!std::getline(stream, line)) {
+      fail(path, "is truncated: it has " + std::to_string(i) + " of " + std::to_string(points) +
+                     " points");
+    }
+    std::size_t count = 0;
+    for (const char* position = line.c_str(); count <= values; ++count) {
+      char* end = nullptr;
+      std::strtod(position, &end);
+      if (end == position) {
+        position += std::strspn(position, " \t\r");
+        if (*position == '\0') break;
+        fail(path, "has a point with a value that is not a number, in point " + std::to_string(i));
+      }
+      position = end;
+    }
+    if (count != values) {
+      fail(path, "has a point with too few or too many values, point " + std::to_string(i));
+    }
+  }
+}
+
 void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
                     const PcdHeader& header, std::size_t bytes_per_point, std::size_t values,
                     std::size_t file_size) {
@@ -165,6 +192,7 @@ void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
   if (header.encoding == "ascii" && header.points * values * 2 - 1 > remaining) {
     fail_short(header.points * values * 2 - 1);
   }
+  if (header.encoding == "ascii") check_ascii_points(stream, path, header.points, values);
   if (header.encoding != "binary_compressed") return;
   std::array<std::uint32_t, 2> sizes{};  // compressed, uncompressed
   if (remaining < sizeof sizes) fail_short(sizeof sizes);
@@ -176,36 +204,32 @@ void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
   }
 }
 
-struct PlyProperty {
-  std::string name;
-  std::size_t size = 0;  // bytes of a value, or of a list's length
-  bool is_list = false;
-};
-
-struct PlyElement {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<PlyProperty> properties;
-};
-
-std::size_t ply_type_size(const std::filesystem::path& path, const std::string& type) {
-  static const std::map<std::string, std::size_t> kSizes = {
-      {"char", 1},  {"int8", 1},   {"uchar", 1},  {"uint8", 1},   {"short", 2},  {"int16", 2},
-      {"ushort", 2}, {"uint16", 2}, {"int", 4},   {"int32", 4},   {"uint", 4},   {"uint32", 4},
-      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
-  const auto found = kSizes.find(type);
-  if (found == kSizes.end()) fail(path, "has a PLY property of unknown type '" + type + "'");
+PlyNumber ply_number(const std::filesystem::path& path, const std::string& type) {
+  static const std::map<std::string, PlyNumber> kTypes = {
+      {"char", PlyNumber::kInt8},       {"int8", PlyNumber::kInt8},
+      {"uchar", PlyNumber::kUint8},     {"uint8", PlyNumber::kUint8},
+      {"short", PlyNumber::kInt16},     {"int16", PlyNumber::kInt16},
+      {"ushort", PlyNumber::kUint16},   {"uint16", PlyNumber::kUint16},
+      {"int", PlyNumber::kInt32},       {"int32", PlyNumber::kInt32},
+      {"uint", PlyNumber::kUint32},     {"uint32", PlyNumber::kUint32},
+      {"float", PlyNumber::kFloat32},   {"float32", PlyNumber::kFloat32},
+      {"double", PlyNumber::kFloat64},  {"float64", PlyNumber::kFloat64}};
+  const auto found = kTypes.find(type);
+  if (found == kTypes.end()) fail(path, "has a PLY property of unknown type '" + type + "'");
   return found->second;
 }
 
 PlyProperty parse_ply_property(const std::filesystem::path& path,
                                const std::vector<std::string>& words) {
   if (words.size() == 5 && words[1] == "list") {
-    ply_type_size(path, words[3]);
-    return {words[4], ply_type_size(path, words[2]), true};
+    const PlyNumber length = ply_number(path, words[2]);
+    if (length == PlyNumber::kFloat32 || length == PlyNumber::kFloat64) {
+      fail(path, "has a PLY list whose length is not a whole number");
+    }
+    return {words[4], ply_number(path, words[3]), length};
   }
   if (words.size() != 3) fail(path, "has a PLY property line that could not be read");
-  return {words[2], ply_type_size(path, words[1]), false};
+  return {words[2], ply_number(path, words[1]), std::nullopt};
 }
 
 std::vector<PlyElement> read_ply_elements(std::ifstream& stream, const std::filesystem::path& path,
@@ -295,23 +319,35 @@ PcdHeader read_pcd_header(const std::filesystem::path& path) {
   return header;
 }
 
+std::size_t size_of(PlyNumber type) {
+  switch (type) {
+    case PlyNumber::kInt8:
+    case PlyNumber::kUint8: return 1;
+    case PlyNumber::kInt16:
+    case PlyNumber::kUint16: return 2;
+    case PlyNumber::kFloat64: return 8;
+    default: return 4;
+  }
+}
+
 PlyHeader read_ply_header(const std::filesystem::path& path) {
   const std::size_t file_size = checked_file_size(path);
   std::ifstream stream(path, std::ios::binary);
-  std::string format;
-  const std::vector<PlyElement> elements = read_ply_elements(stream, path, format);
+  PlyHeader header;
+  header.elements = read_ply_elements(stream, path, header.format);
+  const std::string& format = header.format;
   if (format != "ascii" && format != "binary_little_endian" && format != "binary_big_endian") {
     fail(path, "has the unknown PLY format '" + format + "'");
   }
-  const std::size_t remaining = file_size - static_cast<std::size_t>(stream.tellg());
+  header.body_offset = static_cast<std::size_t>(stream.tellg());
+  const std::size_t remaining = file_size - header.body_offset;
 
-  PlyHeader header;
   std::size_t needed = 0;
-  for (const PlyElement& element : elements) {
+  for (const PlyElement& element : header.elements) {
     std::size_t bytes = 0;  // that one row needs at least
     std::vector<std::string> names;
     for (const PlyProperty& property : element.properties) {
-      bytes += format == "ascii" ? 2 : property.size;
+      bytes += format == "ascii" ? 2 : size_of(property.list_length.value_or(property.type));
       names.push_back(property.name);
     }
     if (element.count > kMaxPoints || element.count * bytes > remaining + 1 ||

@@ -25,11 +25,31 @@ struct PcdHeader {
 /// contradicts itself or the file's size, and for one without points or without x, y, z.
 PcdHeader read_pcd_header(const std::filesystem::path& path);
 
+enum class PlyNumber { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct PlyProperty {
+  std::string name;
+  PlyNumber type = PlyNumber::kFloat32;  // of a value, or of a list's entries
+  std::optional<PlyNumber> list_length;  // set: a list
+};
+
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
 struct PlyHeader {
+  std::string format;  // ascii, binary_little_endian, binary_big_endian
+  std::vector<PlyElement> elements;
+  std::size_t body_offset = 0;  // bytes before the first element
   std::size_t vertices = 0;
   std::size_t faces = 0;
   bool has_camera = false;  // PCL's element with the viewpoint
 };
+
+/// Bytes of a number in a binary PLY file.
+std::size_t size_of(PlyNumber type);
 
 /// @throws InputError like read_pcd_header.
 PlyHeader read_ply_header(const std::filesystem::path& path);

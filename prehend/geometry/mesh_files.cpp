@@ -15,6 +15,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/file_headers.h"
+#include "prehend/geometry/ply_mesh.h"
 
 namespace prehend::geometry {
 namespace {
@@ -142,8 +143,11 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
   const std::size_t size = checked_file_size(path);
   const std::string extension = lower_case_extension(path);
   if (extension == ".ply") {
-    if (read_ply_header(path).faces == 0) fail(path, "has no triangles", "Pass a mesh of a solid");
-  } else if (extension == ".stl") {
+    TriangleMesh mesh = read_ply_mesh(path, scale);
+    check_mesh(mesh, path);
+    return mesh;
+  }
+  if (extension == ".stl") {
     check_stl(path, size);
   } else if (extension != ".obj") {
     fail(path, "is neither an .obj, .ply nor .stl file", "Convert it, e.g. with MeshLab");

@@ -6,7 +6,7 @@
 
 namespace prehend::geometry {
 
-/// Reads an OBJ, PLY or STL mesh (by Assimp), all parts as one, times `scale` (metres per file
+/// Reads an OBJ or STL (by Assimp) or PLY mesh, all parts as one, polygons as triangles, times `scale` (metres per file
 /// unit). @throws InputError for a missing, foreign, truncated or empty file.
 TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale = 1.0);
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <pcl/PointIndices.h>
+#include <pcl/console/print.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
@@ -74,9 +75,12 @@ VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
   return grid;
 }
 
+void silence_pcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+
 std::vector<std::vector<int>> euclidean_clusters(const std::vector<Eigen::Vector3f>& points,
                                                  double tolerance, int min_size) {
   if (points.empty()) return {};
+  silence_pcl();
   const auto cloud = to_pcl(points);
   const auto tree = pcl::make_shared<pcl::search::KdTree<pcl::PointXYZ>>(false);
   tree->setInputCloud(cloud);
@@ -121,6 +125,7 @@ PlaneOutline::PlaneOutline(const geometry::Plane& plane,
     throw geometry::InputError("The points of a plane are on a line, so it has no outline",
                                "Pass a cloud with a table");
   }
+  silence_pcl();
   pcl::ConvexHull<pcl::PointXYZ> hull;
   hull.setInputCloud(to_pcl(flattened));
   hull.setDimension(2);

@@ -20,6 +20,9 @@ struct VoxelGrid {
 VoxelGrid make_voxel_grid(const std::vector<Eigen::Vector3f>& points,
                           const std::vector<int>& indices, double leaf_size);
 
+/// PCL reports by printing; perception reports by exceptions. Called before PCL is.
+void silence_pcl();
+
 /// Groups of points connected by gaps up to `tolerance` [m] with at least `min_size` members, by
 /// PCL's Euclidean cluster extraction. Indices ascending; largest group first, ties by first index.
 std::vector<std::vector<int>> euclidean_clusters(const std::vector<Eigen::Vector3f>& points,

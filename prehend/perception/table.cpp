@@ -27,6 +27,8 @@ using geometry::Plane;
 constexpr int kMinVoxels = 30;        // of a plane
 constexpr double kPatchGap = 0.15;    // m, larger gaps separate a plane's patches
 constexpr double kLowestTiltFactor = 0.05;
+constexpr double kBareTable = 0.05;    // score of a plane without anything on it
+constexpr double kManyThings = 0.05;   // voxels of things per voxel of table: half the full score
 constexpr int kMinThingVoxels = 15;   // of something that stands on a plane
 
 void require(bool condition, const char* what) {
@@ -113,6 +115,7 @@ std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3f>& points,
   } else {
     model = pcl::make_shared<pcl::SampleConsensusModelPlane<pcl::PointXYZ>>(cloud);
   }
+  silence_pcl();
   pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, options.inlier_distance);
   ransac.setMaxIterations(options.max_iterations);
   ransac.setProbability(0.9999);
@@ -202,6 +205,21 @@ std::optional<Candidate> refined(Plane plane, const std::vector<Eigen::Vector3f>
     if (axes.deviations[1] * std::sqrt(12.0) < options.min_extent) return std::nullopt;
     plane = facing_camera(axes.axes.col(0), axes.mean);
   }
+  // The feet of what stands on it are within the tolerance and lift the plane; its own noise is
+  // often far less.
+  double squares = 0;
+  for (const int i : candidate.voxels) {
+    const double d = plane.signed_distance(voxels[i].cast<double>()) /
+                     tolerance_at(voxels[i], options);
+    squares += d * d;
+  }
+  const double noise = std::sqrt(squares / static_cast<double>(candidate.voxels.size()));
+  const std::vector<int> core = inliers_of(plane, voxels, candidate.voxels, options,
+                                           std::clamp(2 * noise, 0.02, 1.0));
+  if (core.size() >= kMinVoxels) {
+    const PrincipalAxes axes = principal_axes(voxels, core);
+    plane = facing_camera(axes.axes.col(0), axes.mean);
+  }
   candidate.plane = plane;
   return candidate;
 }
@@ -289,9 +307,10 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
         const PlaneOutline outline(candidate->plane, members);
         candidate->standing = standing_voxels(candidate->plane, outline, voxels, options);
         const double things = candidate->standing;
-        const double share = things / (things + 0.05 * static_cast<double>(members.size()));
+        const double share =
+            things / (things + kManyThings * static_cast<double>(members.size()));
         candidate->score =
-            support * (up_C ? 1.0 : tilt_factor(candidate->plane)) * (1 + 4 * share);
+            support * (up_C ? 1.0 : tilt_factor(candidate->plane)) * (kBareTable + (1 - kBareTable) * share);
         if (!best || candidate->score > best->score) best = candidate;
       }
     }

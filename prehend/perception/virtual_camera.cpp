@@ -243,7 +243,7 @@ RigidTransform plausible_viewpoint(const PointCloud& cloud_F, const Eigen::Vecto
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : sample.points) box.extend(p);
   const Eigen::Vector3d center = box.center().cast<double>();
-  const double distance = std::max(2.0 * static_cast<double>(box.diagonal().norm()), 0.3);
+  const double distance = std::clamp(1.5 * static_cast<double>(box.diagonal().norm()), 0.3, 1.5);
   const double spacing = point_spacing(sample);
   const Eigen::Vector3d up = up_F.normalized();
   const Eigen::Vector3d x = up.unitOrthogonal();

@@ -33,8 +33,8 @@ double point_spacing(const geometry::PointCloud& cloud);
 /// @throws geometry::InputError when no point is in front of the camera.
 geometry::PinholeCamera make_virtual_camera(const geometry::PointCloud& cloud_C);
 
-/// A viewpoint X_FC from which the surface in `cloud_F` could have been seen: at twice the cloud's
-/// extent from its centre, 30 degrees above the horizon given by `up_F`, at the azimuth (of 24) from
+/// A viewpoint X_FC from which the surface in `cloud_F` could have been seen: at 1.5 times the
+/// cloud's extent from its centre (0.3 to 1.5 m), 30 degrees above the horizon given by `up_F`, at the azimuth (of 24) from
 /// which most points are visible and the surface bulges towards the camera.
 geometry::RigidTransform plausible_viewpoint(const geometry::PointCloud& cloud_F,
                                              const Eigen::Vector3d& up_F);

@@ -1,0 +1,150 @@
+#include "prehend/geometry/ply_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/file_headers.h"
+
+namespace prehend::geometry {
+namespace {
+
+// The numbers of a PLY body one after the other.
+class PlyBody {
+ public:
+  PlyBody(const std::filesystem::path& path, const PlyHeader& header)
+      : path_(path), ascii_(header.format == "ascii"),
+        swap_(header.format == "binary_big_endian") {
+    std::ifstream stream(path, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(header.body_offset));
+    bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  }
+
+  double next(PlyNumber type) {
+    if (ascii_) return next_word();
+    switch (type) {
+      case PlyNumber::kInt8: return load<std::int8_t>();
+      case PlyNumber::kUint8: return load<std::uint8_t>();
+      case PlyNumber::kInt16: return load<std::int16_t>();
+      case PlyNumber::kUint16: return load<std::uint16_t>();
+      case PlyNumber::kInt32: return load<std::int32_t>();
+      case PlyNumber::kUint32: return load<std::uint32_t>();
+      case PlyNumber::kFloat32: return static_cast<double>(load<float>());
+      case PlyNumber::kFloat64: return load<double>();
+    }
+    return 0;
+  }
+
+  // A list's length, which the rest of the file can hold.
+  std::size_t next_length(PlyNumber type) {
+    const double length = next(type);
+    if (!(length >= 0) || length > static_cast<double>(bytes_.size() - position_)) fail_truncated();
+    return static_cast<std::size_t>(length);
+  }
+
+  // A vertex index; -1 for what is none, which the check of the mesh refuses.
+  int next_index(PlyNumber type) {
+    const double index = next(type);
+    return index >= 0 && index < 2147483647.0 ? static_cast<int>(index) : -1;
+  }
+
+ private:
+  [[noreturn]] void fail_truncated() const {
+    throw InputError('\'' + path_.string() + "' is truncated or damaged: its data end before the "
+                                             "elements that its header promises",
+                     "Copy or export the file again");
+  }
+
+  double next_word() {
+    char* end = nullptr;
+    const double number = std::strtod(bytes_.c_str() + position_, &end);
+    const auto stop = static_cast<std::size_t>(end - bytes_.c_str());
+    if (stop == position_) fail_truncated();
+    position_ = stop;
+    return number;
+  }
+
+  template <typename T>
+  T load() {
+    if (bytes_.size() - position_ < sizeof(T)) fail_truncated();
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes_.data() + position_, sizeof(T));
+    if (swap_) std::reverse(raw.begin(), raw.end());
+    position_ += sizeof(T);
+    T value;
+    std::memcpy(&value, raw.data(), sizeof(T));
+    return value;
+  }
+
+  std::filesystem::path path_;
+  bool ascii_;
+  bool swap_;
+  std::string bytes_;
+  std::size_t position_ = 0;
+};
+
+void read_vertex(PlyBody& body, const PlyElement& element, double scale, TriangleMesh& mesh) {
+  Eigen::Vector3d vertex = Eigen::Vector3d::Zero();
+  for (const PlyProperty& property : element.properties) {
+    const std::size_t count = property.list_length ? body.next_length(*property.list_length) : 1;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double value = body.next(property.type);
+      if (property.name == "x") vertex.x() = value;
+      if (property.name == "y") vertex.y() = value;
+      if (property.name == "z") vertex.z() = value;
+    }
+  }
+  mesh.vertices.push_back(scale * vertex);
+}
+
+void read_face(PlyBody& body, const PlyElement& element, TriangleMesh& mesh) {
+  for (const PlyProperty& property : element.properties) {
+    const bool corners = property.list_length &&
+                         (property.name == "vertex_indices" || property.name == "vertex_index");
+    const std::size_t count = property.list_length ? body.next_length(*property.list_length) : 1;
+    if (!corners) {
+      for (std::size_t k = 0; k < count; ++k) body.next(property.type);
+      continue;
+    }
+    std::vector<int> polygon;
+    for (std::size_t k = 0; k < count; ++k) polygon.push_back(body.next_index(property.type));
+    for (std::size_t k = 2; k < count; ++k) {
+      mesh.triangles.emplace_back(polygon[0], polygon[k - 1], polygon[k]);
+    }
+  }
+}
+
+void skip_row(PlyBody& body, const PlyElement& element) {
+  for (const PlyProperty& property : element.properties) {
+    const std::size_t count = property.list_length ? body.next_length(*property.list_length) : 1;
+    for (std::size_t k = 0; k < count; ++k) body.next(property.type);
+  }
+}
+
+}  // namespace
+
+TriangleMesh read_ply_mesh(const std::filesystem::path& path, double scale) {
+  const PlyHeader header = read_ply_header(path);
+  PlyBody body(path, header);
+  TriangleMesh mesh;
+  for (const PlyElement& element : header.elements) {
+    for (std::size_t row = 0; row < element.count; ++row) {
+      if (element.name == "vertex") {
+        read_vertex(body, element, scale, mesh);
+      } else if (element.name == "face") {
+        read_face(body, element, mesh);
+      } else {
+        skip_row(body, element);
+      }
+    }
+  }
+  return mesh;
+}
+
+}  // namespace prehend::geometry

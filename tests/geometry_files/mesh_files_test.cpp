@@ -1,0 +1,161 @@
+#include "prehend/geometry/mesh_files.h"
+
+#include <cstdlib>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "tests/geometry_files/scratch_folder.h"
+
+namespace prehend::geometry {
+namespace {
+
+using ::testing::HasSubstr;
+
+class MeshFiles : public ::testing::Test {
+ protected:
+  std::string error_of(const std::string& name, const std::string& bytes) {
+    const std::filesystem::path path = scratch_.write(name, bytes);
+    try {
+      read_mesh_file(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  testing::ScratchFolder scratch_;
+};
+
+TEST_F(MeshFiles, RoundTripKeepsTheSolid) {
+  const TriangleMesh sphere = make_sphere(0.05, 24);
+  const MassProperties before = mass_properties(sphere);
+  for (const char* name : {"a.ply", "a.stl", "a.obj", "A.PLY"}) {
+    write_mesh_file(scratch_.path() / name, sphere);
+    const TriangleMesh mesh = read_mesh_file(scratch_.path() / name);
+    EXPECT_EQ(mesh.triangles.size(), sphere.triangles.size()) << name;
+    EXPECT_EQ(mesh.vertices.size(), sphere.vertices.size()) << name;
+    EXPECT_TRUE(find_defects(mesh).watertight()) << name << ": " << find_defects(mesh).to_string();
+    EXPECT_NEAR(mass_properties(mesh).volume, before.volume, 1e-5 * before.volume) << name;
+  }
+}
+
+TEST_F(MeshFiles, ScaleAndOrientation) {
+  const TriangleMesh box = make_box({1, 2, 3});
+  write_mesh_file(scratch_.path() / "a.obj", box);
+  const TriangleMesh mesh = read_mesh_file(scratch_.path() / "a.obj", 0.01);
+  EXPECT_NEAR(mass_properties(mesh).volume, 6e-6, 1e-12);
+  EXPECT_THROW(read_mesh_file(scratch_.path() / "a.obj", 0), std::invalid_argument);
+}
+
+TEST_F(MeshFiles, QuadsAndGroupsBecomeOneTriangleMesh) {
+  const std::string obj =
+      "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\ng b\nv 0 0 1\nf 1 2 5\n";
+  const TriangleMesh mesh = read_mesh_file(scratch_.write("a.obj", obj));
+  EXPECT_EQ(mesh.triangles.size(), 3U);
+}
+
+TEST_F(MeshFiles, PlyOfEitherByteOrderWithPolygonsAndOtherElements) {
+  const std::string header =
+      "element vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
+      "property uchar red\nelement face 1\nproperty list uchar ushort vertex_index\n"
+      "element edge 1\nproperty int vertex1\nend_header\n";
+  const TriangleMesh ascii = read_mesh_file(scratch_.write(
+      "a.ply", "ply\nformat ascii 1.0\n" + header +
+                   "0 0 0 9\n2 0 0 9\n2 2 0 9\n0 2 0 9\n4 0 1 2 3\n5\n"));
+  std::string body;
+  for (const auto& [x, y] : {std::pair{0, 0}, std::pair{2, 0}, std::pair{2, 2}, std::pair{0, 2}}) {
+    body += x == 0 ? std::string(8, '\0') : std::string("\x40\0\0\0\0\0\0\0", 8);
+    body += y == 0 ? std::string(4, '\0') : std::string("\x40\0\0\0", 4);
+    body += std::string(4, '\0') + "\x09";
+  }
+  body += std::string("\x04\0\0\0\x01\0\x02\0\x03\0\0\0\x05", 13);
+  const TriangleMesh binary = read_mesh_file(
+      scratch_.write("b.ply", "ply\nformat binary_big_endian 1.0\n" + header + body));
+  for (const TriangleMesh& mesh : {ascii, binary}) {
+    ASSERT_EQ(mesh.triangles.size(), 2U);
+    EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(2, 2, 0));
+    EXPECT_NEAR(surface_area(mesh), 4, 1e-12);
+  }
+}
+
+TEST_F(MeshFiles, MissingForeignAndEmpty) {
+  EXPECT_THROW(read_mesh_file(scratch_.path() / "none.stl"), InputError);
+  EXPECT_THROW(read_mesh_file(scratch_.path()), InputError);
+  for (const char* name : {"a.obj", "a.ply", "a.stl"}) {
+    EXPECT_THAT(error_of(name, ""), HasSubstr("empty")) << name;
+    EXPECT_THAT(error_of(name, "\x89PNG\r\n\x1a\n0123456789"), HasSubstr(name)) << name;
+  }
+  EXPECT_THAT(error_of("a.dae", "<xml/>"), HasSubstr(".stl"));
+  EXPECT_THAT(error_of("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("points.obj"));
+  EXPECT_THAT(error_of("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                     "property float y\nproperty float z\nend_header\n1 2 3\n"),
+              HasSubstr("no triangles"));
+}
+
+TEST_F(MeshFiles, HostileCountsAndIndices) {
+  std::string stl(84, ' ');
+  stl[80] = stl[81] = stl[82] = '\xff';
+  stl[83] = '\x7f';
+  EXPECT_THAT(error_of("a.stl", stl + "0123456789"), HasSubstr("truncated"));
+  EXPECT_THAT(error_of("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+                                "property float x\nproperty float y\nproperty float z\n"
+                                "element face 1\nproperty list uchar int vertex_indices\n"
+                                "end_header\n0123456789"),
+              HasSubstr("promises"));
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  EXPECT_NE(error_of("a.obj", vertices + "f 1 2 9\n"), "no error");
+  EXPECT_THAT(error_of("b.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                                "property float y\nproperty float z\nelement face 1\n"
+                                "property list uchar int vertex_indices\nend_header\n"
+                                "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"),
+              HasSubstr("does not exist"));
+  EXPECT_NE(error_of("c.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "no error");
+}
+
+// Assimp read beyond the end of such files.
+TEST_F(MeshFiles, TruncationOfBinaryFilesIsAnError) {
+  const TriangleMesh box = make_box({1, 2, 3});
+  for (const char* name : {"a.stl", "a.ply"}) {
+    write_mesh_file(scratch_.path() / name, box);
+    const std::string bytes = testing::ScratchFolder::read(scratch_.path() / name);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_NE(error_of(std::string("cut") + (name + 1), bytes.substr(0, size)), "no error")
+          << name << " " << size;
+    }
+  }
+  EXPECT_THAT(error_of("text.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                                   "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"),
+              HasSubstr("truncated"));
+}
+
+TEST_F(MeshFiles, WritingWhereItCannot) {
+  const TriangleMesh box = make_box({1, 1, 1});
+  EXPECT_THROW(write_mesh_file(scratch_.path() / "none" / "a.ply", box), InputError);
+  EXPECT_THROW(write_mesh_file(scratch_.path() / "a.xyz", box), InputError);
+  EXPECT_THROW(write_mesh_file(scratch_.path() / "a.ply", {}), InputError);
+  TriangleMesh broken = box;
+  broken.triangles[0][0] = 99;
+  EXPECT_THROW(write_mesh_file(scratch_.path() / "a.ply", broken), InputError);
+}
+
+TEST(SharedMeshes, ScansAreReadWhole) {
+  const char* folder = std::getenv("PREHEND_SHARED_DATA");
+  if (folder == nullptr || *folder == '\0') {
+    GTEST_SKIP() << "PREHEND_SHARED_DATA does not name a folder of meshes";
+  }
+  const std::filesystem::path meshes = std::filesystem::path(folder) / "meshes";
+  const TriangleMesh sugar = read_mesh_file(meshes / "ycb" / "004_sugar_box.ply");
+  EXPECT_EQ(sugar.triangles.size(), 16384U);
+  EXPECT_EQ(sugar.vertices.size(), 8194U);
+  EXPECT_TRUE(find_defects(sugar).watertight());
+  const TriangleMesh duck = read_mesh_file(meshes / "other" / "duck.obj", 0.05);
+  EXPECT_EQ(duck.triangles.size(), 4212U);
+  EXPECT_NEAR(bounds(duck).sizes().maxCoeff(), 0.082, 0.001);
+  const MeshDefects spray = find_defects(read_mesh_file(meshes / "other" / "dexnet_spray.obj"));
+  EXPECT_EQ(spray.boundary_edges, 7);
+}
+
+}  // namespace
+}  // namespace prehend::geometry

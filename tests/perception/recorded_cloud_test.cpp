@@ -1,0 +1,221 @@
+#include "prehend/perception/recorded_cloud.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "tests/perception/synthetic_view.h"
+
+namespace prehend::perception {
+namespace {
+
+using geometry::CloudFile;
+using geometry::InputError;
+using geometry::RigidTransform;
+using ::testing::HasSubstr;
+using testing::standing_box;
+using testing::SyntheticView;
+using testing::table_top;
+
+SyntheticView scene_view() {
+  SyntheticView view;
+  view.boxes = {table_top(), standing_box(-0.1, 0, {0.1, 0.1, 0.15}),
+                standing_box(0.15, 0.05, {0.08, 0.08, 0.1})};
+  return view;
+}
+
+CloudFile file_of(geometry::PointCloud cloud) {
+  CloudFile file;
+  file.cloud = std::move(cloud);
+  return file;
+}
+
+RigidTransform half_turn_about_x() {
+  return geometry::make_transform({0, 1, 0, 0}, Eigen::Vector3d::Zero());
+}
+
+std::string all_notes(const RecordedCloud& recorded) {
+  std::string notes;
+  for (const std::string& note : recorded.notes) notes += note + "\n";
+  return notes;
+}
+
+void expect_scene(const RecordedCloud& recorded) {
+  EXPECT_FALSE(recorded.hypothetical_table_C);
+  const SegmentedScene scene = segment_recorded_cloud(recorded);
+  EXPECT_EQ(scene.objects.size(), 2U);
+  EXPECT_NEAR(scene.X_WC.translation().z(), 0.6, 0.01);
+}
+
+TEST(InterpretRecordedCloud, PlainOpticalFrame) {
+  const RecordedCloud recorded = interpret_recorded_cloud(file_of(render(scene_view())));
+  EXPECT_TRUE(recorded.X_FC.isApprox(RigidTransform::Identity()));
+  EXPECT_NEAR(recorded.camera.fx, 300, 0.1);
+  EXPECT_TRUE(recorded.notes.empty()) << all_notes(recorded);
+  expect_scene(recorded);
+}
+
+TEST(InterpretRecordedCloud, HeaderThatLiesIsIgnored) {
+  CloudFile file = file_of(render(scene_view()));
+  file.viewpoint = half_turn_about_x();
+  const RecordedCloud recorded = interpret_recorded_cloud(file);
+  EXPECT_TRUE(recorded.X_FC.isApprox(RigidTransform::Identity()));
+  EXPECT_THAT(all_notes(recorded), HasSubstr("VIEWPOINT is ignored"));
+  expect_scene(recorded);
+}
+
+TEST(InterpretRecordedCloud, CameraAlongMinusZ) {
+  const geometry::PointCloud turned =
+      geometry::transformed(render(scene_view()), half_turn_about_x());
+  for (const bool organized : {true, false}) {
+    const RecordedCloud recorded =
+        interpret_recorded_cloud(file_of(organized ? turned : geometry::without_invalid(turned)));
+    EXPECT_TRUE(recorded.X_FC.linear().isApprox(half_turn_about_x().linear(), 1e-9));
+    EXPECT_THAT(all_notes(recorded), HasSubstr("turned"));
+    expect_scene(recorded);
+  }
+}
+
+TEST(InterpretRecordedCloud, WorldFrameWithAnHonestHeader) {
+  const SyntheticView view = scene_view();
+  const geometry::PointCloud cloud_W = geometry::transformed(render(view), view.X_WC);
+  CloudFile file = file_of(geometry::without_invalid(cloud_W));
+  file.viewpoint = view.X_WC;
+  const RecordedCloud recorded = interpret_recorded_cloud(file);
+  EXPECT_TRUE(recorded.X_FC.isApprox(view.X_WC, 1e-9));
+  expect_scene(recorded);
+}
+
+TEST(InterpretRecordedCloud, GivenViewpointWins) {
+  const SyntheticView view = scene_view();
+  CloudFile file = file_of(geometry::transformed(render(view), view.X_WC));
+  file.viewpoint = half_turn_about_x();
+  RecordedCloudOptions options;
+  options.viewpoint = view.X_WC;
+  const RecordedCloud recorded = interpret_recorded_cloud(file, options);
+  EXPECT_TRUE(recorded.X_FC.isApprox(view.X_WC));
+  EXPECT_TRUE(recorded.cloud_C.organized());
+  EXPECT_NEAR(recorded.camera.fx, 300, 0.1);
+  expect_scene(recorded);
+}
+
+TEST(InterpretRecordedCloud, SceneWithoutACameraGetsAVirtualOne) {
+  const SyntheticView view = scene_view();
+  const RecordedCloud recorded = interpret_recorded_cloud(
+      file_of(geometry::without_invalid(geometry::transformed(render(view), view.X_WC))));
+  EXPECT_THAT(all_notes(recorded), HasSubstr("viewpoint is unknown"));
+  EXPECT_EQ(segment_recorded_cloud(recorded).objects.size(), 2U);
+}
+
+TEST(InterpretRecordedCloud, LabelsStayWithTheirPoints) {
+  CloudFile file = file_of(render(scene_view()));
+  for (std::size_t i = 0; i < file.cloud.size(); ++i) {
+    file.labels.push_back(static_cast<std::uint32_t>(i));
+  }
+  file.has_labels = true;
+  EXPECT_EQ(interpret_recorded_cloud(file).labels, file.labels);
+  file.cloud.height = file.cloud.width = 0;  // unorganized: invalid points go
+  const RecordedCloud recorded = interpret_recorded_cloud(file);
+  ASSERT_EQ(recorded.labels.size(), recorded.cloud_C.size());
+  for (std::size_t k = 0; k < recorded.labels.size(); k += 1000) {
+    EXPECT_EQ(recorded.cloud_C.points[k], file.cloud.points[recorded.labels[k]]);
+  }
+}
+
+TEST(InterpretRecordedCloud, SingleObjectStandsOnAHypotheticalTable) {
+  SyntheticView view;
+  view.boxes = {standing_box(0, 0, {0.07, 0.06, 0.2})};
+  geometry::PointCloud cloud_W =
+      geometry::without_invalid(geometry::transformed(render(view), view.X_WC));
+  for (Eigen::Vector3f& p : cloud_W.points) p.z() -= 0.1F;  // centred, as models are
+  for (const bool with_up : {true, false}) {
+    RecordedCloudOptions options;
+    if (with_up) options.up = Eigen::Vector3d(0, 0, 2);
+    const RecordedCloud recorded = interpret_recorded_cloud(file_of(cloud_W), options);
+    ASSERT_TRUE(recorded.hypothetical_table_C);
+    EXPECT_THAT(all_notes(recorded), HasSubstr("hypothetical table"));
+    const SegmentedScene scene = segment_recorded_cloud(recorded);
+    ASSERT_EQ(scene.objects.size(), 1U);
+    EXPECT_EQ(scene.objects[0].cloud_W.size(), cloud_W.size());
+    Eigen::AlignedBox3f box;
+    for (const Eigen::Vector3f& p : scene.objects[0].cloud_W.points) box.extend(p);
+    EXPECT_NEAR(box.min().z(), 0.0, 0.002);
+    // The long axis of a half-seen surface leans a little.
+    EXPECT_NEAR(box.max().z(), 0.2, with_up ? 0.002 : 0.05);
+    EXPECT_FALSE(scene.objects[0].touches_image_border);
+  }
+}
+
+TEST(InterpretRecordedCloud, SingleObjectCanBeForced) {
+  RecordedCloudOptions options;
+  options.single_object = true;
+  const RecordedCloud recorded = interpret_recorded_cloud(file_of(render(scene_view())), options);
+  EXPECT_TRUE(recorded.hypothetical_table_C);
+  EXPECT_EQ(segment_recorded_cloud(recorded).objects.size(), 1U);
+}
+
+std::string error_of(const geometry::PointCloud& cloud, const RecordedCloudOptions& options = {}) {
+  try {
+    interpret_recorded_cloud(file_of(cloud), options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+geometry::PointCloud points(std::vector<Eigen::Vector3f> values) {
+  geometry::PointCloud cloud;
+  cloud.points = std::move(values);
+  return cloud;
+}
+
+TEST(InterpretRecordedCloud, SaysWhatIsWrong) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(error_of({}), HasSubstr("empty"));
+  EXPECT_THAT(error_of(points(std::vector<Eigen::Vector3f>(9, {nan, nan, nan}))), HasSubstr("NaN"));
+  EXPECT_THAT(error_of(points({{0.1F, 0.2F, 1.0F}})), HasSubstr("one valid point"));
+  EXPECT_THAT(error_of(points(std::vector<Eigen::Vector3f>(50, {0.1F, 0.2F, 1.0F}))),
+              HasSubstr("one point"));
+  std::vector<Eigen::Vector3f> line;
+  std::vector<Eigen::Vector3f> plane;
+  for (int i = 0; i < 400; ++i) {
+    line.emplace_back(0.001F * static_cast<float>(i), 0.002F * static_cast<float>(i), 1.0F);
+    plane.emplace_back(0.01F * static_cast<float>(i % 20), 0.01F * static_cast<float>(i / 20), 1.0F);
+  }
+  EXPECT_THAT(error_of(points(line)), HasSubstr("collinear"));
+  EXPECT_THAT(error_of(points(plane)), HasSubstr("coplanar"));
+}
+
+TEST(InterpretRecordedCloud, Millimetres) {
+  geometry::PointCloud cloud = render(scene_view());
+  for (Eigen::Vector3f& p : cloud.points) p *= 1000.0F;
+  EXPECT_THAT(error_of(cloud), AllOf(HasSubstr("millimetres"), HasSubstr("scale:=0.001")));
+  RecordedCloudOptions options;
+  options.scale = 0.001;
+  expect_scene(interpret_recorded_cloud(file_of(cloud), options));
+  for (Eigen::Vector3f& p : cloud.points) p *= 1e-6F;
+  EXPECT_THAT(error_of(cloud), HasSubstr("scale"));
+}
+
+TEST(InterpretRecordedCloud, MirroredImage) {
+  geometry::PointCloud cloud = render(scene_view());
+  for (Eigen::Vector3f& p : cloud.points) p.x() = -p.x();
+  EXPECT_THAT(error_of(cloud), HasSubstr("mirrored"));
+}
+
+TEST(InterpretRecordedCloud, RejectsBadOptions) {
+  RecordedCloudOptions options;
+  options.scale = 0;
+  EXPECT_THROW(interpret_recorded_cloud({}, options), std::invalid_argument);
+  options = {};
+  options.up = Eigen::Vector3d::Zero();
+  EXPECT_THROW(interpret_recorded_cloud({}, options), std::invalid_argument);
+  RecordedCloudOptions behind;
+  behind.viewpoint = geometry::look_at({0, 0, -1}, {0, 0, -2}, Eigen::Vector3d::UnitY());
+  EXPECT_THAT(error_of(render(scene_view()), behind), HasSubstr("in front"));
+}
+
+}  // namespace
+}  // namespace prehend::perception

@@ -1,0 +1,234 @@
+#include "prehend/perception/segmentation.h"
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/perception/object_parts.h"
+#include "tests/perception/synthetic_view.h"
+
+namespace prehend::perception {
+namespace {
+
+using testing::back_wall;
+using testing::render;
+using testing::standing_box;
+using testing::SyntheticView;
+using testing::table_top;
+
+double overlap(const geometry::MaskImage& mask, const geometry::Image<int>& owner, int box) {
+  double both = 0;
+  double either = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    const bool a = mask.data[i] != 0;
+    const bool b = owner.data[i] == box;
+    both += a && b;
+    either += a || b;
+  }
+  return both / either;
+}
+
+SyntheticView three_boxes() {
+  SyntheticView view;
+  view.boxes = {table_top(), back_wall(), standing_box(-0.15, 0, {0.1, 0.1, 0.15}),
+                standing_box(0.1, 0.1, {0.07, 0.12, 0.1}),
+                standing_box(0.25, -0.1, {0.05, 0.05, 0.06})};
+  return view;
+}
+
+TEST(Segment, FindsEveryBoxWithItsMask) {
+  SyntheticView view = three_boxes();
+  view.noise = 0.001;
+  geometry::DepthImage depth;
+  const geometry::Image<int> owner = testing::owners(view, depth);
+  const SegmentedScene scene = segment(render(view), view.camera, view.X_WC);
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_GT(overlap(scene.objects[0].mask, owner, 2), 0.88);
+  EXPECT_GT(overlap(scene.objects[1].mask, owner, 3), 0.85);
+  EXPECT_GT(overlap(scene.objects[2].mask, owner, 4), 0.75);  // its lowest 8 mm are the table's
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(scene.objects[k].id, static_cast<int>(k));
+    EXPECT_FALSE(scene.objects[k].touches_image_border);
+    if (k > 0) {
+      EXPECT_LE(scene.objects[k].cloud_W.size(), scene.objects[k - 1].cloud_W.size());
+    }
+  }
+}
+
+TEST(Segment, PutsPointsIntoTheGivenWorld) {
+  const SyntheticView view = three_boxes();
+  const SegmentedScene scene = segment(render(view), view.camera, view.X_WC);
+  EXPECT_NEAR(scene.table_W.offset, 0, 1e-4);
+  EXPECT_NEAR(scene.table_W.normal.z(), 1, 1e-6);
+  for (const Eigen::Vector3f& p : scene.objects[0].cloud_W.points) {
+    EXPECT_NEAR(p.x(), -0.15, 0.0501);
+    EXPECT_NEAR(p.y(), 0, 0.0501);
+    EXPECT_LT(p.z(), 0.1501);
+  }
+}
+
+TEST(Segment, MakesTheWorldFromTheTable) {
+  const SyntheticView view = three_boxes();
+  const SegmentedScene scene = segment(render(view), view.camera);
+  EXPECT_NEAR(scene.table_W.normal.z(), 1, 1e-9);
+  EXPECT_NEAR(scene.table_W.offset, 0, 1e-9);
+  EXPECT_NEAR(scene.X_WC.translation().z(), 0.6, 1e-3);  // height of the camera
+  EXPECT_NEAR((scene.X_WC.linear() * scene.X_WC.linear().transpose()).trace(), 3, 1e-9);
+  EXPECT_GT(scene.X_WC.linear().determinant(), 0);
+  EXPECT_GT(scene.X_WC.linear()(0, 0), 0.99);  // x to the right of the image
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const ObjectHypothesis& object : scene.objects) {
+    for (const Eigen::Vector3f& p : object.cloud_W.points) sum += p.cast<double>();
+    count += static_cast<double>(object.cloud_W.size());
+  }
+  EXPECT_NEAR((sum / count).head<2>().norm(), 0, 1e-5);  // origin under the objects
+}
+
+TEST(Segment, UnorganizedCloudGivesMasksWithoutHoles) {
+  const SyntheticView view = three_boxes();
+  const geometry::PointCloud cloud = geometry::without_invalid(render(view));
+  geometry::DepthImage depth;
+  const geometry::Image<int> owner = testing::owners(view, depth);
+  const SegmentedScene scene = segment(cloud, view.camera, view.X_WC);
+  ASSERT_EQ(scene.objects.size(), 3U);
+  EXPECT_GT(overlap(scene.objects[0].mask, owner, 2), 0.85);
+  EXPECT_EQ(scene.depth.width, view.camera.width);
+}
+
+TEST(Segment, TableOnlyHasNoObjects) {
+  SyntheticView view;
+  view.noise = 0.002;
+  view.boxes = {table_top(), back_wall()};
+  const SegmentedScene scene = segment(render(view), view.camera);
+  EXPECT_TRUE(scene.objects.empty());
+  EXPECT_NEAR(scene.table_W.offset, 0, 1e-9);
+}
+
+TEST(Segment, NoTableIsAnErrorWithAReason) {
+  SyntheticView view;
+  view.boxes = {standing_box(0, 0, {0.02, 0.02, 0.02})};
+  try {
+    segment(render(view), view.camera);
+    FAIL() << "a table was found in a tiny box";
+  } catch (const geometry::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("No table"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Segment, ObjectAtTheBorderIsMarked) {
+  SyntheticView view;
+  view.boxes = {table_top(), standing_box(-0.5, -0.05, {0.2, 0.12, 0.12})};
+  const SegmentedScene scene = segment(render(view), view.camera, view.X_WC);
+  ASSERT_EQ(scene.objects.size(), 1U);
+  EXPECT_TRUE(scene.objects[0].touches_image_border);
+}
+
+TEST(Segment, LeavesOutWhatIsBesideTheTableOrTooFar) {
+  SyntheticView view;
+  view.boxes = {table_top(0.6, 0.5), standing_box(0, 0, {0.08, 0.08, 0.12}),
+                standing_box(0.6, 0, {0.1, 0.1, 0.2})};
+  EXPECT_EQ(segment(render(view), view.camera, view.X_WC).objects.size(), 1U);
+  SegmentationOptions options;
+  options.max_distance = 0.5;
+  EXPECT_TRUE(segment(render(view), view.camera, view.X_WC, options).objects.empty());
+}
+
+TEST(Segment, SurvivesInvalidPixels) {
+  const SyntheticView view = three_boxes();
+  geometry::PointCloud cloud = render(view);
+  std::mt19937_64 random(5);
+  for (Eigen::Vector3f& p : cloud.points) {
+    if (random() % 4 == 0) p.setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
+  EXPECT_EQ(segment(cloud, view.camera, view.X_WC).objects.size(), 3U);
+}
+
+TEST(Segment, SameInputSameBits) {
+  SyntheticView view = three_boxes();
+  view.noise = 0.002;
+  const geometry::PointCloud cloud = render(view);
+  const SegmentedScene a = segment(cloud, view.camera);
+  const SegmentedScene b = segment(cloud, view.camera);
+  ASSERT_EQ(a.objects.size(), b.objects.size());
+  EXPECT_EQ(a.X_WC.matrix(), b.X_WC.matrix());
+  for (std::size_t k = 0; k < a.objects.size(); ++k) {
+    EXPECT_EQ(a.objects[k].mask.data, b.objects[k].mask.data);
+    EXPECT_EQ(a.objects[k].cloud_W.points, b.objects[k].cloud_W.points);
+  }
+}
+
+TEST(Segment, RejectsBadOptionsAndCameras) {
+  const SyntheticView view = three_boxes();
+  const geometry::PointCloud cloud = render(view);
+  SegmentationOptions options;
+  options.leaf_size = 0.05;
+  EXPECT_THROW(segment(cloud, view.camera, view.X_WC, options), std::invalid_argument);
+  options = {};
+  options.max_height = 0;
+  EXPECT_THROW(segment(cloud, view.camera, view.X_WC, options), std::invalid_argument);
+  geometry::PinholeCamera other = view.camera;
+  other.width = 100;
+  EXPECT_THROW(segment(cloud, other, view.X_WC), std::invalid_argument);
+}
+
+TEST(WorldFromTable, CameraLookingAlongTheTableAndStraightDown) {
+  // Straight down: the camera's x is in the table.
+  const geometry::RigidTransform X_WC = world_from_table({-Eigen::Vector3d::UnitZ(), -1}, {0, 0, 0.9});
+  EXPECT_TRUE(X_WC.translation().isApprox(Eigen::Vector3d(0, 0, 1), 1e-12));
+  // Lying on its side: the camera's x stands on the table.
+  const geometry::RigidTransform side = world_from_table({Eigen::Vector3d::UnitX(), -0.5}, {0, 0, 1});
+  EXPECT_NEAR(side.linear().determinant(), 1, 1e-12);
+  EXPECT_NEAR(side.translation().z(), 0.5, 1e-12);
+}
+
+// Points of a cylinder's wall between two angles, seen by a camera at the origin of C that looks
+// along z with the table below (y down).
+std::vector<Eigen::Vector3f> wall(double from, double to, double radius, double bottom, double top) {
+  std::vector<Eigen::Vector3f> points;
+  for (double angle = from; angle <= to; angle += 0.05) {
+    for (double height = bottom; height <= top; height += 0.005) {
+      points.emplace_back(static_cast<float>(radius * std::cos(angle)),
+                          static_cast<float>(0.3 - height),
+                          static_cast<float>(0.8 + radius * std::sin(angle)));
+    }
+  }
+  return points;
+}
+
+class Parts : public ::testing::Test {
+ protected:
+  std::size_t count(const std::vector<std::vector<Eigen::Vector3f>>& parts) {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<std::vector<int>> clusters;
+    for (const auto& part : parts) {
+      clusters.emplace_back();
+      for (const Eigen::Vector3f& p : part) {
+        clusters.back().push_back(static_cast<int>(points.size()));
+        points.push_back(p);
+      }
+    }
+    return joined_parts(points, clusters, {-Eigen::Vector3d::UnitY(), -0.3}, {}).size();
+  }
+  static constexpr double kPi = 3.14159265358979;
+};
+
+TEST_F(Parts, NearAndFarWallOfABowlAreOneObject) {
+  EXPECT_EQ(count({wall(-kPi + 0.3, -0.3, 0.08, 0.01, 0.1), wall(0.3, kPi - 0.3, 0.08, 0.03, 0.1)}),
+            1U);
+}
+
+TEST_F(Parts, TwoCansOneBehindTheOtherAreTwo) {
+  auto behind = wall(-kPi + 0.3, -0.3, 0.05, 0.01, 0.1);
+  for (Eigen::Vector3f& p : behind) p.z() += 0.12F;
+  EXPECT_EQ(count({wall(-kPi + 0.3, -0.3, 0.05, 0.01, 0.1), behind}), 2U);
+}
+
+TEST_F(Parts, FloatingHandleJoinsAndHangingLampIsDropped) {
+  const auto can = wall(-kPi, 0, 0.05, 0.01, 0.15);
+  EXPECT_EQ(count({can, wall(0, 0.3, 0.06, 0.06, 0.08)}), 1U);
+  EXPECT_EQ(count({can, wall(-kPi, 0, 0.2, 0.3, 0.4)}), 1U);
+  EXPECT_EQ(count({wall(-kPi, 0, 0.2, 0.3, 0.4)}), 0U);
+}
+
+}  // namespace
+}  // namespace prehend::perception
