@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -114,7 +115,9 @@ void ChildProcess::send_signal(int signal) {
 std::optional<int> ChildProcess::status() {
   if (status_) return status_;
   int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  rusage usage{};
+  if (::wait4(pid_, &status, WNOHANG, &usage) != pid_) return std::nullopt;
+  peak_memory_ = std::int64_t{usage.ru_maxrss} * 1024;
   ::kill(-pid_, SIGKILL);
   status_ = status;
   return status_;

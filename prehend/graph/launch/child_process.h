@@ -2,6 +2,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -33,11 +34,14 @@ class ChildProcess {
   void send_signal(int signal);
   /// The wait status once the child has ended, without waiting; what is left of its group is killed.
   std::optional<int> status();
+  /// Largest resident memory it had [bytes]; 0 until it has ended.
+  std::int64_t peak_memory() const { return peak_memory_; }
 
  private:
   pid_t pid_ = -1;
   int output_ = -1;
   std::optional<int> status_;
+  std::int64_t peak_memory_ = 0;
 };
 
 /// "exit code 3" or "signal SIGSEGV".

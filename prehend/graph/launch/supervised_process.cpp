@@ -1,5 +1,7 @@
 #include "prehend/graph/launch/supervised_process.h"
 
+#include <algorithm>
+
 namespace prehend::graph::launch {
 namespace {
 
@@ -47,6 +49,7 @@ std::optional<int> SupervisedProcess::reap() {
   }
   if (!partial_line_.empty()) show_line(partial_line_);
   partial_line_.clear();
+  peak_memory_ = std::max(peak_memory_, child_->peak_memory());
   child_.reset();
   return status;
 }

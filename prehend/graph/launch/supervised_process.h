@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,6 +37,8 @@ class SupervisedProcess {
   /// The last line it wrote that is not blank.
   const std::string& last_line() const { return last_line_; }
   Clock::time_point started() const { return started_; }
+  /// Largest resident memory over all ended runs [bytes].
+  std::int64_t peak_memory() const { return peak_memory_; }
 
   bool ready = false;                          ///< the registry has it as ready, since its start
   std::optional<Clock::time_point> restart_at; ///< when to start it again
@@ -51,6 +54,7 @@ class SupervisedProcess {
   std::unique_ptr<ChildProcess> child_;
   std::string partial_line_, last_line_;
   Clock::time_point started_{};
+  std::int64_t peak_memory_ = 0;
 };
 
 }  // namespace prehend::graph::launch

@@ -78,8 +78,7 @@ class Supervisor {
       : graph_(graph), options_(options), output_(options.log_folder, names_of(graph)) {}
 
   int run() {
-    output_.progress(fmt::format("{}: {} nodes, logs in {}", graph_.file, graph_.nodes.size(),
-                                 options_.log_folder));
+    output_.progress(fmt::format("{}: {}, logs in {}", graph_.file, nodes_text(), options_.log_folder));
     start_registry();
     if (!exit_code_) start_nodes();
     while (!exit_code_) step(true);
@@ -93,12 +92,17 @@ class Supervisor {
     SupervisedProcess process;
   };
 
+  std::string nodes_text() const {
+    return std::to_string(graph_.nodes.size()) + (graph_.nodes.size() == 1 ? " node" : " nodes");
+  }
+
   // --- starting -----------------------------------------------------------------------------------
 
   void start_registry() {
     const bool free_choice = options_.registry.empty();
     if (listen(free_choice ? kDefaultRegistryEndpoint : options_.registry)) return;
     if (exit_code_) return;
+    if (free_choice) output_.progress("taking a free port for the registry instead");
     if (free_choice && listen("tcp://127.0.0.1:*")) return;
     if (!exit_code_) throw std::runtime_error("the registry did not start; its words are above");
   }
@@ -183,7 +187,9 @@ class Supervisor {
 
   void restart_due() {
     const auto now = Clock::now();
-    if (registry_->restart_at && *registry_->restart_at <= now) listen(endpoint_);
+    if (registry_->restart_at && *registry_->restart_at <= now && !listen(endpoint_) && !exit_code_) {
+      output_.error("the registry cannot be started again; no node can join any more");
+    }
     for (const auto& member : members_) {
       if (member->process.restart_at && *member->process.restart_at <= now) {
         member->process.start();
@@ -260,7 +266,7 @@ class Supervisor {
     if (ready_count == members_.size()) {
       all_ready_ = true;
       output_.success(
-          fmt::format("all {} nodes ready after {:.1f} s", ready_count, seconds_since(started_)));
+          fmt::format("{} ready after {:.1f} s", nodes_text(), seconds_since(started_)));
       for (const auto& member : members_) check_remaps(*member->node, records);
     } else if (!late_named_ && Clock::now() - started_ > options_.ready_timeout) {
       late_named_ = true;
@@ -350,9 +356,14 @@ class Supervisor {
         signals_.take_stop();
       }
     }
-    if (!members_.empty()) {
-      output_.progress(fmt::format("all stopped after {:.1f} s", seconds_since(start)));
+    if (members_.empty()) return;
+    std::string memory;
+    for (const auto& member : members_) {
+      memory += fmt::format("{}{} {:.0f}", memory.empty() ? "" : ", ", member->node->name,
+                            static_cast<double>(member->process.peak_memory()) * 1e-6);
     }
+    output_.progress("peak memory [MB]: " + memory);
+    output_.progress(fmt::format("all stopped after {:.1f} s", seconds_since(start)));
   }
 
   const LaunchGraph& graph_;

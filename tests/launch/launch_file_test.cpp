@@ -1,0 +1,214 @@
+#include "prehend/graph/launch/launch_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace prehend::graph::launch {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Pair;
+
+class LaunchFile : public testing::Test {
+ protected:
+  LaunchFile() {
+    std::string name = (fs::temp_directory_path() / "prehend_launch_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    fs::create_directories(folder_ / "launch");
+    fs::create_directories(folder_ / "bin");
+    for (const char* program : {"simulation", "grasp_planning", "report", "test_other"}) {
+      std::ofstream(folder_ / "bin" / program) << "#!/bin/sh\n";
+      fs::permissions(folder_ / "bin" / program, fs::perms::owner_all);
+    }
+  }
+  ~LaunchFile() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) {
+    const fs::path path = folder_ / "launch" / name;
+    std::ofstream(path) << text;
+    return path.string();
+  }
+  LaunchGraph load(const std::string& text, const std::vector<std::string>& arguments = {}) {
+    return load_launch_file(write("a.yaml", text), parse_arguments(arguments),
+                            (folder_ / "bin").string());
+  }
+  std::string error_of(const std::string& text, const std::vector<std::string>& arguments = {}) {
+    try {
+      load(text, arguments);
+    } catch (const LaunchError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(LaunchFile, ResolvesEverythingANodeMayHave) {
+  write("node.yaml", "speed: 1\n");
+  const LaunchGraph graph = load(R"(
+arguments:
+  scene: {default: demo, type: string, description: what stands there}
+  seed: {default: 7, type: int}
+clock: simulated
+nodes:
+  - node: simulation
+    name: world
+    parameters: {scene: $(root)/config/$(scene).yaml, seed: $(seed), camera: {rate: 5, on: true}}
+    parameter_file: node.yaml
+    remap: {/camera: /left/camera}
+    environment: {OMP_NUM_THREADS: "1"}
+    required: true
+  - node: report
+    clock: wall
+    respawn: true
+)", {"scene:=mugs"});
+  ASSERT_EQ(graph.nodes.size(), 2u);
+  const LaunchNode& world = graph.nodes[0];
+  EXPECT_EQ(world.name, "world");
+  EXPECT_EQ(world.executable, (folder_ / "bin/simulation").string());
+  EXPECT_EQ(world.clock, "simulated");
+  EXPECT_THAT(world.parameters,
+              ElementsAre(Pair("camera.on", "true"), Pair("camera.rate", "5"),
+                          Pair("scene", (folder_ / "config/mugs.yaml").string()), Pair("seed", "7")));
+  EXPECT_EQ(world.parameter_file, (folder_ / "launch/node.yaml").string());
+  EXPECT_THAT(world.remaps, ElementsAre(Pair("/camera", "/left/camera")));
+  EXPECT_THAT(world.environment, ElementsAre(Pair("OMP_NUM_THREADS", "1")));
+  EXPECT_TRUE(world.required);
+  EXPECT_EQ(graph.nodes[1].name, "report");
+  EXPECT_EQ(graph.nodes[1].clock, "wall");
+  EXPECT_TRUE(graph.nodes[1].respawn);
+  EXPECT_THAT(command_line(graph.nodes[1]),
+              ElementsAre((folder_ / "bin/report").string(), "--name", "report", "--clock", "wall"));
+}
+
+TEST_F(LaunchFile, ItsDescriptionLoadsToTheSameGraph) {
+  const LaunchGraph graph = load(R"(
+nodes:
+  - {node: simulation, name: world, parameters: {text: "a: b #c", n: -1}, remap: {/a: /b}, required: true}
+  - {node: report, environment: {A: "x y"}, respawn: true, clock: wall}
+)");
+  const LaunchGraph again = load(describe(graph));
+  ASSERT_EQ(again.nodes.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(command_line(again.nodes[i]), command_line(graph.nodes[i]));
+    EXPECT_EQ(again.nodes[i].environment, graph.nodes[i].environment);
+    EXPECT_EQ(again.nodes[i].required, graph.nodes[i].required);
+    EXPECT_EQ(again.nodes[i].respawn, graph.nodes[i].respawn);
+  }
+}
+
+TEST_F(LaunchFile, ConditionsChooseNodesAndIncludes) {
+  write("b.yaml", "arguments: {who: {default: x}}\nnodes: [{node: report, name: $(who)}]\n");
+  const std::string text = R"(
+arguments: {mode: {default: fast}, viewer: {default: false, type: bool}}
+include:
+  - {file: b.yaml, if: $(viewer), arguments: {who: included}}
+nodes:
+  - {node: simulation, if: $(mode)==fast}
+  - {node: simulation, name: slow, if: "$(mode) != 'fast'"}
+)";
+  const auto names = [](const LaunchGraph& graph) {
+    std::vector<std::string> list;
+    for (const LaunchNode& node : graph.nodes) list.push_back(node.name);
+    return list;
+  };
+  EXPECT_THAT(names(load(text)), ElementsAre("simulation"));
+  EXPECT_THAT(names(load(text, {"mode:=x", "viewer:=true"})), ElementsAre("included", "slow"));
+  EXPECT_THAT(error_of("nodes: [{node: report, if: maybe}]"), HasSubstr("if must be true, false"));
+}
+
+TEST_F(LaunchFile, TheClockIsInheritedByIncludes) {
+  write("b.yaml", "nodes: [{node: report}]\n");
+  write("c.yaml", "clock: wall\nnodes: [{node: simulation}]\n");
+  const LaunchGraph graph = load("clock: simulated\ninclude: [{file: b.yaml}, {file: c.yaml}]\n");
+  EXPECT_EQ(graph.nodes[0].clock, "simulated");
+  EXPECT_EQ(graph.nodes[1].clock, "wall");
+}
+
+TEST_F(LaunchFile, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
+  EXPECT_THAT(error_of("nodes:\n  - node: simulatoin\n"),
+              testing::AllOf(HasSubstr("a.yaml:2: "), HasSubstr("did you mean \"simulation\"?")));
+  EXPECT_THAT(error_of("nodes:\n  - node: report\n    paramters: {}\n"),
+              testing::AllOf(HasSubstr("a.yaml:3: "), HasSubstr("\"parameters\"")));
+  EXPECT_THAT(error_of("noeds: []\n"), testing::AllOf(HasSubstr("a.yaml:1"), HasSubstr("\"nodes\"")));
+  EXPECT_THAT(error_of("arguments: {scene: {default: a}}\nnodes: [{node: report}]\n", {"scnee:=b"}),
+              HasSubstr("\"scene\""));
+  EXPECT_THAT(error_of("arguments: {scene: {default: a}}\nnodes:\n  - {node: report, name: $(scnee)}\n"),
+              testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("\"scene\"")));
+  EXPECT_THAT(error_of("arguments: {scene: {defualt: a}}\n"), HasSubstr("\"default\""));
+  EXPECT_THAT(error_of("clock: simulatd\nnodes: [{node: report}]\n"), HasSubstr("\"simulated\""));
+}
+
+TEST_F(LaunchFile, WrongValuesAreNamed) {
+  const std::string typed = "arguments: {n: {default: 1, type: int}, b: {default: true, type: bool}, "
+                            "x: {default: 1.5, type: double}}\nnodes: [{node: report}]\n";
+  EXPECT_THAT(error_of(typed, {"n:=1.5"}), HasSubstr("argument n must be an integer, is \"1.5\""));
+  EXPECT_THAT(error_of(typed, {"b:=maybe"}), HasSubstr("must be true or false"));
+  EXPECT_THAT(error_of(typed, {"x:=fast"}), HasSubstr("must be a number"));
+  EXPECT_EQ(error_of(typed, {"x:=-1e-3", "n:=-2"}), "no error");
+  EXPECT_THAT(error_of("arguments: {n: {default: x, type: int}}\nnodes: [{node: report}]"),
+              HasSubstr("must be an integer"));
+  EXPECT_THAT(error_of("arguments: {bag: {description: the file}}\nnodes: [{node: report}]"),
+              HasSubstr("argument bag (the file) needs a value: bag:=..."));
+  EXPECT_THAT(error_of("nodes: [{node: report, required: sometimes}]"), HasSubstr("required must be"));
+  EXPECT_THAT(error_of("nodes: [{node: report, required: true, respawn: true}]"), HasSubstr("both"));
+  EXPECT_THAT(error_of("nodes: [{node: report, parameters: {a: [1, 2]}}]"), HasSubstr("one value"));
+  EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"), HasSubstr("begin with '/'"));
+  EXPECT_THAT(error_of("nodes: [{node: report, name: a-b}]"), HasSubstr("no node name"));
+  EXPECT_THAT(error_of("nodes: [{node: ../bin/report}]"), HasSubstr("no node program"));
+  EXPECT_THAT(error_of("nodes: [{node: report, name: $(root}]"), HasSubstr("closing parenthesis"));
+  EXPECT_THAT(error_of("nodes: [{name: x}]"), HasSubstr("needs the key \"node\""));
+  EXPECT_THAT(error_of("nodes: {node: report}"), HasSubstr("must be a list"));
+  EXPECT_THAT(error_of("nodes: [report]"), HasSubstr("must be a mapping"));
+  EXPECT_THAT(error_of("nodes: []"), HasSubstr("no nodes"));
+  EXPECT_THAT(error_of(""), HasSubstr("is empty"));
+  EXPECT_THAT(error_of("nodes: [\n  {"), HasSubstr("a.yaml:"));
+  EXPECT_THAT(error_of("nodes: [{node: report}]", {"scene"}), HasSubstr("name:=value"));
+}
+
+TEST_F(LaunchFile, TwoNodesOfOneNameAreNamedWithBothPlaces) {
+  EXPECT_THAT(error_of("nodes:\n  - node: report\n  - node: report\n"),
+              testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("a.yaml:2")));
+}
+
+TEST_F(LaunchFile, CyclicIncludesShowTheChain) {
+  write("b.yaml", "include: [{file: c.yaml}]\n");
+  write("c.yaml", "include: [{file: a.yaml}]\n");
+  const std::string error = error_of("include: [{file: b.yaml}]\n");
+  EXPECT_THAT(error, HasSubstr("in a circle"));
+  EXPECT_THAT(error, testing::ContainsRegex("a.yaml -> .*b.yaml -> .*c.yaml -> .*a.yaml"));
+  EXPECT_THAT(error_of("include: [{file: a.yaml}]\n"), HasSubstr("in a circle"));
+}
+
+TEST_F(LaunchFile, MissingFilesAreNamed) {
+  EXPECT_THAT(error_of("include:\n  - {file: none.yaml}\n"),
+              testing::AllOf(HasSubstr("a.yaml:2"), HasSubstr("none.yaml does not exist")));
+  EXPECT_THAT(error_of("nodes:\n  - node: report\n    parameter_file: none.yaml\n"),
+              testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("none.yaml does not exist")));
+  EXPECT_THROW(load_launch_file((folder_ / "none.yaml").string(), {}, "."), LaunchError);
+  EXPECT_THROW(load_launch_file(folder_.string(), {}, "."), LaunchError);
+}
+
+TEST_F(LaunchFile, AnIncludeRefusesArgumentsItDoesNotHave) {
+  write("b.yaml", "arguments: {speed: {default: 1}}\nnodes: [{node: report}]\n");
+  EXPECT_THAT(error_of("include:\n  - {file: b.yaml, arguments: {sped: 2}}\n"),
+              testing::AllOf(HasSubstr("a.yaml:2"), HasSubstr("\"speed\"")));
+}
+
+TEST_F(LaunchFile, DeclaredArgumentsAreListed) {
+  const auto arguments = declared_arguments(
+      write("a.yaml", "arguments: {a: {default: $(root)/x}, b: {type: int, description: d}}\n"));
+  ASSERT_EQ(arguments.size(), 2u);
+  EXPECT_EQ(arguments[0].default_value, (folder_ / "x").string());
+  EXPECT_FALSE(arguments[1].default_value);
+  EXPECT_EQ(arguments[1].description, "d");
+}
+
+}  // namespace
+}  // namespace prehend::graph::launch

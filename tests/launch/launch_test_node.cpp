@@ -1,0 +1,38 @@
+// A program for the tests of launches that is no node: it does what --param tells it.
+//   say:=TEXT prints it; after:=SECONDS then exit:=CODE or signal:=NUMBER; stubborn:=true ignores
+//   SIGINT and SIGTERM; touch:=FILE appends a line with its pid.
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+
+int main(int argc, char** argv) {
+  std::map<std::string, std::string> parameters;
+  for (int i = 1; i + 1 < argc; ++i) {
+    const std::string word = argv[i + 1];
+    const auto split = word.find(":=");
+    if (std::string(argv[i]) == "--param") parameters[word.substr(0, split)] = word.substr(split + 2);
+  }
+  if (parameters.count("stubborn")) {
+    ::signal(SIGINT, SIG_IGN);
+    ::signal(SIGTERM, SIG_IGN);
+  }
+  if (parameters.count("touch")) {
+    std::ofstream(parameters["touch"], std::ios::app) << getpid() << "\n";
+  }
+  if (parameters.count("print")) {
+    const char* value = std::getenv(parameters["print"].c_str());
+    std::printf("%s=%s\n", parameters["print"].c_str(), value ? value : "(not set)");
+  }
+  if (parameters.count("say")) std::printf("%s\n", parameters["say"].c_str());
+  std::fflush(stdout);
+  const double seconds = parameters.count("after") ? std::atof(parameters["after"].c_str()) : 100;
+  ::usleep(static_cast<useconds_t>(seconds * 1e6));
+  if (parameters.count("signal")) ::raise(std::atoi(parameters["signal"].c_str()));
+  return parameters.count("exit") ? std::atoi(parameters["exit"].c_str()) : 0;
+}
