@@ -15,7 +15,9 @@ build: packages
 	@ninja -C build
 
 demo: build
-	@build/bin/prehend launch launch/demo.yaml out:=out/demo
+	@rm -f out/demo/summary.txt; \
+	build/bin/prehend launch launch/demo.yaml out:=out/demo; status=$$?; \
+	cat out/demo/summary.txt 2>/dev/null; exit $$status
 
 test: build
 	@ctest --test-dir build --output-on-failure --timeout 300

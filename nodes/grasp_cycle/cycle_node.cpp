@@ -99,11 +99,11 @@ CycleNode::CycleNode(graph::Node& node)
       put_down_(declare_put_down_options(node, options_.lift_height)),
       views_(std::chrono::duration<double>(
           node.declare_parameter<double>({.name = "patience",
-                                          .default_value = 8.0,
+                                          .default_value = 20.0,
                                           .unit = "s",
                                           .minimum = 0.0,
-                                          .description = "wall time to wait for the other plans "
-                                                         "of a view"}))),
+                                          .description = "wall time to wait for the next plan of "
+                                                         "a view"}))),
       gripper_(node),
       carrier_(node),
       spawn_(node.client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn")),

@@ -23,6 +23,13 @@ std::vector<grasp::Grasp> grasps_of(const msgs::GraspPlan& plan) {
   return grasps;
 }
 
+// The best grasp's score, less for a shape whose prediction contradicts what was seen.
+double promise(const View& view, const msgs::GraspPlan& plan) {
+  const auto model = view.models.find(plan.id());
+  const double vote = model == view.models.end() ? 0.0 : std::max(0.0, model->second->vote());
+  return plan.grasps(0).score() / (1 + vote);
+}
+
 // "cannot be grasped: object 0: too wide; object 1: too heavy".
 std::string all_problems(const View& view) {
   const std::string start = std::string(kUngraspable) + ": ";
@@ -54,7 +61,7 @@ View& ViewCollector::view_of(std::int64_t stamp) {
 void ViewCollector::add(std::shared_ptr<const msgs::GraspPlan> plan,
                         std::chrono::steady_clock::time_point now) {
   View& view = view_of(plan->header().stamp());
-  if (view.plans.empty()) view.first_plan = now;
+  view.newest_plan = now;
   const std::uint32_t id = plan->id();
   view.plans[id] = std::move(plan);
 }
@@ -69,7 +76,7 @@ const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point no
   for (auto entry = views_.rbegin(); entry != views_.rend(); ++entry) {
     const View& view = entry->second;
     if (view.plans.empty()) continue;
-    if (view.complete() || now - view.first_plan >= patience_) return &view;
+    if (view.complete() || now - view.newest_plan >= patience_) return &view;
   }
   return nullptr;
 }
@@ -88,7 +95,7 @@ Target choose_target(const View& view, int object) {
   } else {
     for (const auto& [id, plan] : view.plans) {
       if (plan->grasps().empty()) continue;
-      if (!best || plan->grasps(0).score() > best->grasps(0).score()) best = plan.get();
+      if (!best || promise(view, *plan) > promise(view, *best)) best = plan.get();
     }
   }
   if (best && !best->grasps().empty()) {

@@ -19,7 +19,7 @@ namespace prehend::nodes {
 struct View {
   std::map<std::uint32_t, std::shared_ptr<const msgs::GraspPlan>> plans;
   std::map<std::uint32_t, std::shared_ptr<const msgs::ObjectModel>> models;
-  std::chrono::steady_clock::time_point first_plan{};
+  std::chrono::steady_clock::time_point newest_plan{};
 
   /// As many plans as the view has objects, and the model of each.
   bool complete() const;
@@ -33,7 +33,7 @@ class ViewCollector {
   void add(std::shared_ptr<const msgs::GraspPlan> plan, std::chrono::steady_clock::time_point now);
   void add(std::shared_ptr<const msgs::ObjectModel> model);
 
-  /// The newest view that is complete, or whose first plan came `patience` ago; else nullptr.
+  /// The newest view that is complete, or whose last plan came `patience` ago; else nullptr.
   const View* newest_ready(std::chrono::steady_clock::time_point now) const;
 
  private:
@@ -51,8 +51,8 @@ struct Target {
   bool ungraspable = false;          // the planner's answer, not a failure
 };
 
-/// The object whose best grasp scores highest, or the one with id `object` when that is >= 0. When
-/// it has no grasp, the problem tells why; of several objects, each one's.
+/// The object whose best grasp promises most, score / (1 + vote), or the one with id `object` when
+/// that is >= 0. When it has no grasp, the problem tells why; of several objects, each one's.
 /// @throws geometry::InputError for a plan that does not make sense.
 Target choose_target(const View& view, int object);
 

@@ -79,10 +79,10 @@ class GraspPlanning {
              .description = "half the side of the square the carrier reaches, 0: no limit"})),
         batch_(std::chrono::duration<double>(node.declare_parameter<double>(
             {.name = "patience",
-             .default_value = 5.0,
+             .default_value = 15.0,
              .unit = "s",
              .minimum = 0.0,
-             .description = "wall time to wait for the other models of a view"}))),
+             .description = "wall time to wait for the next model of a view"}))),
         plans_(node.advertise<msgs::GraspPlan>("/plans", graph::QoS::latched(32))),
         models_(node.subscribe<msgs::ObjectModel>("/models", graph::QoS::latched(32),
                                                   [this](const auto& model) {

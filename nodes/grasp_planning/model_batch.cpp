@@ -10,11 +10,11 @@ void ModelBatch::add(Model model, Time now) {
   if (stamp_ && stamp < *stamp_) return;
   if (!stamp_ || stamp > *stamp_) {
     stamp_ = stamp;
-    first_ = now;
     models_.clear();
     taken_.clear();
     expected_ = 0;
   }
+  newest_ = now;
   expected_ = std::max<std::size_t>(expected_, model->object_count());
   const std::uint32_t id = model->id();
   models_[id] = std::move(model);
@@ -24,7 +24,7 @@ bool ModelBatch::incomplete() const { return models_.size() < expected_; }
 
 std::vector<ModelBatch::Model> ModelBatch::take_ready(Time now) {
   std::vector<Model> ready;
-  if (incomplete() && now - first_ < patience_) return ready;
+  if (incomplete() && now - newest_ < patience_) return ready;
   for (const auto& [id, model] : models_) {
     if (taken_.insert(id).second) ready.push_back(model);
   }

@@ -15,7 +15,7 @@ namespace prehend::nodes {
 /// Collects the object models of one view, which arrive one by one in any order.
 ///
 /// Models of one view have one stamp; each says how many there are. A view is ready when all have
-/// come, or `patience` after its first one. A newer view takes the place of an older one.
+/// come, or `patience` after the last one that came. A newer view takes the place of an older one.
 class ModelBatch {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -36,7 +36,7 @@ class ModelBatch {
  private:
   std::chrono::duration<double> patience_;
   std::optional<std::int64_t> stamp_;  // ns, of the view
-  Time first_;
+  Time newest_;  // when the last model came
   std::map<std::uint32_t, Model> models_;
   std::set<std::uint32_t> taken_;
   std::size_t expected_ = 0;

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 
@@ -17,17 +19,25 @@ using namespace prehend;
 // Messages that were sent just before the result may still be under way.
 constexpr auto kGrace = std::chrono::milliseconds(500);
 
-void print_table(const std::vector<std::vector<std::string>>& rows) {
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   std::size_t widest = 0;
   for (const auto& row : rows) widest = std::max(widest, row[0].size());
-  for (const auto& row : rows) {
-    std::printf("  %-*s  %s\n", static_cast<int>(widest), row[0].c_str(), row[1].c_str());
-  }
+  std::string text;
+  for (const auto& row : rows) text += fmt::format("  {:<{}}  {}\n", row[0], widest, row[1]);
+  return text;
+}
+
+std::string summary_text(const std::string& title, const nodes::Collected& collected,
+                         const nodes::Verdict& verdict, const std::filesystem::path& page) {
+  const char* kind = verdict.ungraspable ? "answer" : (verdict.success ? "success" : "failed");
+  return "\n" + title + "\n" + aligned(nodes::summarize(collected)) + "\n" +
+         aligned(nodes::stage_times(collected)) + "\n  " + kind + ": " + verdict.text +
+         "\n  report: " + page.string() + "\n";
 }
 
 void run(graph::Node& node) {
   const auto out = node.declare_parameter<std::string>(
-      {.name = "out", .default_value = "out/report", .description = "folder of report.html"});
+      {.name = "out", .default_value = "out/report", .description = "folder of report.html and summary.txt"});
   const auto title = node.declare_parameter<std::string>(
       {.name = "title", .default_value = "prehend", .description = "title of the page"});
   const auto gripper_file = node.declare_parameter<std::string>(
@@ -72,13 +82,9 @@ void run(graph::Node& node) {
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
 
-  std::printf("\n%s\n", title.c_str());
-  print_table(nodes::summarize(collected));
-  std::printf("\n");
-  print_table(nodes::stage_times(collected));
-  std::printf("\n  %s: %s\n  report: %s\n\n",
-              verdict.ungraspable ? "answer" : (verdict.success ? "success" : "failed"),
-              verdict.text.c_str(), file.c_str());
+  const std::string summary = summary_text(title, collected, verdict, file);
+  std::ofstream(std::filesystem::path(out) / "summary.txt") << summary;
+  std::fputs(summary.c_str(), stdout);
   std::fflush(stdout);
   if (!verdict.success) throw std::runtime_error(verdict.text);
 }

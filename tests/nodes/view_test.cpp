@@ -1,0 +1,99 @@
+#include "nodes/grasp_cycle/view.h"
+
+#include <gtest/gtest.h>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/grasp.h"
+
+namespace prehend::nodes {
+namespace {
+
+using std::chrono::seconds;
+using Time = std::chrono::steady_clock::time_point;
+
+std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint32_t count = 2) {
+  auto message = std::make_shared<msgs::GraspPlan>();
+  message->set_id(id);
+  message->set_object_count(count);
+  message->mutable_header()->set_stamp(7);
+  if (score <= 0) {
+    message->set_problem("cannot be grasped: too wide");
+    return message;
+  }
+  grasp::Grasp grasp;
+  grasp.score = score;
+  grasp.grasp_force = 10;
+  grasp.pregrasp_opening = 0.06;
+  *message->add_grasps() = convert::to_message(grasp);
+  return message;
+}
+
+std::shared_ptr<msgs::ObjectModel> model(std::uint32_t id, double vote) {
+  auto message = std::make_shared<msgs::ObjectModel>();
+  message->set_id(id);
+  message->set_vote(vote);
+  message->mutable_header()->set_stamp(7);
+  return message;
+}
+
+TEST(ViewCollector, IsReadyWhenEveryPlanAndModelHasCome) {
+  ViewCollector views(seconds(8));
+  const Time start{};
+  views.add(plan(0, 0.5), start);
+  views.add(model(0, 0));
+  views.add(model(1, 0));
+  EXPECT_EQ(views.newest_ready(start + seconds(7)), nullptr);
+  views.add(plan(1, 0.5), start + seconds(7));
+  EXPECT_NE(views.newest_ready(start + seconds(7)), nullptr);
+}
+
+TEST(ViewCollector, GivesUpWaitingAfterItsPatience) {
+  ViewCollector views(seconds(8));
+  const Time start{};
+  EXPECT_EQ(views.newest_ready(start), nullptr);
+  views.add(plan(0, 0.5), start);
+  EXPECT_EQ(views.newest_ready(start + seconds(7)), nullptr);
+  EXPECT_NE(views.newest_ready(start + seconds(8)), nullptr);
+}
+
+TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
+  View view;
+  view.plans = {{0, plan(0, 0.5)}, {1, plan(1, 0.4)}};
+  view.models = {{0, model(0, 0.1)}, {1, model(1, 0.1)}};
+  EXPECT_EQ(choose_target(view, -1).id, 0u);
+  view.models[0] = model(0, 1.5);
+  EXPECT_EQ(choose_target(view, -1).id, 1u);
+  EXPECT_EQ(choose_target(view, 0).id, 0u);  // asked for by name
+}
+
+TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
+  View view;
+  view.plans = {{0, plan(0, 0)}, {3, plan(3, 0)}};
+  const Target all = choose_target(view, -1);
+  EXPECT_TRUE(all.ungraspable);
+  EXPECT_TRUE(all.grasps.empty());
+  EXPECT_EQ(all.problem, "cannot be grasped: object 0: too wide; object 3: too wide");
+  const Target missing = choose_target(view, 9);
+  EXPECT_FALSE(missing.ungraspable);
+  EXPECT_NE(missing.problem.find("no object 9"), std::string::npos);
+}
+
+TEST(SimulationPose, PutsARecordedTableToZeroAndTheTargetAboveTheOrigin) {
+  View view;
+  auto message = model(0, 0);
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.6, -0.8).normalized();
+  *message->mutable_table() = convert::to_message(geometry::Plane{up, -1.2});
+  const Eigen::Vector3d centroid = -1.2 * up + 0.05 * up + Eigen::Vector3d(0.8, 0.6, 0) * 0.5 -
+                                   0.5 * up.dot(Eigen::Vector3d(0.8, 0.6, 0)) * up;
+  *message->mutable_centroid() = convert::to_message(centroid);
+  view.models = {{0, message}};
+  Target target;
+  target.grasps.resize(1);
+  target.grasps[0].approach_W = -up;
+  const auto X_SW = simulation_pose(view, target);
+  EXPECT_TRUE((X_SW * centroid).isApprox(Eigen::Vector3d(0, 0, 0.05), 1e-9));
+  EXPECT_TRUE((X_SW.linear() * up).isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+}
+
+}  // namespace
+}  // namespace prehend::nodes
