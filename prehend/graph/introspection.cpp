@@ -74,7 +74,8 @@ RegistryReply Introspection::Impl::ask(RegistryRequest request) {
   frames[0] = zmq::message_t(request.SerializeAsString());
   RegistryReply reply;
   const std::uint64_t id = request.id();
-  exchange(socket, "the registry at " + registry, std::move(frames), [&](const Frames& got) {
+  exchange(socket, "no graph is running (start one with prehend launch): the registry at " + registry,
+           std::move(frames), [&](const Frames& got) {
     return got.size() == 1 &&
            reply.ParseFromArray(got[0].data(), static_cast<int>(got[0].size())) && reply.id() == id;
   });

@@ -107,13 +107,15 @@ class Node {
 
   // --- topics -----------------------------------------------------------------------------------
 
-  /// Subscribers that the graph knew before this call get every message from the first one on.
-  /// Later ones join within milliseconds; use QoS::latched or wait_for_subscribers for them.
+  /// Subscriptions made anywhere in the graph before this call (subscribe has returned) get every
+  /// message from the first one on. Later ones join within milliseconds; use QoS::latched or
+  /// wait_for_subscribers for them.
   template <class Message>
   [[nodiscard]] Publisher<Message> advertise(const std::string& topic, const QoS& qos) {
     return Publisher<Message>(advertise_core(topic, qos, schema_of(*Message::descriptor())));
   }
 
+  /// Returns when the registry knows the subscription, after about 2 ms.
   /// `callback` takes each message, decoded just before. A publisher of another message type is
   /// refused: one error line and a diagnostic, no message of it is delivered.
   template <class Message>

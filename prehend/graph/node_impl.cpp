@@ -160,6 +160,11 @@ void Node::Impl::start_link() {
   };
   events.known = [this](std::uint64_t version) {
     publishers->registry_knows(version);
+    std::erase_if(known_waiters, [version](const KnownWaiter& waiter) {
+      if (waiter.version == 0 || waiter.version > version) return false;
+      waiter.known->set_value();
+      return true;
+    });
     joined = true;
     if (join_ended) join_ended("");
   };
@@ -301,7 +306,19 @@ std::shared_ptr<SubscriptionCore> Node::Impl::make_subscription(
     subscribers->add(core);
     record_changed();
   });
+  if (!in_loop) wait_until_known();
   return core;
+}
+
+void Node::Impl::wait_until_known() {
+  auto known = std::make_shared<std::promise<void>>();
+  auto future = known->get_future();
+  link->loop->post([this, known = std::move(known)] {
+    if (!registry->answers()) return;  // drops the promise, which ends the wait
+    known_waiters.push_back({0, known});
+    record_changed();
+  });
+  future.wait_for(1s);
 }
 
 void Node::Impl::log(LogLevel level, const std::string& text) {

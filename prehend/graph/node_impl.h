@@ -1,5 +1,6 @@
 #pragma once
 
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -51,6 +52,9 @@ struct Node::Impl {
                                                       std::shared_ptr<const Schema> schema,
                                                       SubscriptionCore::Handler handler,
                                                       bool in_loop);
+  /// Waits, 1 s at most, until the registry knows what this thread has changed in the record. A
+  /// publisher that anybody advertises from then on awaits this node's subscriptions.
+  void wait_until_known();
   void log(LogLevel level, const std::string& text);
   void report(Health health, const std::string& text);
   void callback_failed(const std::string& source, const std::string& what);
@@ -120,6 +124,11 @@ struct Node::Impl {
   std::string malformed_example;
   LossLine malformed_line;
   bool record_change_pending = false;
+  struct KnownWaiter {
+    std::uint64_t version = 0;  // of the record that has the change, 0: not sent yet
+    std::shared_ptr<std::promise<void>> known;
+  };
+  std::vector<KnownWaiter> known_waiters;
   std::function<void(const std::string& error)> join_ended;  // empty: joined
   std::chrono::steady_clock::time_point flush_deadline;
 };

@@ -7,12 +7,6 @@
 
 namespace prehend::graph {
 
-namespace {
-
-constexpr auto kLastMessages = std::chrono::milliseconds(300);
-
-}  // namespace
-
 using msgs::graph::PeerMessage;
 
 void Node::Impl::welcome(const std::string& folder) {
@@ -52,7 +46,11 @@ void Node::Impl::send_record() {
     full.set_health_text(health_text);
   }
   full.clear_version();
-  publishers->record_sent(registry->update(full));
+  const std::uint64_t version = registry->update(full);
+  publishers->record_sent(version);
+  for (KnownWaiter& waiter : known_waiters) {
+    if (waiter.version == 0) waiter.version = version;
+  }
 }
 
 void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
@@ -76,8 +74,6 @@ void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
 
 void Node::Impl::lose_node(const std::string& instance) {
   publishers->lose_client(instance);
-  calls->lose_server(instance);
-  goals->lose_server(instance);
   for (auto& [name, server] : action_servers) server->lose_client(instance);
   // Its last messages may be on their way still.
   departed[instance] = std::chrono::steady_clock::now();
@@ -92,6 +88,8 @@ void Node::Impl::forget_departed() {
     }
     if (!registry->nodes().count(node->first)) {  // else it was not dead
       subscribers->lose_server(node->first);
+      calls->lose_server(node->first);
+      goals->lose_server(node->first);
       channels->forget(node->first);
     }
     node = departed.erase(node);
@@ -202,6 +200,7 @@ void Node::Impl::tell_topic(const std::function<void(const TopicInfo&)>& watcher
 
 void Node::Impl::tick() {
   forget_departed();
+  subscribers->forget_withdrawn();
   publishers->check_opening();
   publishers->log_losses(false);
   subscribers->log_losses(false);
@@ -222,6 +221,7 @@ void Node::Impl::flush_and_leave() {
   publishers->log_losses(true);
   subscribers->log_losses(true);
   publishers->stop();
+  known_waiters.clear();
   registry->goodbye();
   link->loop->close();
 }

@@ -199,12 +199,12 @@ void PeerChannels::read_router() {
   }
 }
 
-void PeerChannels::read_server(const std::string& name) {
+bool PeerChannels::read_server(const std::string& name) {
   for (int i = 0; i < kReceiveAtOnce; ++i) {
     const auto server = servers_.find(name);
-    if (server == servers_.end()) return;
+    if (server == servers_.end()) return false;
     Frames frames = receive(server->second.socket);
-    if (frames.empty()) return;
+    if (frames.empty()) return false;
     if (frames.size() == 5) {
       events_.topic_message(name, frames);
       continue;
@@ -217,7 +217,7 @@ void PeerChannels::read_server(const std::string& name) {
     } else {
       events_.malformed("an answer of " + std::to_string(frames.size()) + " frames from " + name);
     }
-  }
+  }  return true;
 }
 
 void PeerChannels::read_monitor(const std::string& name) {
@@ -229,6 +229,8 @@ void PeerChannels::read_monitor(const std::string& name) {
   std::memcpy(&event, frames[0].data(), sizeof event);
   if (event == ZMQ_EVENT_DISCONNECTED) {
     server->second.was_lost = true;
+    while (read_server(name)) {
+    }  // what came before the end counts
     events_.server_lost(name);
   } else if (server->second.was_lost) {
     server->second.was_lost = false;

@@ -81,7 +81,8 @@ class PeerChannels {
 
   void close(Server& server);
   void read_router();
-  void read_server(const std::string& server);
+  /// True when more may have come.
+  bool read_server(const std::string& server);
   void read_monitor(const std::string& server);
   bool send_or_wait(const std::string& client, Waiting item);
   void make_room(std::deque<Waiting>& backlog, const std::string& topic, std::size_t bytes,

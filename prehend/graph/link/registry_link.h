@@ -46,6 +46,7 @@ class RegistryLink {
   void offer_schema(const std::shared_ptr<const Schema>& schema);
   void goodbye();
 
+  bool answers() const { return answers_; }
   /// The other nodes and this one, by instance.
   const std::map<std::string, msgs::graph::NodeRecord>& nodes() const { return nodes_; }
 

@@ -45,7 +45,9 @@ void SubscriberSide::meet(Entry& entry, const NodeRecord& node) {
   const TopicEnd* publisher = publisher_of(node, entry.core->topic());
   const auto source = entry.sources.find(node.instance());
   if (!publisher) {
-    if (source != entry.sources.end()) entry.sources.erase(source);
+    if (source == entry.sources.end() || source->second.leaving) return;
+    source->second.leaving = true;
+    source->second.leaving_since = std::chrono::steady_clock::now();
     return refresh_count(entry);
   }
   if (source != entry.sources.end() && source->second.publisher_id == publisher->id()) return;
@@ -95,6 +97,15 @@ void SubscriberSide::lose_server(const std::string& server) {
   }
 }
 
+void SubscriberSide::forget_withdrawn() {
+  const auto before = std::chrono::steady_clock::now() - kLastMessages;
+  for (auto& [id, entry] : entries_) {
+    std::erase_if(entry.sources, [before](const auto& source) {
+      return source.second.leaving && source.second.leaving_since < before;
+    });
+  }
+}
+
 void SubscriberSide::rejoin(const std::string& server) {
   for (auto& [id, entry] : entries_) {
     if (!entry.sources.count(server)) continue;
@@ -106,7 +117,9 @@ void SubscriberSide::rejoin(const std::string& server) {
 
 void SubscriberSide::rejoin_all() {
   for (auto& [id, entry] : entries_) {
-    for (const auto& [server, source] : entry.sources) request(entry, server);
+    for (const auto& [server, source] : entry.sources) {
+      if (!source.leaving) request(entry, server);
+    }
   }
 }
 
@@ -192,7 +205,7 @@ void SubscriberSide::follow_sequence(Entry& entry, Source& source, std::uint64_t
 
 void SubscriberSide::refresh_count(Entry& entry) {
   std::size_t joined = 0;
-  for (const auto& [server, source] : entry.sources) joined += source.joined ? 1 : 0;
+  for (const auto& [server, source] : entry.sources) joined += source.joined && !source.leaving ? 1 : 0;
   entry.core->count([joined](SubscriptionStatistics& s) { s.publishers = joined; });
 }
 

@@ -19,6 +19,9 @@ namespace prehend::graph {
 
 msgs::graph::QosPolicy to_wire_policy(QoS::Policy policy);
 
+/// How long messages may be on their way after the registry has told of their publisher's end.
+inline constexpr std::chrono::milliseconds kLastMessages{500};
+
 /// The node's publishers: who has joined each, its history, what was lost. In the loop's thread
 /// only.
 ///
@@ -90,6 +93,8 @@ class SubscriberSide {
   void meet(const msgs::graph::NodeRecord& node);
   /// The node is gone.
   void lose_server(const std::string& server);
+  /// Forgets publishers that were withdrawn a while ago.
+  void forget_withdrawn();
   /// The connection broke and came back.
   void rejoin(const std::string& server);
   /// Others may have taken this node for dead and dropped its subscriptions: asks for them again.
@@ -108,6 +113,8 @@ class SubscriberSide {
     std::uint64_t expected = 0;  // next sequence number, 0: none seen
     bool joined = false;
     bool in_history = false;
+    bool leaving = false;        // withdrawn, but its last messages may be on their way
+    std::chrono::steady_clock::time_point leaving_since;
     std::shared_ptr<const Schema> schema;  // raw subscriptions
   };
   struct Entry {
