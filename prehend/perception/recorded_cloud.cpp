@@ -167,8 +167,13 @@ Eigen::Vector3d guess_up_without_camera(const Shape& shape, std::vector<std::str
   return up;
 }
 
-// Decides X_FC; see the header for the order.
-RigidTransform find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFile& file,
+struct Viewpoint {
+  RigidTransform X_FC = RigidTransform::Identity();
+  bool made_up = false;
+};
+
+// See the header for the order.
+Viewpoint find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFile& file,
                               const RecordedCloudOptions& options, const Shape& shape,
                               std::optional<Eigen::Vector3d>& up_F,
                               std::vector<std::string>& notes) {
@@ -184,18 +189,18 @@ RigidTransform find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFi
       notes.emplace_back("the file's camera axes are turned to x right, y down, z forward");
     }
   };
-  if (options.viewpoint) return *options.viewpoint;
+  if (options.viewpoint) return {*options.viewpoint};
   if (const auto X_FC = pose_from_pixels(cloud_F)) {
     note_ignored_header();
     note_turned(*X_FC);
-    return *X_FC;
+    return {*X_FC};
   }
   for (const double sign : {1.0, -1.0}) {
     if (share_in_view(cloud_F, sign) < kFrontShare) continue;
     const RigidTransform X_FC = sign > 0 ? RigidTransform::Identity() : turned_about_x();
     note_ignored_header();
     note_turned(X_FC);
-    return X_FC;
+    return {X_FC};
   }
   if (header_says) {
     RigidTransform X_FC = *file.viewpoint;
@@ -203,11 +208,11 @@ RigidTransform find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFi
     const PointCloud cloud_C = geometry::transformed(cloud_F, X_FC.inverse());
     if (share_in_view(cloud_C, 1) >= kFrontShare) {
       notes.emplace_back("the file's VIEWPOINT is used");
-      return X_FC;
+      return {X_FC};
     }
     if (share_in_view(cloud_C, -1) >= kFrontShare) {
       notes.emplace_back("the file's VIEWPOINT is used, turned to look forward");
-      return X_FC * turned_about_x();
+      return {X_FC * turned_about_x()};
     }
   }
   if (!up_F) up_F = guess_up_without_camera(shape, notes);
@@ -216,7 +221,7 @@ RigidTransform find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFi
   notes.push_back("the viewpoint is unknown: a virtual camera is put at (" +
                   text("%.2f ", eye.x()) + text("%.2f ", eye.y()) + text("%.2f", eye.z()) +
                   ") m of the file; give viewpoint:= if you know it");
-  return X_FC;
+  return {X_FC, true};
 }
 
 // Sets cloud, camera and labels; points behind the camera are dropped from unorganized clouds.
@@ -287,6 +292,22 @@ void put_on_hypothetical_table(RecordedCloud& recorded, bool up_known) {
                               "lowest point");
 }
 
+// A made-up camera sees one side, like a real one.
+void drop_hidden_points(RecordedCloud& recorded) {
+  const std::vector<int> visible = visible_points(recorded.cloud_C, recorded.camera,
+                                                  point_spacing(recorded.cloud_C));
+  if (visible.empty() || visible.size() == recorded.cloud_C.size()) return;
+  recorded.notes.push_back(std::to_string(recorded.cloud_C.size() - visible.size()) + " of " +
+                           std::to_string(recorded.cloud_C.size()) +
+                           " points are hidden from the virtual camera and left out");
+  std::vector<std::uint32_t> labels;
+  if (!recorded.labels.empty()) {
+    for (const int i : visible) labels.push_back(recorded.labels[i]);
+  }
+  recorded.labels = std::move(labels);
+  recorded.cloud_C = geometry::select(recorded.cloud_C, visible);
+}
+
 }  // namespace
 
 RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
@@ -305,11 +326,14 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
   RecordedCloud recorded;
   std::optional<Eigen::Vector3d> up_F = options.up;
   if (up_F) up_F->normalize();
-  recorded.X_FC = find_viewpoint(cloud_F, file, options, shape, up_F, recorded.notes);
+  const Viewpoint viewpoint =
+      find_viewpoint(cloud_F, file, options, shape, up_F, recorded.notes);
+  recorded.X_FC = viewpoint.X_FC;
   if (up_F) recorded.up_C = recorded.X_FC.linear().transpose() * *up_F;
   set_camera_and_cloud(recorded, cloud_F, file.labels);
   if (is_single_object(recorded, options, shape)) {
     put_on_hypothetical_table(recorded, up_F.has_value());
+    if (viewpoint.made_up) drop_hidden_points(recorded);
   }
   return recorded;
 }

@@ -47,7 +47,9 @@ struct RecordedCloud {
 /// A small cloud without a plane that carries things is one object: it is put on a hypothetical
 /// table under its lowest points. Up is options.up, else the principal axis of an elongated object
 /// (nearest to the camera's up if the camera is known, else with its dominant component positive),
-/// else the camera's up or the file's z.
+/// else the camera's up or the file's z. Where its viewpoint was made up too, the points that this
+/// camera could not see are left out, as in any other view: a model scanned from all sides is used
+/// like an object seen from one.
 /// @throws geometry::InputError for an empty cloud, one without finite points, one point, collinear
 /// or coplanar points, and one that looks like millimetres (extent over 20 m);
 /// std::invalid_argument for a bad option.

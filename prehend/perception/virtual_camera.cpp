@@ -75,9 +75,8 @@ PointCloud subset(const PointCloud& cloud, std::size_t count) {
 // surface bulges towards the camera (depth grows from the middle of the picture outwards).
 double viewpoint_score(const PointCloud& cloud_F, const RigidTransform& X_FC, double spacing) {
   const PointCloud cloud_C = geometry::transformed(cloud_F, X_FC.inverse());
-  geometry::PinholeCamera camera = make_virtual_camera(cloud_C);
-  const geometry::Image<int> nearest = splat(cloud_C, camera, 1.5 * spacing);
-  double visible = 0;
+  const auto visible = static_cast<double>(
+      visible_points(cloud_C, make_virtual_camera(cloud_C), spacing).size());
   double mean_z = 0;
   double mean_r = 0;
   const Eigen::Vector3d center = geometry::centroid(cloud_C);
@@ -97,12 +96,6 @@ double viewpoint_score(const PointCloud& cloud_F, const RigidTransform& X_FC, do
     zz += z * z;
     rr += r * r;
     zr += z * r;
-    const Eigen::Vector2d pixel = camera.project(p.cast<double>());
-    const int u = static_cast<int>(std::lround(pixel.x()));
-    const int v = static_cast<int>(std::lround(pixel.y()));
-    if (!nearest.contains(u, v) || nearest.at(u, v) < 0) continue;
-    const double front = static_cast<double>(cloud_C.points[nearest.at(u, v)].z());
-    if (static_cast<double>(p.z()) <= front + 3 * spacing) visible += 1;
   }
   const double bulge = zr / std::max(std::sqrt(zz * rr), 1e-300);
   return visible / static_cast<double>(cloud_C.size()) + bulge;
@@ -291,6 +284,24 @@ geometry::Image<int> splat(const PointCloud& cloud_C, const geometry::PinholeCam
     }
   }
   return nearest;
+}
+
+std::vector<int> visible_points(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
+                                double spacing) {
+  const geometry::Image<int> nearest = splat(cloud_C, camera, 2.5 * spacing);
+  std::vector<int> visible;
+  for (std::size_t i = 0; i < cloud_C.size(); ++i) {
+    const Eigen::Vector3f& p = cloud_C.points[i];
+    if (!geometry::is_finite(p) || static_cast<double>(p.z()) < kMinDepth) continue;
+    const Eigen::Vector2d pixel = camera.project(p.cast<double>());
+    if (!(pixel.cwiseAbs().maxCoeff() < 1e6)) continue;
+    const int u = static_cast<int>(std::lround(pixel.x()));
+    const int v = static_cast<int>(std::lround(pixel.y()));
+    if (!nearest.contains(u, v) || nearest.at(u, v) < 0) continue;
+    const double front = static_cast<double>(cloud_C.points[nearest.at(u, v)].z());
+    if (static_cast<double>(p.z()) <= front + 6 * spacing) visible.push_back(static_cast<int>(i));
+  }
+  return visible;
 }
 
 }  // namespace prehend::perception

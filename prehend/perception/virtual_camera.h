@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/image.h"
@@ -43,5 +43,10 @@ geometry::RigidTransform plausible_viewpoint(const geometry::PointCloud& cloud_F
 /// square of side `size` [m], at least a pixel.
 geometry::Image<int> splat(const geometry::PointCloud& cloud_C,
                            const geometry::PinholeCamera& camera, double size);
+
+/// Indices of the points that the camera can see: nothing is more than 6 * `spacing` [m] nearer in
+/// their pixel when every point covers 2.5 * `spacing`. Points outside the image are not seen.
+std::vector<int> visible_points(const geometry::PointCloud& cloud_C,
+                                const geometry::PinholeCamera& camera, double spacing);
 
 }  // namespace prehend::perception
