@@ -24,6 +24,7 @@ std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint3
   grasp.score = score;
   grasp.grasp_force = 10;
   grasp.pregrasp_opening = 0.06;
+  grasp.pregrasp_distance = 0.08;
   *message->add_grasps() = convert::to_message(grasp);
   return message;
 }

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <thread>
 #include <tuple>
 
@@ -145,28 +146,48 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
   }
 }
 
-TEST(Demo, SurvivesAKilledSegmentation) {
-  const ScratchFolder scratch;
-  const auto out = scratch.path() / "out";
-  std::filesystem::create_directories(out);
-  Launched demo("prehend", demo_arguments(out), scratch.path() / "demo.txt");
-  // In the middle of the loop: as soon as the process is there it is working on the images.
-  pid_t victim = 0;
-  for (int i = 0; i < 600 && victim == 0; ++i) {
-    const auto found = descendants(demo.pid(), "stereo_segmentation");
-    if (!found.empty() && demo.output().find("stereo_segmentation") != std::string::npos) {
-      victim = found.front();
-      break;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+// Starts the demo and kills one of its nodes when `moment` stands in the output.
+class KilledNode : public ::testing::Test {
+ protected:
+  std::optional<int> run_and_kill(const std::string& node, const std::string& moment) {
+    std::filesystem::create_directories(out_);
+    Launched demo("prehend", demo_arguments(out_), scratch_.path() / "demo.txt");
+    const bool came = demo.wait_for_output(moment, kRunTimeout);
+    const auto victims = descendants(demo.pid(), node);
+    EXPECT_TRUE(came && victims.size() == 1) << demo.output();
+    if (!victims.empty()) kill(victims.front(), SIGKILL);
+    const auto exit_code = demo.wait(kRunTimeout);
+    output_ = demo.output();
+    EXPECT_NE(output_.find("SIGKILL"), std::string::npos) << output_;
+    return exit_code;
   }
-  ASSERT_NE(victim, 0) << demo.output();
-  kill(victim, SIGKILL);
-  ASSERT_EQ(demo.wait(kRunTimeout), 0) << demo.output();
-  const Recording recording = read_recording(out / "recording.mcap");
+
+  ScratchFolder scratch_;
+  const std::filesystem::path out_ = scratch_.path() / "out";
+  std::string output_;
+};
+
+TEST_F(KilledNode, SegmentationBeforeItHasSeenAnything) {
+  ASSERT_EQ(run_and_kill("stereo_segmentation", "[simulation] scene"), 0) << output_;
+  const Recording recording = read_recording(out_ / "recording.mcap");
   expect_pick_and_place(recording);
   expect_no_silent_loss(recording);
-  EXPECT_NE(demo.output().find("SIGKILL"), std::string::npos) << demo.output();
+}
+
+// Started again, it segments the latched images once more while the gripper is closing.
+TEST_F(KilledNode, SegmentationWhileTheGripperCloses) {
+  ASSERT_EQ(run_and_kill("stereo_segmentation", "both pads touch"), 0) << output_;
+  const Recording recording = read_recording(out_ / "recording.mcap");
+  expect_pick_and_place(recording);
+  expect_no_silent_loss(recording);
+}
+
+TEST_F(KilledNode, TheRequiredSimulationEndsTheLaunchWithItsReason) {
+  const auto exit_code = run_and_kill("simulation", "[shape_completion] object");
+  ASSERT_TRUE(exit_code) << output_;
+  EXPECT_NE(*exit_code, 0) << output_;
+  EXPECT_LT(*exit_code, 128) << output_;
+  EXPECT_NE(output_.find("simulation"), std::string::npos);
 }
 
 TEST(Demo, InterruptLeavesNoProcessBehind) {
