@@ -1,5 +1,6 @@
 // What a user gets who gives a launch something it cannot use: one clear line and a non-zero exit.
 
+#include <cstdint>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -67,6 +68,46 @@ TEST_F(BadInput, CloudWithoutAnyValidPoint) {
   expect_cloud_failure(write("nan.pcd", pcd("nan nan nan\nnan nan nan\n", 2)), {"NaN"});
 }
 
+TEST_F(BadInput, CloudFileCutShort) {
+  std::string binary = pcd("", 1000);
+  binary.replace(binary.find("ascii"), 5, "binary");
+  expect_cloud_failure(write("short.pcd", binary + std::string(500, 'x')), {"short.pcd"});
+}
+
+TEST_F(BadInput, CollinearAndCoplanarPoints) {
+  std::string line, plane;
+  for (int i = 0; i < 400; ++i) {
+    line += std::to_string(i * 1e-3) + " 0.1 0.9\n";
+    plane += std::to_string(i % 20 * 2e-3) + " " + std::to_string(i / 20 * 2e-3) + " 0.9\n";
+  }
+  expect_cloud_failure(write("line.pcd", pcd(line, 400)), {"line"});
+  expect_cloud_failure(write("plane.pcd", pcd(plane, 400)), {"plane"});
+}
+
+TEST_F(BadInput, TableWithoutObjects) {
+  std::string points;
+  for (int i = 0; i < 40000; ++i) {
+    const double x = (i % 200 - 100) * 4e-3, y = (i / 200 - 100) * 4e-3;
+    points += std::to_string(x) + " " + std::to_string(y) + " " +
+              std::to_string(1.2 - y * 0.8 + (i * 7 % 11) * 1e-4) + "\n";
+  }
+  expect_cloud_failure(write("table.pcd", pcd(points, 40000)), {"object"});
+}
+
+TEST_F(BadInput, CloudWithoutATable) {
+  std::string points;
+  std::uint32_t random = 1;
+  const auto next = [&random] {
+    random = random * 1664525u + 1013904223u;
+    return static_cast<double>(random >> 8) / (1 << 24) - 0.5;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    points += std::to_string(2 * next()) + " " + std::to_string(2 * next()) + " " +
+              std::to_string(2.5 + 2 * next()) + "\n";
+  }
+  expect_cloud_failure(write("scatter.pcd", pcd(points, 20000)), {"table"});
+}
+
 TEST_F(BadInput, CloudInMillimetres) {
   std::string points;
   for (int i = 0; i < 2000; ++i) {
@@ -95,6 +136,42 @@ TEST_F(BadInput, LaunchFileWithMisspeltNodeKeyOrArgument) {
 TEST_F(BadInput, LaunchFilesThatIncludeOneAnother) {
   write("y.yaml", "include:\n  - {file: x.yaml}\n");
   expect_failure({write("x.yaml", "include:\n  - {file: y.yaml}\n")}, {"x.yaml", "y.yaml"});
+}
+
+TEST_F(BadInput, RecordingOfAnotherKind) {
+  expect_failure({"launch/replay.yaml", "bag:=" + write("notes.mcap", "not a recording"),
+                  "out:=" + (scratch_.path() / "out").string()},
+                 {"notes.mcap"});
+}
+
+TEST_F(BadInput, ASecondNodeOfTheSameNameAndAPortInUse) {
+  Launched registry("registry", {"--registry", "tcp://127.0.0.1:*"},
+                    scratch_.path() / "registry.txt");
+  ASSERT_TRUE(registry.wait_for_output("listens on ", seconds(10)));
+  const std::string line = registry.output();
+  const auto begin = line.find("tcp://");
+  const std::string endpoint = line.substr(begin, line.find_first_of(" \n", begin) - begin);
+
+  const Outcome second_registry = run_program("registry", {"--registry", endpoint}, seconds(10));
+  ASSERT_TRUE(second_registry.exit_code) << second_registry.output;
+  EXPECT_NE(*second_registry.exit_code, 0);
+  EXPECT_NE(second_registry.output.find(endpoint), std::string::npos) << second_registry.output;
+
+  Launched first("shape_completion", {"--registry", endpoint}, scratch_.path() / "first.txt");
+  ASSERT_TRUE([&] {
+    for (int i = 0; i < 100; ++i) {
+      if (run_program("prehend", {"node", "list", "--registry", endpoint}, seconds(10))
+              .output.find("shape_completion") != std::string::npos) {
+        return true;
+      }
+    }
+    return false;
+  }());
+  const Outcome second = run_program("shape_completion", {"--registry", endpoint}, seconds(20));
+  ASSERT_TRUE(second.exit_code) << second.output;
+  EXPECT_NE(*second.exit_code, 0);
+  EXPECT_NE(second.output.find("shape_completion"), std::string::npos) << second.output;
+  EXPECT_NE(second.output.find(std::to_string(first.pid())), std::string::npos) << second.output;
 }
 
 TEST_F(BadInput, LaunchFileWithAParameterNobodyDeclares) {
