@@ -18,7 +18,9 @@
 #include "prehend/graph/nearest_match.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/graph/schema.h"
 #include "tools/message_text.h"
+#include "tools/own_message_types.h"
 
 namespace prehend::tools {
 namespace {
@@ -98,11 +100,17 @@ struct Arrivals {
   }
 };
 
+// A type of prehend's own, or one that a publisher of the graph has declared.
+graph::Schema schema_named(graph::Introspection& introspection, const std::string& type) {
+  if (const auto* descriptor = own_message_type(type)) return *graph::schema_of(*descriptor);
+  return introspection.schema(type);
+}
+
 // The type of the topic's first publisher or, without one, of a subscriber.
 graph::Schema type_of(const std::string& registry, const std::string& topic,
                       const std::string& type) {
   graph::Introspection introspection(registry);
-  if (!type.empty()) return introspection.schema(type);
+  if (!type.empty()) return schema_named(introspection, type);
   std::vector<std::string> known;
   std::string found;
   for (const auto& node : introspection.nodes()) {
@@ -113,7 +121,7 @@ graph::Schema type_of(const std::string& registry, const std::string& topic,
       }
     }
   }
-  if (!found.empty()) return introspection.schema(found);
+  if (!found.empty()) return schema_named(introspection, found);
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
   throw std::runtime_error("nobody publishes or takes " + topic + ", so its type must be given" +

@@ -13,8 +13,9 @@ namespace {
 using graph::recording::McapAttachment;
 using graph::recording::McapError;
 
-constexpr auto kInFlight = std::chrono::milliseconds(50);  // for what is on its way at the end
-constexpr auto kDrainTime = std::chrono::seconds(2);
+constexpr auto kQuietTime = std::chrono::milliseconds(100);  // then nothing more is on its way
+constexpr auto kDrainTime = std::chrono::seconds(1);
+constexpr auto kLongestWait = std::chrono::seconds(1);  // for how a topic is published
 constexpr std::size_t kQueueDepth = 100000;
 constexpr std::size_t kQueueBytes = std::size_t{1} << 30;
 
@@ -37,6 +38,9 @@ TopicRecorder::TopicRecorder(graph::Node& node, const std::vector<std::string>& 
     {
       const std::lock_guard lock(mutex_);
       infos_[info.topic] = info;
+      if (const auto topic = topics_.find(info.topic); topic != topics_.end()) {
+        write_waiting(topic->second);
+      }
     }
     if (all) record(info.topic);
   });
@@ -71,7 +75,7 @@ void TopicRecorder::record(const std::string& name) {
   }
   auto subscription = node_.subscribe_raw(
       name, graph::QoS::queue(kQueueDepth, kQueueBytes),
-      [this, topic](const graph::RawMessage& message) { write(*topic, message); });
+      [this, topic](const graph::RawMessage& message) { take(*topic, message); });
   const std::lock_guard lock(mutex_);
   topic->subscription = std::move(subscription);
 }
@@ -88,8 +92,23 @@ void TopicRecorder::declare_channel(Topic& topic, const graph::RawMessage& messa
   topic.schema_hash = message.info.schema_hash;
 }
 
-void TopicRecorder::write(Topic& topic, const graph::RawMessage& message) {
+void TopicRecorder::take(Topic& topic, const graph::RawMessage& message) {
   const std::lock_guard lock(mutex_);
+  const std::uint64_t log_time = unsigned_time(node_.clock().now());
+  if (topic.channel_id != 0 || infos_.count(message.info.topic) > 0) {
+    write(topic, message, log_time);
+    return;
+  }
+  if (topic.waiting.empty()) topic.waiting_since = std::chrono::steady_clock::now();
+  topic.waiting.push_back({message, log_time});
+}
+
+void TopicRecorder::write_waiting(Topic& topic) {
+  for (const Waiting& waiting : topic.waiting) write(topic, waiting.message, waiting.log_time);
+  topic.waiting.clear();
+}
+
+void TopicRecorder::write(Topic& topic, const graph::RawMessage& message, std::uint64_t log_time) {
   if (!failure_.empty()) return;  // said already
   try {
     if (topic.channel_id == 0 || topic.schema_hash != message.info.schema_hash) {
@@ -99,8 +118,8 @@ void TopicRecorder::write(Topic& topic, const graph::RawMessage& message) {
     const bool goes_on = last != 0 && message.info.sequence > last;
     topic.sequence += goes_on ? static_cast<std::uint32_t>(message.info.sequence - last) : 1;
     last = message.info.sequence;
-    writer_->write(topic.channel_id, topic.sequence, unsigned_time(node_.clock().now()),
-                  unsigned_time(message.info.publish_time), message.bytes);
+    writer_->write(topic.channel_id, topic.sequence, log_time,
+                   unsigned_time(message.info.publish_time), message.bytes);
     ++topic.messages;
     topic.bytes += message.bytes.size();
   } catch (const McapError& error) {
@@ -111,28 +130,41 @@ void TopicRecorder::write(Topic& topic, const graph::RawMessage& message) {
 
 void TopicRecorder::keep_up() {
   const std::lock_guard lock(mutex_);
+  for (auto& [name, topic] : topics_) {
+    const auto waited = std::chrono::steady_clock::now() - topic.waiting_since;
+    if (!topic.waiting.empty() && waited > kLongestWait) write_waiting(topic);
+  }
   if (!failure_.empty()) throw McapError(failure_);
   writer_->close_chunk_if_old();
 }
 
-std::uint64_t TopicRecorder::not_yet_handled() const {
+std::uint64_t TopicRecorder::received() const {
+  std::uint64_t count = 0;
+  for (const auto& [name, topic] : topics_) count += topic.subscription.statistics().received;
+  return count;
+}
+
+std::uint64_t TopicRecorder::handled() const {
   std::uint64_t count = 0;
   for (const auto& [name, topic] : topics_) {
     const auto statistics = topic.subscription.statistics();
-    const std::uint64_t handled =
-        statistics.delivered + statistics.dropped + statistics.superseded;
-    count += statistics.received > handled ? statistics.received - handled : 0;
+    count += statistics.delivered + statistics.dropped + statistics.superseded;
   }
   return count;
 }
 
 void TopicRecorder::drain() {
-  std::this_thread::sleep_for(kInFlight);
-  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
-  while (std::chrono::steady_clock::now() < deadline) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + kDrainTime;
+  auto last_arrival = Clock::now();
+  std::uint64_t before = 0;
+  while (Clock::now() < deadline) {
     {
       const std::lock_guard lock(mutex_);
-      if (not_yet_handled() == 0) return;
+      const std::uint64_t now = received();
+      if (now != before) last_arrival = Clock::now();
+      before = now;
+      if (Clock::now() - last_arrival > kQuietTime && handled() >= now) return;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -140,6 +172,7 @@ void TopicRecorder::drain() {
 
 void TopicRecorder::finish() {
   const std::lock_guard lock(mutex_);
+  for (auto& [name, topic] : topics_) write_waiting(topic);
   if (!failure_.empty()) throw McapError(failure_);
   writer_->close();
   std::uint64_t lost = 0;

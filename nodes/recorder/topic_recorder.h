@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -31,15 +32,22 @@ class TopicRecorder {
   /// Writes a chunk that has become old. Throws once the file could not be written.
   void keep_up();
 
-  /// Waits, at most 2 s, until what had arrived at the time of the call is in the recording.
+  /// Waits until nothing more arrives and all that has is in the recording, at most for 1 s.
   void drain();
 
   /// Ends the recording and logs what it holds and what it lacks.
   void finish();
 
  private:
+  // A message that waits until the graph has said how its topic is published.
+  struct Waiting {
+    graph::RawMessage message;
+    std::uint64_t log_time;  // [ns]
+  };
   struct Topic {
     graph::Subscription subscription;
+    std::vector<Waiting> waiting;
+    std::chrono::steady_clock::time_point waiting_since;
     std::uint16_t channel_id = 0;  // 0: no message yet
     std::uint64_t schema_hash = 0;
     std::uint32_t sequence = 0;
@@ -48,9 +56,12 @@ class TopicRecorder {
   };
 
   void record(const std::string& topic);
-  void write(Topic& topic, const graph::RawMessage& message);
+  void take(Topic& topic, const graph::RawMessage& message);
+  void write(Topic& topic, const graph::RawMessage& message, std::uint64_t log_time);
+  void write_waiting(Topic& topic);
   void declare_channel(Topic& topic, const graph::RawMessage& message);
-  std::uint64_t not_yet_handled() const;
+  std::uint64_t received() const;
+  std::uint64_t handled() const;
 
   graph::Node& node_;
   std::mutex mutex_;  // of everything below

@@ -57,6 +57,11 @@ void replay(Node& node) {
   if (!lonely.empty() && node.ok()) node.log_info("nobody listens to {}", joined(lonely));
   while (player.play() && loop && player.published() > 0) node.log_info("beginning again");
   node.log_info("replayed {} messages of {}", player.published(), file);
+  // A reader that is slow just now gets the last messages only while this node lives.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+  while (!hold && node.ok() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
   while (hold && node.ok()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 

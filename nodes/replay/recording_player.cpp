@@ -17,6 +17,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr auto kClockPeriod = std::chrono::milliseconds(5);  // wall time between /clock messages
+constexpr auto kLeastClockPeriod = std::chrono::milliseconds(1);
 constexpr std::size_t kQueueDepth = 100000;  // the bound in bytes rules
 constexpr const char* kClockTopic = "/clock";
 
@@ -53,7 +54,7 @@ RecordingPlayer::RecordingPlayer(graph::Node& node, const std::string& path,
     if (chosen && !is_of_each_node(channel.topic)) advertise(channel);
   }
   if (options_.publish_clock) {
-    clock_ = node_.advertise<msgs::Clock>(kClockTopic, graph::QoS::latched(1));
+    clock_ = node_.advertise<msgs::Clock>(kClockTopic, graph::QoS::latched(10));
   }
   for (const std::string& problem : reader_.problems()) node_.log_warning("{}: {}", path, problem);
 }
@@ -108,11 +109,19 @@ bool RecordingPlayer::wait_for(std::uint64_t log_time) {
     if (due <= now) break;
     std::this_thread::sleep_until(std::min(due, now + kClockPeriod));
     const std::chrono::duration<double, std::nano> passed = steady_clock::now() - wall_start_;
-    set_clock(std::min(log_time,
-                       log_start_ + static_cast<std::uint64_t>(passed.count() * options_.rate)));
+    tick(std::min(log_time,
+                  log_start_ + static_cast<std::uint64_t>(passed.count() * options_.rate)));
   }
-  if (options_.rate == 0) set_clock(log_time);
+  tick(log_time);
   return node_.ok();
+}
+
+// Moves /clock along, but not so often that its readers cannot follow.
+void RecordingPlayer::tick(std::uint64_t time) {
+  const auto now = steady_clock::now();
+  if (now - last_tick_ < kLeastClockPeriod) return;
+  last_tick_ = now;
+  set_clock(time);
 }
 
 bool RecordingPlayer::play() {
@@ -124,6 +133,7 @@ bool RecordingPlayer::play() {
   const std::size_t known_problems = reader_.problems().size();
   wall_start_ = steady_clock::now();
   set_clock(log_start_);
+  std::uint64_t last = log_start_;
   auto cursor = reader_.messages(filter);
   while (const auto message = topics_.empty() ? std::nullopt : cursor.next()) {
     if (!wait_for(message->log_time)) return false;
@@ -135,7 +145,9 @@ bool RecordingPlayer::play() {
         std::string(message->data),
         stamp != 0 ? stamp : static_cast<std::int64_t>(message->publish_time));
     ++published_;
+    last = message->log_time;
   }
+  set_clock(last);
   for (std::size_t i = known_problems; i < reader_.problems().size(); ++i) {
     node_.log_warning("{}: {}", reader_.path(), reader_.problems()[i]);
   }

@@ -49,6 +49,7 @@ class RecordingPlayer {
 
   void advertise(const graph::recording::McapChannel& channel);
   bool wait_for(std::uint64_t log_time);
+  void tick(std::uint64_t time);
   void set_clock(std::uint64_t time);
 
   graph::Node& node_;
@@ -57,6 +58,7 @@ class RecordingPlayer {
   std::map<std::string, Topic> topics_;
   graph::Publisher<msgs::Clock> clock_;
   std::chrono::steady_clock::time_point wall_start_;
+  std::chrono::steady_clock::time_point last_tick_{};
   std::uint64_t log_start_ = 0;
   std::uint64_t published_ = 0;
 };
