@@ -12,6 +12,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/surface/closing.h"
+#include "prehend/surface/holes.h"
 
 namespace prehend::surface {
 namespace {
@@ -21,6 +22,8 @@ using geometry::TriangleMesh;
 
 constexpr std::size_t kLeastPoints = 30;
 constexpr double kLeastShare = 0.05;
+// Of the surface that may be made of closed holes. More is not a hole but an open surface.
+constexpr double kLargestClosedShare = 0.05;
 
 void check(const PoissonOptions& options) {
   const auto require = [](bool condition, const std::string& what) {
@@ -165,6 +168,8 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
     double larger_scale;
   };
   std::string problem;
+  std::optional<TriangleMesh> best_closed;  // of the attempts with holes
+  double least_closed_area = kLargestClosedShare;
   for (const auto& [less_depth, larger_scale] :
        {Attempt{0, 1}, Attempt{0, 1.07}, Attempt{1, 1.03}, Attempt{2, 1.11}}) {
     PoissonOptions attempt = options;
@@ -181,9 +186,19 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
       turn_outward(mesh);
       return mesh;
     }
+    const ClosedHoles closing = close_holes(mesh);
+    const double share = closing.area / std::max(geometry::surface_area(mesh), 1e-30);
+    if (share < least_closed_area && geometry::find_defects(mesh).watertight()) {
+      least_closed_area = share;
+      best_closed = mesh;
+    }
     problem += (problem.empty() ? "" : "; ") + std::string("depth ") +
                std::to_string(attempt.depth) + ": " +
                (mesh.empty() ? "no triangles" : defects.to_string());
+  }
+  if (best_closed) {
+    turn_outward(*best_closed);
+    return *best_closed;
   }
   throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) + " points (" +
                        problem + ")",
