@@ -62,9 +62,10 @@ int print_info(const std::string& path) {
               megabytes(reader.file_size()).c_str(), reader.library().c_str(),
               reader.complete() ? "" : ", NOT CLOSED PROPERLY (prehend bag recover mends it)");
   std::printf("messages:  %" PRIu64 "\n", statistics.message_count);
-  std::printf("time:      %s .. %s, %.3f s\n", time_text(statistics.message_start_time).c_str(),
-              time_text(statistics.message_end_time).c_str(),
-              static_cast<double>(statistics.message_end_time - statistics.message_start_time) * 1e-9);
+  std::printf(
+      "time:      %s .. %s, %.3f s\n", time_text(statistics.message_start_time).c_str(),
+      time_text(statistics.message_end_time).c_str(),
+      static_cast<double>(statistics.message_end_time - statistics.message_start_time) * 1e-9);
   std::printf("chunks:    %u", statistics.chunk_count);
   if (unpacked > 0) {
     for (const auto& [name, count] : compressions) std::printf(", %d %s", count, name.c_str());
@@ -93,7 +94,8 @@ int recover(const std::string& from, const std::string& to) {
   std::map<std::uint16_t, std::uint16_t> channels;
   for (const auto& [id, channel] : reader.channels()) {
     const auto* schema = reader.schema_of(channel);
-    const auto schema_id = schema ? writer.add_schema(schema->name, schema->encoding, schema->data) : 0;
+    const auto schema_id =
+        schema ? writer.add_schema(schema->name, schema->encoding, schema->data) : 0;
     channels[id] = writer.add_channel(channel.topic, channel.message_encoding,
                                       static_cast<std::uint16_t>(schema_id), channel.metadata);
   }
@@ -112,7 +114,8 @@ int recover(const std::string& from, const std::string& to) {
   }
   writer.close();
   for (const auto& problem : reader.problems()) std::printf("problem: %s\n", problem.c_str());
-  std::printf("%s: %" PRIu64 " messages recovered\n", to.c_str(), writer.statistics().message_count);
+  std::printf("%s: %" PRIu64 " messages recovered\n", to.c_str(),
+              writer.statistics().message_count);
   return 0;
 }
 

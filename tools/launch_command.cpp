@@ -22,10 +22,14 @@ struct LaunchChoices {
 
 const char* name_of(launch::LaunchArgument::Type type) {
   switch (type) {
-    case launch::LaunchArgument::Type::kString: return "string";
-    case launch::LaunchArgument::Type::kInteger: return "int";
-    case launch::LaunchArgument::Type::kNumber: return "double";
-    case launch::LaunchArgument::Type::kBool: return "bool";
+    case launch::LaunchArgument::Type::kString:
+      return "string";
+    case launch::LaunchArgument::Type::kInteger:
+      return "int";
+    case launch::LaunchArgument::Type::kNumber:
+      return "double";
+    case launch::LaunchArgument::Type::kBool:
+      return "bool";
   }
   return "";
 }
@@ -33,9 +37,10 @@ const char* name_of(launch::LaunchArgument::Type type) {
 void print_arguments(const std::string& file) {
   std::vector<std::vector<std::string>> rows{{"ARGUMENT", "TYPE", "DEFAULT", "DESCRIPTION"}};
   for (const auto& argument : launch::declared_arguments(file)) {
-    rows.push_back({argument.name + ":=", name_of(argument.type),
-                    argument.default_value ? "\"" + *argument.default_value + "\"" : "(must be given)",
-                    argument.description});
+    rows.push_back(
+        {argument.name + ":=", name_of(argument.type),
+         argument.default_value ? "\"" + *argument.default_value + "\"" : "(must be given)",
+         argument.description});
   }
   print_table(rows);
 }
@@ -70,7 +75,8 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
       "launch", "Start a registry and the nodes of a launch file; Ctrl-C stops all of them");
   command->add_option("file", choices->file, "The launch file (YAML)")->required();
   command->add_option("arguments", choices->arguments, "Its arguments, as name:=value");
-  command->add_flag("--list-arguments", choices->list_arguments, "List the arguments of the launch file");
+  command->add_flag("--list-arguments", choices->list_arguments,
+                    "List the arguments of the launch file");
   command->add_flag("--check", choices->check, "Only check the launch file and its arguments");
   command->add_flag("--dry-run", choices->dry_run, "Print the resolved graph, start nothing");
   command->add_option("--registry", choices->registry,
@@ -78,11 +84,12 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
                       "when that is in use");
   command->add_option("--log-dir", choices->log_folder,
                       "Folder for one log file per node; default: out/log/DATE-TIME");
-  command->footer("Ends when a required node ends: with 0 if its exit code was 0, else with 1.\n\n"
-                  "Examples:\n"
-                  "  prehend launch launch/demo.yaml\n"
-                  "  prehend launch launch/replay.yaml bag:=run.mcap\n"
-                  "  prehend launch launch/demo.yaml --list-arguments");
+  command->footer(
+      "Ends when a required node ends: with 0 if its exit code was 0, else with 1.\n\n"
+      "Examples:\n"
+      "  prehend launch launch/demo.yaml\n"
+      "  prehend launch launch/replay.yaml bag:=run.mcap\n"
+      "  prehend launch launch/demo.yaml --list-arguments");
   command->callback([choices, &outcome] { outcome.exit_code = run(*choices); });
 }
 

@@ -7,15 +7,17 @@
 
 int main(int argc, char** argv) {
   using namespace prehend::tools;
-  CLI::App app("prehend: a robot grasps objects it never saw. Starts graphs of nodes, looks into "
-               "running ones, and handles recordings.",
-               "prehend");
-  app.footer("Examples:\n"
-             "  prehend launch launch/demo.yaml scene:=table_objects\n"
-             "  prehend node list\n"
-             "  prehend topic echo /gripper/state\n"
-             "  prehend record -o run.mcap\n"
-             "Each command explains itself: prehend topic echo --help");
+  CLI::App app(
+      "prehend: a robot grasps objects it never saw. Starts graphs of nodes, looks into "
+      "running ones, and handles recordings.",
+      "prehend");
+  app.footer(
+      "Examples:\n"
+      "  prehend launch launch/demo.yaml scene:=table_objects\n"
+      "  prehend node list\n"
+      "  prehend topic echo /gripper/state\n"
+      "  prehend record -o run.mcap\n"
+      "Each command explains itself: prehend topic echo --help");
   app.require_subcommand(1);
   Outcome outcome;
   add_launch_command(app, outcome);

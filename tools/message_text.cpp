@@ -19,7 +19,7 @@ class ElidingPrinter : public TextFormat::FastFieldValuePrinter {
       FastFieldValuePrinter::PrintBytes(bytes, generator);
       return;
     }
-    generator->PrintString("<" + std::to_string(bytes.size()) + " bytes>");
+    generator->PrintString(std::to_string(bytes.size()).insert(0, 1, '<') + " bytes>");
   }
   void PrintString(const std::string& text,
                    TextFormat::BaseTextGenerator* generator) const override {
@@ -41,8 +41,8 @@ std::string with_short_lists(const std::string& text) {
     const std::string line = text.substr(begin, end - begin);
     begin = end + 1;
     const std::size_t list = line.find(": [");
-    const bool is_list = list != std::string::npos && line.back() == ']' &&
-                         line.find('"') == std::string::npos;
+    const bool is_list =
+        list != std::string::npos && line.back() == ']' && line.find('"') == std::string::npos;
     std::size_t cut = std::string::npos, numbers = 0;
     for (std::size_t at = list; is_list && at != std::string::npos; at = line.find(", ", at + 1)) {
       if (++numbers == kMostNumbers + 1) cut = at;

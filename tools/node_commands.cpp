@@ -14,9 +14,12 @@ using msgs::graph::NodeRecord;
 
 std::string state_of(const NodeRecord& node) {
   switch (node.state()) {
-    case msgs::graph::READY: return "ready";
-    case msgs::graph::STOPPING: return "stopping";
-    default: return "starting";
+    case msgs::graph::READY:
+      return "ready";
+    case msgs::graph::STOPPING:
+      return "stopping";
+    default:
+      return "starting";
   }
 }
 
@@ -30,8 +33,8 @@ std::string health_of(const NodeRecord& node) {
 void list_nodes(const std::string& registry) {
   std::vector<std::vector<std::string>> rows{{"NODE", "PROGRAM", "PID", "STATE", "HEALTH"}};
   for (const NodeRecord& node : Introspection(registry).nodes()) {
-    rows.push_back({node.name(), node.program(), std::to_string(node.pid()), state_of(node),
-                    health_of(node)});
+    rows.push_back(
+        {node.name(), node.program(), std::to_string(node.pid()), state_of(node), health_of(node)});
   }
   print_table(rows);
 }
@@ -55,8 +58,7 @@ void show_node(const std::string& registry, const std::string& name) {
       return end.topic() + (end.schema_name().empty() ? "" : "  " + end.schema_name());
     };
     const auto offer = [](const msgs::graph::Offer& entry) {
-      return entry.name() + "  " +
-             joined({entry.type_names().begin(), entry.type_names().end()});
+      return entry.name() + "  " + joined({entry.type_names().begin(), entry.type_names().end()});
     };
     print_group("publishes", node.publishers(), topic);
     print_group("subscribes", node.subscribers(), topic);
@@ -70,7 +72,8 @@ void show_node(const std::string& registry, const std::string& name) {
 
 void list_offers(const std::string& registry, bool actions) {
   std::vector<std::vector<std::string>> rows{
-      {actions ? "ACTION" : "SERVICE", actions ? "GOAL, FEEDBACK, RESULT" : "REQUEST, RESPONSE", "NODE"}};
+      {actions ? "ACTION" : "SERVICE", actions ? "GOAL, FEEDBACK, RESULT" : "REQUEST, RESPONSE",
+       "NODE"}};
   for (const NodeRecord& node : Introspection(registry).nodes()) {
     for (const auto& offer : actions ? node.actions() : node.services()) {
       rows.push_back({offer.name(), joined({offer.type_names().begin(), offer.type_names().end()}),
@@ -100,9 +103,9 @@ void add_node_commands(CLI::App& app) {
 
 void add_service_commands(CLI::App& app) {
   for (const bool actions : {false, true}) {
-    CLI::App* group = app.add_subcommand(actions ? "action" : "service",
-                                         actions ? "Look at the actions nodes offer"
-                                                 : "Look at the services nodes offer");
+    CLI::App* group = app.add_subcommand(
+        actions ? "action" : "service",
+        actions ? "Look at the actions nodes offer" : "Look at the services nodes offer");
     group->require_subcommand(1);
     auto registry = std::make_shared<std::string>();
     CLI::App* list = group->add_subcommand("list", "List them with their types and nodes");

@@ -68,8 +68,8 @@ void add_param_commands(CLI::App& app) {
   CLI::App* group = app.add_subcommand("param", "Look at and set the parameters of a node");
   group->require_subcommand(1);
   auto choices = std::make_shared<ParamChoices>();
-  const auto add = [&](const char* name, const char* description, void (*action)(const ParamChoices&),
-                       const char* example) {
+  const auto add = [&](const char* name, const char* description,
+                       void (*action)(const ParamChoices&), const char* example) {
     CLI::App* command = group->add_subcommand(name, description);
     command->add_option("node", choices->node, "Name of the node")->required();
     add_registry_option(*command, choices->registry);
@@ -79,8 +79,10 @@ void add_param_commands(CLI::App& app) {
   };
   add("list", "List all parameters of a node", list, "list simulation");
   add("get", "Print one parameter's value", get, "get simulation speed")
-      ->add_option("parameter", choices->name, "Its name")->required();
-  CLI::App* setter = add("set", "Set a parameter of a running node", set, "set simulation speed 0.5");
+      ->add_option("parameter", choices->name, "Its name")
+      ->required();
+  CLI::App* setter =
+      add("set", "Set a parameter of a running node", set, "set simulation speed 0.5");
   setter->add_option("parameter", choices->name, "Its name")->required();
   setter->add_option("value", choices->value, "The new value")->required();
   add("describe", "Explain one or all parameters of a node", describe, "describe simulation speed")

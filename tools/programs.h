@@ -9,6 +9,7 @@ namespace prehend::tools {
 std::string program_folder();
 
 /// Becomes the program `name` of that folder; returns only by throwing std::runtime_error.
-[[noreturn]] void become_program(const std::string& name, const std::vector<std::string>& arguments);
+[[noreturn]] void become_program(const std::string& name,
+                                 const std::vector<std::string>& arguments);
 
 }  // namespace prehend::tools

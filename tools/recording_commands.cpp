@@ -85,14 +85,17 @@ void add_record(CLI::App& app) {
   command->add_option("--attach", choices->attachments, "Files to keep in the recording")
       ->allow_extra_args(false);
   command->add_option("--compression", choices->compression, "none, lz4 or zstd")
-      ->check(CLI::IsMember({"none", "lz4", "zstd"}))->capture_default_str();
+      ->check(CLI::IsMember({"none", "lz4", "zstd"}))
+      ->capture_default_str();
   command->add_option("--clock", choices->clock, "Time of the recording: wall or simulated")
-      ->check(CLI::IsMember({"wall", "simulated"}))->capture_default_str();
+      ->check(CLI::IsMember({"wall", "simulated"}))
+      ->capture_default_str();
   add_registry_option(*command, choices->registry);
-  command->footer("Examples:\n"
-                  "  prehend record -o run.mcap\n"
-                  "  prehend record /camera/stereo /camera/info --duration 10\n"
-                  "  prehend record --attach launch/demo.yaml --compression zstd");
+  command->footer(
+      "Examples:\n"
+      "  prehend record -o run.mcap\n"
+      "  prehend record /camera/stereo /camera/info --duration 10\n"
+      "  prehend record --attach launch/demo.yaml --compression zstd");
   command->callback([choices] { record(*choices); });
 }
 
@@ -101,22 +104,26 @@ void add_replay(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "replay", "Publish a recording again, with its stamps and its time on /clock");
   command->add_option("file", choices->file, "The recording")->required()->check(CLI::ExistingFile);
-  command->add_option("-r,--rate", choices->rate,
-                      "Recorded seconds per second; 0: as fast as possible")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  command
+      ->add_option("-r,--rate", choices->rate,
+                   "Recorded seconds per second; 0: as fast as possible")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("-s,--start", choices->start, "Seconds after its beginning to start at")
       ->check(CLI::NonNegativeNumber);
   command->add_option("-t,--topics", choices->topics, "Only these topics");
   command->add_option("--wait", choices->wait, "Longest wait for subscribers before it begins [s]")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_flag("-l,--loop", choices->loop, "Begin again at the end");
   command->add_flag("--hold", choices->hold, "Stay at the end for late subscribers");
   command->add_flag("--no-clock", choices->no_clock, "Do not publish /clock");
   add_registry_option(*command, choices->registry);
-  command->footer("Examples:\n"
-                  "  prehend replay run.mcap\n"
-                  "  prehend replay run.mcap --rate 0.5 --start 3 --topics /camera/stereo\n"
-                  "Use a graph of its own (prehend launch), or the topics have two publishers.");
+  command->footer(
+      "Examples:\n"
+      "  prehend replay run.mcap\n"
+      "  prehend replay run.mcap --rate 0.5 --start 3 --topics /camera/stereo\n"
+      "Use a graph of its own (prehend launch), or the topics have two publishers.");
   command->callback([choices] { replay(*choices); });
 }
 

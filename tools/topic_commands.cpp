@@ -35,7 +35,8 @@ void list_topics(const std::string& registry) {
     return list.size() > 3 ? std::to_string(list.size()) + " nodes" : joined(list);
   };
   for (const auto& [name, topic] : topics) {
-    rows.push_back({name, topic.types.empty() ? "-" : joined({topic.types.begin(), topic.types.end()}),
+    rows.push_back({name,
+                    topic.types.empty() ? "-" : joined({topic.types.begin(), topic.types.end()}),
                     names(topic.publishers), names(topic.subscribers)});
   }
   print_table(rows);
@@ -60,14 +61,15 @@ void add_topic_commands(CLI::App& app, Outcome& outcome) {
   echo_command->add_flag("--full", echo->full, "Print long byte fields and lists, too");
   echo_command->add_flag("--wait", echo->wait, "Wait for a topic that nobody publishes yet");
   add_registry_option(*echo_command, echo->registry);
-  echo_command->footer("Examples:\n"
-                       "  prehend topic echo /gripper/state\n"
-                       "  prehend topic echo /camera/info -n 1 --wait");
+  echo_command->footer(
+      "Examples:\n"
+      "  prehend topic echo /gripper/state\n"
+      "  prehend topic echo /camera/info -n 1 --wait");
   echo_command->callback([echo, &outcome] { outcome.exit_code = echo_topic(*echo); });
 
   auto rate = std::make_shared<RateOptions>();
-  CLI::App* rate_command =
-      group->add_subcommand("hz", "Measure a topic: messages and bytes a second, intervals, losses");
+  CLI::App* rate_command = group->add_subcommand(
+      "hz", "Measure a topic: messages and bytes a second, intervals, losses");
   rate_command->add_option("topic", rate->topic, "The topic")->required();
   rate_command->add_option("-d,--duration", rate->duration, "Seconds to measure; 0: until Ctrl-C")
       ->check(CLI::NonNegativeNumber);
@@ -76,15 +78,18 @@ void add_topic_commands(CLI::App& app, Outcome& outcome) {
   rate_command->callback([rate, &outcome] { outcome.exit_code = measure_topic(*rate); });
 
   auto publish = std::make_shared<PublishOptions>();
-  CLI::App* publish_command = group->add_subcommand("pub", "Publish a message given as protobuf text");
+  CLI::App* publish_command =
+      group->add_subcommand("pub", "Publish a message given as protobuf text");
   publish_command->add_option("topic", publish->topic, "The topic")->required();
-  publish_command->add_option("message", publish->text, "The message, e.g. 'mode: STOP'")->required();
+  publish_command->add_option("message", publish->text, "The message, e.g. 'mode: STOP'")
+      ->required();
   publish_command->add_option("--type", publish->type,
                               "Its type; default: that of the topic's publishers or subscribers");
   publish_command->add_option("-r,--rate", publish->rate, "Messages a second; 0: one message only")
       ->check(CLI::NonNegativeNumber);
   publish_command->add_option("--wait", publish->wait, "Longest wait for a subscriber [s]")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   add_registry_option(*publish_command, publish->registry);
   publish_command->footer(
       "Example:\n"

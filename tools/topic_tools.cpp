@@ -52,7 +52,8 @@ class MessagePrinter {
   void print(const graph::RawMessage& raw) {
     auto& factory = factories_[raw.info.schema_hash];
     if (!factory) {
-      factory = std::make_unique<SchemaMessageFactory>(raw.schema->name, raw.schema->descriptor_set);
+      factory =
+          std::make_unique<SchemaMessageFactory>(raw.schema->name, raw.schema->descriptor_set);
     }
     const auto message = factory->make();
     if (!message->ParseFromString(raw.bytes)) throw std::runtime_error("a message is damaged");
@@ -150,9 +151,9 @@ int measure_topic(const RateOptions& options) {
   return run_as_node("hz", options.registry, [&](Node& node) {
     Arrivals arrivals;
     const auto start = steady_clock::now();
-    const auto subscription =
-        node.subscribe_raw(options.topic, graph::QoS::queue(10000),
-                           [&](const graph::RawMessage& message) { arrivals.add(message.bytes.size()); });
+    const auto subscription = node.subscribe_raw(
+        options.topic, graph::QoS::queue(10000),
+        [&](const graph::RawMessage& message) { arrivals.add(message.bytes.size()); });
     const auto is_over = [&] {
       const std::chrono::duration<double> elapsed = steady_clock::now() - start;
       return options.duration > 0 && elapsed.count() >= options.duration;

@@ -38,11 +38,16 @@ void record(Node& node) {
       {.name = "topics", .description = "topics to record, separated by spaces; empty: all"});
   const auto attachment = node.declare_parameter<std::string>(
       {.name = "attachment", .description = "files to keep in the recording, separated by spaces"});
-  const auto compression = node.declare_parameter<std::string>(
-      {.name = "compression", .default_value = "lz4", .choices = {"none", "lz4", "zstd"},
-       .description = "of the recording's chunks"});
+  const auto compression =
+      node.declare_parameter<std::string>({.name = "compression",
+                                           .default_value = "lz4",
+                                           .choices = {"none", "lz4", "zstd"},
+                                           .description = "of the recording's chunks"});
   const auto duration = node.declare_parameter<double>(
-      {.name = "duration", .default_value = 0, .unit = "s", .minimum = 0,
+      {.name = "duration",
+       .default_value = 0,
+       .unit = "s",
+       .minimum = 0,
        .description = "wall time after which it ends; 0: when it is stopped"});
 
   prehend::TopicRecorder recorder(node, words_of(topics));
@@ -73,10 +78,10 @@ void record(Node& node) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"recorder",
-       "Records chosen or all topics of the graph to an MCAP file with protobuf schemas, until it is "
-       "stopped, and says what it recorded and what it missed."},
-      record);
+  return prehend::graph::run_node(argc, argv,
+                                  {"recorder",
+                                   "Records chosen or all topics of the graph to an MCAP file with "
+                                   "protobuf schemas, until it is "
+                                   "stopped, and says what it recorded and what it missed."},
+                                  record);
 }

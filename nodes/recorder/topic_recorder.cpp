@@ -27,7 +27,9 @@ const char* media_type_of(const std::filesystem::path& path) {
   return "application/octet-stream";
 }
 
-std::uint64_t unsigned_time(std::int64_t time) { return time < 0 ? 0 : static_cast<std::uint64_t>(time); }
+std::uint64_t unsigned_time(std::int64_t time) {
+  return time < 0 ? 0 : static_cast<std::uint64_t>(time);
+}
 
 }  // namespace
 
@@ -181,13 +183,14 @@ void TopicRecorder::finish() {
     const std::uint64_t missing = statistics.dropped + statistics.missed + statistics.malformed;
     lost += missing;
     const auto level = missing > 0 ? graph::LogLevel::kWarning : graph::LogLevel::kInfo;
-    node_.log(level, fmt::format("{}: {} messages, {:.2f} MB{}", name, topic.messages,
-                                 static_cast<double>(topic.bytes) * 1e-6,
-                                 missing > 0 ? fmt::format(", {} lost ({} dropped, {} never came, {} "
-                                                           "damaged)",
-                                                           missing, statistics.dropped,
-                                                           statistics.missed, statistics.malformed)
-                                             : ""));
+    node_.log(level,
+              fmt::format("{}: {} messages, {:.2f} MB{}", name, topic.messages,
+                          static_cast<double>(topic.bytes) * 1e-6,
+                          missing > 0 ? fmt::format(", {} lost ({} dropped, {} never came, {} "
+                                                    "damaged)",
+                                                    missing, statistics.dropped, statistics.missed,
+                                                    statistics.malformed)
+                                      : ""));
   }
   node_.log_info("recorded {} messages of {} topics to {} ({:.2f} MB){}",
                  writer_->statistics().message_count, topics_.size(), path_,

@@ -15,8 +15,9 @@
 namespace prehend {
 
 /// Writes what arrives on topics of a graph into one recording. Message times: log_time is the
-/// node's clock on arrival, publish_time the publisher's. A message's sequence number counts on from
-/// the one before on its topic, more than one further where messages of its publisher are missing.
+/// node's clock on arrival, publish_time the publisher's. A message's sequence number counts on
+/// from the one before on its topic, more than one further where messages of its publisher are
+/// missing.
 class TopicRecorder {
  public:
   /// Subscribes to `topics`, also those nobody publishes yet, or to all topics, now and later, when

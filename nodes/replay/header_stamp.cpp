@@ -25,8 +25,8 @@ std::int64_t header_stamp(std::string_view message, int header_field) {
   if (header_field == 0) return 0;
   google::protobuf::io::CodedInputStream input(
       reinterpret_cast<const std::uint8_t*>(message.data()), static_cast<int>(message.size()));
-  const auto wanted = WireFormatLite::MakeTag(header_field,
-                                              WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
+  const auto wanted =
+      WireFormatLite::MakeTag(header_field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
   while (const std::uint32_t tag = input.ReadTag()) {
     std::uint32_t length = 0;
     if (tag != wanted) {
@@ -35,7 +35,8 @@ std::int64_t header_stamp(std::string_view message, int header_field) {
     }
     msgs::Header header;
     std::string bytes;
-    if (!input.ReadVarint32(&length) || !input.ReadString(&bytes, static_cast<int>(length))) return 0;
+    if (!input.ReadVarint32(&length) || !input.ReadString(&bytes, static_cast<int>(length)))
+      return 0;
     return header.ParseFromString(bytes) ? header.stamp() : 0;
   }
   return 0;

@@ -23,27 +23,37 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 void replay(Node& node) {
-  const auto file = node.declare_parameter<std::string>(
-      {.name = "file", .description = "the recording (MCAP)"});
+  const auto file =
+      node.declare_parameter<std::string>({.name = "file", .description = "the recording (MCAP)"});
   prehend::RecordingPlayerOptions options;
   options.topics = words_of(node.declare_parameter<std::string>(
       {.name = "topics", .description = "topics to replay, separated by spaces; empty: all"}));
   options.rate = node.declare_parameter<double>(
-      {.name = "rate", .default_value = 1, .minimum = 0,
+      {.name = "rate",
+       .default_value = 1,
+       .minimum = 0,
        .description = "recorded seconds per second; 0: as fast as possible"});
   options.start = node.declare_parameter<double>(
-      {.name = "start", .default_value = 0, .unit = "s", .minimum = 0,
+      {.name = "start",
+       .default_value = 0,
+       .unit = "s",
+       .minimum = 0,
        .description = "where to begin, after the recording's beginning"});
-  options.publish_clock = node.declare_parameter<bool>(
-      {.name = "clock", .default_value = true,
-       .description = "publish the recorded time on /clock"});
+  options.publish_clock =
+      node.declare_parameter<bool>({.name = "clock",
+                                    .default_value = true,
+                                    .description = "publish the recorded time on /clock"});
   const bool loop = node.declare_parameter<bool>(
       {.name = "loop", .default_value = false, .description = "begin again at the end"});
   const bool hold = node.declare_parameter<bool>(
-      {.name = "hold", .default_value = false,
+      {.name = "hold",
+       .default_value = false,
        .description = "stay at the end, with the last message of each topic for late subscribers"});
   const double wait = node.declare_parameter<double>(
-      {.name = "wait_for_subscribers", .default_value = 2, .unit = "s", .minimum = 0,
+      {.name = "wait_for_subscribers",
+       .default_value = 2,
+       .unit = "s",
+       .minimum = 0,
        .description = "longest wait for a subscriber of each topic before it begins"});
   options.latch_all = hold;
 

@@ -26,13 +26,13 @@ struct RecordingPlayerOptions {
 class RecordingPlayer {
  public:
   /// Opens the file and advertises its topics. Throws graph::recording::McapError when it cannot be
-  /// read, std::invalid_argument for a negative rate or start, or when a topic of the options is not
-  /// in the file, naming the nearest one.
+  /// read, std::invalid_argument for a negative rate or start, or when a topic of the options is
+  /// not in the file, naming the nearest one.
   RecordingPlayer(graph::Node& node, const std::string& path,
                   const RecordingPlayerOptions& options);
 
-  /// Waits until every topic has a subscriber, at most for `timeout` (wall time) in all. Returns the
-  /// topics without one.
+  /// Waits until every topic has a subscriber, at most for `timeout` (wall time) in all. Returns
+  /// the topics without one.
   std::vector<std::string> wait_for_subscribers(std::chrono::nanoseconds timeout) const;
 
   /// Publishes everything once; false when the node was shut down before the end. Damaged parts of

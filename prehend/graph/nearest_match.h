@@ -16,8 +16,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The candidate that was probably meant by `word`: the one at the least edit distance (a different
 /// case counts as nothing), provided that this is at most a third of the longer word's length, and
-/// at least 1 is always allowed. A candidate that `word` begins or ends counts as near, too. Ties go
-/// to the earlier candidate. Empty when nothing is near.
+/// at least 1 is always allowed. A candidate that `word` begins or ends counts as near, too. Ties
+/// go to the earlier candidate. Empty when nothing is near.
 std::optional<std::string> nearest_match(std::string_view word,
                                          const std::vector<std::string>& candidates);
 

@@ -67,15 +67,16 @@ nodes:
   - node: report
     clock: wall
     respawn: true
-)", {"scene:=mugs"});
+)",
+                                 {"scene:=mugs"});
   ASSERT_EQ(graph.nodes.size(), 2u);
   const LaunchNode& world = graph.nodes[0];
   EXPECT_EQ(world.name, "world");
   EXPECT_EQ(world.executable, (folder_ / "bin/simulation").string());
   EXPECT_EQ(world.clock, "simulated");
-  EXPECT_THAT(world.parameters,
-              ElementsAre(Pair("camera.on", "true"), Pair("camera.rate", "5"),
-                          Pair("scene", (folder_ / "config/mugs.yaml").string()), Pair("seed", "7")));
+  EXPECT_THAT(world.parameters, ElementsAre(Pair("camera.on", "true"), Pair("camera.rate", "5"),
+                                            Pair("scene", (folder_ / "config/mugs.yaml").string()),
+                                            Pair("seed", "7")));
   EXPECT_EQ(world.parameter_file, (folder_ / "launch/node.yaml").string());
   EXPECT_THAT(world.remaps, ElementsAre(Pair("/camera", "/left/camera")));
   EXPECT_THAT(world.environment, ElementsAre(Pair("OMP_NUM_THREADS", "1")));
@@ -83,14 +84,18 @@ nodes:
   EXPECT_EQ(graph.nodes[1].name, "report");
   EXPECT_EQ(graph.nodes[1].clock, "wall");
   EXPECT_TRUE(graph.nodes[1].respawn);
-  EXPECT_THAT(command_line(graph.nodes[1]),
-              ElementsAre((folder_ / "bin/report").string(), "--name", "report", "--clock", "wall"));
+  EXPECT_THAT(command_line(graph.nodes[1]), ElementsAre((folder_ / "bin/report").string(), "--name",
+                                                        "report", "--clock", "wall"));
 }
 
 TEST_F(LaunchFile, ItsDescriptionLoadsToTheSameGraph) {
   const LaunchGraph graph = load(R"(
 nodes:
-  - {node: simulation, name: world, parameters: {text: "a: b #c", n: -1}, remap: {/a: /b}, required: true}
+  - node: simulation
+    name: world
+    parameters: {text: "a: b #c", n: -1}
+    remap: {/a: /b}
+    required: true
   - {node: report, environment: {A: "x y"}, respawn: true, clock: wall}
 )");
   const LaunchGraph again = load(describe(graph));
@@ -136,18 +141,21 @@ TEST_F(LaunchFile, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
               testing::AllOf(HasSubstr("a.yaml:2: "), HasSubstr("did you mean \"simulation\"?")));
   EXPECT_THAT(error_of("nodes:\n  - node: report\n    paramters: {}\n"),
               testing::AllOf(HasSubstr("a.yaml:3: "), HasSubstr("\"parameters\"")));
-  EXPECT_THAT(error_of("noeds: []\n"), testing::AllOf(HasSubstr("a.yaml:1"), HasSubstr("\"nodes\"")));
+  EXPECT_THAT(error_of("noeds: []\n"),
+              testing::AllOf(HasSubstr("a.yaml:1"), HasSubstr("\"nodes\"")));
   EXPECT_THAT(error_of("arguments: {scene: {default: a}}\nnodes: [{node: report}]\n", {"scnee:=b"}),
               HasSubstr("\"scene\""));
-  EXPECT_THAT(error_of("arguments: {scene: {default: a}}\nnodes:\n  - {node: report, name: $(scnee)}\n"),
-              testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("\"scene\"")));
+  EXPECT_THAT(
+      error_of("arguments: {scene: {default: a}}\nnodes:\n  - {node: report, name: $(scnee)}\n"),
+      testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("\"scene\"")));
   EXPECT_THAT(error_of("arguments: {scene: {defualt: a}}\n"), HasSubstr("\"default\""));
   EXPECT_THAT(error_of("clock: simulatd\nnodes: [{node: report}]\n"), HasSubstr("\"simulated\""));
 }
 
 TEST_F(LaunchFile, WrongValuesAreNamed) {
-  const std::string typed = "arguments: {n: {default: 1, type: int}, b: {default: true, type: bool}, "
-                            "x: {default: 1.5, type: double}}\nnodes: [{node: report}]\n";
+  const std::string typed =
+      "arguments: {n: {default: 1, type: int}, b: {default: true, type: bool}, "
+      "x: {default: 1.5, type: double}}\nnodes: [{node: report}]\n";
   EXPECT_THAT(error_of(typed, {"n:=1.5"}), HasSubstr("argument n must be an integer, is \"1.5\""));
   EXPECT_THAT(error_of(typed, {"b:=maybe"}), HasSubstr("must be true or false"));
   EXPECT_THAT(error_of(typed, {"x:=fast"}), HasSubstr("must be a number"));
@@ -156,10 +164,13 @@ TEST_F(LaunchFile, WrongValuesAreNamed) {
               HasSubstr("must be an integer"));
   EXPECT_THAT(error_of("arguments: {bag: {description: the file}}\nnodes: [{node: report}]"),
               HasSubstr("argument bag (the file) needs a value: bag:=..."));
-  EXPECT_THAT(error_of("nodes: [{node: report, required: sometimes}]"), HasSubstr("required must be"));
-  EXPECT_THAT(error_of("nodes: [{node: report, required: true, respawn: true}]"), HasSubstr("both"));
+  EXPECT_THAT(error_of("nodes: [{node: report, required: sometimes}]"),
+              HasSubstr("required must be"));
+  EXPECT_THAT(error_of("nodes: [{node: report, required: true, respawn: true}]"),
+              HasSubstr("both"));
   EXPECT_THAT(error_of("nodes: [{node: report, parameters: {a: [1, 2]}}]"), HasSubstr("one value"));
-  EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"), HasSubstr("begin with '/'"));
+  EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"),
+              HasSubstr("begin with '/'"));
   EXPECT_THAT(error_of("nodes: [{node: report, name: a-b}]"), HasSubstr("no node name"));
   EXPECT_THAT(error_of("nodes: [{node: ../bin/report}]"), HasSubstr("no node program"));
   EXPECT_THAT(error_of("nodes: [{node: report, name: $(root}]"), HasSubstr("closing parenthesis"));

@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   for (int i = 1; i + 1 < argc; ++i) {
     const std::string word = argv[i + 1];
     const auto split = word.find(":=");
-    if (std::string(argv[i]) == "--param") parameters[word.substr(0, split)] = word.substr(split + 2);
+    if (std::string(argv[i]) == "--param")
+      parameters[word.substr(0, split)] = word.substr(split + 2);
   }
   if (parameters.count("stubborn")) {
     ::signal(SIGINT, SIG_IGN);

@@ -14,11 +14,11 @@
 namespace prehend::testing {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Supervision : public ::testing::Test {
  protected:
@@ -55,8 +55,9 @@ class Supervision : public ::testing::Test {
 };
 
 TEST_F(Supervision, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
-  const auto program = launch(node("idle", "after: 50") +
-                              node("vital", "say: no camera, after: 0.2, exit: 3", "required: true"));
+  const auto program =
+      launch(node("idle", "after: 50") +
+             node("vital", "say: no camera, after: 0.2, exit: 3", "required: true"));
   EXPECT_EQ(program->wait(seconds(10)), 1);
   EXPECT_THAT(program->output(),
               HasSubstr("required node vital: exit code 3; it said last: no camera"));
@@ -150,11 +151,12 @@ TEST_F(Supervision, NothingSurvivesAKilledLaunch) {
 }
 
 TEST_F(Supervision, OutputIsPrefixedAndLoggedAndTheEnvironmentArrives) {
-  const auto program = launch(node("talker", "say: hello there, print: COLOUR, after: 0.1",
-                                   "environment: {COLOUR: blue}"));
+  const auto program = launch(
+      node("talker", "say: hello there, print: COLOUR, after: 0.1", "environment: {COLOUR: blue}"));
   EXPECT_EQ(program->wait(seconds(10)), 0);
   EXPECT_THAT(program->output(), HasSubstr("talker   | hello there\n"));
-  EXPECT_THAT(text_of_file(scratch_.path("log/talker.log")), HasSubstr("COLOUR=blue\nhello there\n"));
+  EXPECT_THAT(text_of_file(scratch_.path("log/talker.log")),
+              HasSubstr("COLOUR=blue\nhello there\n"));
   EXPECT_THAT(text_of_file(scratch_.path("log/launch.log")), HasSubstr("peak memory"));
 }
 
@@ -165,8 +167,9 @@ TEST_F(Supervision, TheRegistrysEndpointArrives) {
 }
 
 TEST_F(Supervision, ReadinessComesFromTheRegistryAndUnusedRemapsAreNamed) {
-  const auto program = launch("  - {node: recorder, parameters: {output: " + scratch_.path("a.mcap") +
-                              "}, remap: {/lgo: /x}}\n");
+  const auto program =
+      launch("  - {node: recorder, parameters: {output: " + scratch_.path("a.mcap") +
+             "}, remap: {/lgo: /x}}\n");
   ASSERT_TRUE(program->wait_for_output("1 node ready after"));
   EXPECT_TRUE(program->wait_for_output("remap of /lgo: recorder has no such topic"));
   EXPECT_THAT(program->output(), HasSubstr("did you mean \"/log\"?"));
@@ -181,8 +184,8 @@ TEST_F(Supervision, ARegistryPortInUseIsAClearError) {
   const auto at = output.find("tcp://127.0.0.1:", output.find("listens on "));
   const std::string endpoint = output.substr(at, output.find('\n', at) - at);
   ChildProgram second("prehend",
-                      {"launch", scratch_.path("launch/a.yaml"), "--registry", endpoint, "--log-dir",
-                       scratch_.path("log2")},
+                      {"launch", scratch_.path("launch/a.yaml"), "--registry", endpoint,
+                       "--log-dir", scratch_.path("log2")},
                       scratch_.path("second.txt"));
   EXPECT_EQ(second.wait(seconds(10)), 1);
   EXPECT_THAT(second.output(), HasSubstr("in use"));

@@ -110,8 +110,7 @@ TEST_P(RoundTrip, AFileWithoutItsEndGivesTheSameMessages) {
   McapReader whole(folder.file("a.mcap"));
   const McapChunkIndex& last = whole.chunks().back();
   const std::string bytes = read_file(folder.file("a.mcap"));
-  write_file(folder.file("b.mcap"),
-             bytes.substr(0, last.chunk_start_offset + last.chunk_length));
+  write_file(folder.file("b.mcap"), bytes.substr(0, last.chunk_start_offset + last.chunk_length));
   McapReader reader(folder.file("b.mcap"));
   EXPECT_FALSE(reader.complete());
   EXPECT_EQ(as_expected(reader), expected);
@@ -142,9 +141,8 @@ TEST_P(RoundTrip, ACutLosesOnlyTheTornChunk) {
   for (std::size_t cut = 8; cut < bytes.size(); cut += 41) {
     write_file(folder.file("b.mcap"), bytes.substr(0, cut));
     const auto first_torn = messages_by_chunk_end.upper_bound(cut);
-    const std::size_t in_whole_chunks = first_torn == messages_by_chunk_end.begin()
-                                            ? 0
-                                            : std::prev(first_torn)->second;
+    const std::size_t in_whole_chunks =
+        first_torn == messages_by_chunk_end.begin() ? 0 : std::prev(first_torn)->second;
     McapReader reader(folder.file("b.mcap"));
     EXPECT_FALSE(reader.complete()) << cut;
     EXPECT_FALSE(reader.problems().empty()) << cut;
@@ -170,8 +168,8 @@ TEST_P(RoundTrip, AFlippedBitInAChunkSkipsThatChunkAndIsReported) {
   const auto left = all_messages(reader).size();
   EXPECT_LT(left, all);
   EXPECT_GT(left, all * 3 / 4);
-  EXPECT_THAT(reader.problems(), ElementsAre(HasSubstr(
-      "skipped the chunk at byte " + std::to_string(chunk.chunk_start_offset))));
+  EXPECT_THAT(reader.problems(), ElementsAre(HasSubstr("skipped the chunk at byte " +
+                                                       std::to_string(chunk.chunk_start_offset))));
 }
 
 // Any one flipped bit may cost messages, never invent one, never crash; and it is noticed unless it
@@ -212,16 +210,14 @@ TEST(McapReader, HostileLengthsAllocateNothing) {
   const std::uint64_t huge = std::uint64_t{1} << 62;
   const std::string chunk_fields = little_endian(0, 16) + little_endian(huge, 8) +
                                    little_endian(0, 4) + little_endian(3, 4) + "lz4";
-  for (const std::string& tail : {
-           record_with(6, huge, ""), record_with(6, ~std::uint64_t{0}, "abc"),
-           record_with(3, 10, little_endian(1, 2) + little_endian(0xFFFFFFFF, 4) + "abcd"),
-           record_with(4, 12, little_endian(0, 4) + little_endian(0xFFFFFFF0, 4) + "abcd"),
-           record_with(6, chunk_fields.size() + 8 + 4,
-                       chunk_fields + little_endian(huge, 8) + "abcd"),
-           record_with(6, chunk_fields.size() + 8 + 4,
-                       chunk_fields + little_endian(4, 8) + "abcd"),
-           record_with(9, 8, little_endian(huge, 8)), record_with(0x0C, 4, "\xff\xff\xff\xff"),
-           record_with(0, 5, "abcde"), record_with(0x77, huge, "")}) {
+  for (const std::string& tail :
+       {record_with(6, huge, ""), record_with(6, ~std::uint64_t{0}, "abc"),
+        record_with(3, 10, little_endian(1, 2) + little_endian(0xFFFFFFFF, 4) + "abcd"),
+        record_with(4, 12, little_endian(0, 4) + little_endian(0xFFFFFFF0, 4) + "abcd"),
+        record_with(6, chunk_fields.size() + 8 + 4, chunk_fields + little_endian(huge, 8) + "abcd"),
+        record_with(6, chunk_fields.size() + 8 + 4, chunk_fields + little_endian(4, 8) + "abcd"),
+        record_with(9, 8, little_endian(huge, 8)), record_with(0x0C, 4, "\xff\xff\xff\xff"),
+        record_with(0, 5, "abcde"), record_with(0x77, huge, "")}) {
     write_file(folder.file("a.mcap"), kMagicBytes + header + tail);
     McapReader reader(folder.file("a.mcap"));
     EXPECT_THAT(all_messages(reader), IsEmpty());
@@ -246,8 +242,9 @@ TEST(McapReader, MessagesOutsideOfChunksAndUnknownRecordsAreRead) {
   const std::string channel = little_endian(0, 4) + little_endian(2, 4) + "/x" +
                               little_endian(3, 4) + "raw" + little_endian(0, 4);
   const auto message = [](std::uint64_t time) {
-    return record_with(5, 24, little_endian(0, 2) + little_endian(1, 4) + little_endian(time, 8) +
-                                  little_endian(time, 8) + "hi");
+    return record_with(5, 24,
+                       little_endian(0, 2) + little_endian(1, 4) + little_endian(time, 8) +
+                           little_endian(time, 8) + "hi");
   };
   write_file(folder.file("a.mcap"), kMagicBytes + record_with(1, 8, std::string(8, '\0')) +
                                         record_with(4, channel.size(), channel) + message(20) +

@@ -66,9 +66,9 @@ class NpmReader : public testing::Test {
     options.chunk_size = 50000;
     McapWriter writer(folder_.file(file), options);
     const auto add = [&](const std::string& topic, const google::protobuf::Descriptor& type) {
-      return writer.add_channel(topic, "protobuf",
-                                writer.add_schema(type.full_name(), "protobuf",
-                                                  file_descriptor_set(type)));
+      return writer.add_channel(
+          topic, "protobuf",
+          writer.add_schema(type.full_name(), "protobuf", file_descriptor_set(type)));
     };
     const auto touch = add("/touch", *msgs::TactileFrame::descriptor());
     const auto cloud = add("/cloud", *msgs::PointCloud::descriptor());
@@ -97,8 +97,9 @@ class NpmReader : public testing::Test {
 };
 
 TEST_F(NpmReader, ReadsOurRecordings) {
-  for (const auto& [compression, name] :
-       {std::pair{Compression::kNone, ""}, {Compression::kLz4, "lz4"}, {Compression::kZstd, "zstd"}}) {
+  for (const auto& [compression, name] : {std::pair{Compression::kNone, ""},
+                                          {Compression::kLz4, "lz4"},
+                                          {Compression::kZstd, "zstd"}}) {
     write_recording("a.mcap", compression);
     const CommandResult result = check("read", "a.mcap");
     ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -129,8 +130,9 @@ TEST_F(NpmReader, StreamsOurTruncatedRecordings) {
   write_recording("a.mcap", Compression::kLz4);
   McapReader whole(folder_.file("a.mcap"));
   const McapChunkIndex& chunk = whole.chunks().back();
-  write_file(folder_.file("b.mcap"), read_file(folder_.file("a.mcap"))
-                                         .substr(0, chunk.chunk_start_offset + chunk.chunk_length + 5));
+  write_file(folder_.file("b.mcap"),
+             read_file(folder_.file("a.mcap"))
+                 .substr(0, chunk.chunk_start_offset + chunk.chunk_length + 5));
   EXPECT_NE(check("read", "b.mcap").exit_code, 0) << "the indexed reader needs the footer";
   const CommandResult result = check("stream", "b.mcap");
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -157,8 +159,8 @@ TEST_F(NpmReader, WeReadWhatTheNpmWriterWrites) {
   ASSERT_NE(schema, nullptr);
   const SchemaMessageFactory factory(schema->name, schema->data);
   const auto value = factory.make();
-  ASSERT_TRUE(value->ParseFromArray(messages[9].data.data(),
-                                    static_cast<int>(messages[9].data.size())));
+  ASSERT_TRUE(
+      value->ParseFromArray(messages[9].data.data(), static_cast<int>(messages[9].data.size())));
   EXPECT_EQ(value->ShortDebugString(), "x: 4.5");
   EXPECT_EQ(messages[9].log_time, 9000u);
   EXPECT_EQ(messages[9].publish_time, 9u);

@@ -1,11 +1,11 @@
 #pragma once
 
+#include <unistd.h>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "prehend/graph/recording/mcap_reader.h"
@@ -49,7 +49,8 @@ inline std::vector<McapMessage> all_messages(McapReader& reader,
 /// The schema of the format's worked example: message t.P { double x = 1; }.
 inline std::string example_schema() {
   using namespace std::string_literals;
-  return "\x0a\x27\x0a\x07t.proto\x12\x01t\x22\x11\x0a\x01P\x12\x0c\x0a\x01x\x18\x01\x20\x01\x28\x01"
+  return "\x0a\x27\x0a\x07t."
+         "proto\x12\x01t\x22\x11\x0a\x01P\x12\x0c\x0a\x01x\x18\x01\x20\x01\x28\x01"
          "R\x01xb\x06proto3"s;
 }
 

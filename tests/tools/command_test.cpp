@@ -16,11 +16,11 @@
 namespace prehend::testing {
 namespace {
 
+using std::chrono::seconds;
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using std::chrono::seconds;
 
 struct Result {
   int exit_code;
@@ -31,12 +31,18 @@ class Command : public ::testing::Test {
  protected:
   Command()
       : registry_(graph::RegistryOptions{"tcp://127.0.0.1:*", seconds(3)}), node_(node_options()) {
-    node_.declare_parameter<double>({.name = "speed", .default_value = 1.5, .unit = "m/s",
-                                     .minimum = 0, .maximum = 10, .description = "of the arm"});
+    node_.declare_parameter<double>({.name = "speed",
+                                     .default_value = 1.5,
+                                     .unit = "m/s",
+                                     .minimum = 0,
+                                     .maximum = 10,
+                                     .description = "of the arm"});
     camera_ = node_.advertise<msgs::StereoPair>("/camera/stereo", graph::QoS::latched(1));
     command_ = node_.subscribe<msgs::GripperCommand>(
         "/gripper/command", graph::QoS::queue(10),
-        [this](const graph::Received<msgs::GripperCommand>& command) { value_ = command->value(); });
+        [this](const graph::Received<msgs::GripperCommand>& command) {
+          value_ = command->value();
+        });
     timer_ = node_.create_timer(0.01, [this] {
       msgs::StereoPair pair;
       pair.mutable_header()->set_frame_id("left_camera");
@@ -73,8 +79,9 @@ TEST_F(Command, ListsNodesAndTopics) {
     return run({"node", "list"}).output.find("ready") != std::string::npos;
   }));
   EXPECT_THAT(run({"node", "list"}).output, ContainsRegex("arm +arm +[0-9]+ +ready +ok"));
-  EXPECT_THAT(run({"node", "info", "arm"}).output,
-              AllOf(HasSubstr("/camera/stereo  prehend.msgs.StereoPair"), HasSubstr("/gripper/command")));
+  EXPECT_THAT(
+      run({"node", "info", "arm"}).output,
+      AllOf(HasSubstr("/camera/stereo  prehend.msgs.StereoPair"), HasSubstr("/gripper/command")));
   EXPECT_THAT(run({"topic", "list"}).output,
               ContainsRegex("/camera/stereo +prehend.msgs.StereoPair +arm +-"));
   const Result unknown = run({"node", "info", "amr"});
@@ -155,11 +162,24 @@ TEST_F(Command, RecoversARecordingWithoutItsEnd) {
 }
 
 TEST_F(Command, HelpIsEverywhereAndHasExamples) {
-  const std::vector<std::vector<std::string>> commands{
-      {}, {"launch"}, {"node", "list"}, {"node", "info"}, {"topic", "list"}, {"topic", "echo"},
-      {"topic", "hz"}, {"topic", "pub"}, {"service", "list"}, {"action", "list"}, {"param", "list"},
-      {"param", "get"}, {"param", "set"}, {"param", "describe"}, {"record"}, {"replay"},
-      {"bag", "info"}, {"bag", "recover"}};
+  const std::vector<std::vector<std::string>> commands{{},
+                                                       {"launch"},
+                                                       {"node", "list"},
+                                                       {"node", "info"},
+                                                       {"topic", "list"},
+                                                       {"topic", "echo"},
+                                                       {"topic", "hz"},
+                                                       {"topic", "pub"},
+                                                       {"service", "list"},
+                                                       {"action", "list"},
+                                                       {"param", "list"},
+                                                       {"param", "get"},
+                                                       {"param", "set"},
+                                                       {"param", "describe"},
+                                                       {"record"},
+                                                       {"replay"},
+                                                       {"bag", "info"},
+                                                       {"bag", "recover"}};
   for (std::vector<std::string> words : commands) {
     words.push_back("--help");
     const Result help = run(words);

@@ -22,10 +22,10 @@
 namespace prehend::testing {
 namespace {
 
-using ::testing::HasSubstr;
 using graph::QoS;
 using graph::recording::McapReader;
 using std::chrono::seconds;
+using ::testing::HasSubstr;
 
 struct Sample {
   std::string bytes;
@@ -52,12 +52,13 @@ msgs::TactileFrame frame_of(int i) {
   frame.mutable_header()->set_stamp(1000000LL * i);
   frame.mutable_header()->set_frame_id("left_pad");
   frame.set_sum(0.5 * i);
-  for (int texel = 0; texel < 84; ++texel) frame.add_intensity(static_cast<std::uint32_t>(i + texel));
+  for (int texel = 0; texel < 84; ++texel)
+    frame.add_intensity(static_cast<std::uint32_t>(i + texel));
   return frame;
 }
 
-// Publishes 3000 tactile frames, 20 stereo pairs of 1 MB and one latched camera model, and stops the
-// recorder at once after the last.
+// Publishes 3000 tactile frames, 20 stereo pairs of 1 MB and one latched camera model, and stops
+// the recorder at once after the last.
 void record_run(const std::string& path, const std::vector<std::string>& more, Samples& sent,
                 std::string& words) {
   const graph::Registry registry(any_port());
@@ -109,7 +110,8 @@ TEST(Recorder, LosesNothingOfWhatWasPublishedBeforeItWasStopped) {
   Samples sent;
   std::string words;
   record_run(scratch.path("a.mcap"),
-             {"--param", "attachment:=" + scratch.write("launch.yaml", "nodes: []\n")}, sent, words);
+             {"--param", "attachment:=" + scratch.write("launch.yaml", "nodes: []\n")}, sent,
+             words);
   McapReader reader(scratch.path("a.mcap"));
   EXPECT_TRUE(reader.complete());
   Samples found;
@@ -125,9 +127,9 @@ TEST(Recorder, LosesNothingOfWhatWasPublishedBeforeItWasStopped) {
     EXPECT_EQ(digests_of(found[topic]), digests_of(samples)) << topic;
   }
   for (const auto& [id, channel] : reader.channels()) {
-    EXPECT_EQ(channel.metadata.count("latched") > 0,
-              channel.topic == "/camera" || channel.topic == "/log" ||
-                  channel.topic == "/diagnostics")
+    EXPECT_EQ(channel.metadata.count("latched") > 0, channel.topic == "/camera" ||
+                                                         channel.topic == "/log" ||
+                                                         channel.topic == "/diagnostics")
         << channel.topic;
   }
   ASSERT_EQ(reader.attachments().size(), 1u);
@@ -155,16 +157,16 @@ struct Heard {
 // Waits until `expected` messages and the end of the clock have come, but not for ever.
 Heard hear_replay(const ScratchDirectory& scratch, const std::vector<std::string>& parameters,
                   std::size_t expected, bool with_clock = true) {
-  const auto end = static_cast<std::int64_t>(
-      McapReader(scratch.path("a.mcap")).statistics().message_end_time);
+  const auto end =
+      static_cast<std::int64_t>(McapReader(scratch.path("a.mcap")).statistics().message_end_time);
   const graph::Registry registry(any_port());
   graph::Node node(options_of(registry, "listener"));
   Heard heard;
   std::mutex mutex;
   std::vector<graph::Subscription> subscriptions;
   for (const char* topic : {"/touch", "/stereo", "/camera"}) {
-    subscriptions.push_back(node.subscribe_raw(
-        topic, QoS::queue(10000), [&, topic](const graph::RawMessage& message) {
+    subscriptions.push_back(
+        node.subscribe_raw(topic, QoS::queue(10000), [&, topic](const graph::RawMessage& message) {
           const std::lock_guard lock(mutex);
           heard.samples[topic].push_back({message.bytes, message.info.stamp});
         }));
@@ -186,7 +188,8 @@ Heard hear_replay(const ScratchDirectory& scratch, const std::vector<std::string
     const std::lock_guard lock(mutex);
     std::size_t count = 0;
     for (const auto& [topic, samples] : heard.samples) count += samples.size();
-    return count >= expected && (!with_clock || (!heard.clock.empty() && heard.clock.back() == end));
+    return count >= expected &&
+           (!with_clock || (!heard.clock.empty() && heard.clock.back() == end));
   };
   eventually(have_all, seconds(5));
   subscriptions.clear();
@@ -217,7 +220,8 @@ TEST(Replay, PublishesTheSameMessagesWithTheSameStampsAndTheClock) {
               static_cast<std::int64_t>(reader.statistics().message_start_time));
     EXPECT_EQ(heard.clock.back(), static_cast<std::int64_t>(reader.statistics().message_end_time));
   }
-  const Heard filtered = hear_replay(scratch, {"rate:=0", "topics:=/camera", "clock:=false"}, 1, false);
+  const Heard filtered =
+      hear_replay(scratch, {"rate:=0", "topics:=/camera", "clock:=false"}, 1, false);
   EXPECT_EQ(filtered.samples.size(), 1u);
   EXPECT_EQ(filtered.samples.count("/camera"), 1u);
   EXPECT_TRUE(filtered.clock.empty());
@@ -271,7 +275,8 @@ TEST(Replay, SaysWhatIsWrongWithFileTopicAndRate) {
   EXPECT_THAT(error_of({"--param", file, "--param", "topics:=/tuoch"}), HasSubstr("\"/touch\""));
   EXPECT_THAT(error_of({"--param", "file:=" + scratch.path("no.mcap")}),
               HasSubstr("not an MCAP recording"));
-  EXPECT_THAT(error_of({"--param", "file:=" + scratch.path("none.mcap")}), HasSubstr("No such file"));
+  EXPECT_THAT(error_of({"--param", "file:=" + scratch.path("none.mcap")}),
+              HasSubstr("No such file"));
   EXPECT_THAT(error_of({"--param", file, "--param", "rate:=-1"}), HasSubstr("rate"));
   EXPECT_THAT(error_of({}), HasSubstr("file:=FILE.mcap"));
 }
@@ -281,8 +286,8 @@ TEST(Replay, HoldsTheLastMessagesForLateSubscribers) {
   write_timed_recording(scratch.path("a.mcap"));
   const graph::Registry registry(any_port());
   ChildProgram replay("replay",
-                      {"--param", "file:=" + scratch.path("a.mcap"), "--param", "hold:=true", "--param",
-                       "rate:=0", "--param", "wait_for_subscribers:=0"},
+                      {"--param", "file:=" + scratch.path("a.mcap"), "--param", "hold:=true",
+                       "--param", "rate:=0", "--param", "wait_for_subscribers:=0"},
                       scratch.path("replay.txt"), registry.endpoint());
   ASSERT_TRUE(replay.wait_for_output("replayed 60 messages"));
   graph::Node node(options_of(registry, "late"));

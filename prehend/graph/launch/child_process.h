@@ -11,8 +11,8 @@
 namespace prehend::graph::launch {
 
 /// A program running as a child process, in a process group of its own, with both output streams in
-/// one pipe and no input. The kernel kills it when the thread that started it ends, so that it never
-/// outlives its parent, however that ends.
+/// one pipe and no input. The kernel kills it when the thread that started it ends, so that it
+/// never outlives its parent, however that ends.
 class ChildProcess {
  public:
   /// `command`: executable path, then arguments. `environment` is added to this process' own.
@@ -32,7 +32,8 @@ class ChildProcess {
   std::string read_output();
   /// Sends a signal to the child and everything in its group. Does nothing once it has ended.
   void send_signal(int signal);
-  /// The wait status once the child has ended, without waiting; what is left of its group is killed.
+  /// The wait status once the child has ended, without waiting; what is left of its group is
+  /// killed.
   std::optional<int> status();
   /// Largest resident memory it had [bytes]; 0 until it has ended.
   std::int64_t peak_memory() const { return peak_memory_; }

@@ -46,8 +46,9 @@ LaunchArgument::Type type_named(const LaunchScope& scope, const YAML::Node& node
   if (name == "int") return LaunchArgument::Type::kInteger;
   if (name == "double") return LaunchArgument::Type::kNumber;
   if (name == "bool") return LaunchArgument::Type::kBool;
-  fail(scope, node, "unknown argument type \"" + name + "\"" +
-                        nearest_match_hint(name, {"string", "int", "double", "bool"}));
+  fail(scope, node,
+       "unknown argument type \"" + name + "\"" +
+           nearest_match_hint(name, {"string", "int", "double", "bool"}));
 }
 
 LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
@@ -70,8 +71,7 @@ LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
 
 // Gives every declared argument its value; `given_at` is where given values come from.
 void take_arguments(LaunchScope& scope, const YAML::Node& root,
-                    const std::map<std::string, std::string>& given,
-                    const std::string& given_at) {
+                    const std::map<std::string, std::string>& given, const std::string& given_at) {
   std::vector<std::string> declared;
   const YAML::Node list = root["arguments"];
   if (list && !list.IsNull() && !list.IsMap()) {
@@ -99,12 +99,14 @@ void take_arguments(LaunchScope& scope, const YAML::Node& root,
   }
 }
 
-std::string clock_of(const LaunchScope& scope, const YAML::Node& node, const std::string& inherited) {
+std::string clock_of(const LaunchScope& scope, const YAML::Node& node,
+                     const std::string& inherited) {
   if (!node) return inherited;
   const std::string clock = text_of(scope, node, "clock");
   if (clock != "wall" && clock != "simulated") {
-    fail(scope, node, "clock must be wall or simulated, is \"" + clock + "\"" +
-                          nearest_match_hint(clock, {"wall", "simulated"}));
+    fail(scope, node,
+         "clock must be wall or simulated, is \"" + clock + "\"" +
+             nearest_match_hint(clock, {"wall", "simulated"}));
   }
   return clock;
 }
@@ -114,8 +116,8 @@ std::vector<std::string> programs_in(const std::string& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool executable = (entry.status(error).permissions() & fs::perms::owner_exec) !=
-                            fs::perms::none;
+    const bool executable =
+        (entry.status(error).permissions() & fs::perms::owner_exec) != fs::perms::none;
     const bool other = name == "prehend" || name.starts_with("test_") ||
                        name.starts_with("bench_") || name.starts_with("eval_");
     if (entry.is_regular_file(error) && executable && !other) programs.push_back(name);
@@ -133,9 +135,8 @@ std::string file_beside(const LaunchScope& scope, const YAML::Node& node, const 
 
 void check_name(const LaunchScope& scope, const YAML::Node& place, const std::string& name) {
   const bool right = !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                       return std::isalnum(c) || c == '_';
-                     });
+                     std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) || c == '_'; });
   if (!right) {
     fail(scope, place, "\"" + name + "\" is no node name: letters, digits and '_' are allowed");
   }
@@ -209,7 +210,8 @@ class Loader {
   void add_includes(const LaunchScope& scope, const YAML::Node& list, const std::string& clock,
                     LaunchGraph& graph) {
     if (!list || list.IsNull()) return;
-    if (!list.IsSequence()) fail(scope, list, "include must be a list of {file: ..., arguments: ...}");
+    if (!list.IsSequence())
+      fail(scope, list, "include must be a list of {file: ..., arguments: ...}");
     for (const YAML::Node& entry : list) {
       check_keys(scope, entry, "an include", {"file", "arguments", "if"});
       if (!entry["file"]) fail(scope, entry, "an include needs the key \"file\"");
@@ -234,8 +236,9 @@ class Loader {
       LaunchNode node = node_of(scope, entry, clock, node_folder_);
       for (const LaunchNode& other : graph.nodes) {
         if (other.name != node.name) continue;
-        fail(scope, entry, "a node named \"" + node.name + "\" is already at " + other.place +
-                               "; give one of them another name");
+        fail(scope, entry,
+             "a node named \"" + node.name + "\" is already at " + other.place +
+                 "; give one of them another name");
       }
       graph.nodes.push_back(std::move(node));
     }

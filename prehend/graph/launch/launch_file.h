@@ -41,9 +41,9 @@ struct LaunchNode {
 
 /// What a launch file and its arguments resolve to.
 struct LaunchGraph {
-  std::string file;                        ///< absolute path
+  std::string file;                              ///< absolute path
   std::map<std::string, std::string> arguments;  ///< of the top file, with their final values
-  std::vector<LaunchNode> nodes;           ///< in the order of the file, includes where they stand
+  std::vector<LaunchNode> nodes;  ///< in the order of the file, includes where they stand
 };
 
 /// Splits command line words "name:=value"; throws LaunchError for any other word.

@@ -26,7 +26,8 @@ LaunchOutput::LaunchOutput(const std::string& log_folder, const std::vector<std:
       use_color_(::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  if (error) throw std::runtime_error("cannot make the log folder " + folder_ + ": " + error.message());
+  if (error)
+    throw std::runtime_error("cannot make the log folder " + folder_ + ": " + error.message());
   width_ = std::strlen(kOwnName);
   for (std::size_t i = 0; i < names.size(); ++i) {
     width_ = std::max(width_, names[i].size());
@@ -58,8 +59,8 @@ void LaunchOutput::show(const std::string& name, const char* name_color, const c
   const int length = static_cast<int>(text.size());
   const int padding = static_cast<int>(width_ - std::min(width_, name.size()));
   if (use_color_) {
-    std::printf("%s%s%*s │%s %s%.*s%s\n", name_color, name.c_str(), padding, "", kReset, text_color,
-                length, text.data(), kReset);
+    std::printf("%s%s%*s │%s ", name_color, name.c_str(), padding, "", kReset);
+    std::printf("%s%.*s%s\n", text_color, length, text.data(), kReset);
   } else {
     std::printf("%s%*s | %.*s\n", name.c_str(), padding, "", length, text.data());
   }

@@ -9,8 +9,8 @@
 
 namespace prehend::graph::launch {
 
-/// What a launch shows: every line of every process with the process' name before it, in colour on a
-/// terminal (unless NO_COLOR is set), and the same lines in one log file for each process.
+/// What a launch shows: every line of every process with the process' name before it, in colour on
+/// a terminal (unless NO_COLOR is set), and the same lines in one log file for each process.
 class LaunchOutput {
  public:
   /// `log_folder` is created; throws std::runtime_error when it cannot be. `names`: of the

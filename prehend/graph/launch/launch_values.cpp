@@ -88,7 +88,8 @@ std::string substitute(const LaunchScope& scope, const YAML::Node& place, const 
   std::size_t done = 0;
   for (auto begin = text.find("$("); begin != std::string::npos; begin = text.find("$(", done)) {
     const auto end = text.find(')', begin);
-    if (end == std::string::npos) fail(scope, place, "\"" + text + "\" lacks a closing parenthesis");
+    if (end == std::string::npos)
+      fail(scope, place, "\"" + text + "\" lacks a closing parenthesis");
     const std::string name = trimmed(std::string_view(text).substr(begin + 2, end - begin - 2));
     const auto value = scope.values.find(name);
     if (value == scope.values.end()) {
@@ -123,7 +124,8 @@ std::map<std::string, std::string> text_map_of(const LaunchScope& scope, const Y
 }
 
 bool condition_of(const LaunchScope& scope, const YAML::Node& node) {
-  if (!node.IsScalar()) fail(scope, node, "if must be one value, e.g. $(viewer) or $(mode) == fast");
+  if (!node.IsScalar())
+    fail(scope, node, "if must be one value, e.g. $(viewer) or $(mode) == fast");
   const std::string& text = node.Scalar();
   // Split before substitution, so that an argument's value may hold "==".
   auto split = text.find("==");
@@ -133,8 +135,8 @@ bool condition_of(const LaunchScope& scope, const YAML::Node& node) {
     const auto side = [&](std::string_view part) {
       return unquoted(trimmed(substitute(scope, node, std::string(part))));
     };
-    const bool same =
-        side(std::string_view(text).substr(0, split)) == side(std::string_view(text).substr(split + 2));
+    const bool same = side(std::string_view(text).substr(0, split)) ==
+                      side(std::string_view(text).substr(split + 2));
     return same != unequal;
   }
   const std::string value = trimmed(substitute(scope, node, text));
@@ -147,11 +149,14 @@ void check_type(const LaunchScope& scope, const YAML::Node& place, const LaunchA
                 const std::string& value) {
   const auto expect = [&](bool right, const char* type) {
     if (!right) {
-      fail(scope, place, "argument " + argument.name + " must be " + type + ", is \"" + value + "\"");
+      fail(scope, place,
+           "argument " + argument.name + " must be " + type + ", is \"" + value + "\"");
     }
   };
-  if (argument.type == LaunchArgument::Type::kBool) expect(truth_of(value).has_value(), "true or false");
-  if (argument.type == LaunchArgument::Type::kInteger) expect(is_number<long long>(value), "an integer");
+  if (argument.type == LaunchArgument::Type::kBool)
+    expect(truth_of(value).has_value(), "true or false");
+  if (argument.type == LaunchArgument::Type::kInteger)
+    expect(is_number<long long>(value), "an integer");
   if (argument.type == LaunchArgument::Type::kNumber) expect(is_number<double>(value), "a number");
 }
 

@@ -13,8 +13,8 @@ namespace prehend::graph::launch {
 
 /// One launch file while it is read: its place for messages, and what `$(...)` stands for.
 struct LaunchScope {
-  std::string file;                             ///< absolute path
-  std::map<std::string, std::string> values;    ///< arguments, launch_dir, root
+  std::string file;                           ///< absolute path
+  std::map<std::string, std::string> values;  ///< arguments, launch_dir, root
 };
 
 /// "FILE:LINE" of a YAML node, FILE as a short path.

@@ -40,9 +40,9 @@ class SupervisedProcess {
   /// Largest resident memory over all ended runs [bytes].
   std::int64_t peak_memory() const { return peak_memory_; }
 
-  bool ready = false;                          ///< the registry has it as ready, since its start
-  std::optional<Clock::time_point> restart_at; ///< when to start it again
-  std::chrono::milliseconds delay{0};          ///< of the last restart
+  bool ready = false;                           ///< the registry has it as ready, since its start
+  std::optional<Clock::time_point> restart_at;  ///< when to start it again
+  std::chrono::milliseconds delay{0};           ///< of the last restart
 
  private:
   void show_line(std::string_view line);

@@ -78,10 +78,11 @@ class Supervisor {
       : graph_(graph), options_(options), output_(options.log_folder, names_of(graph)) {}
 
   int run() {
-    output_.progress(fmt::format("{}: {}, logs in {}", graph_.file, nodes_text(), options_.log_folder));
+    output_.progress(
+        fmt::format("{}: {}, logs in {}", graph_.file, nodes_text(), options_.log_folder));
     start_registry();
     if (!exit_code_) start_nodes();
-    while (!exit_code_) step(true);
+    while (!exit_code_) step();
     stop_all();
     return *exit_code_;
   }
@@ -96,7 +97,7 @@ class Supervisor {
     return std::to_string(graph_.nodes.size()) + (graph_.nodes.size() == 1 ? " node" : " nodes");
   }
 
-  // --- starting -----------------------------------------------------------------------------------
+  // --- starting ----------------------------------------------------------------------------------
 
   void start_registry() {
     const bool free_choice = options_.registry.empty();
@@ -110,8 +111,7 @@ class Supervisor {
   // True once a registry listens at `endpoint`.
   bool listen(const std::string& endpoint) {
     registry_ = std::make_unique<SupervisedProcess>(
-        kRegistryName,
-        std::vector<std::string>{options_.registry_program, "--registry", endpoint},
+        kRegistryName, std::vector<std::string>{options_.registry_program, "--registry", endpoint},
         std::map<std::string, std::string>{}, output_);
     registry_->start();
     const auto deadline = Clock::now() + kRegistryStart;
@@ -141,9 +141,9 @@ class Supervisor {
     introspection_ = std::make_unique<Introspection>(endpoint_, kRegistryTimeout);
   }
 
-  // --- running ------------------------------------------------------------------------------------
+  // --- running -----------------------------------------------------------------------------------
 
-  void step(bool may_start) {
+  void step() {
     auto deadline = Clock::now() + std::chrono::seconds(1);
     if (introspection_ && !all_ready_) deadline = Clock::now() + kReadyPoll;
     std::vector<SupervisedProcess*> processes{registry_.get()};
@@ -163,7 +163,7 @@ class Supervisor {
       output_.error("the registry died; nodes that are connected go on; starting it again");
       registry_->restart_at = Clock::now() + options_.first_delay;
     }
-    if (may_start && !exit_code_) restart_due();
+    if (!exit_code_) restart_due();
     if (!exit_code_ && none_left()) all_ended();
   }
 
@@ -179,15 +179,15 @@ class Supervisor {
     const bool only_closed = std::all_of(files.begin(), files.end(), [](const pollfd& file) {
       return file.revents == 0 || file.revents == POLLHUP;
     });
-    const bool some_closed = std::any_of(files.begin(), files.end(), [](const pollfd& file) {
-      return file.revents == POLLHUP;
-    });
+    const bool some_closed = std::any_of(
+        files.begin(), files.end(), [](const pollfd& file) { return file.revents == POLLHUP; });
     if (only_closed && some_closed) ::poll(files.data(), 1, 10);
   }
 
   void restart_due() {
     const auto now = Clock::now();
-    if (registry_->restart_at && *registry_->restart_at <= now && !listen(endpoint_) && !exit_code_) {
+    if (registry_->restart_at && *registry_->restart_at <= now && !listen(endpoint_) &&
+        !exit_code_) {
       output_.error("the registry cannot be started again; no node can join any more");
     }
     for (const auto& member : members_) {
@@ -206,7 +206,8 @@ class Supervisor {
       return;
     }
     if (!is_success(status)) any_failed_ = true;
-    const std::string last = process.last_line().empty() ? "" : "; it said last: " + process.last_line();
+    const std::string last =
+        process.last_line().empty() ? "" : "; it said last: " + process.last_line();
     if (member.node->required) {
       if (is_success(status)) {
         output_.success(process.name() + " finished");
@@ -244,7 +245,7 @@ class Supervisor {
     exit_code_ = any_failed_ ? 1 : 0;
   }
 
-  // --- readiness ----------------------------------------------------------------------------------
+  // --- readiness ---------------------------------------------------------------------------------
 
   void look_for_readiness() {
     std::vector<msgs::graph::NodeRecord> records;
@@ -293,7 +294,7 @@ class Supervisor {
     }
   }
 
-  // --- stopping -----------------------------------------------------------------------------------
+  // --- stopping ----------------------------------------------------------------------------------
 
   void stop_for(int signal) {
     if (exit_code_) {
@@ -340,7 +341,8 @@ class Supervisor {
       if (hurry_ && signal == SIGTERM) continue;
       for (const auto& member : members_) {
         if (!member->process.running()) continue;
-        output_.warning(member->node->name + " does not stop: sending SIG" + ::sigabbrev_np(signal));
+        output_.warning(member->node->name + " does not stop: sending SIG" +
+                        ::sigabbrev_np(signal));
       }
       hurry_ = false;
       signal_all(signal);

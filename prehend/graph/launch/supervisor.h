@@ -11,14 +11,14 @@ struct SupervisorOptions {
   /// Where the launch's own registry listens; empty: the default endpoint, or a free port of
   /// loopback when that is in use.
   std::string registry;
-  std::string registry_program;  ///< path of the registry's executable
-  std::string log_folder;        ///< one file per process
-  std::chrono::milliseconds ready_timeout{30000};   ///< until nodes that are not ready are named
-  std::chrono::milliseconds interrupt_time{3000};   ///< from SIGINT to SIGTERM when stopping
-  std::chrono::milliseconds terminate_time{3000};   ///< from SIGTERM to SIGKILL
-  std::chrono::milliseconds first_delay{500};       ///< before a respawn; doubles each time
+  std::string registry_program;                    ///< path of the registry's executable
+  std::string log_folder;                          ///< one file per process
+  std::chrono::milliseconds ready_timeout{30000};  ///< until nodes that are not ready are named
+  std::chrono::milliseconds interrupt_time{3000};  ///< from SIGINT to SIGTERM when stopping
+  std::chrono::milliseconds terminate_time{3000};  ///< from SIGTERM to SIGKILL
+  std::chrono::milliseconds first_delay{500};      ///< before a respawn; doubles each time
   std::chrono::milliseconds longest_delay{10000};
-  std::chrono::milliseconds steady_time{30000};     ///< up for so long: the next delay is the first
+  std::chrono::milliseconds steady_time{30000};  ///< up for so long: the next delay is the first
 };
 
 /// Starts a registry and the nodes of `graph`, shows and logs what they write, says when they are

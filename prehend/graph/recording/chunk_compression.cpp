@@ -90,8 +90,7 @@ std::string compress_lz4(std::string_view bytes) {
 
 std::string compress_zstd(std::string_view bytes, int level) {
   std::string out(ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size =
-      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
+  const std::size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
   if (ZSTD_isError(size)) {
     throw McapError(std::string("zstd compression failed: ") + ZSTD_getErrorName(size));
   }

@@ -140,8 +140,7 @@ void McapReader::scan_record(std::uint8_t opcode, std::uint64_t offset, std::uin
     case kAttachment: {
       // The fields before the data are read; the data can be large and is left alone.
       constexpr std::uint64_t kLongestFields = 1 << 16;
-      const std::string head =
-          read_bytes(offset + kRecordPrefix, std::min(length, kLongestFields));
+      const std::string head = read_bytes(offset + kRecordPrefix, std::min(length, kLongestFields));
       FieldReader fields(head);
       McapAttachmentIndex index;
       index.offset = offset;

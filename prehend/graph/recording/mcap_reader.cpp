@@ -80,8 +80,8 @@ std::string McapReader::read_bytes(std::uint64_t offset, std::uint64_t length) c
   std::string bytes(length, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t got = ::pread(file_, bytes.data() + done, bytes.size() - done,
-                                static_cast<off_t>(offset + done));
+    const ssize_t got =
+        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw McapError("cannot read " + path_ + ": " + std::strerror(errno));
     if (got == 0) throw McapError(path_ + " became shorter while it was read");

@@ -31,8 +31,8 @@ class McapMessageCursor;
 /// What was skipped, and why, is listed in problems(): reading never fails silently.
 class McapReader {
  public:
-  /// Opens the file and reads its summary, or scans it. Throws McapError when it cannot be opened or
-  /// does not begin as an MCAP file.
+  /// Opens the file and reads its summary, or scans it. Throws McapError when it cannot be opened
+  /// or does not begin as an MCAP file.
   explicit McapReader(const std::string& path, McapReaderOptions options = {});
   ~McapReader();
   McapReader(const McapReader&) = delete;
@@ -112,8 +112,8 @@ class McapReader {
   std::vector<std::string> problems_;
 };
 
-/// Walks through the messages of a recording in order of log_time, holding in memory only the chunks
-/// whose times overlap.
+/// Walks through the messages of a recording in order of log_time, holding in memory only the
+/// chunks whose times overlap.
 class McapMessageCursor {
  public:
   McapMessageCursor(McapReader& reader, McapMessageFilter filter);

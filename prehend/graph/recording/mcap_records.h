@@ -79,10 +79,10 @@ struct McapMetadata {
 
 /// Where a chunk and its message indexes lie in the file.
 struct McapChunkIndex {
-  std::uint64_t message_start_time = 0;  ///< least log_time inside [ns]
-  std::uint64_t message_end_time = 0;    ///< greatest log_time inside [ns]
-  std::uint64_t chunk_start_offset = 0;  ///< of the Chunk's opcode [bytes]
-  std::uint64_t chunk_length = 0;        ///< of the whole record [bytes]
+  std::uint64_t message_start_time = 0;                          ///< least log_time inside [ns]
+  std::uint64_t message_end_time = 0;                            ///< greatest log_time inside [ns]
+  std::uint64_t chunk_start_offset = 0;                          ///< of the Chunk's opcode [bytes]
+  std::uint64_t chunk_length = 0;                                ///< of the whole record [bytes]
   std::map<std::uint16_t, std::uint64_t> message_index_offsets;  ///< channel -> file offset
   std::uint64_t message_index_length = 0;
   std::string compression;

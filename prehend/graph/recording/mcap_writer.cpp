@@ -37,8 +37,10 @@ void validate(const McapWriterOptions& options) {
   }
 }
 
-// The chunk's records as they are stored, and the name of their compression ("" when it did not pay).
-std::pair<std::string, std::string> pack(std::string_view records, const McapWriterOptions& options) {
+// The chunk's records as they are stored, and the name of their compression ("" when it did not
+// pay).
+std::pair<std::string, std::string> pack(std::string_view records,
+                                         const McapWriterOptions& options) {
   if (options.compression == Compression::kNone) return {std::string(records), ""};
   const bool lz4 = options.compression == Compression::kLz4;
   std::string packed = lz4 ? compress_lz4(records) : compress_zstd(records, options.zstd_level);
@@ -127,7 +129,8 @@ void McapWriter::write(std::uint16_t channel_id, std::uint32_t sequence, std::ui
   for (const std::string_view part : parts) length += part.size();
 
   close_chunk_if_old();
-  if (chunk_ && chunk_->records.size() + kRecordPrefix + length > options_.chunk_size) close_chunk();
+  if (chunk_ && chunk_->records.size() + kRecordPrefix + length > options_.chunk_size)
+    close_chunk();
   if (!chunk_) {
     chunk_.emplace();
     chunk_->start_time = chunk_->end_time = log_time;

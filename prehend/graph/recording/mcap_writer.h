@@ -21,19 +21,19 @@ Compression compression_named(std::string_view name);
 
 struct McapWriterOptions {
   Compression compression = Compression::kLz4;
-  int zstd_level = 1;                          ///< 1 (fast) .. 19 (small); only for kZstd
-  std::uint64_t chunk_size = 1024 * 1024;      ///< uncompressed bytes at which a chunk is closed
-  std::chrono::milliseconds chunk_age{1000};   ///< wall time after which a chunk is closed
-  bool chunk_crc = true;                       ///< checksum of each chunk and attachment
-  bool summary_crc = true;                     ///< checksum of the summary section
+  int zstd_level = 1;                         ///< 1 (fast) .. 19 (small); only for kZstd
+  std::uint64_t chunk_size = 1024 * 1024;     ///< uncompressed bytes at which a chunk is closed
+  std::chrono::milliseconds chunk_age{1000};  ///< wall time after which a chunk is closed
+  bool chunk_crc = true;                      ///< checksum of each chunk and attachment
+  bool summary_crc = true;                    ///< checksum of the summary section
   bool data_section_crc = false;  ///< checksum over the whole file: one more pass over every byte
   std::string profile;
   std::string library = "prehend";
 };
 
-/// Writes one MCAP file, front to back, never seeking. A file whose writer was killed can be read up
-/// to its last closed chunk; chunks close at `chunk_size` or when `chunk_age` old, so that a crash
-/// costs at most that much. Each chunk with its indexes goes out in one system call.
+/// Writes one MCAP file, front to back, never seeking. A file whose writer was killed can be read
+/// up to its last closed chunk; chunks close at `chunk_size` or when `chunk_age` old, so that a
+/// crash costs at most that much. Each chunk with its indexes goes out in one system call.
 ///
 /// Not thread-safe. Every member throws McapError when the file cannot be written (disk full, ...);
 /// from then on the writer refuses everything and the file stays readable up to its last whole
@@ -106,7 +106,7 @@ class McapWriter {
   int file_ = -1;
   std::uint64_t position_ = 0;
   std::uint32_t data_section_crc_ = 0;
-  std::string failure_;  // why writing stopped for good
+  std::string failure_;                // why writing stopped for good
   std::vector<McapSchema> schemas_;    // id = position + 1
   std::vector<McapChannel> channels_;  // id = position + 1
   std::optional<OpenChunk> chunk_;

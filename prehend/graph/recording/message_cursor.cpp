@@ -44,9 +44,9 @@ void McapMessageCursor::load(const McapReader::Block& block) {
 
 std::optional<McapMessage> McapMessageCursor::next() {
   // A chunk that begins before the earliest waiting message may hold an earlier one.
-  while (next_block_ < blocks_.size() &&
-         (pending_.empty() ||
-          blocks_[next_block_].start_time <= pending_.front().message.log_time)) {
+  while (
+      next_block_ < blocks_.size() &&
+      (pending_.empty() || blocks_[next_block_].start_time <= pending_.front().message.log_time)) {
     load(blocks_[next_block_++]);
   }
   if (pending_.empty()) return std::nullopt;
