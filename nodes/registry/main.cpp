@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
                          ? from_environment
                          : prehend::graph::kDefaultRegistryEndpoint;
   CLI::App app(
-      "The registry of a graph: which nodes live, what they publish, subscribe and serve. Nodes find "
+      "The registry of a graph: which nodes live, what they publish, subscribe and serve. Nodes "
+      "find "
       "each other through it; messages do not pass through it. Prints the endpoint it listens on.");
   app.add_option("--endpoint,--registry", options.endpoint,
                  "Where to listen; tcp://127.0.0.1:* takes a free port; default: PREHEND_REGISTRY")

@@ -18,8 +18,8 @@ namespace prehend::graph {
 
 class ActionServerCore;
 class ActionClientCore;
-class GoalCore;    // a goal at its client
-class GoalTask;    // a goal at its server
+class GoalCore;  // a goal at its client
+class GoalTask;  // a goal at its server
 
 /// Holds an action server: destroying it cancels the running goal and waits for its handler.
 class ActionServer {

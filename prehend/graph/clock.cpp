@@ -52,8 +52,7 @@ void Clock::State::wake() {
   changed_.notify_all();
 }
 
-bool Clock::State::sleep_until(std::int64_t stamp,
-                               const std::function<bool()>& interrupted) const {
+bool Clock::State::sleep_until(std::int64_t stamp, const std::function<bool()>& interrupted) const {
   std::unique_lock lock(mutex_);
   while (!stopped_ && !(interrupted && interrupted())) {
     const std::int64_t time =

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <random>
 #include <stdexcept>
+#include <thread>
 
 #include "prehend/graph/link/frames.h"
 #include "prehend/graph/nearest_match.h"
@@ -32,6 +33,8 @@ struct Introspection::Impl {
   void exchange(zmq::socket_t& to, const std::string& who, Frames frames,
                 const std::function<bool(const Frames&)>& is_answer) const;
   RegistryReply ask(RegistryRequest request);
+  Schema ask_schema(const std::string& name, std::uint64_t hash);
+  Schema await_schema(const std::string& name, std::uint64_t hash);
   std::vector<ParameterRecord> ask_parameters(const NodeRecord& node,
                                               PeerMessage::ParameterRequest request);
 };
@@ -56,8 +59,8 @@ void Introspection::Impl::exchange(zmq::socket_t& to, const std::string& who, Fr
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   graph::send(to, "", frames);
   while (true) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(
-        deadline - std::chrono::steady_clock::now());
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     zmq::pollitem_t item{to.handle(), 0, ZMQ_POLLIN, 0};
     if (left.count() <= 0 || zmq::poll(&item, 1, left) == 0) {
       throw std::runtime_error(fmt::format("{} does not answer within {:.3g} s", who,
@@ -74,13 +77,36 @@ RegistryReply Introspection::Impl::ask(RegistryRequest request) {
   frames[0] = zmq::message_t(request.SerializeAsString());
   RegistryReply reply;
   const std::uint64_t id = request.id();
-  exchange(socket, "no graph is running (start one with prehend launch): the registry at " + registry,
+  exchange(socket,
+           "no graph is running (start one with prehend launch): the registry at " + registry,
            std::move(frames), [&](const Frames& got) {
-    return got.size() == 1 &&
-           reply.ParseFromArray(got[0].data(), static_cast<int>(got[0].size())) && reply.id() == id;
-  });
+             return got.size() == 1 &&
+                    reply.ParseFromArray(got[0].data(), static_cast<int>(got[0].size())) &&
+                    reply.id() == id;
+           });
   if (!reply.error().empty()) throw std::runtime_error(reply.error());
   return reply;
+}
+
+Schema Introspection::Impl::ask_schema(const std::string& name, std::uint64_t hash) {
+  RegistryRequest request;
+  request.mutable_get_schema()->set_name(name);
+  request.mutable_get_schema()->set_hash(hash);
+  const RegistryReply reply = ask(request);
+  return {reply.schema().name(), reply.schema().hash(), reply.schema().descriptor_set()};
+}
+
+// The type of a topic reaches the registry a moment after the topic itself.
+Schema Introspection::Impl::await_schema(const std::string& name, std::uint64_t hash) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (true) {
+    try {
+      return ask_schema(name, hash);
+    } catch (const std::runtime_error&) {
+      if (std::chrono::steady_clock::now() > deadline) throw;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
 }
 
 std::vector<ParameterRecord> Introspection::Impl::ask_parameters(
@@ -128,7 +154,7 @@ Schema Introspection::topic_schema(const std::string& topic) {
   std::vector<std::string> topics;
   for (const NodeRecord& node : nodes()) {
     for (const auto& end : node.publishers()) {
-      if (end.topic() == topic) return schema(end.schema_name(), end.schema_hash());
+      if (end.topic() == topic) return impl_->await_schema(end.schema_name(), end.schema_hash());
       topics.push_back(end.topic());
     }
   }
@@ -138,11 +164,7 @@ Schema Introspection::topic_schema(const std::string& topic) {
 }
 
 Schema Introspection::schema(const std::string& name, std::uint64_t hash) {
-  RegistryRequest request;
-  request.mutable_get_schema()->set_name(name);
-  request.mutable_get_schema()->set_hash(hash);
-  const RegistryReply reply = impl_->ask(request);
-  return {reply.schema().name(), reply.schema().hash(), reply.schema().descriptor_set()};
+  return impl_->ask_schema(name, hash);
 }
 
 namespace {
@@ -179,11 +201,16 @@ ParameterRecord Introspection::set_parameter(const std::string& node, const std:
 std::string to_text(const msgs::graph::ParameterValue& value) {
   using Value = msgs::graph::ParameterValue;
   switch (value.value_case()) {
-    case Value::kBoolValue: return value.bool_value() ? "true" : "false";
-    case Value::kIntValue: return std::to_string(value.int_value());
-    case Value::kDoubleValue: return fmt::format("{}", value.double_value());
-    case Value::kStringValue: return value.string_value();
-    case Value::VALUE_NOT_SET: break;
+    case Value::kBoolValue:
+      return value.bool_value() ? "true" : "false";
+    case Value::kIntValue:
+      return std::to_string(value.int_value());
+    case Value::kDoubleValue:
+      return fmt::format("{}", value.double_value());
+    case Value::kStringValue:
+      return value.string_value();
+    case Value::VALUE_NOT_SET:
+      break;
   }
   return "";
 }

@@ -12,8 +12,8 @@
 namespace prehend::graph {
 
 /// Looks at a running graph from outside, without being a node. One thread at a time.
-/// Every call throws std::runtime_error with one clear line when the registry or the node asked does
-/// not answer in time.
+/// Every call throws std::runtime_error with one clear line when the registry or the node asked
+/// does not answer in time.
 class Introspection {
  public:
   /// `registry`: endpoint; empty: PREHEND_REGISTRY, else the default. `timeout`: of each call.

@@ -124,7 +124,8 @@ ActionServer Node::serve_action_core(const std::string& action, const Type& goal
       impl->link, make_offer(true, name, {&goal, &feedback, &result}), std::move(handler));
   core->set_withdraw([impl, name, core = core.get()] {
     const auto found = impl->action_servers.find(name);
-    if (found == impl->action_servers.end() || found->second.get() != core) return;  // replaced by now
+    if (found == impl->action_servers.end() || found->second.get() != core)
+      return;  // replaced by now
     impl->action_servers.erase(found);
     impl->record_changed();
   });

@@ -32,14 +32,14 @@ inline constexpr const char* kDefaultRegistryEndpoint = "tcp://127.0.0.1:11411";
 
 /// How a node joins the graph; run_node fills it from the command line.
 struct NodeOptions {
-  std::string name;                           ///< unique in the graph, see check_node_name
-  std::string program;                        ///< kind of node; empty: the name
-  std::string registry;                       ///< endpoint; empty: PREHEND_REGISTRY, else default
+  std::string name;      ///< unique in the graph, see check_node_name
+  std::string program;   ///< kind of node; empty: the name
+  std::string registry;  ///< endpoint; empty: PREHEND_REGISTRY, else default
   std::map<std::string, std::string> parameters;  ///< name -> text, instead of defaults
   std::map<std::string, std::string> remaps;      ///< topic, service or action name -> name
   ClockMode clock = ClockMode::kWall;
-  LogLevel log_level = LogLevel::kInfo;       ///< least level that is written and published
-  bool use_tcp = false;                       ///< peers connect by tcp on loopback, not ipc
+  LogLevel log_level = LogLevel::kInfo;  ///< least level that is written and published
+  bool use_tcp = false;                  ///< peers connect by tcp on loopback, not ipc
   std::chrono::nanoseconds registry_timeout = std::chrono::seconds(5);  ///< to wait for it at start
 };
 
@@ -57,11 +57,11 @@ struct NodeDescription;
 
 /// A node of the graph: one per process as a rule, several are possible.
 ///
-/// Threads: callbacks (messages, service requests, timers, feedback, parameter changes) run one at a
-/// time, in the order they came due, in the thread that calls spin(), or one background thread after
-/// spin_in_background(); never under a lock. All functions may be called from any thread, also in
-/// callbacks. One thread of the node's own moves the messages and keeps the registry's lease, so a
-/// long callback delays nobody but its own node.
+/// Threads: callbacks (messages, service requests, timers, feedback, parameter changes) run one at
+/// a time, in the order they came due, in the thread that calls spin(), or one background thread
+/// after spin_in_background(); never under a lock. All functions may be called from any thread,
+/// also in callbacks. One thread of the node's own moves the messages and keeps the registry's
+/// lease, so a long callback delays nobody but its own node.
 ///
 /// An exception that leaves a callback is logged and reported as diagnostic; the node goes on.
 ///
@@ -119,9 +119,8 @@ class Node {
   /// `callback` takes each message, decoded just before. A publisher of another message type is
   /// refused: one error line and a diagnostic, no message of it is delivered.
   template <class Message>
-  [[nodiscard]] Subscription subscribe(
-      const std::string& topic, const QoS& qos,
-      std::function<void(const Received<Message>&)> callback) {
+  [[nodiscard]] Subscription subscribe(const std::string& topic, const QoS& qos,
+                                       std::function<void(const Received<Message>&)> callback) {
     FramesHandler handler = [callback = std::move(callback)](
                                 const MessageFrames& frames,
                                 const std::shared_ptr<const MessageInfo>& info) {
@@ -268,13 +267,12 @@ class Node {
                      BytesHandler handler);
   std::shared_ptr<ServiceClientCore> client_core(const std::string& service, const Type& request,
                                                  const Type& response);
-  ActionServer serve_action_core(const std::string& action, const Type& goal,
-                                 const Type& feedback, const Type& result, GoalHandler handler);
+  ActionServer serve_action_core(const std::string& action, const Type& goal, const Type& feedback,
+                                 const Type& result, GoalHandler handler);
   std::shared_ptr<ActionClientCore> action_client_core(const std::string& action, const Type& goal,
                                                        const Type& feedback, const Type& result);
 
-  friend int run_node(int, char**, const NodeDescription&,
-                      const std::function<void(Node&)>&);
+  friend int run_node(int, char**, const NodeDescription&, const std::function<void(Node&)>&);
   Node(NodeOptions options, bool describing);  // describing: joins no graph, for --help
 
   std::shared_ptr<Impl> impl_;
@@ -290,10 +288,10 @@ struct NodeDescription {
 ///   --name NAME  --registry ENDPOINT  --param KEY:=VALUE ...  --params FILE.yaml
 ///   --remap FROM:=TO ...  --clock wall|simulated  --log-level debug|info|warning|error  --tcp
 ///   --help (lists the parameters that `set_up` declares before anything else it does on the node)
-/// joins the graph, calls `set_up`, which as a rule ends in node.spin(), and leaves the graph when it
-/// returns. SIGINT and SIGTERM shut the node down; a second one kills.
-/// Returns the exit code: 0, or 1 after printing what an exception that left `set_up` says.
-/// A parameter file is a mapping of names to values; nested mappings join names with '.'.
+/// joins the graph, calls `set_up`, which as a rule ends in node.spin(), and leaves the graph when
+/// it returns. SIGINT and SIGTERM shut the node down; a second one kills. Returns the exit code: 0,
+/// or 1 after printing what an exception that left `set_up` says. A parameter file is a mapping of
+/// names to values; nested mappings join names with '.'.
 int run_node(int argc, char** argv, const NodeDescription& description,
              const std::function<void(Node&)>& set_up);
 

@@ -25,8 +25,8 @@ std::shared_ptr<spdlog::logger> make_logger(const std::string& name, LogLevel le
   auto logger = std::make_shared<spdlog::logger>(
       name, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
   logger->set_pattern("[%H:%M:%S.%e] [%^%l%$] [%n] %v");
-  static constexpr spdlog::level::level_enum kLevels[] = {
-      spdlog::level::debug, spdlog::level::info, spdlog::level::warn, spdlog::level::err};
+  static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
+                                                          spdlog::level::warn, spdlog::level::err};
   logger->set_level(kLevels[static_cast<int>(level)]);
   return logger;
 }
@@ -97,10 +97,11 @@ void Node::Impl::join_graph() {
   if (future.wait_for(options.registry_timeout) == std::future_status::ready) {
     error = future.get();
   } else {
-    error = fmt::format("no registry answers at {} within {:.3g} s: start one with 'registry', or "
-                        "this node by 'prehend launch'",
-                        registry_endpoint(options),
-                        std::chrono::duration<double>(options.registry_timeout).count());
+    error = fmt::format(
+        "no registry answers at {} within {:.3g} s: start one with 'registry', or "
+        "this node by 'prehend launch'",
+        registry_endpoint(options),
+        std::chrono::duration<double>(options.registry_timeout).count());
   }
   std::promise<void> cleared;
   link->loop->post([&] {
@@ -112,10 +113,10 @@ void Node::Impl::join_graph() {
 }
 
 void Node::Impl::make_own_topics() {
-  log_publisher = make_publisher("/log", QoS::latched(100), schema_of(*msgs::graph::LogLine::descriptor()));
-  diagnostic_publisher =
-      make_publisher("/diagnostics", QoS::latched(1),
-                     schema_of(*msgs::graph::Diagnostic::descriptor()));
+  log_publisher =
+      make_publisher("/log", QoS::latched(100), schema_of(*msgs::graph::LogLine::descriptor()));
+  diagnostic_publisher = make_publisher("/diagnostics", QoS::latched(1),
+                                        schema_of(*msgs::graph::Diagnostic::descriptor()));
   if (options.clock == ClockMode::kSimulated) {
     const auto take_clock = [this](const WaitingMessage& message) {
       msgs::Clock stamp;
@@ -178,8 +179,8 @@ void Node::Impl::start_link() {
                       " does not answer; messages flow on, but nobody new is found");
   };
   try {
-    registry = std::make_unique<RegistryLink>(*link->loop, registry_endpoint(options),
-                                              std::move(events));
+    registry =
+        std::make_unique<RegistryLink>(*link->loop, registry_endpoint(options), std::move(events));
   } catch (const zmq::error_t& error) {
     throw std::runtime_error("registry endpoint '" + registry_endpoint(options) +
                              "': " + error.what() + "; an example is " + kDefaultRegistryEndpoint);
@@ -263,8 +264,7 @@ void Node::Impl::take_name(const std::string& purpose, const std::string& name) 
   }
 }
 
-std::shared_ptr<PublisherCore> Node::Impl::make_publisher(const std::string& topic,
-                                                          const QoS& qos,
+std::shared_ptr<PublisherCore> Node::Impl::make_publisher(const std::string& topic, const QoS& qos,
                                                           std::shared_ptr<const Schema> schema) {
   if (qos.depth == 0 || qos.max_bytes == 0) {
     throw std::invalid_argument("topic " + topic + ": QoS depth and max_bytes must be positive");
@@ -296,8 +296,8 @@ std::shared_ptr<SubscriptionCore> Node::Impl::make_subscription(
     throw std::invalid_argument("topic " + topic + ": QoS depth and max_bytes must be positive");
   }
   const std::uint64_t id = next_local_id();
-  auto core = std::make_shared<SubscriptionCore>(link, topic, qos, schema, std::move(handler), id,
-                                                 in_loop);
+  auto core =
+      std::make_shared<SubscriptionCore>(link, topic, qos, schema, std::move(handler), id, in_loop);
   core->set_withdraw([this, id] {
     subscribers->remove(id);
     record_changed();
@@ -322,8 +322,8 @@ void Node::Impl::wait_until_known() {
 }
 
 void Node::Impl::log(LogLevel level, const std::string& text) {
-  static constexpr spdlog::level::level_enum kLevels[] = {
-      spdlog::level::debug, spdlog::level::info, spdlog::level::warn, spdlog::level::err};
+  static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
+                                                          spdlog::level::warn, spdlog::level::err};
   if (level < options.log_level) return;
   logger->log(kLevels[static_cast<int>(level)], text);
   msgs::graph::LogLine line;

@@ -39,7 +39,8 @@ void Node::Impl::send_record() {
   publishers->fill(full);
   subscribers->fill(full);
   for (const auto& [name, service] : services) *full.add_services() = to_record(service->offer());
-  for (const auto& [name, action] : action_servers) *full.add_actions() = to_record(action->offer());
+  for (const auto& [name, action] : action_servers)
+    *full.add_actions() = to_record(action->offer());
   {
     const std::lock_guard lock(mutex);
     full.set_health(static_cast<msgs::graph::HealthLevel>(health));
@@ -98,10 +99,14 @@ void Node::Impl::forget_departed() {
 
 void Node::Impl::take_client_message(const std::string& client, PeerMessage& message) {
   switch (message.content_case()) {
-    case PeerMessage::kSubscribe: return publishers->join(client, message.subscribe());
-    case PeerMessage::kUnsubscribe: return publishers->leave(client, message.unsubscribe());
-    case PeerMessage::kCall: return take_call(client, *message.mutable_call());
-    case PeerMessage::kGoal: return take_goal(client, *message.mutable_goal());
+    case PeerMessage::kSubscribe:
+      return publishers->join(client, message.subscribe());
+    case PeerMessage::kUnsubscribe:
+      return publishers->leave(client, message.unsubscribe());
+    case PeerMessage::kCall:
+      return take_call(client, *message.mutable_call());
+    case PeerMessage::kGoal:
+      return take_goal(client, *message.mutable_goal());
     case PeerMessage::kCancel: {
       const auto server = action_servers.find(message.cancel().action());
       if (server != action_servers.end()) server->second->cancel(client, message.cancel().id());
@@ -109,19 +114,25 @@ void Node::Impl::take_client_message(const std::string& client, PeerMessage& mes
     }
     case PeerMessage::kParameterRequest:
       return answer_parameters(client, message.parameter_request());
-    default: return count_malformed("an answer where a request belongs");
+    default:
+      return count_malformed("an answer where a request belongs");
   }
 }
 
 void Node::Impl::take_server_message(const std::string& server, PeerMessage& message) {
   switch (message.content_case()) {
-    case PeerMessage::kSubscribed: return subscribers->take_subscribed(server, message.subscribed());
+    case PeerMessage::kSubscribed:
+      return subscribers->take_subscribed(server, message.subscribed());
     case PeerMessage::kHistoryEnd:
       return subscribers->take_history_end(server, message.history_end());
-    case PeerMessage::kAnswer: return calls->take_answer(*message.mutable_answer());
-    case PeerMessage::kFeedback: return goals->take_feedback(*message.mutable_feedback());
-    case PeerMessage::kGoalResult: return goals->take_result(*message.mutable_goal_result());
-    default: return count_malformed("a request where an answer belongs");
+    case PeerMessage::kAnswer:
+      return calls->take_answer(*message.mutable_answer());
+    case PeerMessage::kFeedback:
+      return goals->take_feedback(*message.mutable_feedback());
+    case PeerMessage::kGoalResult:
+      return goals->take_result(*message.mutable_goal_result());
+    default:
+      return count_malformed("a request where an answer belongs");
   }
 }
 
@@ -159,7 +170,8 @@ void Node::Impl::answer_parameters(const std::string& client,
     } else if (!request.name().empty()) {
       *answer.add_parameters() = to_record(parameters.get(request.name()));
     } else {
-      for (const auto& parameter : parameters.all()) *answer.add_parameters() = to_record(parameter);
+      for (const auto& parameter : parameters.all())
+        *answer.add_parameters() = to_record(parameter);
     }
   } catch (const std::invalid_argument& error) {
     answer.set_error(error.what());

@@ -4,13 +4,20 @@ namespace prehend::graph {
 
 const char* to_string(Status status) {
   switch (status) {
-    case Status::kOk: return "ok";
-    case Status::kTimeout: return "timeout";
-    case Status::kServerGone: return "server gone";
-    case Status::kFailed: return "failed";
-    case Status::kCancelled: return "cancelled";
-    case Status::kPreempted: return "preempted";
-    case Status::kShutdown: return "shutdown";
+    case Status::kOk:
+      return "ok";
+    case Status::kTimeout:
+      return "timeout";
+    case Status::kServerGone:
+      return "server gone";
+    case Status::kFailed:
+      return "failed";
+    case Status::kCancelled:
+      return "cancelled";
+    case Status::kPreempted:
+      return "preempted";
+    case Status::kShutdown:
+      return "shutdown";
   }
   return "unknown";
 }

@@ -38,8 +38,8 @@ ParameterValue read(const ParameterInfo& parameter, const std::string& text) {
       std::holds_alternative<std::int64_t>(kind) && read_number(text, integer)) {
     return integer;
   }
-  if (double number = 0; std::holds_alternative<double>(kind) && read_number(text, number) &&
-                         std::isfinite(number)) {
+  if (double number = 0;
+      std::holds_alternative<double>(kind) && read_number(text, number) && std::isfinite(number)) {
     return number;
   }
   refuse(parameter, text, std::string("of type ") + type_name(kind));

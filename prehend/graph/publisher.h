@@ -21,10 +21,10 @@ struct Schema;
 
 /// What became of a publisher's messages.
 struct PublisherStatistics {
-  std::uint64_t published = 0;  ///< calls of publish
-  std::uint64_t dropped = 0;    ///< messages a slow reader never got, summed over readers
-  std::uint64_t superseded = 0; ///< the same with QoS::latest, where it is meant to be
-  std::size_t subscribers = 0;  ///< that have joined
+  std::uint64_t published = 0;   ///< calls of publish
+  std::uint64_t dropped = 0;     ///< messages a slow reader never got, summed over readers
+  std::uint64_t superseded = 0;  ///< the same with QoS::latest, where it is meant to be
+  std::size_t subscribers = 0;   ///< that have joined
 };
 
 /// What all publishers share. Cheap to copy; copies are the same publisher, and the topic is

@@ -6,15 +6,15 @@ namespace prehend::graph {
 
 /// How many messages wait where a reader is slower than a writer, and what a late reader gets.
 ///
-/// | policy     | a publisher                                | a subscriber                        |
-/// |------------|--------------------------------------------|-------------------------------------|
-/// | latest     | only the newest waits for a slow reader    | only the newest waits for callback  |
-/// | queue(n)   | n wait for each slow reader                | n wait for the callback             |
-/// | latched(n) | as queue(n); the last n go to late readers | as queue(n); warns if not latched   |
+/// - latest: a publisher keeps only the newest for a slow reader, a subscriber only the newest for
+///   its callback.
+/// - queue(n): n messages wait for each slow reader, or for the callback.
+/// - latched(n): as queue(n); besides, a publisher's last n messages go to late readers. A
+///   subscriber that asks for it is warned when the publisher keeps none.
 ///
 /// A full queue drops its oldest message. Drops of queue and latched are counted and logged; what
-/// `latest` overwrites is counted only, as that is what was asked for. Every subscriber to a latched
-/// publisher gets its history on joining, at most as many messages as its own queue holds.
+/// `latest` overwrites is counted only, as that is what was asked for. Every subscriber to a
+/// latched publisher gets its history on joining, at most as many messages as its own queue holds.
 struct QoS {
   enum class Policy { kLatest, kQueue, kLatched };
 

@@ -69,8 +69,9 @@ void Registry::Impl::listen() {
   } catch (const zmq::error_t& error) {
     throw std::runtime_error(
         error.num() == EADDRINUSE
-            ? options.endpoint + " is in use: another registry or program listens there. Stop it, "
-                                 "or choose another endpoint"
+            ? options.endpoint +
+                  " is in use: another registry or program listens there. Stop it, "
+                  "or choose another endpoint"
             : "cannot listen on '" + options.endpoint + "': " + error.what() +
                   "; an example is tcp://127.0.0.1:11411");
   }
@@ -103,13 +104,15 @@ void Registry::Impl::answer(const std::string& route, const RegistryRequest& req
     case RegistryRequest::kHello:
       if (const NodeRecord* other =
               living_node_of_name(request.hello().name(), request.hello().instance())) {
-        reply.set_error(fmt::format("a node named '{}' runs already (pid {}); choose another with "
-                                    "--name, or stop that one",
-                                    other->name(), other->pid()));
+        reply.set_error(
+            fmt::format("a node named '{}' runs already (pid {}); choose another with "
+                        "--name, or stop that one",
+                        other->name(), other->pid()));
       }
       reply.set_runtime_folder(folder);
       break;
-    case RegistryRequest::kUpdate: return take_update(route, request.update(), reply);
+    case RegistryRequest::kUpdate:
+      return take_update(route, request.update(), reply);
     case RegistryRequest::kHeartbeat: {
       const auto found = nodes.find(request.heartbeat().instance());
       reply.set_unknown_node(found == nodes.end() ||
@@ -117,7 +120,8 @@ void Registry::Impl::answer(const std::string& route, const RegistryRequest& req
       if (found != nodes.end()) found->second.last_beat = std::chrono::steady_clock::now();
       break;
     }
-    case RegistryRequest::kGoodbye: return remove(request.goodbye().instance());
+    case RegistryRequest::kGoodbye:
+      return remove(request.goodbye().instance());
     case RegistryRequest::kList:
       for (const auto& [name, entry] : nodes) *reply.add_nodes() = entry.record;
       break;
@@ -137,7 +141,8 @@ void Registry::Impl::answer(const std::string& route, const RegistryRequest& req
     case RegistryRequest::kPutSchema:
       schemas[request.put_schema().hash()] = request.put_schema();
       break;
-    case RegistryRequest::REQUEST_NOT_SET: return;
+    case RegistryRequest::REQUEST_NOT_SET:
+      return;
   }
   send(route, reply);
 }
@@ -146,9 +151,10 @@ void Registry::Impl::take_update(const std::string& route, const NodeRecord& rec
                                  RegistryReply& reply) {
   if (record.instance().empty() || record.name().empty()) return;
   if (const NodeRecord* other = living_node_of_name(record.name(), record.instance())) {
-    reply.set_error(fmt::format("a node named '{}' runs already (pid {}); choose another with "
-                                "--name, or stop that one",
-                                other->name(), other->pid()));
+    reply.set_error(
+        fmt::format("a node named '{}' runs already (pid {}); choose another with "
+                    "--name, or stop that one",
+                    other->name(), other->pid()));
     return send(route, reply);
   }
   const bool is_new = !nodes.count(record.instance());
@@ -184,7 +190,8 @@ void Registry::Impl::send(const std::string& route, const RegistryReply& reply) 
   full.set_revision(revision);
   Frames frames(1);
   frames[0] = zmq::message_t(full.SerializeAsString());
-  // A node that cannot be reached loses its lease; one that missed a change sees it by the revision.
+  // A node that cannot be reached loses its lease; one that missed a change sees it by the
+  // revision.
   graph::send(socket, route, frames);
 }
 

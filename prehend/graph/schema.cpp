@@ -33,8 +33,8 @@ class StructureText {
       fields[descriptor.field(i)->number()] = descriptor.field(i);
     }
     for (const auto& [number, field] : fields) {
-      text_ += std::to_string(number) + " " + field->name() + " " +
-               std::to_string(field->type()) + (field->is_repeated() ? "*" : "") + ";";
+      text_ += std::to_string(number) + " " + field->name() + " " + std::to_string(field->type()) +
+               (field->is_repeated() ? "*" : "") + ";";
       if (field->message_type()) text_ += field->message_type()->full_name() + ";";
       if (field->enum_type()) text_ += field->enum_type()->full_name() + ";";
     }
@@ -49,8 +49,8 @@ class StructureText {
     if (!seen_.insert(descriptor.full_name()).second) return;
     text_ += "enum " + descriptor.full_name() + "{";
     for (int i = 0; i < descriptor.value_count(); ++i) {
-      text_ += std::to_string(descriptor.value(i)->number()) + " " + descriptor.value(i)->name() +
-               ";";
+      text_ +=
+          std::to_string(descriptor.value(i)->number()) + " " + descriptor.value(i)->name() + ";";
     }
     text_ += "}";
   }

@@ -56,14 +56,14 @@ struct RawMessage {
 
 /// What became of the messages to a subscription.
 struct SubscriptionStatistics {
-  std::uint64_t received = 0;       ///< that came over the wire, valid
-  std::uint64_t delivered = 0;      ///< handed to the callback
-  std::uint64_t dropped = 0;        ///< thrown away, oldest first, as the queue was full
-  std::uint64_t superseded = 0;     ///< overwritten by a newer one, with QoS::latest
-  std::uint64_t missed = 0;         ///< never came: gaps in publishers' sequence numbers
-  std::uint64_t malformed = 0;      ///< frames or encoding damaged
+  std::uint64_t received = 0;            ///< that came over the wire, valid
+  std::uint64_t delivered = 0;           ///< handed to the callback
+  std::uint64_t dropped = 0;             ///< thrown away, oldest first, as the queue was full
+  std::uint64_t superseded = 0;          ///< overwritten by a newer one, with QoS::latest
+  std::uint64_t missed = 0;              ///< never came: gaps in publishers' sequence numbers
+  std::uint64_t malformed = 0;           ///< frames or encoding damaged
   std::uint64_t refused_publishers = 0;  ///< publishers whose message type differs
-  std::size_t publishers = 0;       ///< joined now
+  std::size_t publishers = 0;            ///< joined now
 };
 
 /// Holds a subscription: destroying it ends the subscription. After the destructor no callback runs

@@ -4,7 +4,6 @@ namespace prehend::graph {
 namespace {
 
 using Clock_ = msgs::Clock;
-using Server = Outcome<Clock_>;
 
 class Services : public GraphTest {};
 
@@ -86,7 +85,8 @@ TEST_F(Services, ACallbackMayCall) {
   server.spin_in_background();
   auto client = caller.client<Clock_, Clock_>("/next");
   std::atomic<std::int64_t> result = 0;
-  auto timer = caller.create_timer(0.01, [&] { result = client.call(clock_message(41), 5s)->time(); });
+  auto timer =
+      caller.create_timer(0.01, [&] { result = client.call(clock_message(41), 5s)->time(); });
   caller.spin_in_background();
   EXPECT_TRUE(eventually([&] { return result == 42; }));
 }
@@ -103,9 +103,7 @@ class Actions : public GraphTest {
   ActionServer serve(Node& node) {
     return node.serve_action<Clock_, Clock_, Clock_>("/count", &Actions::count);
   }
-  static auto client_of(Node& node) {
-    return node.action_client<Clock_, Clock_, Clock_>("/count");
-  }
+  static auto client_of(Node& node) { return node.action_client<Clock_, Clock_, Clock_>("/count"); }
 };
 
 TEST_F(Actions, FeedbackThenResult) {
@@ -133,9 +131,8 @@ TEST_F(Actions, NoFeedbackAfterCancelHasReturned) {
   for (int round = 0; round < 20; ++round) {
     std::atomic<bool> cancelled = false;
     std::atomic<int> early = 0, late = 0;
-    const auto goal = client.send(clock_message(1000000), [&](const Clock_&) {
-      ++(cancelled ? late : early);
-    });
+    const auto goal =
+        client.send(clock_message(1000000), [&](const Clock_&) { ++(cancelled ? late : early); });
     ASSERT_TRUE(eventually([&] { return early > 2; }));
     goal.cancel();
     cancelled = true;
@@ -149,8 +146,10 @@ TEST_F(Actions, NoFeedbackAfterCancelHasReturned) {
 TEST_F(Actions, ANewGoalPreemptsTheOld) {
   Node server(options("server")), user(options("user")), other(options("other"));
   auto action = serve(server);
-  const auto old = client_of(user).send(clock_message(1000000));
-  std::this_thread::sleep_for(50ms);
+  user.spin_in_background();
+  std::atomic<int> feedback = 0;
+  const auto old = client_of(user).send(clock_message(1000000), [&](const Clock_&) { ++feedback; });
+  ASSERT_TRUE(eventually([&] { return feedback > 0; }));
   const auto fresh = client_of(other).send(clock_message(5));
   EXPECT_EQ(old.wait(5s).status(), Status::kPreempted);
   EXPECT_EQ(fresh.wait(5s)->time(), 5);
@@ -199,8 +198,11 @@ TEST_F(Actions, EndOfTheServersNodeEndsTheGoal) {
   auto server = std::make_unique<Node>(options("server"));
   Node user(options("user"));
   auto action = serve(*server);
-  const auto goal = client_of(user).send(clock_message(1000000));
-  std::this_thread::sleep_for(50ms);
+  user.spin_in_background();
+  std::atomic<int> feedback = 0;
+  const auto goal =
+      client_of(user).send(clock_message(1000000), [&](const Clock_&) { ++feedback; });
+  ASSERT_TRUE(eventually([&] { return feedback > 0; }));
   server.reset();
   const auto outcome = goal.wait(5s);
   EXPECT_EQ(outcome.status(), Status::kCancelled) << outcome.error();

@@ -30,9 +30,9 @@ void talk(graph::Node& node) {
 
 void listen(graph::Node& node) {
   std::int64_t sum = 0;
-  auto subscription = node.subscribe<msgs::Clock>(
-      "/numbers", graph::QoS::queue(10),
-      [&](const graph::Received<msgs::Clock>& m) { sum += m->time(); });
+  auto subscription =
+      node.subscribe<msgs::Clock>("/numbers", graph::QoS::queue(10),
+                                  [&](const graph::Received<msgs::Clock>& m) { sum += m->time(); });
   node.spin();
 }
 

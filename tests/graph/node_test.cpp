@@ -74,10 +74,10 @@ TEST_F(Parameters, UnknownGivenParameterStopsTheNodeBeforeItSpins) {
 TEST_F(Parameters, AreReadAndSetFromOutside) {
   Node node(options("node"));
   std::atomic<int> changed_to = 0;
-  node.declare_parameter<int>({.name = "n",
-                               .default_value = 5,
-                               .minimum = 1,
-                               .on_change = [&](const int& value) { changed_to = value; }});
+  node.declare_parameter<int>(
+      {.name = "n", .default_value = 5, .minimum = 1, .on_change = [&](const int& value) {
+         changed_to = value;
+       }});
   node.spin_in_background();
   Introspection look(endpoint);
   EXPECT_EQ(to_text(look.parameter("node", "n").value()), "5");
@@ -283,8 +283,8 @@ TEST_F(RegistryOfNodes, DamagedFramesOfAPublisherAreCounted) {
   const auto send = [&](const std::vector<std::string>& frames) {
     fake.send(zmq::buffer(route.to_string()), zmq::send_flags::sndmore);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      fake.send(zmq::buffer(frames[i]), i + 1 < frames.size() ? zmq::send_flags::sndmore
-                                                              : zmq::send_flags::none);
+      fake.send(zmq::buffer(frames[i]),
+                i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
     }
   };
   msgs::graph::PeerMessage joined;
@@ -367,12 +367,14 @@ TEST_F(Time, WallTimerRunsAtItsRate) {
   Node node(options("node"));
   std::atomic<int> ticks = 0;
   auto timer = node.create_timer(0.02, [&] { ++ticks; });
+  const auto begin = std::chrono::steady_clock::now();
   node.spin_in_background();
   std::this_thread::sleep_for(500ms);
   timer = {};
   const int seen = ticks;
-  EXPECT_GE(seen, 5);
-  EXPECT_LE(seen, 25);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(seen, 5);  // a busy machine merges ticks, but never adds any
+  EXPECT_LE(seen, elapsed.count() / 0.02 + 1);
   std::this_thread::sleep_for(100ms);
   EXPECT_EQ(ticks, seen);
   EXPECT_THROW((void)node.create_timer(0, [] {}), std::invalid_argument);

@@ -149,9 +149,8 @@ TEST_F(Topics, FullQueueDropsOldestCountsAndSaysSo) {
 TEST_F(Topics, QueueIsBoundedInBytes) {
   Node talker(options("talker")), listener(options("listener"));
   std::atomic<int> got = 0;
-  auto subscription =
-      listener.subscribe<msgs::PointCloud>("/cloud", QoS::queue(100, 2500),
-                                           [&](const Received<msgs::PointCloud>&) { ++got; });
+  auto subscription = listener.subscribe<msgs::PointCloud>(
+      "/cloud", QoS::queue(100, 2500), [&](const Received<msgs::PointCloud>&) { ++got; });
   auto publisher = talker.advertise<msgs::PointCloud>("/cloud", QoS::queue(100));
   ASSERT_TRUE(publisher.wait_for_subscribers(1, 5s));
   for (int i = 0; i < 10; ++i) publisher.publish({}, std::vector<std::uint8_t>(1000));
@@ -205,8 +204,9 @@ TEST_F(Topics, AnotherTypeIsRefusedVisibly) {
   auto subscription = listener.subscribe<msgs::Clock>("/thing", QoS::latched(5), inbox.taker());
   listener.spin_in_background();
   EXPECT_TRUE(eventually([&] {
-    return log.has("node 'talker' publishes prehend.msgs.Plane, this node expects "
-                   "prehend.msgs.Clock");
+    return log.has(
+        "node 'talker' publishes prehend.msgs.Plane, this node expects "
+        "prehend.msgs.Clock");
   }));
   EXPECT_EQ(subscription.statistics().refused_publishers, 1u);
   Node right(options("right"));
@@ -226,11 +226,11 @@ TEST_F(Topics, PayloadIsPartOfTheStandardEncoding) {
         const std::lock_guard lock(mutex);
         raw.push_back(message);
       });
-  auto decoded = listener.subscribe<msgs::PointCloud>(
-      "/cloud", QoS::queue(10), [&](const Received<msgs::PointCloud>& m) {
-        const std::lock_guard lock(mutex);
-        typed.push_back(m->data());
-      });
+  auto decoded = listener.subscribe<msgs::PointCloud>("/cloud", QoS::queue(10),
+                                                      [&](const Received<msgs::PointCloud>& m) {
+                                                        const std::lock_guard lock(mutex);
+                                                        typed.push_back(m->data());
+                                                      });
   listener.spin_in_background();
   auto publisher = talker.advertise<msgs::PointCloud>("/cloud", QoS::queue(10));
   msgs::PointCloud cloud;
@@ -260,15 +260,16 @@ TEST_F(Topics, PayloadIsPartOfTheStandardEncoding) {
 TEST_F(Topics, EncodedMessagesKeepTheirStamp) {
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox, stamps;
-  auto subscription = listener.subscribe<msgs::Clock>(
-      "/replayed", QoS::queue(10), [&](const Received<msgs::Clock>& m) {
-        stamps.add(m.info().stamp);
-        inbox.add(m->time());
-      });
+  auto subscription = listener.subscribe<msgs::Clock>("/replayed", QoS::queue(10),
+                                                      [&](const Received<msgs::Clock>& m) {
+                                                        stamps.add(m.info().stamp);
+                                                        inbox.add(m->time());
+                                                      });
   listener.spin_in_background();
   const auto schema = schema_of(*msgs::Clock::descriptor());
-  auto publisher = talker.advertise_raw(
-      "/replayed", QoS::queue(10), schema_from_descriptor_set(schema->name, schema->descriptor_set));
+  auto publisher =
+      talker.advertise_raw("/replayed", QoS::queue(10),
+                           schema_from_descriptor_set(schema->name, schema->descriptor_set));
   publisher.publish(clock_message(5).SerializeAsString(), 1234);
   EXPECT_TRUE(eventually([&] { return inbox.values() == numbers(5, 5); }));
   EXPECT_EQ(stamps.values(), numbers(1234, 1234));
@@ -327,8 +328,8 @@ TEST_F(Topics, ExceptionInACallbackIsReportedAndTheNodeGoesOn) {
   LogReader log(options("log_reader"));
   Node node(options("clumsy"));
   Inbox inbox;
-  auto subscription = node.subscribe<msgs::Clock>(
-      "/t", QoS::queue(10), [&](const Received<msgs::Clock>& m) {
+  auto subscription =
+      node.subscribe<msgs::Clock>("/t", QoS::queue(10), [&](const Received<msgs::Clock>& m) {
         if (m->time() == 1) throw std::runtime_error("one is too few");
         inbox.add(m->time());
       });
@@ -337,8 +338,11 @@ TEST_F(Topics, ExceptionInACallbackIsReportedAndTheNodeGoesOn) {
   publisher.publish(clock_message(1));
   publisher.publish(clock_message(2));
   EXPECT_TRUE(eventually([&] { return inbox.values() == numbers(2, 2); }));
-  EXPECT_TRUE(eventually([&] { return log.has("clumsy: subscription to /t: exception in the "
-                                              "callback: one is too few"); }));
+  EXPECT_TRUE(eventually([&] {
+    return log.has(
+        "clumsy: subscription to /t: exception in the "
+        "callback: one is too few");
+  }));
 }
 
 TEST_F(Topics, RemappedAndMalformedNames) {

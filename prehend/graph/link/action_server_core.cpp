@@ -11,8 +11,7 @@ using msgs::graph::PeerMessage;
 
 }  // namespace
 
-ActionServerCore::ActionServerCore(std::shared_ptr<NodeLink> link, OfferType offer,
-                                   Handler handler)
+ActionServerCore::ActionServerCore(std::shared_ptr<NodeLink> link, OfferType offer, Handler handler)
     : link_(std::move(link)), offer_(std::move(offer)), handler_(std::move(handler)) {
   thread_ = std::thread([this] { work(); });
 }

@@ -40,8 +40,8 @@ void ServiceCore::push(const std::string& client, PeerMessage::Call call) {
   {
     const std::lock_guard lock(mutex_);
     if (queue_.size() >= kMostRequestsWaiting) {
-      return answer_error(request, fmt::format("{}: {} requests wait already", offer_.label(),
-                                               queue_.size()));
+      return answer_error(
+          request, fmt::format("{}: {} requests wait already", offer_.label(), queue_.size()));
     }
     queue_.push_back(std::move(request));
   }

@@ -57,8 +57,8 @@ zmq::message_t view_of(const void* bytes, std::size_t size, std::shared_ptr<Owne
 }
 
 zmq::message_t payload_prefix(std::size_t payload_bytes) {
-  using google::protobuf::io::CodedOutputStream;
   using google::protobuf::internal::WireFormatLite;
+  using google::protobuf::io::CodedOutputStream;
   std::array<std::uint8_t, 16> buffer{};
   std::uint8_t* end = CodedOutputStream::WriteTagToArray(
       WireFormatLite::MakeTag(kPayloadField, WireFormatLite::WIRETYPE_LENGTH_DELIMITED),

@@ -63,7 +63,8 @@ Frames to_wire(const std::string& topic, TopicFrames& frames);
 Frames to_wire(const msgs::graph::PeerMessage& message);
 
 enum class SendResult { kSent, kFull, kNoRoute };
-/// Sends all frames, after `route` when not empty, without waiting. `frames` stay valid unless sent.
+/// Sends all frames, after `route` when not empty, without waiting. `frames` stay valid unless
+/// sent.
 SendResult send(zmq::socket_ref socket, const std::string& route, Frames& frames);
 
 }  // namespace prehend::graph

@@ -20,10 +20,14 @@ std::uint64_t next_goal_id() {
 
 Status to_status(PeerMessage::GoalStatus status) {
   switch (status) {
-    case PeerMessage::SUCCEEDED: return Status::kOk;
-    case PeerMessage::CANCELLED: return Status::kCancelled;
-    case PeerMessage::PREEMPTED: return Status::kPreempted;
-    default: return Status::kFailed;
+    case PeerMessage::SUCCEEDED:
+      return Status::kOk;
+    case PeerMessage::CANCELLED:
+      return Status::kCancelled;
+    case PeerMessage::PREEMPTED:
+      return Status::kPreempted;
+    default:
+      return Status::kFailed;
   }
 }
 
@@ -165,8 +169,7 @@ void GoalSide::cancel(std::uint64_t id) {
   if (found == goals_.end()) return;
   GoalCore& goal = *found->second;
   if (goal.server.empty()) {
-    goal.finish(Status::kCancelled,
-                goal.offer().label() + ": cancelled before anybody served it");
+    goal.finish(Status::kCancelled, goal.offer().label() + ": cancelled before anybody served it");
     goals_.erase(found);
     return;
   }
@@ -220,8 +223,8 @@ void GoalSide::stop() {
 
 std::shared_ptr<GoalCore> ActionClientCore::send(std::string body,
                                                  GoalCore::OnFeedback on_feedback) {
-  auto goal = std::make_shared<GoalCore>(link_, side_, offer_, std::move(body),
-                                         std::move(on_feedback));
+  auto goal =
+      std::make_shared<GoalCore>(link_, side_, offer_, std::move(body), std::move(on_feedback));
   if (!link_->loop->post([goal, &side = side_] { side.start(goal); })) {
     goal->finish(Status::kShutdown, offer_.label() + ": this node has stopped");
   }

@@ -90,8 +90,7 @@ class GoalSide {
 /// What an ActionClient holds.
 class ActionClientCore {
  public:
-  ActionClientCore(std::shared_ptr<NodeLink> link, GoalSide& side, CallSide& calls,
-                   OfferType offer)
+  ActionClientCore(std::shared_ptr<NodeLink> link, GoalSide& side, CallSide& calls, OfferType offer)
       : link_(link), side_(side), waiter_(link, calls, offer), offer_(std::move(offer)) {}
 
   const OfferType& offer() const { return offer_; }

@@ -82,8 +82,7 @@ std::chrono::milliseconds IoLoop::time_to_next_tick() const {
   Time next = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   for (const Tick& tick : ticks_) next = std::min(next, tick.next);
   const auto left = next - std::chrono::steady_clock::now();
-  return std::max(std::chrono::milliseconds(0),
-                  std::chrono::ceil<std::chrono::milliseconds>(left));
+  return std::max(std::chrono::milliseconds(0), std::chrono::ceil<std::chrono::milliseconds>(left));
 }
 
 void IoLoop::run() {

@@ -33,8 +33,7 @@ ParameterValue ParameterStore::declare(ParameterInfo parameter) {
     throw std::invalid_argument("parameter '" + parameter.name + "' is declared twice");
   }
   const auto given = given_.find(parameter.name);
-  const std::string text =
-      given != given_.end() ? given->second : to_text(parameter.default_value);
+  const std::string text = given != given_.end() ? given->second : to_text(parameter.default_value);
   parameter.value = parse_parameter(parameter, text);
   const ParameterValue value = parameter.value;
   parameters_.emplace(parameter.name, std::move(parameter));

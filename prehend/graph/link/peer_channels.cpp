@@ -170,7 +170,7 @@ void PeerChannels::retry_backlogs() {
     }
     if (result == SendResult::kNoRoute) lost.push_back(client->first);
     client = backlog.empty() || result == SendResult::kNoRoute ? backlogs_.erase(client)
-                                                              : std::next(client);
+                                                               : std::next(client);
   }
   for (const std::string& client : lost) lose_client(client);
   if (backlogs_.empty() || retry_planned_) return;
@@ -217,7 +217,8 @@ bool PeerChannels::read_server(const std::string& name) {
     } else {
       events_.malformed("an answer of " + std::to_string(frames.size()) + " frames from " + name);
     }
-  }  return true;
+  }
+  return true;
 }
 
 void PeerChannels::read_monitor(const std::string& name) {

@@ -25,8 +25,8 @@ class DropCounter {
 
 /// The connections between this node and its peers. Each node has one ROUTER socket, where peers'
 /// DEALER sockets connect; a peer is known by its instance string, which is its routing id. What a
-/// peer asks of this node (subscribe, call, goal) comes in by the ROUTER and is answered there; what
-/// this node asks of a peer goes out by the DEALER to it. In the loop's thread only.
+/// peer asks of this node (subscribe, call, goal) comes in by the ROUTER and is answered there;
+/// what this node asks of a peer goes out by the DEALER to it. In the loop's thread only.
 class PeerChannels {
  public:
   struct Events {

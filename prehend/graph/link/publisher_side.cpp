@@ -16,9 +16,12 @@ constexpr std::size_t kOpeningDepth = 10000;
 
 msgs::graph::QosPolicy to_wire_policy(QoS::Policy policy) {
   switch (policy) {
-    case QoS::Policy::kLatest: return msgs::graph::LATEST;
-    case QoS::Policy::kLatched: return msgs::graph::LATCHED;
-    case QoS::Policy::kQueue: break;
+    case QoS::Policy::kLatest:
+      return msgs::graph::LATEST;
+    case QoS::Policy::kLatched:
+      return msgs::graph::LATCHED;
+    case QoS::Policy::kQueue:
+      break;
   }
   return msgs::graph::QUEUE;
 }
@@ -76,10 +79,9 @@ void PublisherSide::join(const std::string& client, const PeerMessage::Subscribe
   const auto found = entries_.find(request.publisher());
   Entry* entry = found == entries_.end() ? nullptr : &found->second;
   if (!entry || entry->core->topic() != request.topic()) {
-    answer.set_error("topic " + request.topic() + " is not published by node '" +
-                     link_.node_name + "' any more");
-  } else if (request.schema_hash() != 0 &&
-             request.schema_hash() != entry->core->schema()->hash) {
+    answer.set_error("topic " + request.topic() + " is not published by node '" + link_.node_name +
+                     "' any more");
+  } else if (request.schema_hash() != 0 && request.schema_hash() != entry->core->schema()->hash) {
     answer.set_error(fmt::format("topic {} carries {} of another definition or type than {}",
                                  request.topic(), entry->core->schema()->name,
                                  request.schema_name()));
@@ -94,9 +96,8 @@ void PublisherSide::join(const std::string& client, const PeerMessage::Subscribe
   answer.mutable_schema()->set_hash(schema.hash);
   if (request.wants_schema()) answer.mutable_schema()->set_descriptor_set(schema.descriptor_set);
   answer.set_policy(to_wire_policy(entry->core->qos().policy));
-  const std::size_t history =
-      std::min<std::size_t>(entry->history.size(),
-                            entry->opening ? entry->history.size() : request.depth());
+  const std::size_t history = std::min<std::size_t>(
+      entry->history.size(), entry->opening ? entry->history.size() : request.depth());
   answer.set_next_sequence(entry->last_sequence + 1 - history);
   if (!channels_.send_to_client(client, message)) return;
   for (std::size_t i = entry->history.size() - history; i < entry->history.size(); ++i) {
@@ -156,8 +157,7 @@ bool PublisherSide::all_have_joined(const Entry& entry) const {
   for (const auto& [instance, node] : registry_.nodes()) {
     for (const auto& end : node.subscribers()) {
       const bool fits = end.topic() == entry.core->topic() &&
-                        (end.schema_hash() == 0 ||
-                         end.schema_hash() == entry.core->schema()->hash);
+                        (end.schema_hash() == 0 || end.schema_hash() == entry.core->schema()->hash);
       if (fits && !entry.readers.count({instance, end.id()})) return false;
     }
   }

@@ -14,9 +14,9 @@ using msgs::graph::RegistryRequest;
 
 constexpr auto kTick = 50ms;
 constexpr auto kBeat = 1s;
-constexpr auto kRepeat = 500ms;    // unanswered hellos and updates
-constexpr auto kSilence = 3s;      // after which the registry counts as gone
-constexpr auto kGathering = 5s;    // in which nodes find a new registry
+constexpr auto kRepeat = 500ms;  // unanswered hellos and updates
+constexpr auto kSilence = 3s;    // after which the registry counts as gone
+constexpr auto kGathering = 5s;  // in which nodes find a new registry
 
 auto now() { return std::chrono::steady_clock::now(); }
 

@@ -72,19 +72,19 @@ class RegistryLink {
   std::map<std::string, msgs::graph::NodeRecord> nodes_;
   std::map<std::uint64_t, std::shared_ptr<const Schema>> schemas_;
   std::string registry_instance_;
-  std::uint64_t revision_ = 0;        // of the registry's changes that were seen
+  std::uint64_t revision_ = 0;  // of the registry's changes that were seen
   std::uint64_t next_id_ = 1;
-  std::uint64_t update_id_ = 0;       // last request of each kind
+  std::uint64_t update_id_ = 0;  // last request of each kind
   std::uint64_t list_id_ = 0;
   std::uint64_t known_version_ = 0;
   bool welcomed_ = false;
   bool answers_ = true;
   bool left_ = false;
-  bool complain_ = true;              // about a refusal, once
+  bool complain_ = true;  // about a refusal, once
   Time last_answer_;
   Time last_beat_;
   Time last_update_;
-  Time full_list_due_;                // a new registry knows all living nodes by then
+  Time full_list_due_;  // a new registry knows all living nodes by then
   bool full_list_wanted_ = false;
 };
 

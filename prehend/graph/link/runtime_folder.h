@@ -5,8 +5,8 @@
 
 namespace prehend::graph {
 
-/// Folder for the ipc sockets of one graph: BASE/prehend-PID-XXXXXX, BASE = XDG_RUNTIME_DIR if it is
-/// a folder one can write to, else /tmp. Only its user can enter. A file in it stands for the
+/// Folder for the ipc sockets of one graph: BASE/prehend-PID-XXXXXX, BASE = XDG_RUNTIME_DIR if it
+/// is a folder one can write to, else /tmp. Only its user can enter. A file in it stands for the
 /// registry, so that it stays while that lives. Throws std::system_error.
 std::string make_runtime_folder();
 /// BASE/prehend-PID-XXXXXX/NODE-NODEPID-HEX of a node. Throws std::runtime_error when the path is

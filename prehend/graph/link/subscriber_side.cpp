@@ -86,8 +86,8 @@ void SubscriberSide::request(const Entry& entry, const std::string& server) {
   subscribe.set_depth(entry.core->qos().depth);
   subscribe.set_wants_schema(!entry.core->schema());
   if (!channels_.send_to_server(server, message)) {
-    link_.log(LogLevel::kError, fmt::format("topic {}: cannot reach {}", entry.core->topic(),
-                                            server));
+    link_.log(LogLevel::kError,
+              fmt::format("topic {}: cannot reach {}", entry.core->topic(), server));
   }
 }
 
@@ -142,8 +142,8 @@ void SubscriberSide::take_subscribed(const std::string& server,
                           entry.core->topic(), server));
   }
   if (!entry.core->schema()) {
-    source->second.schema = std::make_shared<Schema>(Schema{
-        answer.schema().name(), answer.schema().hash(), answer.schema().descriptor_set()});
+    source->second.schema = std::make_shared<Schema>(
+        Schema{answer.schema().name(), answer.schema().hash(), answer.schema().descriptor_set()});
   }
   const bool rejoined = source->second.joined;
   source->second.joined = true;
@@ -174,8 +174,8 @@ bool SubscriberSide::take_message(const std::string& server, Frames& frames) {
   // While one subscription gets its history, what comes on the topic is for it alone.
   const auto is_for = [&](const Entry& entry, bool history) {
     const auto source = entry.sources.find(server);
-    return entry.core->topic() == topic && source != entry.sources.end() &&
-           source->second.joined && source->second.in_history == history;
+    return entry.core->topic() == topic && source != entry.sources.end() && source->second.joined &&
+           source->second.in_history == history;
   };
   bool history = false;
   for (const auto& [id, entry] : entries_) history = history || is_for(entry, true);
@@ -205,7 +205,8 @@ void SubscriberSide::follow_sequence(Entry& entry, Source& source, std::uint64_t
 
 void SubscriberSide::refresh_count(Entry& entry) {
   std::size_t joined = 0;
-  for (const auto& [server, source] : entry.sources) joined += source.joined && !source.leaving ? 1 : 0;
+  for (const auto& [server, source] : entry.sources)
+    joined += source.joined && !source.leaving ? 1 : 0;
   entry.core->count([joined](SubscriptionStatistics& s) { s.publishers = joined; });
 }
 

@@ -113,13 +113,13 @@ class SubscriberSide {
     std::uint64_t expected = 0;  // next sequence number, 0: none seen
     bool joined = false;
     bool in_history = false;
-    bool leaving = false;        // withdrawn, but its last messages may be on their way
+    bool leaving = false;  // withdrawn, but its last messages may be on their way
     std::chrono::steady_clock::time_point leaving_since;
     std::shared_ptr<const Schema> schema;  // raw subscriptions
   };
   struct Entry {
     std::shared_ptr<SubscriptionCore> core;
-    std::map<std::string, Source> sources;             // by server
+    std::map<std::string, Source> sources;                    // by server
     std::set<std::pair<std::string, std::uint64_t>> refused;  // server, publisher id
     LossLine drop_line, gap_line, malformed_line;
   };
