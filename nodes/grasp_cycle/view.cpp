@@ -23,11 +23,15 @@ std::vector<grasp::Grasp> grasps_of(const msgs::GraspPlan& plan) {
   return grasps;
 }
 
-// The best grasp's score, less for a shape whose prediction contradicts what was seen.
+// The best grasp's score, less for a shape whose prediction contradicts what was seen. What was only
+// partly in view comes after everything else, by a negative value.
 double promise(const View& view, const msgs::GraspPlan& plan) {
-  const auto model = view.models.find(plan.id());
-  const double vote = model == view.models.end() ? 0.0 : std::max(0.0, model->second->vote());
-  return plan.grasps(0).score() / (1 + vote);
+  const double score = plan.grasps(0).score();
+  const auto found = view.models.find(plan.id());
+  if (found == view.models.end()) return score;
+  const auto& model = *found->second;
+  const double weighted = score / (1 + std::max(0.0, model.vote()));
+  return model.touches_image_border() ? weighted - 1 : weighted;
 }
 
 // "cannot be grasped: object 0: too wide; object 1: too heavy".

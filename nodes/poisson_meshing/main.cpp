@@ -128,6 +128,7 @@ class PoissonMeshing {
     *model.mutable_header() = shape.header();
     model.set_id(shape.id());
     model.set_object_count(shape.object_count());
+    model.set_touches_image_border(shape.touches_image_border());
     model.set_vote(shape.vote());
     *model.mutable_table() = shape.table();
     if (model.valid()) {

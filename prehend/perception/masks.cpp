@@ -1,5 +1,8 @@
 #include "prehend/perception/masks.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include <opencv2/core.hpp>
@@ -10,6 +13,9 @@
 
 namespace prehend::perception {
 namespace {
+
+constexpr int kFrameTolerance = 4;      // pixels: frames are a little skewed
+constexpr double kStraightShare = 0.3;  // of a side's rows or columns
 
 cv::Mat view(geometry::MaskImage& mask) {
   return {mask.height, mask.width, CV_8UC1, mask.data.data()};
@@ -64,12 +70,49 @@ ObjectImages draw_objects(const geometry::PointCloud& cloud_C,
   return images;
 }
 
-bool touches_border(const geometry::MaskImage& mask) {
-  for (int u = 0; u < mask.width; ++u) {
-    if (mask.at(u, 0) != 0 || mask.at(u, mask.height - 1) != 0) return true;
+PixelRectangle measured_area(const geometry::DepthImage& depth) {
+  const int width = depth.width, height = depth.height;
+  // First and last known pixel of each row and column; an empty one has first > last.
+  std::vector<int> row_first(height, width), row_last(height, -1);
+  std::vector<int> column_first(width, height), column_last(width, -1);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      if (!std::isfinite(depth.at(u, v))) continue;
+      row_first[v] = std::min(row_first[v], u);
+      row_last[v] = u;
+      column_first[u] = std::min(column_first[u], v);
+      column_last[u] = v;
+    }
   }
+  // `inwards` is +1 for sides where coordinates grow into the image.
+  const auto straight_or = [](const std::vector<int>& ends, int extreme, int inwards,
+                              int image_side) {
+    const auto near = std::count_if(ends.begin(), ends.end(), [extreme](int end) {
+      return std::abs(end - extreme) <= kFrameTolerance;
+    });
+    const bool straight = near >= kStraightShare * static_cast<double>(ends.size());
+    return straight ? extreme + inwards * kFrameTolerance : image_side;
+  };
+  PixelRectangle area{0, 0, width - 1, height - 1};
+  if (*std::max_element(row_last.begin(), row_last.end()) < 0) return area;  // nothing is known
+  area.left = straight_or(row_first, *std::min_element(row_first.begin(), row_first.end()), 1, 0);
+  area.right =
+      straight_or(row_last, *std::max_element(row_last.begin(), row_last.end()), -1, width - 1);
+  area.top =
+      straight_or(column_first, *std::min_element(column_first.begin(), column_first.end()), 1, 0);
+  area.bottom = straight_or(
+      column_last, *std::max_element(column_last.begin(), column_last.end()), -1, height - 1);
+  return area;
+}
+
+bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area, int margin) {
   for (int v = 0; v < mask.height; ++v) {
-    if (mask.at(0, v) != 0 || mask.at(mask.width - 1, v) != 0) return true;
+    for (int u = 0; u < mask.width; ++u) {
+      if (mask.at(u, v) != 0 && (u <= area.left + margin || u >= area.right - margin ||
+                                 v <= area.top + margin || v >= area.bottom - margin)) {
+        return true;
+      }
+    }
   }
   return false;
 }

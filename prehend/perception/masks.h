@@ -21,7 +21,20 @@ ObjectImages draw_objects(const geometry::PointCloud& cloud_C,
                           const geometry::PinholeCamera& camera,
                           const std::vector<std::vector<int>>& members, int close_radius);
 
-/// Whether any of the mask's pixels is in the outermost row or column.
-bool touches_border(const geometry::MaskImage& mask);
+/// A rectangle of pixels, all limits inclusive.
+struct PixelRectangle {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+};
+
+/// The part of the image in which the sensor measures: many depth images have a frame without any
+/// value. Where at least 30 % of the rows (columns) begin within 4 pixels of the outermost one, the
+/// area begins 4 pixels inside of that; otherwise at the image's own side.
+PixelRectangle measured_area(const geometry::DepthImage& depth);
+
+/// Whether any of the mask's pixels is within `margin` pixels of the area's border or beyond it.
+bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area, int margin);
 
 }  // namespace prehend::perception

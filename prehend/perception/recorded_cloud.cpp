@@ -359,7 +359,8 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
   ObjectHypothesis object;
   object.cloud_W = geometry::transformed(geometry::select(recorded.cloud_C, all), scene.X_WC);
   object.mask = std::move(images.masks[0]);
-  object.touches_image_border = touches_border(object.mask);
+  object.touches_image_border = touches_border(
+      object.mask, {0, 0, object.mask.width - 1, object.mask.height - 1}, 0);
   scene.objects.push_back(std::move(object));
   return scene;  // table_W is z = 0, as the world is made from it
 }

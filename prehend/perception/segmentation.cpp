@@ -144,12 +144,17 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
       X_WC ? *X_WC : world_from_table(table.plane_C, anchor_of(cloud_C, members, table));
   scene.depth = std::move(images.depth);
   scene.table_W = transformed(table.plane_C, scene.X_WC);
+  // An organized cloud is what the sensor measured; a virtual camera's image has no frame.
+  const PixelRectangle area = cloud_C.organized()
+                                  ? measured_area(scene.depth)
+                                  : PixelRectangle{0, 0, camera.width - 1, camera.height - 1};
+  const int margin = cloud_C.organized() ? options.close_radius + 1 : 0;
   for (std::size_t k = 0; k < members.size(); ++k) {
     ObjectHypothesis object;
     object.id = static_cast<int>(k);
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
     object.mask = std::move(images.masks[k]);
-    object.touches_image_border = touches_border(object.mask);
+    object.touches_image_border = touches_border(object.mask, area, margin);
     scene.objects.push_back(std::move(object));
   }
   return scene;

@@ -65,6 +65,10 @@ TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
   view.models[0] = model(0, 1.5);
   EXPECT_EQ(choose_target(view, -1).id, 1u);
   EXPECT_EQ(choose_target(view, 0).id, 0u);  // asked for by name
+  auto cut = model(1, 0.0);
+  cut->set_touches_image_border(true);
+  view.models[1] = cut;
+  EXPECT_EQ(choose_target(view, -1).id, 0u);  // 1 was only partly in view
 }
 
 TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
