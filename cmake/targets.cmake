@@ -9,6 +9,9 @@ if(PREHEND_SANITIZE)
   target_compile_options(prehend_compile_flags INTERFACE
                          -fsanitize=${PREHEND_SANITIZE} -fno-omit-frame-pointer -g)
   target_link_options(prehend_compile_flags INTERFACE -fsanitize=${PREHEND_SANITIZE})
+  # Eigen allocates differently under AddressSanitizer; memory that the installed PCL allocated
+  # could not be freed here.
+  target_compile_definitions(prehend_compile_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
 # prehend_library(NAME SOURCES a.cpp b.cpp DEPENDS prehend::geometry ... [PRIVATE_DEPENDS ...])
