@@ -42,8 +42,8 @@ struct Chain {
   }
   shape::CompletedShape complete() const {
     const auto& object = segmented.objects.at(target);
-    return shape::complete_by_symmetry({object.cloud_W, object.mask, segmented.camera,
-                                        segmented.X_WC, segmented.table_W});
+    return shape::complete_by_symmetry(
+        {object.cloud_W, object.mask, segmented.camera, segmented.X_WC, segmented.table_W});
   }
   grasp::GraspPlanResult plan() const {
     return grasp::plan_grasps(model, segmented.table_W, {}, scene.gripper, {});
@@ -73,8 +73,8 @@ BENCHMARK(BM_StereoMatching)->Unit(benchmark::kMillisecond);
 
 void BM_Segmentation(benchmark::State& state) {
   for (auto _ : state) {
-    benchmark::DoNotOptimize(perception::segment(
-        chain().cloud_C, chain().scene.camera.camera.left, chain().scene.camera.X_WC()));
+    benchmark::DoNotOptimize(perception::segment(chain().cloud_C, chain().scene.camera.camera.left,
+                                                 chain().scene.camera.X_WC()));
   }
   state.counters["objects"] = static_cast<double>(chain().segmented.objects.size());
 }
@@ -89,8 +89,7 @@ BENCHMARK(BM_Completion)->Unit(benchmark::kMillisecond);
 
 void BM_Meshing(benchmark::State& state) {
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        surface::make_object_model(chain().shape, chain().segmented.table_W));
+    benchmark::DoNotOptimize(surface::make_object_model(chain().shape, chain().segmented.table_W));
   }
   state.counters["triangles"] = static_cast<double>(chain().model.mesh_W.triangles.size());
 }

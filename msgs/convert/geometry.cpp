@@ -60,9 +60,9 @@ geometry::RigidTransform from_message(const msgs::Pose& message) {
   const Eigen::Vector3d p = from_message(message.position());
   require_finite(p, "A pose's position");
   if (!(std::abs(q.norm() - 1) <= 1e-3)) {
-    throw InputError("A pose's orientation is not a unit quaternion (norm " +
-                         std::to_string(q.norm()) + ")",
-                     "Send w, x, y, z of a unit quaternion; w = 1 is no rotation");
+    throw InputError(
+        "A pose's orientation is not a unit quaternion (norm " + std::to_string(q.norm()) + ")",
+        "Send w, x, y, z of a unit quaternion; w = 1 is no rotation");
   }
   return geometry::make_transform(q, p);
 }

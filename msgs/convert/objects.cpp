@@ -50,8 +50,9 @@ geometry::MaskImage read_mask(const msgs::ObjectHypothesis& message, int width, 
   geometry::MaskImage mask(width, height, 0);
   for (std::uint64_t v = 0; v < h; ++v) {
     if (w == 0) break;
-    std::memcpy(&mask.at(static_cast<int>(message.mask_x()), static_cast<int>(message.mask_y() + v)),
-                message.mask().data() + v * w, w);
+    std::memcpy(
+        &mask.at(static_cast<int>(message.mask_x()), static_cast<int>(message.mask_y() + v)),
+        message.mask().data() + v * w, w);
   }
   return mask;
 }
@@ -117,8 +118,12 @@ geometry::StereoCamera from_message(const msgs::CameraInfo& message) {
                      "Check the calibration that the camera's node was given");
   }
   geometry::StereoCamera camera;
-  camera.left = {static_cast<int>(message.width()), static_cast<int>(message.height()),
-                 message.fx(), message.fy(), message.cx(), message.cy()};
+  camera.left = {static_cast<int>(message.width()),
+                 static_cast<int>(message.height()),
+                 message.fx(),
+                 message.fy(),
+                 message.cx(),
+                 message.cy()};
   camera.baseline = message.baseline();
   return camera;
 }
@@ -145,8 +150,7 @@ StereoImages from_message(const msgs::StereoPair& message) {
   const std::uint64_t bytes =
       std::uint64_t{message.width()} * message.height() * message.channels();
   if (bytes == 0 || message.width() > kLargestSide || message.height() > kLargestSide ||
-      (message.channels() != 1 && message.channels() != 3) ||
-      message.data().size() != 2 * bytes) {
+      (message.channels() != 1 && message.channels() != 3) || message.data().size() != 2 * bytes) {
     throw InputError("A stereo pair of " + std::to_string(message.width()) + "x" +
                          std::to_string(message.height()) + "x" +
                          std::to_string(message.channels()) + " has " +
@@ -225,12 +229,12 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
     }
     shape.origin.push_back(static_cast<shape::PointOrigin>(o));
   }
-  shape.symmetry = {from_message(message.symmetry_point()),
-                    from_message(message.symmetry_normal()), message.vote()};
+  shape.symmetry = {from_message(message.symmetry_point()), from_message(message.symmetry_normal()),
+                    message.vote()};
   if (message.has_second_symmetry_point() && message.has_second_symmetry_normal()) {
-    shape.second_symmetry = shape::SymmetryHypothesis{
-        from_message(message.second_symmetry_point()),
-        from_message(message.second_symmetry_normal())};
+    shape.second_symmetry =
+        shape::SymmetryHypothesis{from_message(message.second_symmetry_point()),
+                                  from_message(message.second_symmetry_normal())};
   }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
@@ -247,8 +251,8 @@ msgs::ObjectModel to_message(const surface::ObjectModel& model) {
   message.set_volume(model.mass_properties.volume);
   *message.mutable_centroid() = to_message(model.mass_properties.center_of_mass);
   const Eigen::Matrix3d& inertia = model.mass_properties.unit_density_inertia;
-  for (const double value : {inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
-                             inertia(0, 2), inertia(1, 2)}) {
+  for (const double value :
+       {inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2)}) {
     message.add_unit_density_inertia(value);
   }
   message.set_seen_deviation(model.seen_deviation);

@@ -15,7 +15,8 @@ namespace prehend::convert {
 /// Fills everything but the header. `X_WC` absent: not calibrated.
 msgs::CameraInfo to_message(const geometry::StereoCamera& camera,
                             const std::optional<geometry::RigidTransform>& X_WC);
-/// Intrinsics and baseline. @throws InputError for sizes, focal lengths or a baseline that cannot be.
+/// Intrinsics and baseline. @throws InputError for sizes, focal lengths or a baseline that cannot
+/// be.
 geometry::StereoCamera from_message(const msgs::CameraInfo& message);
 /// The camera's pose, if the message has one.
 std::optional<geometry::RigidTransform> camera_pose(const msgs::CameraInfo& message);

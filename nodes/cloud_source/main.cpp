@@ -45,12 +45,14 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
        .default_value = "auto",
        .choices = {"auto", "yes", "no"},
        .description = "whether the cloud is one object without a table"});
-  if (const auto v = read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
+  if (const auto v =
+          read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
       !v.empty()) {
     const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
     if (!(q.norm() > 0.5 && q.norm() < 2)) {
-      throw geometry::InputError("Parameter viewpoint has a quaternion of length " +
-                                     std::to_string(q.norm()), "Give a unit quaternion, w first");
+      throw geometry::InputError(
+          "Parameter viewpoint has a quaternion of length " + std::to_string(q.norm()),
+          "Give a unit quaternion, w first");
     }
     options.viewpoint = geometry::make_transform(q, {v[0], v[1], v[2]});
   }
@@ -98,12 +100,11 @@ msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedClou
 }
 
 void run(graph::Node& node) {
-  const auto file = node.declare_parameter<std::string>(
-      {.name = "file", .description = "a .pcd or .ply cloud"});
+  const auto file =
+      node.declare_parameter<std::string>({.name = "file", .description = "a .pcd or .ply cloud"});
   const perception::RecordedCloudOptions options = read_options(node);
   nodes::declare_segmentation_parameters(node);
-  const auto publisher =
-      node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
+  const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
     message.mutable_header()->set_frame_id("world");
     message.mutable_header()->set_stamp(node.clock().now());

@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr double kPeriod = 0.01;  // s, of the control loop
+constexpr double kPeriod = 0.01;                             // s, of the control loop
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
 
@@ -33,8 +33,8 @@ control::CycleOptions declare_cycle_options(graph::Node& node, const robot::Grip
   control::CycleOptions options;
   options.force.force_per_current = gripper.force_per_current;
   options.force.largest_current = gripper.nominal_current;
-  options.lift_height = declare_length(node, "lift_height", options.lift_height, 0.12,
-                                       "of the object");
+  options.lift_height =
+      declare_length(node, "lift_height", options.lift_height, 0.12, "of the object");
   options.transit_height = declare_length(node, "transit_height", options.transit_height, 0,
                                           "above which the hand crosses the scene");
   options.largest_attempts =
@@ -129,14 +129,11 @@ void CycleNode::subscribe() {
       node_.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
         wrist_force_ = convert::from_message(message->wrench().force()).norm();
       }));
-  subscriptions_.push_back(
-      node_.subscribe<msgs::GraspPlan>("/plans", QoS::latched(32), [this](const auto& plan) {
-        views_.add(plan.shared(), steady_clock::now());
-      }));
-  subscriptions_.push_back(
-      node_.subscribe<msgs::ObjectModel>("/models", QoS::latched(32), [this](const auto& model) {
-        views_.add(model.shared());
-      }));
+  subscriptions_.push_back(node_.subscribe<msgs::GraspPlan>(
+      "/plans", QoS::latched(32),
+      [this](const auto& plan) { views_.add(plan.shared(), steady_clock::now()); }));
+  subscriptions_.push_back(node_.subscribe<msgs::ObjectModel>(
+      "/models", QoS::latched(32), [this](const auto& model) { views_.add(model.shared()); }));
   start_service_ =
       node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
         msgs::Acknowledge answer;
@@ -197,7 +194,8 @@ void CycleNode::start(const View& view) {
       failure.reason = "the model of object " + std::to_string(target_.id) + " did not come";
       return finish(failure, false);
     }
-    const auto X_SW = spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
+    const auto X_SW =
+        spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
     for (auto& grasp : target_.grasps) grasp = transformed(grasp, X_SW);
     if (spawns_ && !spawn_predicted(view, target_, X_SW)) return;
     control::CycleOptions options = options_;
@@ -303,7 +301,8 @@ void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
   message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
   if (running_) {
-    for (const auto& surprise : cycle_->surprises()) *message.add_surprises() = to_message(surprise);
+    for (const auto& surprise : cycle_->surprises())
+      *message.add_surprises() = to_message(surprise);
     for (const auto& [phase, seconds] : cycle_->phase_times()) {
       auto& time = *message.add_times();
       time.set_stage(phase);

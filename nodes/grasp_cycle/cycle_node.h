@@ -67,7 +67,7 @@ class CycleNode {
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
-  bool armed_ = true;        // waits for plans to start on
+  bool armed_ = true;  // waits for plans to start on
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;

@@ -23,8 +23,8 @@ std::vector<grasp::Grasp> grasps_of(const msgs::GraspPlan& plan) {
   return grasps;
 }
 
-// The best grasp's score, less for a shape whose prediction contradicts what was seen. What was only
-// partly in view comes after everything else, by a negative value.
+// The best grasp's score, less for a shape whose prediction contradicts what was seen. What was
+// only partly in view comes after everything else, by a negative value.
 double promise(const View& view, const msgs::GraspPlan& plan) {
   const double score = plan.grasps(0).score();
   const auto found = view.models.find(plan.id());

@@ -52,7 +52,8 @@ struct Target {
 };
 
 /// The object whose best grasp promises most, score / (1 + vote), or the one with id `object` when
-/// that is >= 0. Objects cut by the image's border are taken last. When it has no grasp, the problem tells why; of several objects, each one's.
+/// that is >= 0. Objects cut by the image's border are taken last. When it has no grasp, the
+/// problem tells why; of several objects, each one's.
 /// @throws geometry::InputError for a plan that does not make sense.
 Target choose_target(const View& view, int object);
 

@@ -61,10 +61,10 @@ class GraspPlanning {
   explicit GraspPlanning(graph::Node& node)
       : node_(node),
         options_(declare_planner_options(node)),
-        gripper_(robot::read_gripper_model(node.declare_parameter<std::string>(
-            {.name = "gripper",
-             .default_value = "config/robots/pg70_dsa.yaml",
-             .description = "gripper model"}))),
+        gripper_(robot::read_gripper_model(
+            node.declare_parameter<std::string>({.name = "gripper",
+                                                 .default_value = "config/robots/pg70_dsa.yaml",
+                                                 .description = "gripper model"}))),
         approach_(node.declare_parameter<std::string>(
             {.name = "approach",
              .default_value = "auto",

@@ -36,7 +36,7 @@ class ModelBatch {
  private:
   std::chrono::duration<double> patience_;
   std::optional<std::int64_t> stamp_;  // ns, of the view
-  Time newest_;  // when the last model came
+  Time newest_;                        // when the last model came
   std::map<std::uint32_t, Model> models_;
   std::set<std::uint32_t> taken_;
   std::size_t expected_ = 0;

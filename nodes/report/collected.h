@@ -46,11 +46,11 @@ struct Collected {
   std::optional<msgs::TactileFrame> left;              // newest
   std::optional<msgs::TactileFrame> right;
   std::vector<TactileSnapshot> snapshots;
-  History left_sum;        // N
-  History right_sum;       // N
-  History opening;         // m
-  History current;         // A
-  History wrench_z;        // N, along the gripper's approach direction
+  History left_sum;   // N
+  History right_sum;  // N
+  History opening;    // m
+  History current;    // A
+  History wrench_z;   // N, along the gripper's approach direction
   std::map<std::string, BodyHistory> bodies;
   std::vector<std::string> log;  // warnings and errors, "node: text"
 };

@@ -46,8 +46,7 @@ Collector::Collector(graph::Node& node) : node_(node) {
   listen<msgs::GraspPlan>("/plans", QoS::queue(64), [&c](const auto& m) { c.plans[m.id()] = m; });
   listen<msgs::Surprise>("/surprise", QoS::queue(64),
                          [&c](const auto& m) { c.surprises.push_back(m); });
-  listen<msgs::CycleState>("/cycle/state", QoS::queue(64),
-                           [this](const auto& m) { on_phase(m); });
+  listen<msgs::CycleState>("/cycle/state", QoS::queue(64), [this](const auto& m) { on_phase(m); });
   listen<msgs::CycleResult>("/cycle/result", QoS::queue(2), [&c](const auto& m) { c.result = m; });
   listen<msgs::TactileFrame>("/tactile/left", stream, [&c](const auto& m) {
     c.left = m;

@@ -147,8 +147,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
       {report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[0]),
        report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[1]),
        report::draw_meshes(pieces, camera, views[0])},
-      {fmt::format("Mesh: {} triangles, {}", model.mesh_W.triangles.size(),
-                   message.mesh_defects()),
+      {fmt::format("Mesh: {} triangles, {}", model.mesh_W.triangles.size(), message.mesh_defects()),
        "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
 
   const auto plan = collected.plans.find(message.id());
@@ -168,12 +167,12 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   Eigen::AlignedBox3d all = box;
   for (const auto& part : scene) all.extend(geometry::bounds(part.mesh_W));
   const auto grasp_views = two_views(all, azimuth_of(X_WG.linear().col(0)) + 0.5);
-  page.add_pictures({report::draw_meshes(scene, camera, grasp_views[0]),
-                     report::draw_meshes(scene, camera, grasp_views[1])},
-                    {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N",
-                                 index + 1, plan->second.grasps_size(), 1000 * opening,
-                                 grasp.grasp_force()),
-                     "The same from the other side"});
+  page.add_pictures(
+      {report::draw_meshes(scene, camera, grasp_views[0]),
+       report::draw_meshes(scene, camera, grasp_views[1])},
+      {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N", index + 1,
+                   plan->second.grasps_size(), 1000 * opening, grasp.grasp_force()),
+       "The same from the other side"});
 }
 
 void add_object(Page& page, const Collected& collected, const msgs::CompletedShape& shape,
@@ -218,7 +217,9 @@ void add_charts(Page& page, const Collected& collected) {
   std::vector<report::Marker> markers;
   for (const auto& [time, phase] : collected.phases) markers.push_back({time, phase});
   if (!collected.left_sum.empty()) {
-    page.add_chart(report::draw_line_chart({"Forces", "time [s]", "force [N]",
+    page.add_chart(report::draw_line_chart({"Forces",
+                                            "time [s]",
+                                            "force [N]",
                                             {{"left pad", collected.left_sum},
                                              {"right pad", collected.right_sum},
                                              {"wrist, along approach", collected.wrench_z}},
@@ -228,9 +229,10 @@ void add_charts(Page& page, const Collected& collected) {
   if (!collected.opening.empty()) {
     History millimetres = collected.opening;
     for (auto& [time, value] : millimetres) value *= 1000;
-    page.add_chart(report::draw_line_chart({"Gripper", "time [s]", "opening [mm]",
-                                            {{"opening", millimetres}}, markers}),
-                   "Opening of the gripper.");
+    page.add_chart(
+        report::draw_line_chart(
+            {"Gripper", "time [s]", "opening [mm]", {{"opening", millimetres}}, markers}),
+        "Opening of the gripper.");
   }
   std::vector<report::Series> heights;
   for (const auto& [name, body] : collected.bodies) {
@@ -259,9 +261,14 @@ Row surprise_row(const msgs::Surprise& surprise) {
       {msgs::Surprise::TOUCHED_TOO_EARLY, {"touched too early", 1, "N"}}};
   const auto it = kUnits.find(surprise.kind());
   const Unit unit = it == kUnits.end() ? Unit{"unknown", 1, ""} : it->second;
-  const auto value = [&unit](double x) { return fmt::format("{:.1f} {}", x * unit.factor, unit.unit); };
-  return {unit.name, value(surprise.predicted()), value(surprise.felt()),
-          value(surprise.tolerance()), surprise.surprising() ? "surprise" : "as predicted",
+  const auto value = [&unit](double x) {
+    return fmt::format("{:.1f} {}", x * unit.factor, unit.unit);
+  };
+  return {unit.name,
+          value(surprise.predicted()),
+          value(surprise.felt()),
+          value(surprise.tolerance()),
+          surprise.surprising() ? "surprise" : "as predicted",
           surprise.reaction()};
 }
 
@@ -275,7 +282,9 @@ void add_tables(Page& page, const Collected& collected, const std::vector<Proces
       page.add_table({"what", "predicted", "felt", "tolerance", "", "reaction"}, rows);
     }
   });
-  section(page, "Stage times", [&] { page.add_table({"stage", "seconds"}, stage_times(collected)); });
+  section(page, "Stage times", [&] {
+    page.add_table({"stage", "seconds"}, stage_times(collected));
+  });
   section(page, "Processes", [&] {
     std::vector<Row> rows;
     for (const auto& process : processes) {
@@ -325,14 +334,14 @@ std::vector<Row> summarize(const Collected& collected) {
     rows.push_back({name, join(parts, "; ")});
   }
   if (collected.result && collected.result->attempts() > 0) {
-    rows.push_back({"grasped", fmt::format("object {}, grasp {}, {} attempt(s)",
-                                           collected.result->object_id(),
-                                           collected.result->grasp_index() + 1,
-                                           collected.result->attempts())});
+    rows.push_back(
+        {"grasped",
+         fmt::format("object {}, grasp {}, {} attempt(s)", collected.result->object_id(),
+                     collected.result->grasp_index() + 1, collected.result->attempts())});
     const auto surprising = std::count_if(collected.surprises.begin(), collected.surprises.end(),
                                           [](const auto& s) { return s.surprising(); });
-    rows.push_back({"surprises",
-                    fmt::format("{} of {} comparisons", surprising, collected.surprises.size())});
+    rows.push_back(
+        {"surprises", fmt::format("{} of {} comparisons", surprising, collected.surprises.size())});
   }
   return rows;
 }

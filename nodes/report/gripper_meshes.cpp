@@ -4,9 +4,8 @@ namespace prehend::nodes {
 namespace {
 
 geometry::TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
-  return geometry::transformed(
-      geometry::make_box(size),
-      geometry::make_transform(Eigen::Quaterniond::Identity(), center));
+  return geometry::transformed(geometry::make_box(size),
+                               geometry::make_transform(Eigen::Quaterniond::Identity(), center));
 }
 
 }  // namespace

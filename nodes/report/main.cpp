@@ -36,18 +36,20 @@ std::string summary_text(const std::string& title, const nodes::Collected& colle
 }
 
 void run(graph::Node& node) {
-  const auto out = node.declare_parameter<std::string>(
-      {.name = "out", .default_value = "out/report", .description = "folder of report.html and summary.txt"});
+  const auto out =
+      node.declare_parameter<std::string>({.name = "out",
+                                           .default_value = "out/report",
+                                           .description = "folder of report.html and summary.txt"});
   const auto title = node.declare_parameter<std::string>(
       {.name = "title", .default_value = "prehend", .description = "title of the page"});
-  const auto gripper_file = node.declare_parameter<std::string>(
-      {.name = "gripper",
-       .default_value = "config/robots/pg70_dsa.yaml",
-       .description = "gripper model to draw"});
-  const bool require_lift = node.declare_parameter<bool>(
-      {.name = "require_lift",
-       .default_value = false,
-       .description = "also \"cannot be grasped\" is a failure"});
+  const auto gripper_file =
+      node.declare_parameter<std::string>({.name = "gripper",
+                                           .default_value = "config/robots/pg70_dsa.yaml",
+                                           .description = "gripper model to draw"});
+  const bool require_lift =
+      node.declare_parameter<bool>({.name = "require_lift",
+                                    .default_value = false,
+                                    .description = "also \"cannot be grasped\" is a failure"});
   const double timeout = node.declare_parameter<double>(
       {.name = "timeout",
        .default_value = 180.0,

@@ -33,8 +33,7 @@ void declare_table_parameters(graph::Node& node) {
                  "distance to the table within which a point belongs to it, at 1 m", 1e-4, 0.1);
   declare_count(node, "table.max_iterations", table.max_iterations, 1, 100000, "",
                 "RANSAC draws for each plane");
-  declare_count(node, "table.max_planes", table.max_planes, 1, 20, "",
-                "planes that are looked at");
+  declare_count(node, "table.max_planes", table.max_planes, 1, 20, "", "planes that are looked at");
   node.declare_parameter<double>({.name = "table.min_support",
                                   .default_value = table.min_support,
                                   .minimum = 0.0,

@@ -12,7 +12,10 @@ namespace prehend::nodes {
 
 Camera::Camera(graph::Node& node, SimulatedRobot& robot, const simulation::Scene& scene,
                const simulation::RenderOptions& options)
-    : node_(node), robot_(robot), scene_(scene), options_(options),
+    : node_(node),
+      robot_(robot),
+      scene_(scene),
+      options_(options),
       info_(node.advertise<msgs::CameraInfo>("/camera/info", graph::QoS::latched())),
       stereo_(node.advertise<msgs::StereoPair>("/camera/stereo", graph::QoS::latched())) {
   msgs::CameraInfo info = convert::to_message(scene.camera.camera, scene.camera.X_WC());

@@ -39,11 +39,11 @@ Settings declare_settings(graph::Node& node) {
        .unit = "s",
        .minimum = 0.0,
        .description = "simulated time between further stereo pairs, 0: on request only"});
-  s.noise_seed = node.declare_parameter<int>(
-      {.name = "noise_seed",
-       .default_value = -1,
-       .minimum = -1,
-       .description = "of the camera's noise, -1: that of the scene"});
+  s.noise_seed =
+      node.declare_parameter<int>({.name = "noise_seed",
+                                   .default_value = -1,
+                                   .minimum = -1,
+                                   .description = "of the camera's noise, -1: that of the scene"});
   s.render.samples_per_side = node.declare_parameter<int>(
       {.name = "samples_per_side",
        .default_value = s.render.samples_per_side,
@@ -94,7 +94,9 @@ void run(graph::Node& node) {
        .unit = "s/s",
        .minimum = 0.0,
        .description = "simulated seconds per wall second, 0: as fast as possible",
-       .on_change = [&running](const double& value) { if (running) running->set_speed(value); }});
+       .on_change = [&running](const double& value) {
+         if (running) running->set_speed(value);
+       }});
   simulation::Scene scene = simulation::read_scene(settings.scene);
   if (settings.noise_seed >= 0) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
@@ -122,9 +124,10 @@ void run(graph::Node& node) {
   }
   const MotionActions motion(node, robot);
   const graph::Service spawn_service = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
-      "/simulation/spawn", [&](const msgs::SpawnRequest& request) { return spawn(robot, request); });
-  const graph::Service render_service = node.serve<msgs::Empty, msgs::Acknowledge>(
-      "/simulation/render", [&](const msgs::Empty&) {
+      "/simulation/spawn",
+      [&](const msgs::SpawnRequest& request) { return spawn(robot, request); });
+  const graph::Service render_service =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/simulation/render", [&](const msgs::Empty&) {
         msgs::Acknowledge answer;
         answer.set_success(camera != nullptr);
         answer.set_reason(camera ? "the stereo pair follows" : "started with camera:=false");
@@ -146,7 +149,8 @@ int main(int argc, char** argv) {
        "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
        "/camera/info, /camera/stereo, /gripper/state, /tactile/left, /tactile/right, /wrench, "
        "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
-       "while moving), the actions /carrier/move and /gripper/move, and the services /gripper/stop, "
+       "while moving), the actions /carrier/move and /gripper/move, and the services "
+       "/gripper/stop, "
        "/gripper/acknowledge, /simulation/spawn and /simulation/render."},
       run);
 }

@@ -16,11 +16,16 @@ constexpr int kSlicesPerFeedback = 5;       // 20 Hz
 
 GripperMode mode_of(const msgs::GripperCommand& command) {
   switch (command.mode()) {
-    case msgs::GripperCommand::STOP: return GripperMode::kStop;
-    case msgs::GripperCommand::POSITION: return GripperMode::kPosition;
-    case msgs::GripperCommand::VELOCITY: return GripperMode::kVelocity;
-    case msgs::GripperCommand::CURRENT: return GripperMode::kCurrent;
-    default: throw std::invalid_argument("unknown mode of a gripper command");
+    case msgs::GripperCommand::STOP:
+      return GripperMode::kStop;
+    case msgs::GripperCommand::POSITION:
+      return GripperMode::kPosition;
+    case msgs::GripperCommand::VELOCITY:
+      return GripperMode::kVelocity;
+    case msgs::GripperCommand::CURRENT:
+      return GripperMode::kCurrent;
+    default:
+      throw std::invalid_argument("unknown mode of a gripper command");
   }
 }
 
@@ -34,8 +39,8 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
     answer.set_success(true);
     return answer;
   });
-  acknowledge_ = node.serve<msgs::Empty, msgs::Acknowledge>(
-      "/gripper/acknowledge", [](const msgs::Empty&) {
+  acknowledge_ =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/acknowledge", [](const msgs::Empty&) {
         msgs::Acknowledge answer;
         answer.set_success(true);
         answer.set_reason("no error was present");
@@ -44,16 +49,16 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
   command_ = node.subscribe<msgs::GripperCommand>(
       "/gripper/command", graph::QoS::queue(20),
       [this](const graph::Received<msgs::GripperCommand>& message) { command(*message); });
-  carrier_ = node.serve_action<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback,
-                               msgs::MoveCarrierResult>(
-      "/carrier/move", [this](const msgs::MoveCarrierGoal& goal, CarrierContext& context) {
-        return move_carrier(goal, context);
-      });
-  gripper_ = node.serve_action<msgs::MoveGripperGoal, msgs::MoveGripperFeedback,
-                               msgs::MoveGripperResult>(
-      "/gripper/move", [this](const msgs::MoveGripperGoal& goal, GripperContext& context) {
-        return move_gripper(goal, context);
-      });
+  carrier_ =
+      node.serve_action<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult>(
+          "/carrier/move", [this](const msgs::MoveCarrierGoal& goal, CarrierContext& context) {
+            return move_carrier(goal, context);
+          });
+  gripper_ =
+      node.serve_action<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult>(
+          "/gripper/move", [this](const msgs::MoveGripperGoal& goal, GripperContext& context) {
+            return move_gripper(goal, context);
+          });
 }
 
 void MotionActions::command(const msgs::GripperCommand& command) {
@@ -105,8 +110,10 @@ msgs::MoveCarrierResult MotionActions::move_carrier(const msgs::MoveCarrierGoal&
   }
   result.set_contact(robot_.stopped_by_contact());
   result.set_reached(!carrier.moving && !cancelled && !result.contact());
-  if (result.contact()) result.set_reason("stopped by contact");
-  else if (!result.reached()) result.set_reason("stopped before the goal");
+  if (result.contact())
+    result.set_reason("stopped by contact");
+  else if (!result.reached())
+    result.set_reason("stopped before the goal");
   *result.mutable_x_wg() = convert::to_message(carrier.X_WG);
   return result;
 }

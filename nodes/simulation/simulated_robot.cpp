@@ -11,7 +11,9 @@ using simulation::PadSide;
 SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, double speed,
                                std::function<void(const SensorReadings&)> on_readings,
                                std::function<void(const std::string&)> on_note)
-    : world_(scene), on_readings_(std::move(on_readings)), on_note_(std::move(on_note)),
+    : world_(scene),
+      on_readings_(std::move(on_readings)),
+      on_note_(std::move(on_note)),
       speed_(speed) {}
 
 SimulatedRobot::~SimulatedRobot() { stop(); }

@@ -29,8 +29,8 @@ struct SensorReadings {
 /// any thread.
 class SimulatedRobot {
  public:
-  static constexpr double kSlice = 0.01;     // s, simulated
-  static constexpr double kWatchdog = 0.2;   // s, simulated
+  static constexpr double kSlice = 0.01;    // s, simulated
+  static constexpr double kWatchdog = 0.2;  // s, simulated
 
   /// `on_readings` is called by the thread after each slice; `on_note` takes rare remarks.
   SimulatedRobot(const simulation::Scene& scene, double speed,
@@ -90,7 +90,7 @@ class SimulatedRobot {
   std::uint64_t gripper_ticket_ = 0;
   std::int64_t action_stamp_ = 0;  // ns, of the last move_gripper
   bool continuous_command_ = false;
-  double command_time_ = 0;   // s, simulated
+  double command_time_ = 0;  // s, simulated
   bool watchdog_fired_ = false;
   double contact_force_ = 0;  // N, 0: not watched
   bool contact_ = false;

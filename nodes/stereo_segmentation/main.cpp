@@ -107,16 +107,16 @@ class StereoSegmentation {
     declare_stereo_parameters(node);
     nodes::declare_segmentation_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
-    camera_ = node.subscribe<msgs::CameraInfo>(
-        "/camera/info", graph::QoS::queue(1), [this](const graph::Received<msgs::CameraInfo>& m) {
-          info_ = m.shared();
-          process_pending();
-        });
-    stereo_ = node.subscribe<msgs::StereoPair>(
-        "/camera/stereo", graph::QoS::latest(), [this](const graph::Received<msgs::StereoPair>& m) {
-          pending_ = m.shared();
-          process_pending();
-        });
+    camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
+                                               [this](const graph::Received<msgs::CameraInfo>& m) {
+                                                 info_ = m.shared();
+                                                 process_pending();
+                                               });
+    stereo_ = node.subscribe<msgs::StereoPair>("/camera/stereo", graph::QoS::latest(),
+                                               [this](const graph::Received<msgs::StereoPair>& m) {
+                                                 pending_ = m.shared();
+                                                 process_pending();
+                                               });
   }
 
  private:
@@ -159,8 +159,8 @@ class StereoSegmentation {
     const geometry::StereoCamera camera = convert::from_message(*info_);
     const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
     const convert::StereoImages images = convert::from_message(pair);
-    const perception::DisparityImage disparity = perception::disparity_by_sgbm(
-        images.left, images.right, camera, stereo_options(node_));
+    const perception::DisparityImage disparity =
+        perception::disparity_by_sgbm(images.left, images.right, camera, stereo_options(node_));
     clock.end_stage(times, "disparity");
     const geometry::PointCloud cloud_C =
         perception::cloud_from_disparity(disparity, camera, images.left);
@@ -202,7 +202,8 @@ int main(int argc, char** argv) {
       argc, argv,
       {"stereo_segmentation",
        "Finds the table and the objects on it in a rectified stereo pair. Takes /camera/info and "
-       "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest is "
+       "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest "
+       "is "
        "looked at. When there is no table or no object, /objects says why in `problem`."},
       run);
 }

@@ -21,10 +21,11 @@ std::string declare_file(graph::Node& node, const char* name, const char* descri
 void run(graph::Node& node) {
   const std::string left = declare_file(node, "left", "left image, PNG or JPEG");
   const std::string right = declare_file(node, "right", "right image of the same size");
-  const std::string calibration_file = declare_file(
-      node, "calibration",
-      "OpenCV YAML (M1 D1 M2 D2 R T, or K and baseline), plain YAML {width, height, fx, fy, cx, cy, "
-      "baseline}, or text with the nine numbers of K and the baseline");
+  const std::string calibration_file =
+      declare_file(node, "calibration",
+                   "OpenCV YAML (M1 D1 M2 D2 R T, or K and baseline), plain YAML {width, height, "
+                   "fx, fy, cx, cy, "
+                   "baseline}, or text with the nine numbers of K and the baseline");
   for (const auto& [name, value] : {std::pair{"left", left}, std::pair{"right", right},
                                     std::pair{"calibration", calibration_file}}) {
     if (value.empty()) {
@@ -33,9 +34,8 @@ void run(graph::Node& node) {
   }
   const perception::StereoCalibration calibration =
       perception::read_stereo_calibration(calibration_file);
-  perception::RectifiedPair pair =
-      perception::rectify(perception::read_color_image(left),
-                          perception::read_color_image(right), calibration);
+  perception::RectifiedPair pair = perception::rectify(
+      perception::read_color_image(left), perception::read_color_image(right), calibration);
   node.log_info("{} x {} pixels, fx {:.1f} px, baseline {:.4f} m{}", pair.camera.left.width,
                 pair.camera.left.height, pair.camera.left.fx, pair.camera.baseline,
                 calibration.is_rectified() ? "" : ", rectified");

@@ -39,8 +39,7 @@ void validate(const TexelLaw& law) {
 
 bool is_passive(const TexelLaw& law) {
   const double excess = law.static_friction - law.dynamic_friction;
-  return excess == 0 ||
-         law.viscous_friction * law.dynamic_friction > law.bristle_damping * excess;
+  return excess == 0 || law.viscous_friction * law.dynamic_friction > law.bristle_damping * excess;
 }
 
 double normal_force(const TexelLaw& law, double depth, double depth_rate) {
@@ -69,8 +68,8 @@ Eigen::Vector2d friction_force(const TexelLaw& law, const Eigen::Vector2d& brist
          law.viscous_friction * velocity;
 }
 
-LinearisedContact linearise(const TexelLaw& law, double h, double depth,
-                            double normal_force_guess, double speed_guess) {
+LinearisedContact linearise(const TexelLaw& law, double h, double depth, double normal_force_guess,
+                            double speed_guess) {
   LinearisedContact contact;
   contact.normal_offset = law.stiffness * depth;
   contact.normal_damping = h * law.stiffness + (depth > 0 ? law.damping : 0.0);
@@ -90,12 +89,10 @@ TexelStep implicit_step(const TexelLaw& law, double h, double depth, double dept
   if (!(h > 0)) throw std::invalid_argument("implicit_step: the step h must be positive");
   TexelStep step;
   if (depth <= 0) return step;
-  const double end_force =
-      law.stiffness * (depth + h * depth_rate) + law.damping * depth_rate;
+  const double end_force = law.stiffness * (depth + h * depth_rate) + law.damping * depth_rate;
   step.normal_force = std::max(0.0, end_force);
   if (step.normal_force == 0) return step;
-  const LinearisedContact contact =
-      linearise(law, h, depth, step.normal_force, velocity.norm());
+  const LinearisedContact contact = linearise(law, h, depth, step.normal_force, velocity.norm());
   step.friction_force = contact.bristle_gain * bristle + contact.tangential_damping * velocity;
   step.bristle = advanced_bristle(contact, h, bristle, velocity);
   return step;

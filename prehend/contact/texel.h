@@ -8,8 +8,8 @@
 /// as oracle, and the implicit step that a body solver folds into its system of equations.
 ///
 /// Signs: `depth` d > 0 is penetration [m], `depth_rate` its rate [m/s]; `velocity` v is the
-/// tangential velocity of the touched body relative to the texel [m/s]; friction on the touched body
-/// is -Ft. Everything tangential is a scalar times a vector, so the functions below hold for
+/// tangential velocity of the touched body relative to the texel [m/s]; friction on the touched
+/// body is -Ft. Everything tangential is a scalar times a vector, so the functions below hold for
 /// 2-vectors in the texel's plane as well as for 3-vectors of that plane in space.
 namespace prehend::contact {
 
@@ -56,9 +56,9 @@ struct LinearisedContact {
 
 /// Linearises the law over a step of `h` [s], with D and g frozen at a guess of the normal force
 /// [N] and of the sliding speed |v| [m/s]: take those of the step's start first, then once more
-/// those of the first solution. A guess of no normal force gives no friction. A negative `depth` is a
-/// gap that may close within the step: the spring then acts from where it closes, without damping, so
-/// that no spring energy appears that the body did not bring.
+/// those of the first solution. A guess of no normal force gives no friction. A negative `depth` is
+/// a gap that may close within the step: the spring then acts from where it closes, without
+/// damping, so that no spring energy appears that the body did not bring.
 LinearisedContact linearise(const TexelLaw& law, double h, double depth, double normal_force_guess,
                             double speed_guess);
 
@@ -81,7 +81,7 @@ Vector return_mapped(const TexelLaw& law, double normal_force, const Vector& bri
 
 /// Forces and state after one step of prescribed motion.
 struct TexelStep {
-  double normal_force = 0;  // N
+  double normal_force = 0;                                   // N
   Eigen::Vector2d friction_force = Eigen::Vector2d::Zero();  // Ft [N]
   Eigen::Vector2d bristle = Eigen::Vector2d::Zero();         // z+ [m]
 };

@@ -30,9 +30,7 @@ std::string newtons(double force) {
   return text.data();
 }
 
-double mean_sum(const Percepts& percepts) {
-  return (percepts.left->sum + percepts.right->sum) / 2;
-}
+double mean_sum(const Percepts& percepts) { return (percepts.left->sum + percepts.right->sum) / 2; }
 
 RigidTransform shifted(const RigidTransform& X_WG, const Eigen::Vector3d& p_W) {
   RigidTransform X = X_WG;
@@ -288,16 +286,15 @@ void GraspCycle::step_transit(const Percepts& percepts) {
 }
 
 void GraspCycle::step_approach(const Percepts& percepts) {
-  const bool pads_touched = tactile_is_fresh(percepts) &&
-                            std::max(percepts.left->sum, percepts.right->sum) >
-                                std::max(options_.touch_force, options_.contact_force);
+  const bool pads_touched =
+      tactile_is_fresh(percepts) && std::max(percepts.left->sum, percepts.right->sum) >
+                                        std::max(options_.touch_force, options_.contact_force);
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kContact || pads_touched) {
-    const double felt = pads_touched
-                            ? std::max(percepts.left->sum, percepts.right->sum)
-                            : percepts.wrist_force.value_or(options_.contact_force);
-    surprises_.push_back({SurpriseKind::kTouchedTooEarly, 0, felt, 0, true,
-                          "back off, take the next grasp"});
+    const double felt = pads_touched ? std::max(percepts.left->sum, percepts.right->sum)
+                                     : percepts.wrist_force.value_or(options_.contact_force);
+    surprises_.push_back(
+        {SurpriseKind::kTouchedTooEarly, 0, felt, 0, true, "back off, take the next grasp"});
     return give_up_attempt("touched something on the approach");
   }
   if (status == MotionStatus::kFailed) return give_up_attempt("the approach failed");
@@ -322,9 +319,9 @@ void GraspCycle::step_close(const Percepts& percepts) {
     return enter(Step::kPress, "both pads touch at " + millimetres(*percepts.opening) +
                                    ", rising to " + newtons(current_grasp().grasp_force));
   }
-  const std::string felt = left || right ? std::string("only the ") + (left ? "left" : "right") +
-                                               " pad felt something"
-                                         : "neither pad felt anything";
+  const std::string felt =
+      left || right ? std::string("only the ") + (left ? "left" : "right") + " pad felt something"
+                    : "neither pad felt anything";
   // Blocked at once means the drive has not broken away yet.
   if (percepts.gripper_blocked && now_ - step_start_ > 0.5) {
     return give_up_attempt("closing was blocked, " + felt);
@@ -332,10 +329,10 @@ void GraspCycle::step_close(const Percepts& percepts) {
   if (*percepts.opening < 1e-3) return give_up_attempt("closed completely, " + felt);
   if (timed_out(options_.closing_timeout)) return give_up_attempt("closing timed out, " + felt);
   // Enough to break the drive away and push the object to the middle, not more than the grasp.
-  const double current = std::clamp(
-      (gripper_.friction_force + std::max(5.0, current_grasp().grasp_force / 2)) /
-          gripper_.force_per_current,
-      options_.force.least_current, options_.force.largest_current);
+  const double current =
+      std::clamp((gripper_.friction_force + std::max(5.0, current_grasp().grasp_force / 2)) /
+                     gripper_.force_per_current,
+                 options_.force.least_current, options_.force.largest_current);
   // Faster through what should be empty.
   const bool far = !left && !right &&
                    *percepts.opening > current_grasp().predicted.opening + options_.closing_margin;
@@ -365,7 +362,8 @@ void GraspCycle::step_press(const Percepts& percepts) {
   }
   const auto& predicted = current_grasp().predicted;
   add_surprise(SurpriseKind::kContactArea, predicted.contact_area,
-               (percepts.left->area + percepts.right->area) / 2, "grip anyhow, look after the lift");
+               (percepts.left->area + percepts.right->area) / 2,
+               "grip anyhow, look after the lift");
   add_surprise(SurpriseKind::kTactileSum, predicted.tactile_sum, mean_sum(percepts),
                "grip anyhow, look after the lift");
   grasp_opening_ = *percepts.opening;
@@ -407,9 +405,9 @@ void GraspCycle::step_check(const Percepts& percepts) {
   add_surprise(SurpriseKind::kHeldAfterLift, 1, reason.empty() ? 1 : 0, "take the next grasp");
   if (!reason.empty()) return give_up_attempt("not held after the lift: " + reason);
   enter(Step::kMove, "carrying it sideways");
-  move_carrier(shifted(current_grasp().X_WG,
-                       options_.lift_height * options_.up_W + options_.move_W),
-               options_.travel_speed, 0);
+  move_carrier(
+      shifted(current_grasp().X_WG, options_.lift_height * options_.up_W + options_.move_W),
+      options_.travel_speed, 0);
 }
 
 void GraspCycle::step_carry(const Percepts& percepts) {

@@ -71,20 +71,20 @@ struct CycleOptions {
   double closing_speed = 0.02;   // m/s, > 0, until both pads touch
   double fast_closing_speed = 0.05;  // m/s, > 0, before that, where nothing is predicted
   double closing_margin = 0.006;     // m, >= 0, of the opening over the predicted one: then slower
-  double pressing_speed = 0.01;  // m/s, > 0, aimed at under force control
-  double contact_force = 4;      // N, > 0, at the wrist that counts as unexpected contact
-  double touch_force = 0.3;      // N, > 0, of a pad's sum
-  double held_ratio = 0.3;       // 0..1, of the grasp force each pad must still feel when lifted
+  double pressing_speed = 0.01;      // m/s, > 0, aimed at under force control
+  double contact_force = 4;          // N, > 0, at the wrist that counts as unexpected contact
+  double touch_force = 0.3;          // N, > 0, of a pad's sum
+  double held_ratio = 0.3;          // 0..1, of the grasp force each pad must still feel when lifted
   double largest_collapse = 0.004;  // m, > 0, the opening may shrink after the grasp settled
-  double settled_time = 0.2;     // s, >= 0, the force must stay settled
-  double check_time = 0.4;       // s, >= 0, to wait after the lift before looking whether it is held
-  double lift_height = 0.15;     // m, >= 0.12
+  double settled_time = 0.2;        // s, >= 0, the force must stay settled
+  double check_time = 0.4;    // s, >= 0, to wait after the lift before looking whether it is held
+  double lift_height = 0.15;  // m, >= 0.12
   Eigen::Vector3d move_W{0, 0.15, 0};  // m, sideways with the object
-  int largest_attempts = 3;      // > 0
-  double stale_time = 0.25;      // s, > 0, after which tactile data are too old to grip by
-  double motion_timeout = 20;    // s, > 0, of each motion of carrier or gripper
-  double closing_timeout = 8;    // s, > 0, from the start of closing to the touch of both pads
-  double force_timeout = 4;      // s, > 0, to reach the grasp force
+  int largest_attempts = 3;            // > 0
+  double stale_time = 0.25;            // s, > 0, after which tactile data are too old to grip by
+  double motion_timeout = 20;          // s, > 0, of each motion of carrier or gripper
+  double closing_timeout = 8;  // s, > 0, from the start of closing to the touch of both pads
+  double force_timeout = 4;    // s, > 0, to reach the grasp force
   ForceControllerOptions force;
   SurpriseTolerances tolerances;
 
@@ -141,8 +141,24 @@ class GraspCycle {
 
  private:
   enum class Step {
-    kWaiting, kOpen, kRise, kCross, kPregrasp, kApproach, kClose, kPress, kLift, kCheck, kMove,
-    kLower, kRelease, kRetreat, kGiveUpOpen, kGiveUpRetreat, kDone, kFailed
+    kWaiting,
+    kOpen,
+    kRise,
+    kCross,
+    kPregrasp,
+    kApproach,
+    kClose,
+    kPress,
+    kLift,
+    kCheck,
+    kMove,
+    kLower,
+    kRelease,
+    kRetreat,
+    kGiveUpOpen,
+    kGiveUpRetreat,
+    kDone,
+    kFailed
   };
 
   void enter(Step step, const std::string& detail);
@@ -179,13 +195,13 @@ class GraspCycle {
   Step step_ = Step::kWaiting;
   std::string detail_ = "waiting for a plan";
   int grasp_index_ = 0;
-  double now_ = 0;              // s
-  double step_start_ = 0;       // s
-  double last_update_ = 0;      // s, of the force controller
-  double settled_since_ = -1;   // s, negative: not settled
-  double grasp_opening_ = 0;    // m, when the force settled
+  double now_ = 0;             // s
+  double step_start_ = 0;      // s
+  double last_update_ = 0;     // s, of the force controller
+  double settled_since_ = -1;  // s, negative: not settled
+  double grasp_opening_ = 0;   // m, when the force settled
   geometry::RigidTransform X_WG_target_ = geometry::RigidTransform::Identity();
-  std::string failure_;         // of the current attempt
+  std::string failure_;  // of the current attempt
   CycleResult result_;
   std::vector<Surprise> surprises_;
   std::vector<std::pair<std::string, double>> phase_times_;

@@ -29,8 +29,8 @@ double room(const Rectangle& object, double bottom, const Eigen::Vector3d& move,
     // Diagonal ways are judged by their bounding rectangle: on the safe side.
     const bool in_the_way = obstacle.max().z() > bottom + lift_height;
     const Rectangle taken = in_the_way ? object.merged(end) : end;
-    const Eigen::Vector2d gap = (footprint(obstacle).min() - taken.max())
-                                    .cwiseMax(taken.min() - footprint(obstacle).max());
+    const Eigen::Vector2d gap =
+        (footprint(obstacle).min() - taken.max()).cwiseMax(taken.min() - footprint(obstacle).max());
     least = std::min(least, gap.minCoeff() > 0 ? gap.norm() : gap.maxCoeff());
   }
   return least;
@@ -62,8 +62,7 @@ Eigen::Vector3d choose_move(const Eigen::AlignedBox3d& object_W, const Eigen::Ve
     const Eigen::Vector3d move =
         options.distance * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
     if (!options.workspace_W.isEmpty() && !options.workspace_W.contains(hand_W + move)) continue;
-    const double found =
-        room(taken, object_W.min().z(), move, obstacles_W, options.lift_height);
+    const double found = room(taken, object_W.min().z(), move, obstacles_W, options.lift_height);
     if (found > most + 1e-9) {
       most = found;
       best = move;

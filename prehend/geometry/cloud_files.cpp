@@ -34,27 +34,40 @@ T load(const std::uint8_t* bytes) {
 double load_number(const std::uint8_t* record, const pcl::PCLPointField& field) {
   const std::uint8_t* bytes = record + field.offset;
   switch (field.datatype) {
-    case pcl::PCLPointField::INT8: return load<std::int8_t>(bytes);
-    case pcl::PCLPointField::UINT8: return load<std::uint8_t>(bytes);
-    case pcl::PCLPointField::INT16: return load<std::int16_t>(bytes);
-    case pcl::PCLPointField::UINT16: return load<std::uint16_t>(bytes);
-    case pcl::PCLPointField::INT32: return load<std::int32_t>(bytes);
-    case pcl::PCLPointField::UINT32: return load<std::uint32_t>(bytes);
-    case pcl::PCLPointField::FLOAT32: return load<float>(bytes);
-    case pcl::PCLPointField::FLOAT64: return load<double>(bytes);
-    default: return std::numeric_limits<double>::quiet_NaN();
+    case pcl::PCLPointField::INT8:
+      return load<std::int8_t>(bytes);
+    case pcl::PCLPointField::UINT8:
+      return load<std::uint8_t>(bytes);
+    case pcl::PCLPointField::INT16:
+      return load<std::int16_t>(bytes);
+    case pcl::PCLPointField::UINT16:
+      return load<std::uint16_t>(bytes);
+    case pcl::PCLPointField::INT32:
+      return load<std::int32_t>(bytes);
+    case pcl::PCLPointField::UINT32:
+      return load<std::uint32_t>(bytes);
+    case pcl::PCLPointField::FLOAT32:
+      return load<float>(bytes);
+    case pcl::PCLPointField::FLOAT64:
+      return load<double>(bytes);
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
   }
 }
 
 std::size_t datatype_bytes(std::uint8_t datatype) {
   switch (datatype) {
     case pcl::PCLPointField::INT16:
-    case pcl::PCLPointField::UINT16: return 2;
+    case pcl::PCLPointField::UINT16:
+      return 2;
     case pcl::PCLPointField::INT32:
     case pcl::PCLPointField::UINT32:
-    case pcl::PCLPointField::FLOAT32: return 4;
-    case pcl::PCLPointField::FLOAT64: return 8;
-    default: return 1;
+    case pcl::PCLPointField::FLOAT32:
+      return 4;
+    case pcl::PCLPointField::FLOAT64:
+      return 8;
+    default:
+      return 1;
   }
 }
 
@@ -96,8 +109,7 @@ std::vector<Rgb> load_colors(const pcl::PCLPointCloud2& blob) {
   if (field == nullptr || datatype_bytes(field->datatype) != 4) return {};
   std::vector<Rgb> colors(std::size_t{blob.width} * blob.height);
   for (std::size_t i = 0; i < colors.size(); ++i) {
-    const auto packed =
-        load<std::uint32_t>(blob.data.data() + i * blob.point_step + field->offset);
+    const auto packed = load<std::uint32_t>(blob.data.data() + i * blob.point_step + field->offset);
     colors[i] = {static_cast<std::uint8_t>(packed >> 16), static_cast<std::uint8_t>(packed >> 8),
                  static_cast<std::uint8_t>(packed)};
   }
@@ -245,10 +257,9 @@ void write_cloud_file(const std::filesystem::path& path, const PointCloud& cloud
   const Eigen::Quaternionf orientation(viewpoint.linear().cast<float>());
   std::string reason;
   try {
-    const int status =
-        extension == ".pcd"
-            ? pcl::PCDWriter().writeBinary(path.string(), blob, origin, orientation)
-            : pcl::PLYWriter().writeBinary(path.string(), blob, origin, orientation);
+    const int status = extension == ".pcd"
+                           ? pcl::PCDWriter().writeBinary(path.string(), blob, origin, orientation)
+                           : pcl::PLYWriter().writeBinary(path.string(), blob, origin, orientation);
     if (status < 0) reason = "PCL refused";
   } catch (const std::exception& error) {
     reason = error.what();

@@ -17,7 +17,7 @@ namespace prehend::geometry {
 namespace {
 
 constexpr std::size_t kMaxFields = 256;
-constexpr std::size_t kMaxHeaderLine = 4096;    // bytes
+constexpr std::size_t kMaxHeaderLine = 4096;  // bytes
 constexpr std::size_t kMaxHeaderLines = 10000;
 // LZF packs at most 264 bytes into 3.
 constexpr std::size_t kMaxCompression = 88;
@@ -54,11 +54,12 @@ std::vector<std::string> words_of(const std::string& line) {
 
 std::size_t parse_count(const std::filesystem::path& path, const std::string& key,
                         const std::string& word) {
-  const bool digits = !word.empty() && word.size() <= 18 &&
-                      std::all_of(word.begin(), word.end(),
-                                  [](unsigned char c) { return std::isdigit(c) != 0; });
-  if (!digits) fail(path, "has the header entry " + key + " = '" + word.substr(0, 40) +
-                              "', not a whole number");
+  const bool digits =
+      !word.empty() && word.size() <= 18 &&
+      std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (!digits)
+    fail(path,
+         "has the header entry " + key + " = '" + word.substr(0, 40) + "', not a whole number");
   return std::stoull(word);
 }
 
@@ -71,8 +72,8 @@ Entries read_pcd_entries(std::ifstream& stream, const std::filesystem::path& pat
     std::vector<std::string> words = words_of(line);
     if (words.empty() || words[0][0] == '#') continue;
     const std::string key = words[0];
-    static const std::array<const char*, 10> kKeys = {"VERSION", "FIELDS", "COLUMNS", "SIZE",
-                                                      "TYPE", "COUNT", "WIDTH", "HEIGHT",
+    static const std::array<const char*, 10> kKeys = {"VERSION",   "FIELDS", "COLUMNS", "SIZE",
+                                                      "TYPE",      "COUNT",  "WIDTH",   "HEIGHT",
                                                       "VIEWPOINT", "POINTS"};
     const bool known = std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
     if (!known && key != "DATA") fail(path, "is not a PCD file", "Pass a .pcd or .ply cloud");
@@ -107,8 +108,8 @@ std::size_t point_bytes(const Entries& entries, const std::filesystem::path& pat
     const std::size_t count =
         counted ? parse_count(path, "COUNT", entry(entries, path, "COUNT", fields.size())[i]) : 1;
     const bool is_float = types[i] == "F" && (size == 4 || size == 8);
-    const bool is_whole = (types[i] == "I" || types[i] == "U") &&
-                          (size == 1 || size == 2 || size == 4 || size == 8);
+    const bool is_whole =
+        (types[i] == "I" || types[i] == "U") && (size == 1 || size == 2 || size == 4 || size == 8);
     if ((!is_float && !is_whole) || count == 0 || count > 65536) {
       fail(path, "has field '" + fields[i] + "' of impossible type " + types[i] + ", size " +
                      sizes[i] + " or count");
@@ -206,14 +207,14 @@ void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
 
 PlyNumber ply_number(const std::filesystem::path& path, const std::string& type) {
   static const std::map<std::string, PlyNumber> kTypes = {
-      {"char", PlyNumber::kInt8},       {"int8", PlyNumber::kInt8},
-      {"uchar", PlyNumber::kUint8},     {"uint8", PlyNumber::kUint8},
-      {"short", PlyNumber::kInt16},     {"int16", PlyNumber::kInt16},
-      {"ushort", PlyNumber::kUint16},   {"uint16", PlyNumber::kUint16},
-      {"int", PlyNumber::kInt32},       {"int32", PlyNumber::kInt32},
-      {"uint", PlyNumber::kUint32},     {"uint32", PlyNumber::kUint32},
-      {"float", PlyNumber::kFloat32},   {"float32", PlyNumber::kFloat32},
-      {"double", PlyNumber::kFloat64},  {"float64", PlyNumber::kFloat64}};
+      {"char", PlyNumber::kInt8},      {"int8", PlyNumber::kInt8},
+      {"uchar", PlyNumber::kUint8},    {"uint8", PlyNumber::kUint8},
+      {"short", PlyNumber::kInt16},    {"int16", PlyNumber::kInt16},
+      {"ushort", PlyNumber::kUint16},  {"uint16", PlyNumber::kUint16},
+      {"int", PlyNumber::kInt32},      {"int32", PlyNumber::kInt32},
+      {"uint", PlyNumber::kUint32},    {"uint32", PlyNumber::kUint32},
+      {"float", PlyNumber::kFloat32},  {"float32", PlyNumber::kFloat32},
+      {"double", PlyNumber::kFloat64}, {"float64", PlyNumber::kFloat64}};
   const auto found = kTypes.find(type);
   if (found == kTypes.end()) fail(path, "has a PLY property of unknown type '" + type + "'");
   return found->second;
@@ -306,8 +307,8 @@ PcdHeader read_pcd_header(const std::filesystem::path& path) {
   if (header.width == 0 || header.height == 0 || header.width > header.points ||
       header.height > header.points || header.width * header.height != header.points) {
     fail(path, "has WIDTH x HEIGHT = " + std::to_string(header.width) + " x " +
-                   std::to_string(header.height) + ", which is not POINTS = " +
-                   std::to_string(header.points));
+                   std::to_string(header.height) +
+                   ", which is not POINTS = " + std::to_string(header.points));
   }
   header.encoding = entry(entries, path, "DATA", 1)[0];
   if (header.encoding != "ascii" && header.encoding != "binary" &&
@@ -322,11 +323,15 @@ PcdHeader read_pcd_header(const std::filesystem::path& path) {
 std::size_t size_of(PlyNumber type) {
   switch (type) {
     case PlyNumber::kInt8:
-    case PlyNumber::kUint8: return 1;
+    case PlyNumber::kUint8:
+      return 1;
     case PlyNumber::kInt16:
-    case PlyNumber::kUint16: return 2;
-    case PlyNumber::kFloat64: return 8;
-    default: return 4;
+    case PlyNumber::kUint16:
+      return 2;
+    case PlyNumber::kFloat64:
+      return 8;
+    default:
+      return 4;
   }
 }
 

@@ -17,7 +17,7 @@ struct PcdHeader {
   std::size_t width = 0;
   std::size_t height = 0;
   std::size_t points = 0;
-  std::string encoding;  // ascii, binary, binary_compressed
+  std::string encoding;                     // ascii, binary, binary_compressed
   std::optional<RigidTransform> viewpoint;  // absent also when its quaternion is no rotation
 };
 

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/file_headers.h"
@@ -124,7 +124,8 @@ std::string encode_obj(const TriangleMesh& mesh) {
   std::string text = "# prehend mesh, metres\n";
   std::array<char, 128> line{};
   for (const Eigen::Vector3d& v : mesh.vertices) {
-    const int n = std::snprintf(line.data(), line.size(), "v %.9g %.9g %.9g\n", v.x(), v.y(), v.z());
+    const int n =
+        std::snprintf(line.data(), line.size(), "v %.9g %.9g %.9g\n", v.x(), v.y(), v.z());
     text.append(line.data(), static_cast<std::size_t>(n));
   }
   for (const Eigen::Vector3i& t : mesh.triangles) {

@@ -13,7 +13,9 @@ struct Plane {
   /// Height of `p` over the plane along the normal [m].
   double signed_distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
   /// The point of the plane nearest to `p`.
-  Eigen::Vector3d project(const Eigen::Vector3d& p) const { return p - signed_distance(p) * normal; }
+  Eigen::Vector3d project(const Eigen::Vector3d& p) const {
+    return p - signed_distance(p) * normal;
+  }
 };
 
 }  // namespace prehend::geometry

@@ -19,8 +19,7 @@ namespace {
 class PlyBody {
  public:
   PlyBody(const std::filesystem::path& path, const PlyHeader& header)
-      : path_(path), ascii_(header.format == "ascii"),
-        swap_(header.format == "binary_big_endian") {
+      : path_(path), ascii_(header.format == "ascii"), swap_(header.format == "binary_big_endian") {
     std::ifstream stream(path, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(header.body_offset));
     bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
@@ -29,14 +28,22 @@ class PlyBody {
   double next(PlyNumber type) {
     if (ascii_) return next_word();
     switch (type) {
-      case PlyNumber::kInt8: return load<std::int8_t>();
-      case PlyNumber::kUint8: return load<std::uint8_t>();
-      case PlyNumber::kInt16: return load<std::int16_t>();
-      case PlyNumber::kUint16: return load<std::uint16_t>();
-      case PlyNumber::kInt32: return load<std::int32_t>();
-      case PlyNumber::kUint32: return load<std::uint32_t>();
-      case PlyNumber::kFloat32: return static_cast<double>(load<float>());
-      case PlyNumber::kFloat64: return load<double>();
+      case PlyNumber::kInt8:
+        return load<std::int8_t>();
+      case PlyNumber::kUint8:
+        return load<std::uint8_t>();
+      case PlyNumber::kInt16:
+        return load<std::int16_t>();
+      case PlyNumber::kUint16:
+        return load<std::uint16_t>();
+      case PlyNumber::kInt32:
+        return load<std::int32_t>();
+      case PlyNumber::kUint32:
+        return load<std::uint32_t>();
+      case PlyNumber::kFloat32:
+        return static_cast<double>(load<float>());
+      case PlyNumber::kFloat64:
+        return load<double>();
     }
     return 0;
   }
@@ -56,8 +63,9 @@ class PlyBody {
 
  private:
   [[noreturn]] void fail_truncated() const {
-    throw InputError('\'' + path_.string() + "' is truncated or damaged: its data end before the "
-                                             "elements that its header promises",
+    throw InputError('\'' + path_.string() +
+                         "' is truncated or damaged: its data end before the "
+                         "elements that its header promises",
                      "Copy or export the file again");
   }
 

@@ -92,16 +92,15 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
     const Eigen::Vector3d s = a + b + c;
     volume += v;
     first += v / 4 * s;
-    second += v / 20 *
-              (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+    second +=
+        v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
   }
   result.volume = volume;
   if (volume == 0) return result;
   const Eigen::Vector3d center = first / volume;
   result.center_of_mass = reference + center;
   const Eigen::Matrix3d covariance = second - volume * center * center.transpose();
-  result.unit_density_inertia =
-      covariance.trace() * Eigen::Matrix3d::Identity() - covariance;
+  result.unit_density_inertia = covariance.trace() * Eigen::Matrix3d::Identity() - covariance;
   return result;
 }
 
@@ -131,7 +130,9 @@ TriangleMesh with_merged_vertices(const TriangleMesh& mesh, double tolerance) {
   TriangleMesh out;
   std::unordered_map<std::uint64_t, std::vector<int>> cells;
   const auto cell_of = [](const Eigen::Array3d& c) {
-    const auto part = [](double x) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)); };
+    const auto part = [](double x) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
+    };
     return part(c.x()) * 73856093ULL ^ part(c.y()) * 19349663ULL ^ part(c.z()) * 83492791ULL;
   };
   // Cells of one tolerance; a partner can only be in one of the 27 around.

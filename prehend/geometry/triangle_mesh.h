@@ -20,17 +20,17 @@ struct TriangleMesh {
 
 /// Mass properties of the solid bounded by a closed mesh.
 struct MassProperties {
-  double volume = 0;                                        // m^3
-  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero(); // m
+  double volume = 0;                                         // m^3
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // m
   /// Inertia about the centre of mass for density 1 kg/m^3 [kg m^2 per (kg/m^3) = m^5].
   Eigen::Matrix3d unit_density_inertia = Eigen::Matrix3d::Zero();
 };
 
 /// What keeps a mesh from bounding a solid.
 struct MeshDefects {
-  int boundary_edges = 0;      // edges with one triangle
-  int non_manifold_edges = 0;  // edges with more than two triangles
-  int flipped_edges = 0;       // edges whose two triangles disagree in orientation
+  int boundary_edges = 0;        // edges with one triangle
+  int non_manifold_edges = 0;    // edges with more than two triangles
+  int flipped_edges = 0;         // edges whose two triangles disagree in orientation
   int degenerate_triangles = 0;  // repeated or out-of-range indices
 
   bool watertight() const {

@@ -182,9 +182,8 @@ Eigen::Matrix3d principal_axes(const TriangleMesh& mesh) {
   double area = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  const Eigen::Vector3d origin =
-      mesh.triangles.empty() ? Eigen::Vector3d::Zero().eval()
-                             : mesh.vertices[mesh.triangles.front()[0]];
+  const Eigen::Vector3d origin = mesh.triangles.empty() ? Eigen::Vector3d::Zero().eval()
+                                                        : mesh.vertices[mesh.triangles.front()[0]];
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
                           c = mesh.vertices[t[2]] - origin;
@@ -192,9 +191,9 @@ Eigen::Matrix3d principal_axes(const TriangleMesh& mesh) {
     const Eigen::Vector3d mean = (a + b + c) / 3;
     area += triangle_area;
     first += triangle_area * mean;
-    second += triangle_area / 12 *
-              (a * a.transpose() + b * b.transpose() + c * c.transpose() +
-               9 * mean * mean.transpose());
+    second +=
+        triangle_area / 12 *
+        (a * a.transpose() + b * b.transpose() + c * c.transpose() + 9 * mean * mean.transpose());
   }
   if (area <= 0) return Eigen::Matrix3d::Identity();
   const Eigen::Vector3d mean = first / area;

@@ -40,9 +40,9 @@ struct Candidate {
 };
 
 struct CandidateOptions {
-  int directions_per_circle = 16;  // > 0
-  int rolls = 12;                  // > 0, over half a turn: the hand is symmetric about its z axis
-  int standoffs = 6;               // > 0, from the least engagement to the deepest
+  int directions_per_circle = 16;   // > 0
+  int rolls = 12;                   // > 0, over half a turn: the hand is symmetric about its z axis
+  int standoffs = 6;                // > 0, from the least engagement to the deepest
   double least_engagement = 0.012;  // m, > 0, of the fingertips beyond the object's near side
   double table_clearance = 0.005;   // m, >= 0, that the deepest vertical grasp keeps to the table
   /// m, along G's x axis (across the fingers)
@@ -55,12 +55,12 @@ struct CandidateOptions {
 /// Samples hand poses round the object, in a fixed order.
 ///
 /// Approach directions lie on two perpendicular great circles round the centroid (Bohg et al.,
-/// "Mind the gap - robotic grasping under incomplete observation", ICRA 2011, section IV): one about
-/// the object's major axis, one containing that axis. The second one starts exactly opposite to the
-/// reference direction, which is `reachability.approach_W` or, when unset, straight at the table,
-/// so that the vertical approach is always among the samples; a direction of both circles is listed
-/// once. Each direction is combined with all rolls, standoffs and lateral offsets. Roll 0 closes
-/// along the direction of smallest width of the object's outline seen along the approach.
+/// "Mind the gap - robotic grasping under incomplete observation", ICRA 2011, section IV): one
+/// about the object's major axis, one containing that axis. The second one starts exactly opposite
+/// to the reference direction, which is `reachability.approach_W` or, when unset, straight at the
+/// table, so that the vertical approach is always among the samples; a direction of both circles is
+/// listed once. Each direction is combined with all rolls, standoffs and lateral offsets. Roll 0
+/// closes along the direction of smallest width of the object's outline seen along the approach.
 ///
 /// The pose's y coordinate (along the closing direction) is the centroid's; closing the hand shows
 /// how to centre it. Unreachable directions are listed too: rejecting them is the planner's part.

@@ -28,9 +28,9 @@ Eigen::Vector2d texel_center(const robot::TactilePadModel& pad, int row, int col
 // The surface over one texel. `height` is measured along the outward direction of the pad's side:
 // +y for the left, -y for the right; with opening s the texel is pressed by height - s/2.
 struct Spring {
-  double x = 0, z = 0;   // m, in G
-  double height = 0;     // m
-  int side = 1;          // +1 left, -1 right
+  double x = 0, z = 0;  // m, in G
+  double height = 0;    // m
+  int side = 1;         // +1 left, -1 right
   Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();
 
   // d height / d q for q = (shift along y [m], turn about x [rad], turn about z [rad]): a small

@@ -23,9 +23,9 @@ struct ContactPatch {
   std::vector<Eigen::Vector3d> points_G;   // n, centres of the pressed texels on the surface [m]
   std::vector<Eigen::Vector3d> normals_G;  // n, unit, outward of the object
   std::vector<double> forces;              // n, of the texels [N]
-  Eigen::Vector3d center_G = Eigen::Vector3d::Zero();  // of pressure [m]
+  Eigen::Vector3d center_G = Eigen::Vector3d::Zero();   // of pressure [m]
   Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();  // unit, force-weighted mean
-  double force = 0;           // N, sum of the texels
+  double force = 0;                                     // N, sum of the texels
   double area = 0;            // m^2, of the texels above the touch threshold
   double depth = 0;           // m, deepest penetration
   double torsion_radius = 0;  // m, force-weighted mean distance to the centre of pressure
@@ -44,8 +44,8 @@ struct ClosedHand {
   ClosingOutcome outcome = ClosingOutcome::kMissed;
   double opening_at_touch = 0;  // m, when both pads feel the touch force
   double opening = 0;           // m, at the grasp force
-  double offset = 0;  // m, along +y of G from G's origin to the middle of the grasped section
-  double turn = 0;    // rad, by which closing turns the object
+  double offset = 0;   // m, along +y of G from G's origin to the middle of the grasped section
+  double turn = 0;     // rad, by which closing turns the object
   ContactPatch left;   // at +y
   ContactPatch right;  // at -y
 };
@@ -64,8 +64,8 @@ SectionExtent measure_section(const geometry::MeshQuery& object_W,
 ///
 /// Rays from every texel of both open pads (`opening` [m]) along -+y of G give the height of the
 /// surface over each texel. The pads are beds of springs with the texels' stiffness k, the object
-/// is rigid and free to shift along y and to turn about G's x and z axes by small angles q; it comes
-/// to rest where the elastic energy
+/// is rigid and free to shift along y and to turn about G's x and z axes by small angles q; it
+/// comes to rest where the elastic energy
 ///   E(q, s) = k/2 sum_i max(0, h_i + J_i q - s/2)^2
 /// is smallest (convex in q; Newton's method), and the opening s is the one at which the pads' sum
 /// is the wanted force. Friction, gravity and the table are left out of this equilibrium.

@@ -173,7 +173,8 @@ ForceClosure evaluate_force_closure(const std::vector<Contact>& contacts,
     if (!contact.point.allFinite() || !(std::abs(contact.normal.norm() - 1) < 1e-6) ||
         !(contact.friction >= 0) || !(contact.torsion_radius >= 0)) {
       throw std::invalid_argument(
-          "evaluate_force_closure: a contact needs a finite point, a unit normal, friction >= 0 and "
+          "evaluate_force_closure: a contact needs a finite point, a unit normal, friction >= 0 "
+          "and "
           "torsion_radius >= 0");
     }
   }

@@ -36,9 +36,9 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> primitive_wrenches(const std::vector<Co
 
 struct ForceClosure {
   bool closed = false;
-  int rank = 0;          // of the primitive wrenches
-  double margin = 0;     // n * max min lambda_i over W lambda = 0, sum lambda = 1; <= 0: not closed
-  double quality = 0;    // see evaluate_force_closure; 0 when not closed
+  int rank = 0;        // of the primitive wrenches
+  double margin = 0;   // n * max min lambda_i over W lambda = 0, sum lambda = 1; <= 0: not closed
+  double quality = 0;  // see evaluate_force_closure; 0 when not closed
 };
 
 /// Decides whether the contacts hold the object against any wrench: the origin lies strictly inside
@@ -48,8 +48,8 @@ struct ForceClosure {
 /// solved by GLPK's simplex method, in rational arithmetic where rounding makes that one cycle. Two
 /// point contacts are never closed (rank 5: no torque about their line).
 ///
-/// `quality` is the largest r for which all twelve wrenches +-r e_k are in the hull, e_k the axes of
-/// the wrench space: twelve exact linear programmes. The radius epsilon of the largest ball
+/// `quality` is the largest r for which all twelve wrenches +-r e_k are in the hull, e_k the axes
+/// of the wrench space: twelve exact linear programmes. The radius epsilon of the largest ball
 /// (Ferrari and Canny, "Planning optimal grasps", ICRA 1992) obeys
 ///   quality / sqrt(6) <= epsilon <= quality,
 /// without the cost of a hull in six dimensions. It does not change when the object, the torsion

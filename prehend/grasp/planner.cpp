@@ -35,9 +35,8 @@ constexpr const char* kNotClosed = "no force closure";
 constexpr const char* kTooHeavy = "too heavy for the grip force";
 constexpr const char* kRankedBelow = "ranked below the best";
 // In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{kDirection,  kNothing, kTooWide,   kWorkspace,
-                             kTable,      kObject,  kObstacle,  kBottomsOut,
-                             kTurns,      kTooHeavy, kOffCentre, kNotClosed};
+constexpr std::array kStages{kDirection, kNothing,    kTooWide, kWorkspace, kTable,     kObject,
+                             kObstacle,  kBottomsOut, kTurns,   kTooHeavy,  kOffCentre, kNotClosed};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("PlannerOptions." + message);
@@ -109,10 +108,10 @@ class Planner {
         gripper_(gripper),
         reachability_(reachability),
         options_(options) {
-    largest_force_ = options.largest_force > 0
-                         ? options.largest_force
-                         : gripper.nominal_current * gripper.force_per_current -
-                               gripper.friction_force;
+    largest_force_ =
+        options.largest_force > 0
+            ? options.largest_force
+            : gripper.nominal_current * gripper.force_per_current - gripper.friction_force;
   }
 
   GraspPlanResult plan();
@@ -164,8 +163,8 @@ const char* Planner::centre(RigidTransform* X_WG) {
 // The widest opening that meets nothing on the straight way from the pregrasp.
 const char* Planner::find_opening(const RigidTransform& X_WG, double section_width,
                                   double* opening) const {
-  const double narrow = std::min(gripper_.max_opening,
-                                 section_width + 2 * options_.opening_clearance);
+  const double narrow =
+      std::min(gripper_.max_opening, section_width + 2 * options_.opening_clearance);
   const char* reason = nullptr;
   for (double tried : {gripper_.max_opening, narrow}) {
     switch (scene_.check(swept_hand(gripper_, tried, options_.pregrasp_distance), X_WG)) {
@@ -188,14 +187,12 @@ const char* Planner::find_opening(const RigidTransform& X_WG, double section_wid
 
 double Planner::least_force() const {
   const double weight = solid_.mass * (kGravity + options_.lift_acceleration);
-  return std::max(options_.least_force,
-                  options_.safety_factor * weight / (2 * options_.friction));
+  return std::max(options_.least_force, options_.safety_factor * weight / (2 * options_.friction));
 }
 
 // How much of the pads' elliptic limit surface the weight and its torque about the closing
 // direction use, times the safety factor; a weight along the closing direction unloads one pad.
-double Planner::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG,
-                           double force) const {
+double Planner::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force) const {
   const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid_.mass *
                                    (kGravity + options_.lift_acceleration);
   const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
@@ -307,8 +304,9 @@ std::string Planner::problem(const GraspPlanResult& result) const {
 
   std::array<char, 200> text{};
   if (narrowest_ > gripper_.max_opening - 2 * options_.collision.object_margin) {
-    std::snprintf(text.data(), text.size(), "narrowest width %.0f mm exceeds the gripper's %.0f mm%s",
-                  narrowest_ * 1e3, gripper_.max_opening * 1e3,
+    std::snprintf(text.data(), text.size(),
+                  "narrowest width %.0f mm exceeds the gripper's %.0f mm%s", narrowest_ * 1e3,
+                  gripper_.max_opening * 1e3,
                   narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
     return start + text.data();
   }

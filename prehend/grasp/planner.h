@@ -17,10 +17,10 @@
 namespace prehend::grasp {
 
 struct ScoreWeights {
-  double quality = 0.35;       // quality / (quality + 0.1), see force_closure.h
-  double centredness = 0.35;   // exp(-d / 20 mm), d from the centre of mass to the pads' line
-  double area = 0.2;           // mean patch area / pad area
-  double clearance = 0.1;      // min(1, fingertips' height over the table / 20 mm)
+  double quality = 0.35;      // quality / (quality + 0.1), see force_closure.h
+  double centredness = 0.35;  // exp(-d / 20 mm), d from the centre of mass to the pads' line
+  double area = 0.2;          // mean patch area / pad area
+  double clearance = 0.1;     // min(1, fingertips' height over the table / 20 mm)
 };
 
 struct PlannerOptions {
@@ -29,16 +29,16 @@ struct PlannerOptions {
   ForceClosureOptions force_closure;
   CollisionOptions collision;
   ScoreWeights weights;
-  double density = 800;             // kg/m^3, > 0, assumed of the unknown object
-  double friction = 0.6;            // > 0, assumed; below the pads' mu_d to stay on the safe side
-  double safety_factor = 2.5;       // >= 1, of the grasp force against slipping
-  double lift_acceleration = 1.0;   // m/s^2, >= 0, upwards on top of gravity
-  double least_force = 8;           // N, > 0, per pad: less is not controllable
-  double largest_force = 0;         // N, per pad; 0: what the gripper's nominal current gives
-  double pregrasp_distance = 0.08;  // m, > 0, back along the approach
-  double opening_clearance = 0.005; // m, >= 0, of each pad when a narrower opening must do
-  double largest_offset = 0.004;    // m, >= 0, of the grasped section from the hand's middle
-  int largest_count = 32;           // > 0, of grasps in the result
+  double density = 800;              // kg/m^3, > 0, assumed of the unknown object
+  double friction = 0.6;             // > 0, assumed; below the pads' mu_d to stay on the safe side
+  double safety_factor = 2.5;        // >= 1, of the grasp force against slipping
+  double lift_acceleration = 1.0;    // m/s^2, >= 0, upwards on top of gravity
+  double least_force = 8;            // N, > 0, per pad: less is not controllable
+  double largest_force = 0;          // N, per pad; 0: what the gripper's nominal current gives
+  double pregrasp_distance = 0.08;   // m, > 0, back along the approach
+  double opening_clearance = 0.005;  // m, >= 0, of each pad when a narrower opening must do
+  double largest_offset = 0.004;     // m, >= 0, of the grasped section from the hand's middle
+  int largest_count = 32;            // > 0, of grasps in the result
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -62,14 +62,14 @@ struct Grasp {
   double quality = 0;            // see ForceClosure
   double score = 0;              // what the list is ranked by, 0 to 1
   PredictedPercepts predicted;
-  std::vector<Eigen::Vector3d> left_contacts_W;   // pressed texels [m]
+  std::vector<Eigen::Vector3d> left_contacts_W;  // pressed texels [m]
   std::vector<Eigen::Vector3d> right_contacts_W;
 };
 
 struct GraspPlanResult {
   std::vector<Grasp> grasps;              // best first
   std::map<std::string, int> rejections;  // reason -> candidates it rejected
-  int candidates = 0;  // = grasps + all rejections (those ranked below the last are one reason)
+  int candidates = 0;   // = grasps + all rejections (those ranked below the last are one reason)
   std::string problem;  // "cannot be grasped: ..." when there is no grasp, else empty
 };
 
@@ -78,10 +78,10 @@ struct GraspPlanResult {
 /// collide, holds the object by soft-finger force closure and carries its weight.
 ///
 /// The grasp force follows from the mass m = volume * density (the hull's volume when the mesh is
-/// not watertight): F = safety_factor * m (g + a) / (2 friction), raised where the centre of mass is
-/// beside the pads' line so that the torque of the weight stays inside the elliptic limit surface
-/// too, within [least_force, largest_force].
-/// The score is the weighted mean named in ScoreWeights. Same input, same result, bit by bit.
+/// not watertight): F = safety_factor * m (g + a) / (2 friction), raised where the centre of mass
+/// is beside the pads' line so that the torque of the weight stays inside the elliptic limit
+/// surface too, within [least_force, largest_force]. The score is the weighted mean named in
+/// ScoreWeights. Same input, same result, bit by bit.
 /// @throws geometry::InputError for a mesh without triangles or with NaN or bad indices;
 ///         std::invalid_argument for options out of range.
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,

@@ -62,8 +62,7 @@ class Document {
   std::vector<double> numbers(Names names) const {
     const std::optional<YAML::Node> found = find(names);
     if (!found) {
-      fail(path_, std::string("has no key '") + *names.begin() + "'",
-           "Add it or calibrate again");
+      fail(path_, std::string("has no key '") + *names.begin() + "'", "Add it or calibrate again");
     }
     const YAML::Node node = found->IsMap() && (*found)["data"] ? (*found)["data"] : *found;
     std::vector<double> values;
@@ -71,8 +70,9 @@ class Document {
       double number = 0;
       if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) ||
           !std::isfinite(number)) {
-        fail(path_, std::string("has a value of '") + *names.begin() +
-                        "' that is not a finite number", "Correct it or calibrate again");
+        fail(path_,
+             std::string("has a value of '") + *names.begin() + "' that is not a finite number",
+             "Correct it or calibrate again");
       }
       values.push_back(number);
     };
@@ -93,8 +93,9 @@ class Document {
   std::vector<double> numbers(Names names, std::size_t count) const {
     std::vector<double> values = numbers(names);
     if (values.size() != count) {
-      fail(path_, std::string("has ") + std::to_string(values.size()) + " values of '" +
-                      *names.begin() + "', not " + std::to_string(count),
+      fail(path_,
+           std::string("has ") + std::to_string(values.size()) + " values of '" + *names.begin() +
+               "', not " + std::to_string(count),
            "Correct it or calibrate again");
     }
     return values;
@@ -118,8 +119,9 @@ void check_pinhole(const std::filesystem::path& path, const Eigen::Matrix3d& K, 
   const bool good = K.allFinite() && K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 && K(2, 0) == 0 &&
                     K(2, 1) == 0 && std::abs(K(2, 2) - 1) < 1e-9;
   if (!good) {
-    fail(path, std::string("has no pinhole matrix in '") + name +
-                   "' (fx 0 cx; 0 fy cy; 0 0 1 with fx, fy > 0)",
+    fail(path,
+         std::string("has no pinhole matrix in '") + name +
+             "' (fx 0 cx; 0 fy cy; 0 0 1 with fx, fy > 0)",
          "Correct it or calibrate again");
   }
 }
@@ -130,8 +132,9 @@ void check_baseline(const std::filesystem::path& path, double baseline, const ch
          "State the distance of the two cameras in metres");
   }
   if (baseline > kLargestBaseline) {
-    fail(path, std::string("has a '") + name + "' of " + std::to_string(baseline) +
-                   " m, which looks like millimetres",
+    fail(path,
+         std::string("has a '") + name + "' of " + std::to_string(baseline) +
+             " m, which looks like millimetres",
          "State lengths in metres");
   }
 }
@@ -140,8 +143,10 @@ void check_distortion(const std::filesystem::path& path, const std::vector<doubl
                       const char* name) {
   const std::size_t n = d.size();
   if (n != 0 && n != 4 && n != 5 && n != 8 && n != 12 && n != 14) {
-    fail(path, std::string("has ") + std::to_string(n) + " distortion coefficients in '" + name +
-                   "'; OpenCV knows 4, 5, 8, 12 or 14", "Correct it or calibrate again");
+    fail(path,
+         std::string("has ") + std::to_string(n) + " distortion coefficients in '" + name +
+             "'; OpenCV knows 4, 5, 8, 12 or 14",
+         "Correct it or calibrate again");
   }
 }
 
@@ -270,8 +275,9 @@ StereoCalibration read_stereo_calibration(const std::filesystem::path& path) {
     fail(path, std::string("is not YAML: ") + error.what(), "Pass a YAML file or K.txt");
   }
   if (!root.IsMap()) {
-    fail(path, "is no calibration", "Pass OpenCV's YAML, {width, height, fx, fy, cx, cy, baseline} "
-                                    "or K.txt with nine numbers of K and the baseline");
+    fail(path, "is no calibration",
+         "Pass OpenCV's YAML, {width, height, fx, fy, cx, cy, baseline} "
+         "or K.txt with nine numbers of K and the baseline");
   }
   return from_document(Document(path, root));
 }

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <numeric>
 
-#include <Eigen/Geometry>
 #include <pcl/PointIndices.h>
 #include <pcl/console/print.h>
 #include <pcl/point_cloud.h>
@@ -14,6 +13,7 @@
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
 #include <pcl/surface/convex_hull.h>
+#include <Eigen/Geometry>
 
 #include "prehend/geometry/errors.h"
 
@@ -102,8 +102,7 @@ std::vector<std::vector<int>> euclidean_clusters(const std::vector<Eigen::Vector
   return clusters;
 }
 
-PlaneOutline::PlaneOutline(const geometry::Plane& plane,
-                           const std::vector<Eigen::Vector3f>& points)
+PlaneOutline::PlaneOutline(const geometry::Plane& plane, const std::vector<Eigen::Vector3f>& points)
     : plane_(plane), x_(plane.normal.unitOrthogonal()), y_(plane.normal.cross(x_)) {
   std::vector<Eigen::Vector3f> flattened;
   Eigen::AlignedBox2d box;

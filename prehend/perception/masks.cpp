@@ -49,10 +49,9 @@ ObjectImages draw_objects(const geometry::PointCloud& cloud_C,
     owner.data = object_of;
     images.depth = depth_of(cloud_C);
   } else {
-    const geometry::Image<int> nearest =
-        splat(cloud_C, camera, 1.5 * point_spacing(cloud_C));
-    images.depth = geometry::DepthImage(camera.width, camera.height,
-                                        std::numeric_limits<float>::quiet_NaN());
+    const geometry::Image<int> nearest = splat(cloud_C, camera, 1.5 * point_spacing(cloud_C));
+    images.depth =
+        geometry::DepthImage(camera.width, camera.height, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t i = 0; i < owner.data.size(); ++i) {
       if (nearest.data[i] < 0) continue;
       owner.data[i] = object_of[nearest.data[i]];
@@ -100,8 +99,8 @@ PixelRectangle measured_area(const geometry::DepthImage& depth) {
       straight_or(row_last, *std::max_element(row_last.begin(), row_last.end()), -1, width - 1);
   area.top =
       straight_or(column_first, *std::min_element(column_first.begin(), column_first.end()), 1, 0);
-  area.bottom = straight_or(
-      column_last, *std::max_element(column_last.begin(), column_last.end()), -1, height - 1);
+  area.bottom = straight_or(column_last, *std::max_element(column_last.begin(), column_last.end()),
+                            -1, height - 1);
   return area;
 }
 

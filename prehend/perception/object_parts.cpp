@@ -109,15 +109,15 @@ class PartJoiner {
   };
 
   struct Footprint {
-    double left = 0;       // m, 3 % and 97 % quantiles across
+    double left = 0;  // m, 3 % and 97 % quantiles across
     double right = 0;
     double middle = 0;     // m, mean along the view
     double curvature = 0;  // 1/m, of along = a + b lateral + curvature lateral^2
   };
 
   View view_of(std::size_t k) const {
-    Eigen::Vector3d along = table_.project(parts_[k].center) -
-                            table_.project(Eigen::Vector3d::Zero());
+    Eigen::Vector3d along =
+        table_.project(parts_[k].center) - table_.project(Eigen::Vector3d::Zero());
     // Straight from above every horizontal direction is as good.
     if (along.norm() < 1e-6) along = table_.normal.unitOrthogonal();
     along.normalize();

@@ -60,8 +60,8 @@ Shape shape_of(const PointCloud& cloud) {
   shape.axes = solver.eigenvectors();
   for (int k = 0; k < 3; ++k) {
     std::sort(values[k].begin(), values[k].end());
-    shape.extent[k] = static_cast<double>(values[k][(n - 1) - n / 50]) -
-                      static_cast<double>(values[k][n / 50]);
+    shape.extent[k] =
+        static_cast<double>(values[k][(n - 1) - n / 50]) - static_cast<double>(values[k][n / 50]);
   }
   return shape;
 }
@@ -78,8 +78,8 @@ void check_cloud(const PointCloud& cloud, const Shape& shape) {
   const std::string again = "Record the cloud again";
   if (cloud.empty()) throw InputError("The cloud is empty", again);
   if (finite == 0) {
-    throw InputError("The cloud has no valid point: all " + std::to_string(cloud.size()) +
-                         " are NaN", again);
+    throw InputError(
+        "The cloud has no valid point: all " + std::to_string(cloud.size()) + " are NaN", again);
   }
   if (finite == 1) throw InputError("The cloud has only one valid point", again);
   if (shape.extent.maxCoeff() > kLargestExtent) {
@@ -141,9 +141,10 @@ std::optional<RigidTransform> pose_from_pixels(const PointCloud& cloud) {
   const Eigen::Vector3d signs(fitted.x_flipped ? -1 : 1, fitted.y_flipped ? -1 : 1,
                               2 * behind > count ? -1 : 1);
   if (signs.prod() < 0) {
-    throw InputError("The organized cloud is mirrored: its pixel order and its axes do not belong "
-                     "to one camera",
-                     "Export it with rows from the top and columns from the left");
+    throw InputError(
+        "The organized cloud is mirrored: its pixel order and its axes do not belong "
+        "to one camera",
+        "Export it with rows from the top and columns from the left");
   }
   RigidTransform X_FC = RigidTransform::Identity();
   X_FC.linear() = signs.asDiagonal();
@@ -162,8 +163,8 @@ Eigen::Vector3d guess_up_without_camera(const Shape& shape, std::vector<std::str
   Eigen::Index dominant = 0;
   up.cwiseAbs().maxCoeff(&dominant);
   if (up[dominant] < 0) up = -up;
-  notes.push_back("up is unknown: the long axis (" + text("%.2f ", up.x()) +
-                  text("%.2f ", up.y()) + text("%.2f", up.z()) + " in the file) is taken");
+  notes.push_back("up is unknown: the long axis (" + text("%.2f ", up.x()) + text("%.2f ", up.y()) +
+                  text("%.2f", up.z()) + " in the file) is taken");
   return up;
 }
 
@@ -174,14 +175,14 @@ struct Viewpoint {
 
 // See the header for the order.
 Viewpoint find_viewpoint(const PointCloud& cloud_F, const geometry::CloudFile& file,
-                              const RecordedCloudOptions& options, const Shape& shape,
-                              std::optional<Eigen::Vector3d>& up_F,
-                              std::vector<std::string>& notes) {
+                         const RecordedCloudOptions& options, const Shape& shape,
+                         std::optional<Eigen::Vector3d>& up_F, std::vector<std::string>& notes) {
   const bool header_says = file.viewpoint && !is_identity(*file.viewpoint);
   const auto note_ignored_header = [&] {
     if (header_says) {
-      notes.emplace_back("the file's VIEWPOINT is ignored: the points are in the frame of a camera "
-                         "at the origin");
+      notes.emplace_back(
+          "the file's VIEWPOINT is ignored: the points are in the frame of a camera "
+          "at the origin");
     }
   };
   const auto note_turned = [&](const RigidTransform& X_FC) {
@@ -288,14 +289,15 @@ void put_on_hypothetical_table(RecordedCloud& recorded, bool up_known) {
   }
   table.offset -= kTableGap;
   recorded.hypothetical_table_C = table;
-  recorded.notes.emplace_back("there is no table: one object on a hypothetical table under its "
-                              "lowest point");
+  recorded.notes.emplace_back(
+      "there is no table: one object on a hypothetical table under its "
+      "lowest point");
 }
 
 // A made-up camera sees one side, like a real one.
 void drop_hidden_points(RecordedCloud& recorded) {
-  const std::vector<int> visible = visible_points(recorded.cloud_C, recorded.camera,
-                                                  point_spacing(recorded.cloud_C));
+  const std::vector<int> visible =
+      visible_points(recorded.cloud_C, recorded.camera, point_spacing(recorded.cloud_C));
   if (visible.empty() || visible.size() == recorded.cloud_C.size()) return;
   recorded.notes.push_back(std::to_string(recorded.cloud_C.size() - visible.size()) + " of " +
                            std::to_string(recorded.cloud_C.size()) +
@@ -326,8 +328,7 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
   RecordedCloud recorded;
   std::optional<Eigen::Vector3d> up_F = options.up;
   if (up_F) up_F->normalize();
-  const Viewpoint viewpoint =
-      find_viewpoint(cloud_F, file, options, shape, up_F, recorded.notes);
+  const Viewpoint viewpoint = find_viewpoint(cloud_F, file, options, shape, up_F, recorded.notes);
   recorded.X_FC = viewpoint.X_FC;
   if (up_F) recorded.up_C = recorded.X_FC.linear().transpose() * *up_F;
   set_camera_and_cloud(recorded, cloud_F, file.labels);
@@ -353,14 +354,14 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
       draw_objects(recorded.cloud_C, recorded.camera, {all}, options.close_radius);
   SegmentedScene scene;
   scene.camera = recorded.camera;
-  scene.X_WC = world_from_table(*recorded.hypothetical_table_C,
-                                geometry::centroid(recorded.cloud_C));
+  scene.X_WC =
+      world_from_table(*recorded.hypothetical_table_C, geometry::centroid(recorded.cloud_C));
   scene.depth = std::move(images.depth);
   ObjectHypothesis object;
   object.cloud_W = geometry::transformed(geometry::select(recorded.cloud_C, all), scene.X_WC);
   object.mask = std::move(images.masks[0]);
-  object.touches_image_border = touches_border(
-      object.mask, {0, 0, object.mask.width - 1, object.mask.height - 1}, 0);
+  object.touches_image_border =
+      touches_border(object.mask, {0, 0, object.mask.width - 1, object.mask.height - 1}, 0);
   scene.objects.push_back(std::move(object));
   return scene;  // table_W is z = 0, as the world is made from it
 }

@@ -28,12 +28,12 @@ struct RecordedCloudOptions {
 /// A recorded cloud brought into the optical frame C of a real or virtual camera.
 struct RecordedCloud {
   geometry::PointCloud cloud_C;
-  geometry::PinholeCamera camera;    // fitted (organized) or virtual
-  geometry::RigidTransform X_FC;     // camera in the file's frame
-  std::optional<Eigen::Vector3d> up_C;  // unit, if known or guessed
+  geometry::PinholeCamera camera;                       // fitted (organized) or virtual
+  geometry::RigidTransform X_FC;                        // camera in the file's frame
+  std::optional<Eigen::Vector3d> up_C;                  // unit, if known or guessed
   std::optional<geometry::Plane> hypothetical_table_C;  // set: the whole cloud is one object
-  std::vector<std::uint32_t> labels;  // of cloud_C's points, or empty
-  std::vector<std::string> notes;     // what was assumed, in words, for the log and the report
+  std::vector<std::uint32_t> labels;                    // of cloud_C's points, or empty
+  std::vector<std::string> notes;  // what was assumed, in words, for the log and the report
 };
 
 /// Works out from which camera a cloud was seen; files often say it wrong. In this order:

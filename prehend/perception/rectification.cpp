@@ -65,10 +65,10 @@ RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
   }
   const Eigen::Vector3d& T = calibration.X_RL.translation();
   if (std::abs(T.y()) > std::abs(T.x()) || T.x() >= 0) {
-    throw InputError("The right camera is not to the right of the left one (T = " +
-                         std::to_string(T.x()) + ", " + std::to_string(T.y()) + ", " +
-                         std::to_string(T.z()) + " m)",
-                     "Swap the two images and calibrate in that order");
+    throw InputError(
+        "The right camera is not to the right of the left one (T = " + std::to_string(T.x()) +
+            ", " + std::to_string(T.y()) + ", " + std::to_string(T.z()) + " m)",
+        "Swap the two images and calibrate in that order");
   }
   const cv::Mat K_left = matrix(calibration.K_left);
   const cv::Mat K_right = matrix(calibration.K_right);
@@ -81,8 +81,8 @@ RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
   cv::Mat Q;
   cv::stereoRectify(K_left, distortion_left, K_right, distortion_right,
                     cv::Size(left.width, left.height), matrix(calibration.X_RL.linear()),
-                    column({T.x(), T.y(), T.z()}), R_left, R_right, P_left,
-                    P_right, Q, cv::CALIB_ZERO_DISPARITY, 0.0);
+                    column({T.x(), T.y(), T.z()}), R_left, R_right, P_left, P_right, Q,
+                    cv::CALIB_ZERO_DISPARITY, 0.0);
   RectifiedPair pair;
   pair.left = remapped(left, K_left, distortion_left, R_left, P_left);
   pair.right = remapped(right, K_right, distortion_right, R_right, P_right);

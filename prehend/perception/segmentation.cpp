@@ -60,19 +60,18 @@ std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table
 // Point indices of each object, largest first.
 std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C, const Table& table,
                                            const SegmentationOptions& options) {
-  const VoxelGrid grid = make_voxel_grid(
-      cloud_C.points, points_over_table(cloud_C, table, options), options.leaf_size);
+  const VoxelGrid grid = make_voxel_grid(cloud_C.points, points_over_table(cloud_C, table, options),
+                                         options.leaf_size);
   std::vector<std::vector<int>> objects;
   const std::vector<std::vector<int>> clusters =
       euclidean_clusters(grid.centroids, options.cluster_tolerance, kMinClusterVoxels);
-  for (const auto& cluster :
-       joined_parts(grid.centroids, clusters, table.plane_C, options.parts)) {
+  for (const auto& cluster : joined_parts(grid.centroids, clusters, table.plane_C, options.parts)) {
     std::vector<int> members;
     double height = 0;
     for (const int voxel : cluster) {
       members.insert(members.end(), grid.members[voxel].begin(), grid.members[voxel].end());
-      height = std::max(
-          height, table.plane_C.signed_distance(grid.centroids[voxel].cast<double>()));
+      height =
+          std::max(height, table.plane_C.signed_distance(grid.centroids[voxel].cast<double>()));
     }
     if (static_cast<int>(members.size()) < options.min_points ||
         height < options.min_object_height) {
@@ -91,8 +90,8 @@ std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C, const Tabl
 }
 
 // Mean of all objects' points, else of the table.
-Eigen::Vector3d anchor_of(const PointCloud& cloud_C,
-                          const std::vector<std::vector<int>>& objects, const Table& table) {
+Eigen::Vector3d anchor_of(const PointCloud& cloud_C, const std::vector<std::vector<int>>& objects,
+                          const Table& table) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0;
   for (const auto& members : objects) {
@@ -131,8 +130,7 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
                                 const SegmentationOptions& options) {
   check_options(options);
   if (camera.width <= 0 || camera.height <= 0 ||
-      (cloud_C.organized() &&
-       (cloud_C.width != camera.width || cloud_C.height != camera.height))) {
+      (cloud_C.organized() && (cloud_C.width != camera.width || cloud_C.height != camera.height))) {
     throw std::invalid_argument("segment_on_table: the camera's size is not the cloud's");
   }
   const std::vector<std::vector<int>> members = find_objects(cloud_C, table, options);
@@ -140,8 +138,7 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
 
   SegmentedScene scene;
   scene.camera = camera;
-  scene.X_WC =
-      X_WC ? *X_WC : world_from_table(table.plane_C, anchor_of(cloud_C, members, table));
+  scene.X_WC = X_WC ? *X_WC : world_from_table(table.plane_C, anchor_of(cloud_C, members, table));
   scene.depth = std::move(images.depth);
   scene.table_W = transformed(table.plane_C, scene.X_WC);
   // An organized cloud is what the sensor measured; a virtual camera's image has no frame.

@@ -23,22 +23,23 @@ struct SegmentationOptions {
   double hull_margin = 0.02;        // m, the table's outline is widened by this much
   int close_radius = 2;             // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
-  PartOptions parts;                // which clusters are one object
+  PartOptions parts;  // which clusters are one object
 };
 
 /// The objects that stand on `table`: points over its convex outline, voxel grid,
-/// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by pixel membership, others by
-/// projecting splats with a depth test; small holes are closed. Largest object (points) first, ids
-/// 0, 1, ... in that order. No object is not an error: `objects` is empty.
+/// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by
+/// pixel membership, others by projecting splats with a depth test; small holes are closed. Largest
+/// object (points) first, ids 0, 1, ... in that order. No object is not an error: `objects` is
+/// empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
 /// @param X_WC pose of the camera in the world. Without it the world is made from the table:
 ///   z = table normal, x = the camera's x projected into the table, origin = centroid of the
 ///   objects (or of the table) projected onto the table, so that the table is z = 0.
 /// @throws std::invalid_argument for a bad option or a camera of another size.
-SegmentedScene segment_on_table(
-    const geometry::PointCloud& cloud_C, const geometry::PinholeCamera& camera, const Table& table,
-    const std::optional<geometry::RigidTransform>& X_WC = std::nullopt,
-    const SegmentationOptions& options = {});
+SegmentedScene segment_on_table(const geometry::PointCloud& cloud_C,
+                                const geometry::PinholeCamera& camera, const Table& table,
+                                const std::optional<geometry::RigidTransform>& X_WC = std::nullopt,
+                                const SegmentationOptions& options = {});
 
 /// find_table, then segment_on_table. With X_WC, the world's +z is up for the table's tilt.
 /// @throws geometry::InputError when there is no table.

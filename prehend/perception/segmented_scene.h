@@ -20,10 +20,10 @@ struct ObjectHypothesis {
 
 /// What segmentation makes of one view: a table and the objects on it.
 struct SegmentedScene {
-  geometry::PinholeCamera camera;   // real, or virtual for unorganized clouds
-  geometry::RigidTransform X_WC;    // pose of its optical frame in the world
-  geometry::DepthImage depth;       // of the whole view, for reports
-  geometry::Plane table_W;          // normal towards the objects
+  geometry::PinholeCamera camera;         // real, or virtual for unorganized clouds
+  geometry::RigidTransform X_WC;          // pose of its optical frame in the world
+  geometry::DepthImage depth;             // of the whole view, for reports
+  geometry::Plane table_W;                // normal towards the objects
   std::vector<ObjectHypothesis> objects;  // largest first
 };
 

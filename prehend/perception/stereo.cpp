@@ -42,14 +42,15 @@ void check_options(const StereoOptions& o) {
 void check_camera(const geometry::StereoCamera& camera) {
   const geometry::PinholeCamera& c = camera.left;
   const bool good = c.width > 0 && c.height > 0 && std::isfinite(c.fx) && c.fx > 0 &&
-                    std::isfinite(c.fy) && c.fy > 0 && std::isfinite(c.cx) &&
-                    std::isfinite(c.cy) && std::isfinite(camera.baseline) && camera.baseline > 0;
+                    std::isfinite(c.fy) && c.fy > 0 && std::isfinite(c.cx) && std::isfinite(c.cy) &&
+                    std::isfinite(camera.baseline) && camera.baseline > 0;
   if (!good) {
-    throw InputError("The stereo camera has a size, focal length or baseline that is not positive "
-                     "(size " + std::to_string(c.width) + " x " + std::to_string(c.height) +
-                     ", fx " + std::to_string(c.fx) + ", baseline " +
-                     std::to_string(camera.baseline) + ")",
-                     "Calibrate the camera");
+    throw InputError(
+        "The stereo camera has a size, focal length or baseline that is not positive "
+        "(size " +
+            std::to_string(c.width) + " x " + std::to_string(c.height) + ", fx " +
+            std::to_string(c.fx) + ", baseline " + std::to_string(camera.baseline) + ")",
+        "Calibrate the camera");
   }
 }
 
@@ -114,8 +115,7 @@ DisparityImage disparity_of(const geometry::Image<T>& left, const geometry::Imag
 
 }  // namespace
 
-DisparityRange disparity_range(const geometry::StereoCamera& camera,
-                               const StereoOptions& options) {
+DisparityRange disparity_range(const geometry::StereoCamera& camera, const StereoOptions& options) {
   check_options(options);
   check_camera(camera);
   const double scale = camera.left.fx * camera.baseline;

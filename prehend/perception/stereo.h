@@ -19,14 +19,14 @@ struct StereoOptions {
   double max_depth = 2.5;   // m, > min_depth
   int block_size = 5;       // pixels, odd, 1..21: side of the matched window
   /// Penalties of a disparity change by 1 pixel and by more, per channel and pixel of the block.
-  int small_step_penalty = 8;       // > 0
-  int large_step_penalty = 32;      // > small_step_penalty
-  int gradient_cap = 63;            // 1..127, clips the horizontal derivative the cost is made of
-  int uniqueness_percent = 5;       // 0..100: best cost must win by this margin
-  int speckle_size = 200;           // pixels: smaller connected patches are dropped; 0 keeps all
-  int speckle_range = 2;            // pixels of disparity within one patch
-  int left_right_tolerance = 1;     // pixels; -1 switches the left-right check off
-  bool eight_directions = false;    // full two-pass algorithm: better, 1.6 times slower, more memory
+  int small_step_penalty = 8;     // > 0
+  int large_step_penalty = 32;    // > small_step_penalty
+  int gradient_cap = 63;          // 1..127, clips the horizontal derivative the cost is made of
+  int uniqueness_percent = 5;     // 0..100: best cost must win by this margin
+  int speckle_size = 200;         // pixels: smaller connected patches are dropped; 0 keeps all
+  int speckle_range = 2;          // pixels of disparity within one patch
+  int left_right_tolerance = 1;   // pixels; -1 switches the left-right check off
+  bool eight_directions = false;  // full two-pass algorithm: better, 1.6 times slower, more memory
 };
 
 /// Disparities that are searched: minimum, minimum + 1, ..., minimum + count - 1 [pixels].

@@ -7,13 +7,13 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
 #include <pcl/sample_consensus/sac_model_plane.h>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/cloud_partition.h"
@@ -24,11 +24,11 @@ namespace {
 using geometry::InputError;
 using geometry::Plane;
 
-constexpr int kMinVoxels = 30;        // of a plane
-constexpr double kPatchGap = 0.15;    // m, larger gaps separate a plane's patches
+constexpr int kMinVoxels = 30;      // of a plane
+constexpr double kPatchGap = 0.15;  // m, larger gaps separate a plane's patches
 constexpr double kLowestTiltFactor = 0.05;
-constexpr double kBareTable = 0.05;    // score of a plane without anything on it
-constexpr double kManyThings = 0.05;   // voxels of things per voxel of table: half the full score
+constexpr double kBareTable = 0.05;   // score of a plane without anything on it
+constexpr double kManyThings = 0.05;  // voxels of things per voxel of table: half the full score
 constexpr int kMinThingVoxels = 15;   // of something that stands on a plane
 
 void require(bool condition, const char* what) {
@@ -125,8 +125,7 @@ std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3f>& points,
   const Eigen::Vector3d normal = coefficients.head<3>().cast<double>();
   if (!normal.allFinite() || normal.norm() < 1e-6) return std::nullopt;
   const double n = normal.norm();
-  return facing_camera(normal / n,
-                       -static_cast<double>(coefficients[3]) / n * (normal / n));
+  return facing_camera(normal / n, -static_cast<double>(coefficients[3]) / n * (normal / n));
 }
 
 // Voxels of things that stand on the plane within its outline.
@@ -165,8 +164,7 @@ int standing_voxels(const Plane& plane, const PlaneOutline& outline,
 // camera that looks down, walls and the fronts of boxes face down.
 double tilt_factor(const Plane& plane) {
   const double cosine = -plane.normal.y();
-  return kLowestTiltFactor +
-         (1 - kLowestTiltFactor) * std::clamp((cosine + 0.25) / 0.4, 0.0, 1.0);
+  return kLowestTiltFactor + (1 - kLowestTiltFactor) * std::clamp((cosine + 0.25) / 0.4, 0.0, 1.0);
 }
 
 struct Candidate {
@@ -209,13 +207,13 @@ std::optional<Candidate> refined(Plane plane, const std::vector<Eigen::Vector3f>
   // often far less.
   double squares = 0;
   for (const int i : candidate.voxels) {
-    const double d = plane.signed_distance(voxels[i].cast<double>()) /
-                     tolerance_at(voxels[i], options);
+    const double d =
+        plane.signed_distance(voxels[i].cast<double>()) / tolerance_at(voxels[i], options);
     squares += d * d;
   }
   const double noise = std::sqrt(squares / static_cast<double>(candidate.voxels.size()));
-  const std::vector<int> core = inliers_of(plane, voxels, candidate.voxels, options,
-                                           std::clamp(2 * noise, 0.02, 1.0));
+  const std::vector<int> core =
+      inliers_of(plane, voxels, candidate.voxels, options, std::clamp(2 * noise, 0.02, 1.0));
   if (core.size() >= kMinVoxels) {
     const PrincipalAxes axes = principal_axes(voxels, core);
     plane = facing_camera(axes.axes.col(0), axes.mean);
@@ -288,10 +286,9 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
   for (std::size_t i = 0; i < remaining.size(); ++i) remaining[i] = static_cast<int>(i);
 
   std::optional<Candidate> best;
-  const std::size_t fewest =
-      std::max<std::size_t>(kMinVoxels, static_cast<std::size_t>(
-                                            options.min_support *
-                                            static_cast<double>(voxels.size())));
+  const std::size_t fewest = std::max<std::size_t>(
+      kMinVoxels,
+      static_cast<std::size_t>(options.min_support * static_cast<double>(voxels.size())));
   for (int k = 0; k < options.max_planes && remaining.size() >= fewest; ++k) {
     const std::optional<Plane> plane = ransac_plane(voxels, remaining, options, up_C);
     if (!plane) break;
@@ -307,10 +304,9 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
         const PlaneOutline outline(candidate->plane, members);
         candidate->standing = standing_voxels(candidate->plane, outline, voxels, options);
         const double things = candidate->standing;
-        const double share =
-            things / (things + kManyThings * static_cast<double>(members.size()));
-        candidate->score =
-            support * (up_C ? 1.0 : tilt_factor(candidate->plane)) * (kBareTable + (1 - kBareTable) * share);
+        const double share = things / (things + kManyThings * static_cast<double>(members.size()));
+        candidate->score = support * (up_C ? 1.0 : tilt_factor(candidate->plane)) *
+                           (kBareTable + (1 - kBareTable) * share);
         if (!best || candidate->score > best->score) best = candidate;
       }
     }

@@ -19,8 +19,8 @@ struct TableOptions {
   double min_extent = 0.08;        // m, shorter side of the plane's inliers
   /// Largest angle between the plane's normal and up [rad]. Only with a known up direction.
   double max_tilt = 0.6;
-  double leaf_size = 0.008;        // m, the search runs on a voxel grid; 0 uses every point
-  double max_distance = 3.0;       // m, farther points are not looked at
+  double leaf_size = 0.008;   // m, the search runs on a voxel grid; 0 uses every point
+  double max_distance = 3.0;  // m, farther points are not looked at
   /// Things that stand on a table, by which it is told from walls and floors: bottoms within
   /// contact_height, tops between min and max_object_height, extent up to max_object_extent.
   double contact_height = 0.05;     // m
@@ -32,11 +32,11 @@ struct TableOptions {
 
 /// A table found in a view.
 struct Table {
-  geometry::Plane plane_C;   // optical frame; normal towards the camera and the objects
-  std::vector<int> inliers;  // of the cloud that was searched, ascending
+  geometry::Plane plane_C;              // optical frame; normal towards the camera and the objects
+  std::vector<int> inliers;             // of the cloud that was searched, ascending
   std::vector<Eigen::Vector3d> hull_C;  // convex outline of the inliers, on the plane, in order
-  double rms = 0;            // m, of the inliers' distances to the plane
-  int object_points = 0;     // voxels of things that stand on it
+  double rms = 0;                       // m, of the inliers' distances to the plane
+  int object_points = 0;                // voxels of things that stand on it
 };
 
 /// Finds the plane that carries the objects. Candidates come from RANSAC (PCL, fixed seed) one

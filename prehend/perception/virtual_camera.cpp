@@ -6,10 +6,10 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <pcl/kdtree/kdtree_flann.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <Eigen/Dense>
 
 #include "prehend/geometry/errors.h"
 
@@ -22,10 +22,10 @@ using geometry::RigidTransform;
 
 constexpr double kInlierPixels = 2;
 constexpr std::size_t kMinFitPoints = 50;
-constexpr int kSmallestImage = 64;   // pixels
-constexpr int kLargestImage = 1280;  // pixels
+constexpr int kSmallestImage = 64;     // pixels
+constexpr int kLargestImage = 1280;    // pixels
 constexpr double kImageMargin = 0.06;  // of the image, around the cloud
-constexpr double kMinDepth = 1e-3;   // m
+constexpr double kMinDepth = 1e-3;     // m
 
 struct Line {
   double slope = 0;      // pixels, a signed focal length
@@ -75,8 +75,8 @@ PointCloud subset(const PointCloud& cloud, std::size_t count) {
 // surface bulges towards the camera (depth grows from the middle of the picture outwards).
 double viewpoint_score(const PointCloud& cloud_F, const RigidTransform& X_FC, double spacing) {
   const PointCloud cloud_C = geometry::transformed(cloud_F, X_FC.inverse());
-  const auto visible = static_cast<double>(
-      visible_points(cloud_C, make_virtual_camera(cloud_C), spacing).size());
+  const auto visible =
+      static_cast<double>(visible_points(cloud_C, make_virtual_camera(cloud_C), spacing).size());
   double mean_z = 0;
   double mean_r = 0;
   const Eigen::Vector3d center = geometry::centroid(cloud_C);
@@ -133,9 +133,10 @@ FittedCamera fit_camera(const PointCloud& cloud) {
     horizontal = fit_line(x, u, used);
     vertical = fit_line(y, v, used);
     if (horizontal.slope == 0 || vertical.slope == 0) {
-      throw InputError("The organized cloud's points lie in one row or column of the image, so its "
-                       "camera cannot be found",
-                       "Record a cloud with more extent");
+      throw InputError(
+          "The organized cloud's points lie in one row or column of the image, so its "
+          "camera cannot be found",
+          "Record a cloud with more extent");
     }
     // The first rounds cut at a multiple of the typical error, the last at the final tolerance.
     std::vector<double> errors(x.size());
@@ -154,8 +155,9 @@ FittedCamera fit_camera(const PointCloud& cloud) {
   FittedCamera fitted;
   fitted.x_flipped = horizontal.slope < 0;
   fitted.y_flipped = vertical.slope < 0;
-  fitted.camera = {cloud.width, cloud.height, std::abs(horizontal.slope), std::abs(vertical.slope),
-                   horizontal.intercept, vertical.intercept};
+  fitted.camera = {
+      cloud.width,          cloud.height,      std::abs(horizontal.slope), std::abs(vertical.slope),
+      horizontal.intercept, vertical.intercept};
   fitted.inlier_share = static_cast<double>(inliers) / static_cast<double>(x.size());
   double sum = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -213,8 +215,7 @@ geometry::PinholeCamera make_virtual_camera(const PointCloud& cloud_C) {
   }
   std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
   const double pixel = point_spacing(cloud_C) / depths[depths.size() / 2];  // as tangent
-  const Eigen::Vector2d size =
-      (ratios.sizes().cwiseMax(4 * pixel) * (1 + 2 * kImageMargin)).eval();
+  const Eigen::Vector2d size = (ratios.sizes().cwiseMax(4 * pixel) * (1 + 2 * kImageMargin)).eval();
   const double finest = size.maxCoeff() / kLargestImage;
   const double coarsest = size.maxCoeff() / kSmallestImage;
   const double scale = 1 / std::clamp(pixel, finest, coarsest);
@@ -261,16 +262,15 @@ RigidTransform plausible_viewpoint(const PointCloud& cloud_F, const Eigen::Vecto
 geometry::Image<int> splat(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
                            double size) {
   geometry::Image<int> nearest(camera.width, camera.height, -1);
-  geometry::Image<float> depth(camera.width, camera.height,
-                               std::numeric_limits<float>::infinity());
+  geometry::Image<float> depth(camera.width, camera.height, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < cloud_C.size(); ++i) {
     const Eigen::Vector3f& p = cloud_C.points[i];
     if (!geometry::is_finite(p) || static_cast<double>(p.z()) < kMinDepth) continue;
     const Eigen::Vector2d pixel = camera.project(p.cast<double>());
     const double half =
         std::clamp(0.5 * (size / static_cast<double>(p.z()) * camera.fx - 1), 0.0, 50.0);
-    if (!pixel.allFinite() || pixel.x() < -60 || pixel.y() < -60 ||
-        pixel.x() > camera.width + 60 || pixel.y() > camera.height + 60) {
+    if (!pixel.allFinite() || pixel.x() < -60 || pixel.y() < -60 || pixel.x() > camera.width + 60 ||
+        pixel.y() > camera.height + 60) {
       continue;
     }
     const int u_last = static_cast<int>(std::lround(pixel.x() + half));

@@ -19,9 +19,10 @@ struct FittedCamera {
 };
 
 /// Fits fx, cx and fy, cy of an organized cloud whose camera is at the origin by least squares
-/// from pixel (u, v) and (x / |z|, y / |z|), with outliers dropped and refitted. Works for z > 0 and
-/// for z < 0. @throws geometry::InputError when the cloud is not organized or has too few points or
-/// too little spread to tell; a cloud that is no pinhole image shows as a low inlier_share.
+/// from pixel (u, v) and (x / |z|, y / |z|), with outliers dropped and refitted. Works for z > 0
+/// and for z < 0. @throws geometry::InputError when the cloud is not organized or has too few
+/// points or too little spread to tell; a cloud that is no pinhole image shows as a low
+/// inlier_share.
 FittedCamera fit_camera(const geometry::PointCloud& cloud);
 
 /// Typical distance between neighbouring points [m]: the median, over at most 2000 points, of the
@@ -34,8 +35,9 @@ double point_spacing(const geometry::PointCloud& cloud);
 geometry::PinholeCamera make_virtual_camera(const geometry::PointCloud& cloud_C);
 
 /// A viewpoint X_FC from which the surface in `cloud_F` could have been seen: at 1.5 times the
-/// cloud's extent from its centre (0.3 to 1.5 m), 30 degrees above the horizon given by `up_F`, at the azimuth (of 24) from
-/// which most points are visible and the surface bulges towards the camera.
+/// cloud's extent from its centre (0.3 to 1.5 m), 30 degrees above the horizon given by `up_F`, at
+/// the azimuth (of 24) from which most points are visible and the surface bulges towards the
+/// camera.
 geometry::RigidTransform plausible_viewpoint(const geometry::PointCloud& cloud_F,
                                              const Eigen::Vector3d& up_F);
 

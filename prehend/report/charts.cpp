@@ -41,7 +41,8 @@ std::string quoted(const std::string& text) {
 }
 
 void write_script(const LineChart& chart, const std::filesystem::path& folder, std::ostream& out) {
-  out << "set terminal svg size 900,360 dynamic noenhanced font 'DejaVu Sans,11' background '#ffffff'\n"
+  out << "set terminal svg size 900,360 dynamic noenhanced font 'DejaVu Sans,11' background "
+         "'#ffffff'\n"
       << "set output 'chart.svg'\n"
       << "set title " << quoted(chart.title) << "\nset xlabel " << quoted(chart.x_label)
       << "\nset ylabel " << quoted(chart.y_label) << "\nset grid\nset key outside right top\n"

@@ -12,11 +12,20 @@ std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -61,8 +70,8 @@ void Page::add_heading(const std::string& text) { body_ += "<h2>" + escaped(text
 void Page::add_paragraph(const std::string& text) { body_ += "<p>" + escaped(text) + "</p>\n"; }
 
 void Page::add_verdict(const std::string& text, bool success) {
-  body_ += std::string("<p class=\"verdict ") + (success ? "good" : "bad") + "\">" +
-           escaped(text) + "</p>\n";
+  body_ += std::string("<p class=\"verdict ") + (success ? "good" : "bad") + "\">" + escaped(text) +
+           "</p>\n";
 }
 
 void Page::add_pictures(const std::vector<geometry::ColorImage>& pictures,

@@ -50,7 +50,7 @@ std::vector<Rgb> color_map(int opencv_map) {
 }  // namespace
 
 Rgb category_color(int index) {
-  static constexpr Rgb kColors[] = {{228, 88, 60}, {56, 134, 200}, {90, 170, 80},  {150, 96, 180},
+  static constexpr Rgb kColors[] = {{228, 88, 60},  {56, 134, 200}, {90, 170, 80},  {150, 96, 180},
                                     {240, 160, 40}, {60, 180, 180}, {200, 90, 150}, {140, 110, 80}};
   return kColors[static_cast<unsigned>(index) % std::size(kColors)];
 }
@@ -90,8 +90,8 @@ ColorImage overlay_masks(const ColorImage& image, const std::vector<geometry::Ma
     for (int v = 0; v < mask.height; ++v) {
       for (int u = 0; u < mask.width; ++u) {
         if (!inside(u, v)) continue;
-        const bool border = !inside(u - 2, v) || !inside(u + 2, v) || !inside(u, v - 2) ||
-                            !inside(u, v + 2);
+        const bool border =
+            !inside(u - 2, v) || !inside(u + 2, v) || !inside(u, v - 2) || !inside(u, v + 2);
         out.at(u, v) = mixed(image.at(u, v), color, border ? 1.0 : 0.4);
       }
     }
@@ -100,8 +100,8 @@ ColorImage overlay_masks(const ColorImage& image, const std::vector<geometry::Ma
 }
 
 ColorImage draw_cloud(const geometry::PointCloud& cloud_W, const std::vector<Rgb>& colors,
-                      const geometry::PinholeCamera& camera,
-                      const geometry::RigidTransform& X_WC, int point_size) {
+                      const geometry::PinholeCamera& camera, const geometry::RigidTransform& X_WC,
+                      int point_size) {
   if (colors.size() != cloud_W.size()) {
     throw std::invalid_argument("draw_cloud needs one colour for each point");
   }

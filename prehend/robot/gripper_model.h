@@ -14,10 +14,10 @@ namespace prehend::robot {
 struct TactilePadModel {
   int rows = 14;
   int columns = 6;
-  double texel_pitch = 0.0034;  // m, square
-  double thickness = 0.003;     // m, of the foam: the deepest penetration it can show
+  double texel_pitch = 0.0034;       // m, square
+  double thickness = 0.003;          // m, of the foam: the deepest penetration it can show
   double newton_per_count = 0.0014;  // N per count of the 12-bit image
-  int full_scale = 4095;        // counts
+  int full_scale = 4095;             // counts
   contact::TexelLaw law;
 
   double length() const { return rows * texel_pitch; }    // m, along the finger (z)
@@ -30,7 +30,8 @@ struct TactilePadModel {
 /// (from the palm to the fingertips), y the closing direction (left finger at +y), x across the
 /// fingers. With opening s the pads' undeformed faces are the planes y = +-s/2, their area
 /// |x| <= width/2, |z| <= length/2. Each finger is a box behind its face, from the fingertip at
-/// z = length/2 + tip_margin back to the housing; the housing is a box that ends at z = -housing_distance.
+/// z = length/2 + tip_margin back to the housing; the housing is a box that ends at z =
+/// -housing_distance.
 struct GripperModel {
   std::string name = "pg70_dsa";
   double max_opening = 0.069;       // m
@@ -43,12 +44,12 @@ struct GripperModel {
   double jaw_mass = 0.35;           // kg, of each finger with jaw and the reflected rotor inertia
   double mass = 1.4;                // kg, all
   Eigen::Vector3d finger_size{0.024, 0.012, 0.110};   // m: x, y (depth behind the face), z
-  double tip_margin = 0.002;        // m, finger beyond the pad's edge
+  double tip_margin = 0.002;                          // m, finger beyond the pad's edge
   Eigen::Vector3d housing_size{0.082, 0.114, 0.080};  // m
   TactilePadModel pad;
 
-  double tip_z() const { return pad.length() / 2 + tip_margin; }         // m
-  double housing_front_z() const { return tip_z() - finger_size.z(); }   // m, negative
+  double tip_z() const { return pad.length() / 2 + tip_margin; }        // m
+  double housing_front_z() const { return tip_z() - finger_size.z(); }  // m, negative
 };
 
 /// Checks every value. @throws std::invalid_argument naming the field.

@@ -78,8 +78,8 @@ YAML::Node YamlMap::child(const std::string& key) {
 void YamlMap::fail(const std::string& key, const std::string& wrong,
                    const std::string& mend) const {
   const YAML::Node value = node_[key];
-  throw geometry::InputError(at(value.IsDefined() ? value : node_) + place_ + "." + key + " " + wrong,
-                             mend);
+  throw geometry::InputError(
+      at(value.IsDefined() ? value : node_) + place_ + "." + key + " " + wrong, mend);
 }
 
 void YamlMap::read(const std::string& key, double& value) {
@@ -136,10 +136,10 @@ void YamlMap::finish() const {
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a word)";
     if (known_.count(key) != 0) continue;
-    const auto nearest = std::min_element(
-        known_.begin(), known_.end(), [&](const std::string& a, const std::string& b) {
-          return edit_distance(a, key) < edit_distance(b, key);
-        });
+    const auto nearest = std::min_element(known_.begin(), known_.end(),
+                                          [&](const std::string& a, const std::string& b) {
+                                            return edit_distance(a, key) < edit_distance(b, key);
+                                          });
     throw geometry::InputError(at(entry.first) + "unknown key '" + key + "' of " + place_,
                                "The nearest known key is '" + *nearest + "'");
   }

@@ -4,8 +4,8 @@
 #include <set>
 #include <string>
 
-#include <Eigen/Core>
 #include <yaml-cpp/yaml.h>
+#include <Eigen/Core>
 
 namespace prehend::robot {
 

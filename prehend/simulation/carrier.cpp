@@ -24,8 +24,8 @@ void Carrier::move(const geometry::RigidTransform& X_WG_target, double speed) {
                                 std::to_string(p.y()) + ", " + std::to_string(p.z()) +
                                 ") m is outside the carrier's limits");
   }
-  const Eigen::Matrix3d turn = X_WG_target.linear() *
-                               model_.gripper_pose(Eigen::Vector3d::Zero(), 0).linear().transpose();
+  const Eigen::Matrix3d turn =
+      X_WG_target.linear() * model_.gripper_pose(Eigen::Vector3d::Zero(), 0).linear().transpose();
   constexpr double kTiltTolerance = 2e-3;  // rad
   if (!turn.allFinite() || turn.col(2).cross(Eigen::Vector3d::UnitZ()).norm() > kTiltTolerance ||
       turn(2, 2) < 0) {
@@ -74,8 +74,8 @@ void Carrier::begin_step(double h) {
     start(target);
   }
   if (!braking_ && path_remaining_ > 0) {
-    path_speed_ = next_trapezoid_speed(path_remaining_, path_speed_, path_max_speed_,
-                                       path_acceleration_, h);
+    path_speed_ =
+        next_trapezoid_speed(path_remaining_, path_speed_, path_max_speed_, path_acceleration_, h);
   }
 }
 

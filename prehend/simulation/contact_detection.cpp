@@ -180,7 +180,8 @@ void detect_gripper(const BodyModel& model, const BodyState& state, int index,
   const Eigen::Vector3d half(0.5 * gripper.pad.width(), 0, 0.5 * gripper.pad.length());
   for (const double side : {1.0, -1.0}) {
     const double face = 0.5 * side * placement.opening;
-    Eigen::AlignedBox3d foam(Eigen::Vector3d(0, face, 0) - half, Eigen::Vector3d(0, face, 0) + half);
+    Eigen::AlignedBox3d foam(Eigen::Vector3d(0, face, 0) - half,
+                             Eigen::Vector3d(0, face, 0) + half);
     foam.extend(Eigen::Vector3d(0, face + side * gripper.pad.thickness, 0));
     if (foam.intersects(body_G)) {
       detect_pad(model, X_GB, index, gripper.pad, side, placement, contacts);

@@ -22,8 +22,8 @@ struct GripperPlacement {
   }
 };
 
-/// A box of the gripper: fingers behind their pads' foam, housing. `side` is +1 for the left finger,
-/// -1 for the right one, 0 for the housing.
+/// A box of the gripper: fingers behind their pads' foam, housing. `side` is +1 for the left
+/// finger, -1 for the right one, 0 for the housing.
 struct GripperBox {
   Eigen::AlignedBox3d box_G;  // m
   double side = 0;

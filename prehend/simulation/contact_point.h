@@ -24,9 +24,9 @@ enum ContactPartner : std::uint32_t {
 struct ContactPoint {
   std::uint64_t key = 0;  // names point and partner; the bristle is kept under it
   std::uint32_t partner = kTable;
-  int texel = -1;         // of a pad
-  int a = -1;             // index of the touched body
-  int b = -1;             // index of the other body, or -1
+  int texel = -1;  // of a pad
+  int a = -1;      // index of the touched body
+  int b = -1;      // index of the other body, or -1
   const contact::TexelLaw* law = nullptr;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    // m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from the partner into body a

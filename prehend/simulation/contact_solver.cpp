@@ -47,8 +47,13 @@ class VelocitySolver {
  public:
   VelocitySolver(double h, const GripperDrive& drive, std::vector<SolverBody>& bodies,
                  double jaw_velocity)
-      : h_(h), drive_(drive), bodies_(bodies), jaw_start_(jaw_velocity), jaw_end_(jaw_velocity),
-        first_row_(bodies.size(), -1), saturation_(drive.last_saturation()) {
+      : h_(h),
+        drive_(drive),
+        bodies_(bodies),
+        jaw_start_(jaw_velocity),
+        jaw_end_(jaw_velocity),
+        first_row_(bodies.size(), -1),
+        saturation_(drive.last_saturation()) {
     for (const SolverBody& body : bodies) {
       Eigen::Matrix<double, 6, 1> u;
       u << body.velocity, body.angular_velocity;
@@ -127,8 +132,7 @@ class VelocitySolver {
       const double force = line.law.normal_offset - line.law.normal_damping * normal_speed;
       line.presses = force > 0;
       if (line.presses) {
-        line.law =
-            contact::linearise(*contact.law, h_, contact.depth, force, tangential_speed);
+        line.law = contact::linearise(*contact.law, h_, contact.depth, force, tangential_speed);
       }
       changed = changed || line.presses != lines_[c].presses;
       lines_[c] = line;
@@ -156,8 +160,8 @@ class VelocitySolver {
                            Eigen::Vector3d& constant, Eigen::Matrix3d& resistance) {
     const Eigen::Matrix3d along = contact.normal * contact.normal.transpose();
     constant = law.normal_offset * contact.normal - law.bristle_gain * contact.bristle;
-    resistance = law.normal_damping * along +
-                 law.tangential_damping * (Eigen::Matrix3d::Identity() - along);
+    resistance =
+        law.normal_damping * along + law.tangential_damping * (Eigen::Matrix3d::Identity() - along);
   }
 
   void add_contact(const ContactPoint& contact, const Line& line) {
@@ -234,7 +238,7 @@ class VelocitySolver {
   double jaw_start_, jaw_end_;
   std::vector<int> first_row_;  // of each body in the present island, -1: not in it
   int jaw_row_ = -1;
-  int saturation_;      // of the drive
+  int saturation_;  // of the drive
   std::vector<Eigen::Matrix<double, 6, 1>> start_, end_;
   std::vector<Line> lines_, used_;
   Eigen::MatrixXd matrix_;

@@ -116,8 +116,9 @@ GripperDrive::Force GripperDrive::linearised(double h, double velocity_guess,
   force.constant -= dry.bristle_gain * bristle_;
   force.slope += dry.tangential_damping;
   const double end = opening_ + h * velocity_guess;
-  const double beyond = end < 0 ? opening_ : end > model_.max_opening
-                                                 ? opening_ - model_.max_opening : 0.0;
+  const double beyond = end < 0                    ? opening_
+                        : end > model_.max_opening ? opening_ - model_.max_opening
+                                                   : 0.0;
   if (end < 0 || end > model_.max_opening) {
     force.constant -= kStopStiffness * beyond;
     force.slope += h * kStopStiffness + damping_;

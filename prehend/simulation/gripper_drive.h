@@ -36,25 +36,25 @@ class GripperDrive {
   /// whether the servo's force is cut: 0 no, +1 or -1 at the limit.
   Force linearised(double h, double velocity_guess, int saturation) const;
 
-  /// The state of the servo for a solution: start with that of the last step, then solve again while
-  /// this differs from what was assumed. It settles, since the servo's force falls with the velocity
-  /// and the solution without cut tells on which side the cut is; hence from one limit to the other
-  /// it goes by way of 0.
+  /// The state of the servo for a solution: start with that of the last step, then solve again
+  /// while this differs from what was assumed. It settles, since the servo's force falls with the
+  /// velocity and the solution without cut tells on which side the cut is; hence from one limit to
+  /// the other it goes by way of 0.
   int next_saturation(double h, double velocity, int assumed) const;
   int last_saturation() const { return saturation_; }
 
   /// Takes the solved velocity of the opening and moves.
   void end_step(double h, double velocity);
 
-  double opening() const { return opening_; }          // m
-  double velocity() const { return velocity_; }        // m/s
-  double effective_mass() const { return 0.5 * model_.jaw_mass; }  // kg
+  double opening() const { return opening_; }                                 // m
+  double velocity() const { return velocity_; }                               // m/s
+  double effective_mass() const { return 0.5 * model_.jaw_mass; }             // kg
   double current() const { return drive_force_ / model_.force_per_current; }  // A, negative closes
   bool moving() const;
   bool blocked() const { return blocked_time_ > kBlockedTime; }
 
  private:
-  static constexpr double kBlockedTime = 0.05;   // s
+  static constexpr double kBlockedTime = 0.05;          // s
   double servo_force(double h, double velocity) const;  // N, not cut
   contact::LinearisedContact friction(double h, double velocity) const;
   bool wants_to_move() const;
@@ -64,17 +64,17 @@ class GripperDrive {
   double stiffness_ = 1e6;  // Kp [N/m]
   double damping_ = 0;      // Kd [N s/m], critical
   GripperMode mode_;
-  double target_ = 0;       // m or m/s
-  double force_limit_ = 0;  // N
-  double speed_limit_ = 0;  // m/s
-  double reference_ = 0;    // m
+  double target_ = 0;           // m or m/s
+  double force_limit_ = 0;      // N
+  double speed_limit_ = 0;      // m/s
+  double reference_ = 0;        // m
   double reference_speed_ = 0;  // m/s
   double opening_ = 0;
   double velocity_ = 0;
   double bristle_ = 0;      // m, of the drive's friction
   double drive_force_ = 0;  // N
   double blocked_time_ = 0;
-  int saturation_ = 0;      // in the last step
+  int saturation_ = 0;  // in the last step
 };
 
 }  // namespace prehend::simulation

@@ -39,7 +39,9 @@ class GridThinning {
   }
 
  private:
-  std::int64_t cell_of(double x) const { return static_cast<std::int64_t>(std::floor(x / spacing_)); }
+  std::int64_t cell_of(double x) const {
+    return static_cast<std::int64_t>(std::floor(x / spacing_));
+  }
   double spacing_;
   std::set<std::array<std::int64_t, 3>> cells_;
 };
@@ -98,8 +100,8 @@ BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, doub
   model.hull_points = geometry::convex_hull(model.mesh->vertices).vertices;
   model.surface_points = sample_surface(*model.mesh, std::max(kSampleSpacing, 0.02 * extent));
   model.pad_law = pad_law;
-  const double ratio = pad_law.dynamic_friction > 0
-                           ? pad_law.static_friction / pad_law.dynamic_friction : 1.0;
+  const double ratio =
+      pad_law.dynamic_friction > 0 ? pad_law.static_friction / pad_law.dynamic_friction : 1.0;
   model.pad_law.dynamic_friction = friction;
   model.pad_law.static_friction = friction * ratio;
   model.table_law = stiff_law(table_friction);

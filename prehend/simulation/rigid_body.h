@@ -20,16 +20,16 @@ struct BodyModel {
   std::string name;
   std::shared_ptr<const geometry::TriangleMesh> mesh;
   std::shared_ptr<const geometry::MeshQuery> query;
-  Eigen::AlignedBox3d box;                                  // of the mesh in B [m]
-  double mass = 0;                                          // kg
-  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero(); // in B [m]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();    // about it, in B [kg m^2]
+  Eigen::AlignedBox3d box;                                   // of the mesh in B [m]
+  double mass = 0;                                           // kg
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // in B [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();     // about it, in B [kg m^2]
   bool is_static = false;
   std::vector<Eigen::Vector3d> hull_points;     // in B: what can touch a plane
   std::vector<Eigen::Vector3d> surface_points;  // in B, a few millimetres apart: what touches boxes
                                                 // and other bodies
-  contact::TexelLaw pad_law;    // against a texel
-  contact::TexelLaw table_law;  // a hull point against the table
+  contact::TexelLaw pad_law;                    // against a texel
+  contact::TexelLaw table_law;                  // a hull point against the table
   contact::TexelLaw rigid_law;  // a surface point against fingers, housing and other bodies
   Texture texture;
 };

@@ -35,9 +35,9 @@ struct CarrierModel {
 
 struct CameraSetup {
   geometry::StereoCamera camera{{1024, 768, 1100, 1100, 511.5, 383.5}, 0.09};
-  Eigen::Vector3d eye{0.54, 0, 0.5};     // m, of the left camera in the world
-  Eigen::Vector3d target{0, 0, 0.05};    // m, seen in the image's centre
-  double noise = 2.0;                    // grey levels, standard deviation of a pixel's noise
+  Eigen::Vector3d eye{0.54, 0, 0.5};   // m, of the left camera in the world
+  Eigen::Vector3d target{0, 0, 0.05};  // m, seen in the image's centre
+  double noise = 2.0;                  // grey levels, standard deviation of a pixel's noise
   std::uint32_t seed = 1;
 
   geometry::RigidTransform X_WC() const { return geometry::look_at(eye, target); }
@@ -45,13 +45,13 @@ struct CameraSetup {
 
 struct Light {
   Eigen::Vector3d direction{0.6, -0.3, 1};  // towards the light, need not be unit
-  double ambient = 0.45;                     // 0..1, share of light that comes from everywhere
+  double ambient = 0.45;                    // 0..1, share of light that comes from everywhere
 };
 
 /// The plane z = 0 with a rectangle of visible top around `center`.
 struct TableModel {
   double friction = 0.5;
-  Eigen::Vector2d center{0, 0};  // m, of the visible top
+  Eigen::Vector2d center{0, 0};    // m, of the visible top
   Eigen::Vector2d size{1.6, 1.6};  // m
   Texture texture{Texture::Pattern::kWood, {0.62, 0.47, 0.32}, {0.45, 0.32, 0.2}, 0.3, 0.02, 7};
 };
@@ -69,21 +69,21 @@ struct SceneObject {
   std::filesystem::path file;              // of shape mesh, relative to the scene file
   double scale = 1.0;                      // m per unit of the file
   double mass = 0.3;                       // kg
-  double friction = 0.7;    // dynamic, between the object and pads; the ratio of the pad's static to
-                            // dynamic friction is kept
-  double x = 0;             // m
-  double y = 0;             // m
-  double yaw = 0;           // rad
+  double friction = 0.7;  // dynamic, between the object and pads; the ratio of the pad's static to
+                          // dynamic friction is kept
+  double x = 0;           // m
+  double y = 0;           // m
+  double yaw = 0;         // rad
   Texture texture;
 };
 
 /// What a simulation starts from: config/scenes/*.yaml. Every key of the YAML is a field here, of
 /// the same name; missing ones keep the defaults.
 struct Scene {
-  double step = 0.001;     // s
-  double gravity = 9.81;   // m/s^2, along -z
+  double step = 0.001;    // s
+  double gravity = 9.81;  // m/s^2, along -z
   TableModel table;
-  robot::GripperModel gripper;  // YAML: path of config/robots/*.yaml, relative to the scene file
+  robot::GripperModel gripper;   // YAML: path of config/robots/*.yaml, relative to the scene file
   double start_opening = 0.069;  // m
   CarrierModel carrier;
   CameraSetup camera;

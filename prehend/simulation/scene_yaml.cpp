@@ -15,10 +15,14 @@ void read_texture(const YAML::Node& node, const Path& file, const std::string& o
   YamlMap map(node, file, owner + ".texture");
   std::string pattern;
   map.read("pattern", pattern);
-  if (pattern == "noise") texture.pattern = Texture::Pattern::kNoise;
-  else if (pattern == "stripes") texture.pattern = Texture::Pattern::kStripes;
-  else if (pattern == "label") texture.pattern = Texture::Pattern::kLabel;
-  else if (pattern == "wood") texture.pattern = Texture::Pattern::kWood;
+  if (pattern == "noise")
+    texture.pattern = Texture::Pattern::kNoise;
+  else if (pattern == "stripes")
+    texture.pattern = Texture::Pattern::kStripes;
+  else if (pattern == "label")
+    texture.pattern = Texture::Pattern::kLabel;
+  else if (pattern == "wood")
+    texture.pattern = Texture::Pattern::kWood;
   else if (!pattern.empty()) {
     map.fail("pattern", "is '" + pattern + "'", "Write noise, stripes, label or wood");
   }

@@ -74,11 +74,9 @@ TriangleMesh make_can(double radius, double height) {
   require_positive(radius, "radius");
   require_positive(height, "height");
   const double bevel = std::min({0.002, 0.2 * radius, 0.2 * height});
-  return geometry::make_revolution({{radius - bevel, 0},
-                                    {radius, bevel},
-                                    {radius, height - bevel},
-                                    {radius - bevel, height}},
-                                   kSegments);
+  return geometry::make_revolution(
+      {{radius - bevel, 0}, {radius, bevel}, {radius, height - bevel}, {radius - bevel, height}},
+      kSegments);
 }
 
 TriangleMesh make_bottle(double radius, double height) {
@@ -91,8 +89,7 @@ TriangleMesh make_bottle(double radius, double height) {
   for (int i = 0; i <= kShoulderRings; ++i) {
     const double t = static_cast<double>(i) / kShoulderRings;
     const double blend = 0.5 - 0.5 * std::cos(std::numbers::pi * t);
-    profile.emplace_back(radius + (neck - radius) * blend,
-                         shoulder + (neck_start - shoulder) * t);
+    profile.emplace_back(radius + (neck - radius) * blend, shoulder + (neck_start - shoulder) * t);
   }
   profile.emplace_back(neck, cap_start);
   profile.emplace_back(cap, cap_start + 0.002 * height);
@@ -107,12 +104,9 @@ TriangleMesh make_mug(double radius, double height, double wall) {
   if (wall >= 0.5 * std::min(radius, height)) {
     throw std::invalid_argument("wall must be below half the radius and half the height");
   }
-  const TriangleMesh cup = geometry::make_revolution({{radius, 0},
-                                                      {radius, height},
-                                                      {radius - wall, height},
-                                                      {radius - wall, wall},
-                                                      {0, wall}},
-                                                     kSegments);
+  const TriangleMesh cup = geometry::make_revolution(
+      {{radius, 0}, {radius, height}, {radius - wall, height}, {radius - wall, wall}, {0, wall}},
+      kSegments);
   // A half ring that ends in the middle of the wall.
   const double handle_radius = 0.32 * height, thickness = std::min(0.005, 0.12 * height);
   std::vector<Eigen::Vector3d> path;
@@ -136,16 +130,15 @@ TriangleMesh make_spray_bottle(double width, double depth, double height) {
   for (int i = 0; i <= kShoulderRings; ++i) {
     const double t = static_cast<double>(i) / kShoulderRings;
     const double blend = 0.5 - 0.5 * std::cos(std::numbers::pi * t);
-    profile.emplace_back(radius + (neck - radius) * blend,
-                         shoulder + (neck_start - shoulder) * t);
+    profile.emplace_back(radius + (neck - radius) * blend, shoulder + (neck_start - shoulder) * t);
   }
   profile.emplace_back(neck, neck_end);
   TriangleMesh body = geometry::make_revolution(profile, kSegments);
   for (auto& v : body.vertices) v.y() *= depth / width;
 
   const Eigen::Vector3d head_size(0.85 * width, 0.55 * depth, 0.18 * height);
-  const TriangleMesh head = moved(geometry::make_box(head_size),
-                                  {0.12 * width, 0, height - 0.5 * head_size.z()});
+  const TriangleMesh head =
+      moved(geometry::make_box(head_size), {0.12 * width, 0, height - 0.5 * head_size.z()});
   const Eigen::Vector3d top(0.4 * width, 0, height - 0.5 * head_size.z());
   const Eigen::Vector3d bottom(0.55 * width, 0, 0.66 * height);
   const TriangleMesh trigger =

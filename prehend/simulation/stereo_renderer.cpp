@@ -32,16 +32,16 @@ RTCDevice shared_device() {
 void attach(RTCScene scene, const geometry::TriangleMesh& mesh,
             const geometry::RigidTransform& X_WB) {
   RTCGeometry geometry = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-      mesh.vertices.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                               mesh.vertices.size()));
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d p = X_WB * mesh.vertices[i];
     for (int k = 0; k < 3; ++k) vertices[3 * i + k] = static_cast<float>(p[k]);
   }
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
-      mesh.triangles.size()));
+  auto* indices = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), mesh.triangles.size()));
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int k = 0; k < 3; ++k) indices[3 * i + k] = static_cast<unsigned>(mesh.triangles[i][k]);
   }
@@ -70,7 +70,10 @@ class RayTracer {
  public:
   RayTracer(const Scene& scene, const std::vector<VisibleBody>& bodies,
             const RenderOptions& options)
-      : scene_(scene), bodies_(bodies), options_(options), embree_(rtcNewScene(shared_device())),
+      : scene_(scene),
+        bodies_(bodies),
+        options_(options),
+        embree_(rtcNewScene(shared_device())),
         light_(scene.light.direction.normalized()) {
     for (const VisibleBody& body : bodies) {
       attach(embree_.get(), *body.mesh_B, body.X_WB);
@@ -79,8 +82,10 @@ class RayTracer {
     geometry::TriangleMesh table;
     const Eigen::Vector2d low = scene.table.center - 0.5 * scene.table.size;
     const Eigen::Vector2d high = scene.table.center + 0.5 * scene.table.size;
-    table.vertices = {{low.x(), low.y(), 0}, {high.x(), low.y(), 0},
-                      {high.x(), high.y(), 0}, {low.x(), high.y(), 0}};
+    table.vertices = {{low.x(), low.y(), 0},
+                      {high.x(), low.y(), 0},
+                      {high.x(), high.y(), 0},
+                      {low.x(), high.y(), 0}};
     table.triangles = {{0, 1, 2}, {0, 2, 3}};
     attach(embree_.get(), table, geometry::RigidTransform::Identity());
     rtcCommitScene(embree_.get());
@@ -122,7 +127,8 @@ class RayTracer {
   }
 
  private:
-  static void set_ray(RTCRay& ray, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  static void set_ray(RTCRay& ray, const Eigen::Vector3d& origin,
+                      const Eigen::Vector3d& direction) {
     ray.org_x = static_cast<float>(origin.x());
     ray.org_y = static_cast<float>(origin.y());
     ray.org_z = static_cast<float>(origin.z());

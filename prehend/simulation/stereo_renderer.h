@@ -10,15 +10,16 @@
 namespace prehend::simulation {
 
 struct RenderOptions {
-  int samples_per_side = 1;  // 1..4: samples of a pixel = samples_per_side^2; greatly influences time
+  int samples_per_side =
+      1;  // 1..4: samples of a pixel = samples_per_side^2; greatly influences time
   bool shadows = true;
-  int threads = 2;           // >= 1; does not change the result
+  int threads = 2;  // >= 1; does not change the result
 };
 
 struct StereoImages {
   geometry::ColorImage left;
   geometry::ColorImage right;
-  geometry::DepthImage depth;          // of the left camera, without noise [m], NaN: nothing hit
+  geometry::DepthImage depth;            // of the left camera, without noise [m], NaN: nothing hit
   geometry::Image<std::int16_t> labels;  // left: index into the bodies, -1 table, -2 nothing
 };
 

@@ -32,8 +32,8 @@ double value_noise(const Eigen::Vector3d& p, std::uint32_t seed) {
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-    const double weight = (i ? f.x() : 1 - f.x()) * (j ? f.y() : 1 - f.y()) *
-                          (k ? f.z() : 1 - f.z());
+    const double weight =
+        (i ? f.x() : 1 - f.x()) * (j ? f.y() : 1 - f.y()) * (k ? f.z() : 1 - f.z());
     sum += weight * lattice_value(x + i, y + j, z + k, seed);
   }
   return sum;

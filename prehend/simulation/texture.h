@@ -16,10 +16,10 @@ struct Texture {
     kWood      // grain along x; for tables
   };
   Pattern pattern = Pattern::kNoise;
-  Eigen::Vector3d color{0.75, 0.25, 0.2};         // red, green, blue in 0..1
-  Eigen::Vector3d second_color{0.95, 0.9, 0.8};   // red, green, blue in 0..1
-  double contrast = 0.35;                         // of the fine noise, 0..1
-  double scale = 0.012;                           // m, size of the largest noise feature
+  Eigen::Vector3d color{0.75, 0.25, 0.2};        // red, green, blue in 0..1
+  Eigen::Vector3d second_color{0.95, 0.9, 0.8};  // red, green, blue in 0..1
+  double contrast = 0.35;                        // of the fine noise, 0..1
+  double scale = 0.012;                          // m, size of the largest noise feature
   std::uint32_t seed = 1;
 };
 

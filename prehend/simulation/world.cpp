@@ -18,9 +18,9 @@ using geometry::RigidTransform;
 
 // A body that touches only the table and has not moved for this long is left out of the system
 // until something that moves touches it.
-constexpr double kSleepTime = 0.3;          // s
-constexpr double kStillSpeed = 2e-4;        // m/s, of any point of the body
-constexpr double kTipStiffness = 2e4;       // N/m, of a finger's corner against the table
+constexpr double kSleepTime = 0.3;     // s
+constexpr double kStillSpeed = 2e-4;   // m/s, of any point of the body
+constexpr double kTipStiffness = 2e4;  // N/m, of a finger's corner against the table
 
 struct PadReading {
   std::vector<double> force;  // N, rows * columns
@@ -39,7 +39,7 @@ struct World::State {
   GripperDrive drive;
   std::vector<StoredBristle> bristles;  // by key
   std::array<PadReading, 2> pads;
-  ContactWrench wrench;                 // in G
+  ContactWrench wrench;  // in G
 };
 
 struct World::Implementation {
@@ -52,9 +52,14 @@ struct World::Implementation {
   std::vector<ContactPoint> contacts;  // of the last step
 
   explicit Implementation(const Scene& scene_in)
-      : scene(scene_in),
-        state{0, {}, {}, Carrier(scene_in.carrier),
-              GripperDrive(scene_in.gripper, scene_in.start_opening), {}, {}, {}} {
+      : scene(scene_in), state{0,
+                               {},
+                               {},
+                               Carrier(scene_in.carrier),
+                               GripperDrive(scene_in.gripper, scene_in.start_opening),
+                               {},
+                               {},
+                               {}} {
     const std::size_t texels = scene.gripper.pad.rows * scene.gripper.pad.columns;
     for (PadReading& pad : state.pads) pad.force.assign(texels, 0.0);
     make_gripper_meshes();
@@ -160,8 +165,8 @@ struct World::Implementation {
     for (ContactPoint& contact : contacts) {
       while (stored != state.bristles.end() && stored->key < contact.key) ++stored;
       if (stored == state.bristles.end() || stored->key != contact.key) continue;
-      const Eigen::Vector3d z = is_pad(contact.partner) ? Eigen::Vector3d(R_WG * stored->bristle)
-                                                        : stored->bristle;
+      const Eigen::Vector3d z =
+          is_pad(contact.partner) ? Eigen::Vector3d(R_WG * stored->bristle) : stored->bristle;
       contact.bristle = z - contact.normal.dot(z) * contact.normal;
     }
   }
@@ -240,8 +245,8 @@ struct World::Implementation {
     for (std::size_t i = 0; i < models.size(); ++i) {
       BodyState& body = state.bodies[i];
       if (!moves(static_cast<int>(i))) continue;
-      const double fastest = body.velocity.norm() +
-                             body.angular_velocity.norm() * models[i].box.sizes().norm();
+      const double fastest =
+          body.velocity.norm() + body.angular_velocity.norm() * models[i].box.sizes().norm();
       const bool still = free_standing[i] && body.touches_table && fastest < kStillSpeed;
       body.still_time = still ? body.still_time + h : 0.0;
       if (body.still_time < kSleepTime) continue;
@@ -393,9 +398,9 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   const Eigen::AlignedBox3d box = geometry::bounds(mesh_W);
   RigidTransform X_WB = RigidTransform::Identity();
   if (!box.isEmpty()) X_WB.translation() = box.center();
-  BodyModel model = make_body(name, geometry::transformed(mesh_W, X_WB.inverse()), mass, friction,
-                              implementation_->scene.table.friction,
-                              implementation_->scene.gripper.pad.law);
+  BodyModel model =
+      make_body(name, geometry::transformed(mesh_W, X_WB.inverse()), mass, friction,
+                implementation_->scene.table.friction, implementation_->scene.gripper.pad.law);
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());
@@ -449,8 +454,8 @@ std::vector<VisibleBody> World::visible_bodies() const {
     if (!finger) continue;
     const double pad_y = 0.5 * (gripper.opening + world.scene.gripper.pad.thickness);
     X_GP.translation() = Eigen::Vector3d(0, part.side * pad_y, 0);
-    bodies.push_back({part.side > 0 ? "left_pad" : "right_pad", world.pad_mesh,
-                      gripper.X_WG * X_GP, foam, world.scene.gripper.pad.length()});
+    bodies.push_back({part.side > 0 ? "left_pad" : "right_pad", world.pad_mesh, gripper.X_WG * X_GP,
+                      foam, world.scene.gripper.pad.length()});
   }
   return bodies;
 }

@@ -93,15 +93,16 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// Advances by scene().step. Cost: about 10 us for each awake object, 60 us more for a grasped one.
+  /// Advances by scene().step. Cost: about 10 us for each awake object, 60 us more for a grasped
+  /// one.
   void step();
   double time() const;  // s, number of steps times the step
   const Scene& scene() const;
 
   /// Drives the opening. kPosition: value [m] within 0..max_opening; kVelocity: [m/s], negative
   /// closes, cut to the model's maximum; kCurrent: [A], negative closes, cut to max_current.
-  /// `current_limit` [A]: 0 means nominal; cut to max_current. In kPosition `speed` [m/s] limits the
-  /// speed; 0 means the maximum. Acceleration is the model's.
+  /// `current_limit` [A]: 0 means nominal; cut to max_current. In kPosition `speed` [m/s] limits
+  /// the speed; 0 means the maximum. Acceleration is the model's.
   /// @throws std::invalid_argument for a value that is not finite or an opening out of range.
   void set_gripper_command(GripperMode mode, double value, double current_limit = 0,
                            double speed = 0);
@@ -128,9 +129,9 @@ class World {
   /// Kinetic, gravity and contact spring energy of all objects [J]. For tests.
   double energy() const;
 
-  /// Adds an object whose mesh is given in the world frame; its frame B has the world's axes and the
-  /// centre of the mesh's bounds as origin. An object of that name is replaced. The mesh is raised when it
-  /// reaches below the table, and convexity is not required.
+  /// Adds an object whose mesh is given in the world frame; its frame B has the world's axes and
+  /// the centre of the mesh's bounds as origin. An object of that name is replaced. The mesh is
+  /// raised when it reaches below the table, and convexity is not required.
   /// @throws std::invalid_argument when mass is not positive and finite;
   /// geometry::InputError when the mesh is empty, not finite or encloses no volume.
   void add_object(const std::string& name, const geometry::TriangleMesh& mesh_W, double mass,

@@ -57,7 +57,8 @@ ClosedHoles close_holes(TriangleMesh& mesh) {
       if (count == 3 && i != 1) continue;  // the loop itself is the triangle
       mesh.triangles.push_back(triangle);
       const Eigen::Vector3d& a = mesh.vertices[triangle[0]];
-      result.area += (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).norm() / 2;
+      result.area +=
+          (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).norm() / 2;
     }
   }
   return result;

@@ -28,9 +28,9 @@ struct PoissonOptions {
 /// thread, bitwise repeatable. With a `table` the bottom is closed and no vertex lies below it.
 /// Connected parts with less than 5 % of the largest one's triangles are dropped; an object whose
 /// neck is thinner than the resolution keeps its head as a second closed part. The mesh is
-/// watertight and its triangles face outward. When neither `depth` with two cubes nor the two depths
-/// below it give a mesh without holes, the holes of the one with the smallest are closed by fans
-/// (see holes.h), if they are less than 5 % of its surface.
+/// watertight and its triangles face outward. When neither `depth` with two cubes nor the two
+/// depths below it give a mesh without holes, the holes of the one with the smallest are closed by
+/// fans (see holes.h), if they are less than 5 % of its surface.
 /// @throws geometry::InputError when the cloud has no normals, has fewer than 30 points or a
 /// non-finite one, or when no watertight mesh came out. The message says which defects were left.
 geometry::TriangleMesh reconstruct(const geometry::PointCloud& cloud,

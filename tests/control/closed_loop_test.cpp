@@ -74,7 +74,8 @@ PadPercept pad_percept(const World& world, simulation::PadSide side) {
   const auto& pad = world.scene().gripper.pad;
   const auto touched = std::count_if(image.counts.begin(), image.counts.end(),
                                      [](std::uint16_t count) { return count > 10; });
-  return {world.time(), image.sum, static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch};
+  return {world.time(), image.sum,
+          static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch};
 }
 
 struct Outcome {
@@ -102,8 +103,7 @@ Outcome grasp_in_simulation(const simulation::SceneObject& object,
   grasp::Reachability reachability;
   reachability.approach_W = -Eigen::Vector3d::UnitZ();
   reachability.workspace_W = {scene.carrier.minimum, scene.carrier.maximum};
-  const auto plan =
-      grasp::plan_grasps(model, geometry::Plane{}, {}, scene.gripper, reachability);
+  const auto plan = grasp::plan_grasps(model, geometry::Plane{}, {}, scene.gripper, reachability);
 
   SimulatedGripper gripper(world);
   SimulatedCarrier carrier(world);

@@ -17,12 +17,12 @@ constexpr double kStep = 0.01;  // s
 // A gripper, its carrier and one soft object between z = 0 and z = 0.1, enough to drive the cycle.
 class FakeWorld {
  public:
-  double object_width = 0.05;       // m
+  double object_width = 0.05;  // m
   bool slips_when_lifted = false;
-  double obstacle_height = -1;      // m, touched by the approaching hand
+  double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
   bool frozen_pads = false;
-  bool jammed = false;              // the jaws do not move
+  bool jammed = false;  // the jaws do not move
   bool carrier_stuck = false;
 
   Percepts percepts() {
@@ -85,11 +85,10 @@ class FakeWorld {
 
  private:
   static constexpr double kStiffness = 20000;  // N/m of both pads in series
-  bool between() const {
-    return height() - object_height_ < 0.1 && object_width > 0;
-  }
+  bool between() const { return height() - object_height_ < 0.1 && object_width > 0; }
   double force() const {
-    return between() && held_possible_ ? std::max(0.0, kStiffness * (object_width - opening_)) : 0.0;
+    return between() && held_possible_ ? std::max(0.0, kStiffness * (object_width - opening_))
+                                       : 0.0;
   }
   PadPercept pad(double gain) const {
     const double sum = gain * force();
@@ -112,7 +111,8 @@ class FakeWorld {
     const Eigen::Vector3d left = target_.translation() - X_WG_.translation();
     const double step = carrier_speed_ * kStep;
     const bool gripped = force() > 1;
-    const Eigen::Vector3d move = left.norm() <= step ? left : Eigen::Vector3d(step * left.normalized());
+    const Eigen::Vector3d move =
+        left.norm() <= step ? left : Eigen::Vector3d(step * left.normalized());
     X_WG_.translation() += move;
     X_WG_.linear() = target_.linear();
     if (left.norm() <= step) carrier_moving_ = false;
@@ -175,7 +175,8 @@ grasp::Grasp grasp_at(double x) {
 class GraspCycleTest : public testing::Test {
  protected:
   // Runs to the end, at most 200 simulated seconds.
-  void run(int grasps, const std::function<void()>& each_step = [] {}) {
+  void run(
+      int grasps, const std::function<void()>& each_step = [] {}) {
     std::vector<grasp::Grasp> list;
     for (int i = 0; i < grasps; ++i) list.push_back(grasp_at(0.01 * i));
     cycle.start(list);
@@ -213,8 +214,8 @@ TEST_F(GraspCycleTest, GraspsLiftsMovesAndReleases) {
   }
   std::vector<std::string> phases;
   for (const auto& [phase, seconds] : cycle.phase_times()) phases.push_back(phase);
-  EXPECT_EQ(phases, (std::vector<std::string>{"waiting", "approach", "grasp", "lift", "move",
-                                              "release"}));
+  EXPECT_EQ(phases,
+            (std::vector<std::string>{"waiting", "approach", "grasp", "lift", "move", "release"}));
 }
 
 TEST_F(GraspCycleTest, WrongWidthIsASurpriseButGripped) {

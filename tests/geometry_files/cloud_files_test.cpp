@@ -59,8 +59,8 @@ void expect_same(const PointCloud& a, const PointCloud& b) {
 }
 
 TEST_F(CloudFiles, PcdRoundTrip) {
-  const RigidTransform viewpoint =
-      make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())), {1, 2, 3});
+  const RigidTransform viewpoint = make_transform(
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())), {1, 2, 3});
   const PointCloud cloud = colored_cloud(true);
   write_cloud_file(scratch_.path() / "a.pcd", cloud, viewpoint);
   const CloudFile file = read_cloud_file(scratch_.path() / "a.pcd");
@@ -95,9 +95,8 @@ std::string xyz_pcd(const std::string& points, const std::string& data) {
 }
 
 TEST_F(CloudFiles, AsciiPcdWithPackedColourAndLabels) {
-  const std::string file_text =
-      pcd("label x y z rgba", "4 4 4 4 4", "U F F F U", "2", "2",
-          "ascii\n21 1 2 3 4278255360\n0 nan nan nan 4294901760\n");
+  const std::string file_text = pcd("label x y z rgba", "4 4 4 4 4", "U F F F U", "2", "2",
+                                    "ascii\n21 1 2 3 4278255360\n0 nan nan nan 4294901760\n");
   const CloudFile file = read_cloud_file(scratch_.write("a.pcd", file_text));
   ASSERT_EQ(file.cloud.size(), 2U);
   EXPECT_EQ(file.cloud.points[0], Eigen::Vector3f(1, 2, 3));
@@ -152,18 +151,22 @@ TEST_F(CloudFiles, HeadersThatPromiseTooMuchAllocateNothing) {
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("1000000000000", "ascii\n1 2 3\n")), HasSubstr("promises"));
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("1000000000000", "binary\n123456789012")),
               HasSubstr("promises"));
-  EXPECT_THAT(error_of("a.pcd", xyz_pcd("1000", "binary_compressed\n\x04\x01\x01\x01" "abcdefgh")),
+  EXPECT_THAT(error_of("a.pcd", xyz_pcd("1000",
+                                        "binary_compressed\n\x04\x01\x01\x01"
+                                        "abcdefgh")),
               HasSubstr("a.pcd"));
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("99999999999999999999999999", "ascii\n1 2 3\n")),
               HasSubstr("POINTS"));
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("-5", "ascii\n1 2 3\n")), HasSubstr("whole number"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
-                                "property float x\nproperty float y\nproperty float z\n"
-                                "end_header\n123456789012"),
+  EXPECT_THAT(error_of("a.ply",
+                       "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+                       "property float x\nproperty float y\nproperty float z\n"
+                       "end_header\n123456789012"),
               HasSubstr("promises"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-                                "property float y\nproperty float z\nelement face 2000000000\n"
-                                "property list uchar int vertex_indices\nend_header\n1 2 3\n"),
+  EXPECT_THAT(error_of("a.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                       "property float y\nproperty float z\nelement face 2000000000\n"
+                       "property list uchar int vertex_indices\nend_header\n1 2 3\n"),
               HasSubstr("promises"));
 }
 
@@ -180,8 +183,9 @@ TEST_F(CloudFiles, ContradictoryHeaders) {
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("0", "ascii\n")), HasSubstr("no points"));
   EXPECT_THAT(error_of("a.pcd", xyz_pcd("1", "zipped\n1 2 3\n")), HasSubstr("zipped"));
   EXPECT_THAT(error_of("a.pcd", "VERSION 0.7\nFIELDS x y z\n"), HasSubstr("DATA"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-                                "property float y\nend_header\n1 2\n"),
+  EXPECT_THAT(error_of("a.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                       "property float y\nend_header\n1 2\n"),
               HasSubstr("'z'"));
   EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty floot x\n"),
               HasSubstr("floot"));

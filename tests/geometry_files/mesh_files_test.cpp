@@ -62,8 +62,8 @@ TEST_F(MeshFiles, PlyOfEitherByteOrderWithPolygonsAndOtherElements) {
       "property uchar red\nelement face 1\nproperty list uchar ushort vertex_index\n"
       "element edge 1\nproperty int vertex1\nend_header\n";
   const TriangleMesh ascii = read_mesh_file(scratch_.write(
-      "a.ply", "ply\nformat ascii 1.0\n" + header +
-                   "0 0 0 9\n2 0 0 9\n2 2 0 9\n0 2 0 9\n4 0 1 2 3\n5\n"));
+      "a.ply",
+      "ply\nformat ascii 1.0\n" + header + "0 0 0 9\n2 0 0 9\n2 2 0 9\n0 2 0 9\n4 0 1 2 3\n5\n"));
   std::string body;
   for (const auto& [x, y] : {std::pair{0, 0}, std::pair{2, 0}, std::pair{2, 2}, std::pair{0, 2}}) {
     body += x == 0 ? std::string(8, '\0') : std::string("\x40\0\0\0\0\0\0\0", 8);
@@ -89,8 +89,9 @@ TEST_F(MeshFiles, MissingForeignAndEmpty) {
   }
   EXPECT_THAT(error_of("a.dae", "<xml/>"), HasSubstr(".stl"));
   EXPECT_THAT(error_of("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("points.obj"));
-  EXPECT_THAT(error_of("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-                                     "property float y\nproperty float z\nend_header\n1 2 3\n"),
+  EXPECT_THAT(error_of("points.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                       "property float y\nproperty float z\nend_header\n1 2 3\n"),
               HasSubstr("no triangles"));
 }
 
@@ -99,17 +100,19 @@ TEST_F(MeshFiles, HostileCountsAndIndices) {
   stl[80] = stl[81] = stl[82] = '\xff';
   stl[83] = '\x7f';
   EXPECT_THAT(error_of("a.stl", stl + "0123456789"), HasSubstr("truncated"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
-                                "property float x\nproperty float y\nproperty float z\n"
-                                "element face 1\nproperty list uchar int vertex_indices\n"
-                                "end_header\n0123456789"),
+  EXPECT_THAT(error_of("a.ply",
+                       "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+                       "property float x\nproperty float y\nproperty float z\n"
+                       "element face 1\nproperty list uchar int vertex_indices\n"
+                       "end_header\n0123456789"),
               HasSubstr("promises"));
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_NE(error_of("a.obj", vertices + "f 1 2 9\n"), "no error");
-  EXPECT_THAT(error_of("b.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-                                "property float y\nproperty float z\nelement face 1\n"
-                                "property list uchar int vertex_indices\nend_header\n"
-                                "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"),
+  EXPECT_THAT(error_of("b.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                       "property float y\nproperty float z\nelement face 1\n"
+                       "property list uchar int vertex_indices\nend_header\n"
+                       "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"),
               HasSubstr("does not exist"));
   EXPECT_NE(error_of("c.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "no error");
 }
@@ -125,8 +128,9 @@ TEST_F(MeshFiles, TruncationOfBinaryFilesIsAnError) {
           << name << " " << size;
     }
   }
-  EXPECT_THAT(error_of("text.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
-                                   "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"),
+  EXPECT_THAT(error_of("text.stl",
+                       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                       "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"),
               HasSubstr("truncated"));
 }
 

@@ -54,9 +54,9 @@ TEST(SampleCandidates, AlwaysHoldsTheVerticalApproach) {
 }
 
 TEST(SampleCandidates, DirectionsLieOnTwoPerpendicularCircles) {
-  const TriangleMesh box = placed(geometry::make_box({0.05, 0.08, 0.2}),
-                                  Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())),
-                                  {0, 0, 0.2});
+  const TriangleMesh box =
+      placed(geometry::make_box({0.05, 0.08, 0.2}),
+             Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())), {0, 0, 0.2});
   const Eigen::Vector3d major = principal_axes(box).col(0);
   const Eigen::Vector3d normal = major.cross(Eigen::Vector3d::UnitZ()).normalized();
   for (const auto& c : sample(box)) {
@@ -94,9 +94,9 @@ TEST(SampleCandidates, RollZeroClosesAlongTheSmallestWidth) {
 TEST(SampleCandidates, FixedApproachIsAmongTheSamples) {
   Reachability reachability;
   reachability.approach_W = Eigen::Vector3d(0.1, 0.2, -1).normalized();
-  const auto candidates = sample(placed(geometry::make_box({0.05, 0.04, 0.1}),
-                                        Eigen::Quaterniond::Identity(), {0, 0, 0.05}),
-                                 reachability);
+  const auto candidates = sample(
+      placed(geometry::make_box({0.05, 0.04, 0.1}), Eigen::Quaterniond::Identity(), {0, 0, 0.05}),
+      reachability);
   EXPECT_TRUE(std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) {
     return (c.approach_W - *reachability.approach_W).norm() < 1e-12;
   }));

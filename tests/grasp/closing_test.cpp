@@ -9,9 +9,9 @@
 namespace prehend::grasp {
 namespace {
 
+using geometry::make_transform;
 using geometry::MeshQuery;
 using geometry::RigidTransform;
-using geometry::make_transform;
 
 const robot::GripperModel kGripper;
 

@@ -31,8 +31,7 @@ TEST(Collision, TableClearanceIsThatOfTheFingertips) {
   EXPECT_EQ(scene.check(hand, from_above({0, 0, 0.1})), HandCollision::kNone);
   EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0039})),
             HandCollision::kTable);
-  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0041})),
-            HandCollision::kNone);
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0041})), HandCollision::kNone);
 }
 
 TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
@@ -40,10 +39,12 @@ TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
   const geometry::Plane table;
   const RigidTransform X_WG = from_above({0, 0, 0.05});
   // Margin 1.5 mm at each side: 66 mm is the limit.
-  EXPECT_EQ(CollisionScene(box_at({0.05, 0.0658, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
-            HandCollision::kNone);
-  EXPECT_EQ(CollisionScene(box_at({0.05, 0.0662, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
-            HandCollision::kObject);
+  EXPECT_EQ(
+      CollisionScene(box_at({0.05, 0.0658, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
+      HandCollision::kNone);
+  EXPECT_EQ(
+      CollisionScene(box_at({0.05, 0.0662, 0.05}, {0, 0, 0.025}), table, {}).check(hand, X_WG),
+      HandCollision::kObject);
 }
 
 TEST(Collision, TheWayFromThePregraspIsSwept) {

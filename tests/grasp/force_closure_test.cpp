@@ -33,7 +33,9 @@ TEST(ForceClosure, TwoPointContactsAreNeverClosed) {
 TEST(ForceClosure, RandomPairsOfPointContactsAreNeverClosed) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const auto vector = [&] { return Eigen::Vector3d(uniform(random), uniform(random), uniform(random)); };
+  const auto vector = [&] {
+    return Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
+  };
   for (int i = 0; i < 200; ++i) {
     const std::vector<Contact> contacts{{vector(), vector().normalized(), 2.0, 0},
                                         {vector(), vector().normalized(), 2.0, 0}};
@@ -180,15 +182,17 @@ TEST(ForceClosure, QualityBoundsTheLargestBall) {
   EXPECT_GE(least, result.quality / std::sqrt(6.0));
 }
 
-// The programmes are degenerate; with tight tolerances GLPK once cycled for ever on the contacts of a
-// bumpy box. Nearly symmetric pairs come close to every tie.
+// The programmes are degenerate; with tight tolerances GLPK once cycled for ever on the contacts of
+// a bumpy box. Nearly symmetric pairs come close to every tie.
 TEST(ForceClosure, NearlySymmetricPairsEnd) {
   std::mt19937 random(5);
   int closed = 0;
   for (int i = 0; i < 1500; ++i) {
     const double noise = std::pow(10.0, -3.0 - i % 12);
     std::normal_distribution<double> normal(0, noise);
-    const auto jitter = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
+    const auto jitter = [&] {
+      return Eigen::Vector3d(normal(random), normal(random), normal(random));
+    };
     std::vector<Contact> contacts = opposite_fingers(0.024, 0.6, 0.012);
     for (auto& contact : contacts) {
       contact.point += 0.02 * jitter();
@@ -207,7 +211,8 @@ TEST(ForceClosure, OneContactOrNone) {
 
 TEST(ForceClosure, RejectsNonsense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(evaluate_force_closure(opposite_fingers(1, 1, 1), kOrigin, 0), std::invalid_argument);
+  EXPECT_THROW(evaluate_force_closure(opposite_fingers(1, 1, 1), kOrigin, 0),
+               std::invalid_argument);
   EXPECT_THROW(evaluate_force_closure(opposite_fingers(nan, 1, 1), kOrigin, 1),
                std::invalid_argument);
   EXPECT_THROW(evaluate_force_closure(opposite_fingers(1, -1, 1), kOrigin, 1),

@@ -37,7 +37,8 @@ int rejected(const GraspPlanResult& result) {
 }
 
 GraspPlanResult plan(const std::string& name, const surface::ObjectModel& object,
-                     const Reachability& reachability = carrier(), const Obstacles& obstacles = {}) {
+                     const Reachability& reachability = carrier(),
+                     const Obstacles& obstacles = {}) {
   const auto start = std::chrono::steady_clock::now();
   const auto result = plan_grasps(object, geometry::Plane{}, obstacles, kGripper, reachability);
   const double seconds =
@@ -76,22 +77,22 @@ TEST(PlanGrasps, CubeFromAbove) {
 }
 
 TEST(PlanGrasps, CanAndBall) {
-  const auto can = plan("can 62 x 115 mm", object_at(geometry::make_revolution({{0.031, -0.0575}, {0.031, 0.0575}}),
-                                         {0.3, 0, 0.0575}));
+  const auto can = plan(
+      "can 62 x 115 mm",
+      object_at(geometry::make_revolution({{0.031, -0.0575}, {0.031, 0.0575}}), {0.3, 0, 0.0575}));
   ASSERT_FALSE(can.grasps.empty()) << can.problem;
   EXPECT_NEAR(can.grasps.front().predicted.opening, 0.062, 1e-3);
   const auto ball = plan("ball 60 mm", object_at(geometry::make_sphere(0.03), {0.3, 0, 0.03}));
   ASSERT_FALSE(ball.grasps.empty()) << ball.problem;
-  EXPECT_LT(ball.grasps.front().predicted.contact_area,
-            can.grasps.front().predicted.contact_area);
+  EXPECT_LT(ball.grasps.front().predicted.contact_area, can.grasps.front().predicted.contact_area);
 }
 
 TEST(PlanGrasps, BottleWithAnArmThatReachesAll) {
   const auto result = plan(
       "bottle, all directions",
-      object_at(geometry::make_revolution(
-                    {{0.03, 0}, {0.03, 0.13}, {0.012, 0.17}, {0.012, 0.2}}, 48),
-                {0.3, 0, 0}),
+      object_at(
+          geometry::make_revolution({{0.03, 0}, {0.03, 0.13}, {0.012, 0.17}, {0.012, 0.2}}, 48),
+          {0.3, 0, 0}),
       Reachability{});
   ASSERT_FALSE(result.grasps.empty()) << result.problem;
 }
@@ -102,16 +103,14 @@ TEST(PlanGrasps, WideCup) {
       {{0.045, 0}, {0.045, 0.09}, {0.039, 0.09}, {0.039, 0.01}, {0.0, 0.01}}, 64);
   surface::ObjectModel object = object_at(cup, {0.3, 0, 0});
   const auto result = plan("cup 90 mm", object);
-  EXPECT_EQ(result.problem,
-            "cannot be grasped: narrowest width 90 mm exceeds the gripper's 69 mm");
+  EXPECT_EQ(result.problem, "cannot be grasped: narrowest width 90 mm exceeds the gripper's 69 mm");
 }
 
 TEST(PlanGrasps, TooWideBoxSaysHowWide) {
   const auto result =
       plan("box 94 mm", object_at(geometry::make_box({0.12, 0.094, 0.1}), {0.4, 0, 0.05}, 0.2));
   EXPECT_TRUE(result.grasps.empty());
-  EXPECT_EQ(result.problem,
-            "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
+  EXPECT_EQ(result.problem, "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
 }
 
 TEST(PlanGrasps, TooHeavySaysHowHeavy) {
@@ -135,7 +134,8 @@ TEST(PlanGrasps, OutOfTheWorkspace) {
   reachability.workspace_W =
       Eigen::AlignedBox3d(Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(2, 2, 1));
   const auto result =
-      plan("out of reach", object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025}), reachability);
+      plan("out of reach", object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025}),
+           reachability);
   EXPECT_EQ(result.problem, "cannot be grasped: no approach to it is within the robot's reach");
 }
 

@@ -24,7 +24,7 @@ TEST(ModelBatch, WaitsForAllModelsOfAView) {
   batch.add(model(0, 2, 10), start + seconds(4));
   const auto ready = batch.take_ready(start + seconds(4));
   ASSERT_EQ(ready.size(), 2u);
-  EXPECT_EQ(ready[0]->id(), 0u);  // in order of id, however they came
+  EXPECT_EQ(ready[0]->id(), 0u);                              // in order of id, however they came
   EXPECT_TRUE(batch.take_ready(start + seconds(9)).empty());  // each once
 }
 

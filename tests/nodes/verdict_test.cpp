@@ -52,8 +52,9 @@ TEST(Verdict, NamesTheStageAtWhichTheChainBroke) {
 TEST(Page, IsWrittenForEveryStageOfFailure) {
   Collected collected;
   const robot::GripperModel gripper;
-  EXPECT_NE(compose_page("t", collected, judge(collected, true, ""), gripper, {}).html().find(
-                "No object hypotheses came"),
+  EXPECT_NE(compose_page("t", collected, judge(collected, true, ""), gripper, {})
+                .html()
+                .find("No object hypotheses came"),
             std::string::npos);
   collected.shapes[0].set_problem("two points only");
   collected.models[0].set_problem("no watertight mesh");

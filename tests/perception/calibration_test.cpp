@@ -52,7 +52,8 @@ std::string opencv_matrix(const std::string& name, int rows, int columns, const 
 
 std::string opencv_file(const std::string& rotation, const std::string& translation,
                         const std::string& distortion) {
-  return "%YAML:1.0\n---\n" + opencv_matrix("M1", 3, 3, "500., 0., 320., 0., 500., 240., 0., 0., 1.") +
+  return "%YAML:1.0\n---\n" +
+         opencv_matrix("M1", 3, 3, "500., 0., 320., 0., 500., 240., 0., 0., 1.") +
          opencv_matrix("D1", 1, 5, distortion) +
          opencv_matrix("M2", 3, 3, "500., 0., 320., 0., 500., 240., 0., 0., 1.") +
          opencv_matrix("D2", 1, 5, distortion) + opencv_matrix("R", 3, 3, rotation) +
@@ -92,10 +93,9 @@ TEST_F(CalibrationFile, OpenCvYaml) {
       write(opencv_file(kNoRotation, "-0.12, 0., 0.", "-0.1, 0.02, 0., 0., 0.")));
   EXPECT_FALSE(distorted.is_rectified());
   EXPECT_EQ(distorted.distortion_left.size(), 5U);
-  const StereoCalibration one_matrix = read_stereo_calibration(
-      write("%YAML:1.0\n---\n" +
-            opencv_matrix("K", 3, 3, "500., 0., 320., 0., 500., 240., 0., 0., 1.") +
-            "baseline: 0.05\n"));
+  const StereoCalibration one_matrix = read_stereo_calibration(write(
+      "%YAML:1.0\n---\n" + opencv_matrix("K", 3, 3, "500., 0., 320., 0., 500., 240., 0., 0., 1.") +
+      "baseline: 0.05\n"));
   EXPECT_EQ(rectified_camera(one_matrix, 640, 480).baseline, 0.05);
 }
 
@@ -111,9 +111,9 @@ TEST_F(CalibrationFile, NamesTheMissingKey) {
 
 TEST_F(CalibrationFile, RejectsBaselinesThatCannotBe) {
   for (const char* baseline : {"0", "-0.1", ".nan", ".inf", "wide", "63", "[]"}) {
-    EXPECT_THAT(error_of(std::string("{fx: 500, fy: 500, cx: 320, cy: 240, baseline: ") + baseline +
-                         "}"),
-                HasSubstr("'baseline'"))
+    EXPECT_THAT(
+        error_of(std::string("{fx: 500, fy: 500, cx: 320, cy: 240, baseline: ") + baseline + "}"),
+        HasSubstr("'baseline'"))
         << baseline;
   }
   EXPECT_THAT(error_of(opencv_file(kNoRotation, "0., 0., 0.", kNoDistortion)), HasSubstr("'T'"));
@@ -123,9 +123,9 @@ TEST_F(CalibrationFile, RejectsBaselinesThatCannotBe) {
 TEST_F(CalibrationFile, RejectsNonsense) {
   EXPECT_THAT(error_of("{fx: 0, fy: 500, cx: 320, cy: 240, baseline: 0.1}"), HasSubstr("fx"));
   EXPECT_THAT(error_of("{fx: .nan, fy: 500, cx: 320, cy: 240, baseline: 0.1}"), HasSubstr("'fx'"));
-  EXPECT_THAT(error_of(opencv_file("1., 1., 0., 0., 1., 0., 0., 0., 1.", "-0.1, 0., 0.",
-                                   kNoDistortion)),
-              HasSubstr("'R'"));
+  EXPECT_THAT(
+      error_of(opencv_file("1., 1., 0., 0., 1., 0., 0., 0., 1.", "-0.1, 0., 0.", kNoDistortion)),
+      HasSubstr("'R'"));
   EXPECT_THAT(error_of(opencv_file(kNoRotation, "-0.1, 0., 0.", "0., 0., 0.")), HasSubstr("'D1'"));
   EXPECT_THAT(error_of("1 2 3"), HasSubstr("10"));
   EXPECT_THAT(error_of("just words"), HasSubstr("c.yaml"));

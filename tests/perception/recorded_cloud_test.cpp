@@ -204,7 +204,8 @@ TEST(InterpretRecordedCloud, SaysWhatIsWrong) {
   std::vector<Eigen::Vector3f> plane;
   for (int i = 0; i < 400; ++i) {
     line.emplace_back(0.001F * static_cast<float>(i), 0.002F * static_cast<float>(i), 1.0F);
-    plane.emplace_back(0.01F * static_cast<float>(i % 20), 0.01F * static_cast<float>(i / 20), 1.0F);
+    plane.emplace_back(0.01F * static_cast<float>(i % 20), 0.01F * static_cast<float>(i / 20),
+                       1.0F);
   }
   EXPECT_THAT(error_of(points(line)), HasSubstr("collinear"));
   EXPECT_THAT(error_of(points(plane)), HasSubstr("coplanar"));

@@ -25,7 +25,8 @@ StereoCalibration test_calibration() {
 
 // Brightness of the plane z = `depth` of the left camera at (x, y) [m].
 double texture(double x, double y) {
-  return 128 + 50 * std::sin(140 * x + 3 * std::sin(60 * y)) + 50 * std::sin(120 * y + 2 * std::sin(90 * x));
+  return 128 + 50 * std::sin(140 * x + 3 * std::sin(60 * y)) +
+         50 * std::sin(120 * y + 2 * std::sin(90 * x));
 }
 
 // What a camera with pose X_LC sees of the plane z = 1 in the left camera's frame.
@@ -52,9 +53,9 @@ TEST(Rectify, PassesRectifiedImagesThrough) {
 TEST(Rectify, TurnedCamerasGiveThePlanesDepth) {
   StereoCalibration calibration = test_calibration();
   calibration.K_right(0, 0) = calibration.K_right(1, 1) = 310;
-  calibration.X_RL.linear() =
-      (Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitZ()) *
-       Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX())).toRotationMatrix();
+  calibration.X_RL.linear() = (Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(-0.02, Eigen::Vector3d::UnitX()))
+                                  .toRotationMatrix();
   calibration.X_RL.translation() = Eigen::Vector3d(-0.08, 0.002, -0.001);
   const geometry::ColorImage left =
       view_of_plane(calibration.K_left, geometry::RigidTransform::Identity());
@@ -68,8 +69,8 @@ TEST(Rectify, TurnedCamerasGiveThePlanesDepth) {
   for (int v = 60; v < 180; ++v) {
     for (int u = 80; u < 240; ++u) {
       if (std::isnan(disparity.at(u, v))) continue;
-      const double z = pair.camera.left.fx * pair.camera.baseline /
-                       static_cast<double>(disparity.at(u, v));
+      const double z =
+          pair.camera.left.fx * pair.camera.baseline / static_cast<double>(disparity.at(u, v));
       error += std::abs(z - 1.0);  // the rectified frame is turned by a degree or two at most
       ++valid;
     }
@@ -82,9 +83,9 @@ TEST(Rectify, RejectsWhatDoesNotBelongTogether) {
   const geometry::ColorImage image(kWidth, kHeight);
   EXPECT_THROW(rectify(image, geometry::ColorImage(kWidth, 10), test_calibration()),
                geometry::InputError);
-  EXPECT_THROW(rectify(geometry::ColorImage(640, 480), geometry::ColorImage(640, 480),
-                       test_calibration()),
-               geometry::InputError);
+  EXPECT_THROW(
+      rectify(geometry::ColorImage(640, 480), geometry::ColorImage(640, 480), test_calibration()),
+      geometry::InputError);
   StereoCalibration swapped = test_calibration();
   swapped.X_RL.translation() *= -1;
   EXPECT_THROW(rectify(image, image, swapped), geometry::InputError);

@@ -173,17 +173,20 @@ TEST(Segment, RejectsBadOptionsAndCameras) {
 
 TEST(WorldFromTable, CameraLookingAlongTheTableAndStraightDown) {
   // Straight down: the camera's x is in the table.
-  const geometry::RigidTransform X_WC = world_from_table({-Eigen::Vector3d::UnitZ(), -1}, {0, 0, 0.9});
+  const geometry::RigidTransform X_WC =
+      world_from_table({-Eigen::Vector3d::UnitZ(), -1}, {0, 0, 0.9});
   EXPECT_TRUE(X_WC.translation().isApprox(Eigen::Vector3d(0, 0, 1), 1e-12));
   // Lying on its side: the camera's x stands on the table.
-  const geometry::RigidTransform side = world_from_table({Eigen::Vector3d::UnitX(), -0.5}, {0, 0, 1});
+  const geometry::RigidTransform side =
+      world_from_table({Eigen::Vector3d::UnitX(), -0.5}, {0, 0, 1});
   EXPECT_NEAR(side.linear().determinant(), 1, 1e-12);
   EXPECT_NEAR(side.translation().z(), 0.5, 1e-12);
 }
 
 // Points of a cylinder's wall between two angles, seen by a camera at the origin of C that looks
 // along z with the table below (y down).
-std::vector<Eigen::Vector3f> wall(double from, double to, double radius, double bottom, double top) {
+std::vector<Eigen::Vector3f> wall(double from, double to, double radius, double bottom,
+                                  double top) {
   std::vector<Eigen::Vector3f> points;
   for (double angle = from; angle <= to; angle += 0.05) {
     for (double height = bottom; height <= top; height += 0.005) {

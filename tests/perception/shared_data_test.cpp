@@ -93,7 +93,7 @@ TEST_F(SharedData, SingleObjectsStandOnHypotheticalTables) {
 
 struct LabelledScene {
   const char* name;
-  std::size_t objects;   // that are expected: touching ones count as one
+  std::size_t objects;    // that are expected: touching ones count as one
   std::size_t well_seen;  // labels with a mask of overlap > 0.8
 };
 
@@ -103,8 +103,8 @@ TEST_F(SharedData, LabelledScenes) {
        {LabelledScene{"learn33", 5, 5}, LabelledScene{"learn36", 3, 3},
         LabelledScene{"learn38", 4, 4}, LabelledScene{"learn43", 3, 3},
         LabelledScene{"learn44", 3, 3}, LabelledScene{"test31", 2, 1},
-        LabelledScene{"test32", 3, 2}, LabelledScene{"test34", 4, 3},
-        LabelledScene{"test36", 3, 3}, LabelledScene{"test37", 2, 1}}) {
+        LabelledScene{"test32", 3, 2}, LabelledScene{"test34", 4, 3}, LabelledScene{"test36", 3, 3},
+        LabelledScene{"test37", 2, 1}}) {
     const RecordedCloud recorded = read(std::string("osd/") + expected.name + ".pcd");
     const SegmentedScene scene = segment_recorded_cloud(recorded);
     EXPECT_EQ(scene.objects.size(), expected.objects) << expected.name;

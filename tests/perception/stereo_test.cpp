@@ -63,7 +63,7 @@ Pair make_pair(const StereoCamera& camera, Disparity disparity) {
 
 struct Errors {
   double mean = 0;
-  double valid = 0;    // share of the pixels that have a match in the right image
+  double valid = 0;     // share of the pixels that have a match in the right image
   double outliers = 0;  // share of the valid ones, over one pixel
 };
 

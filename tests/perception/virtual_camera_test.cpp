@@ -100,11 +100,11 @@ TEST(Splat, NearerPointsWin) {
 TEST(PlausibleViewpoint, IsOnTheSideThatWasSeen) {
   for (const double azimuth : {0.3, 2.0, 4.5}) {
     SyntheticView view;
-    view.X_WC = geometry::look_at(
-        {0.7 * std::cos(azimuth), 0.7 * std::sin(azimuth), 0.45}, {0, 0, 0.07});
+    view.X_WC =
+        geometry::look_at({0.7 * std::cos(azimuth), 0.7 * std::sin(azimuth), 0.45}, {0, 0, 0.07});
     view.boxes = {testing::standing_box(0, 0, {0.08, 0.08, 0.15})};
-    const geometry::PointCloud cloud_W = geometry::transformed(
-        geometry::without_invalid(testing::render(view)), view.X_WC);
+    const geometry::PointCloud cloud_W =
+        geometry::transformed(geometry::without_invalid(testing::render(view)), view.X_WC);
     const geometry::RigidTransform X_WC = plausible_viewpoint(cloud_W, Eigen::Vector3d::UnitZ());
     const Eigen::Vector2d seen_from(std::cos(azimuth), std::sin(azimuth));
     EXPECT_GT(X_WC.translation().head<2>().normalized().dot(seen_from), 0.7) << azimuth;
@@ -116,7 +116,8 @@ TEST(PointSpacing, OfAGrid) {
   geometry::PointCloud cloud;
   for (int i = 0; i < 20; ++i) {
     for (int j = 0; j < 20; ++j) {
-      cloud.points.emplace_back(0.002F * static_cast<float>(i), 0.002F * static_cast<float>(j), 1.0F);
+      cloud.points.emplace_back(0.002F * static_cast<float>(i), 0.002F * static_cast<float>(j),
+                                1.0F);
     }
   }
   EXPECT_NEAR(point_spacing(cloud), 0.002, 1e-6);

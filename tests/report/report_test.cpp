@@ -41,7 +41,8 @@ TEST(Page, SaysWhichFileCannotBeWritten) {
 }
 
 TEST(Charts, DrawSeriesWithGapsAndHostileNames) {
-  LineChart chart{"it's 'quoted'", "t [s]", "F [N]", {{"left'; system('false')", {}}}, {{0.5, "m"}}};
+  LineChart chart{
+      "it's 'quoted'", "t [s]", "F [N]", {{"left'; system('false')", {}}}, {{0.5, "m"}}};
   for (int i = 0; i < 100; ++i) {
     chart.series[0].points.emplace_back(i * 0.01, i == 50 ? NAN : std::sin(i * 0.1));
   }
@@ -57,7 +58,8 @@ TEST(Pictures, NearPointsHideFarOnes) {
   cloud.points = {{0, 0, 2}, {0, 0, 1}, {0, 0, -1}, {NAN, NAN, NAN}};
   const std::vector<Rgb> colors = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {0, 0, 0}};
   const auto camera = picture_camera(11, 11);
-  const ColorImage image = draw_cloud(cloud, colors, camera, geometry::RigidTransform::Identity(), 1);
+  const ColorImage image =
+      draw_cloud(cloud, colors, camera, geometry::RigidTransform::Identity(), 1);
   EXPECT_EQ(image.at(5, 5), (Rgb{0, 255, 0}));
   EXPECT_EQ(image.at(0, 0), (Rgb{255, 255, 255}));
   EXPECT_THROW(draw_cloud(cloud, {}, camera, geometry::RigidTransform::Identity()),

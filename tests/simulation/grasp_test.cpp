@@ -51,8 +51,7 @@ TEST_P(Hold, LiftsHoldsAndPutsDown) {
   EXPECT_GT(box.X_WB.linear()(2, 2), 0.9999) << "stands upright";
   RecordProperty("lifted_mm", std::to_string(1e3 * lifted));
 }
-INSTANTIATE_TEST_SUITE_P(FiftyGramsToThreeKilograms, Hold,
-                         ::testing::Values(0.05, 0.3, 1.0, 3.0));
+INSTANTIATE_TEST_SUITE_P(FiftyGramsToThreeKilograms, Hold, ::testing::Values(0.05, 0.3, 1.0, 3.0));
 
 TEST(Grasp, HoldsOneHundredTimesTheJawsMassRatio) {
   Scene scene = grasp_scene(3.0);

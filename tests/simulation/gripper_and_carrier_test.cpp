@@ -109,7 +109,8 @@ TEST(Carrier, FollowsAStraightTrapezoid) {
     }
     const double length = (goal - Eigen::Vector3d(0, 0, 0.3)).norm();
     EXPECT_NEAR(time, length / 0.25 + 0.25 / 1.0, 0.01 + 4 * step);
-    EXPECT_LT((world.carrier().X_WG.matrix() - model.gripper_pose(goal, 1.0).matrix()).norm(), 1e-9);
+    EXPECT_LT((world.carrier().X_WG.matrix() - model.gripper_pose(goal, 1.0).matrix()).norm(),
+              1e-9);
   }
 }
 
@@ -141,13 +142,17 @@ TEST(Carrier, RefusesWhatItCannotReach) {
 
 TEST(Carrier, MountingTurnsTheApproachDirection) {
   CarrierModel model;
-  EXPECT_TRUE(model.gripper_pose({0, 0, 0}, 0.7).linear().col(2).isApprox(
-      -Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_TRUE(model.gripper_pose({0, 0, 0}, 0.7)
+                  .linear()
+                  .col(2)
+                  .isApprox(-Eigen::Vector3d::UnitZ(), 1e-12));
   model.mounting_tilt = M_PI / 2;
-  EXPECT_TRUE(model.gripper_pose({0, 0, 0}, 0).linear().col(2).isApprox(Eigen::Vector3d::UnitX(),
-                                                                       1e-12));
+  EXPECT_TRUE(
+      model.gripper_pose({0, 0, 0}, 0).linear().col(2).isApprox(Eigen::Vector3d::UnitX(), 1e-12));
   EXPECT_TRUE(model.gripper_pose({0, 0, 0}, M_PI / 2)
-                  .linear().col(2).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+                  .linear()
+                  .col(2)
+                  .isApprox(Eigen::Vector3d::UnitY(), 1e-12));
 }
 
 TEST(Wrist, FeelsFingersPressedOnTheTable) {

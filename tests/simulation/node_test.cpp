@@ -41,8 +41,7 @@ pid_t start_simulation(std::vector<std::string> arguments, const std::string& ou
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 2, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   pid_t pid = -1;
-  const int error =
-      posix_spawn(&pid, program.c_str(), &actions, nullptr, pointers.data(), environ);
+  const int error = posix_spawn(&pid, program.c_str(), &actions, nullptr, pointers.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   EXPECT_EQ(error, 0) << program;
   return pid;
@@ -64,8 +63,9 @@ class SimulationNode : public ::testing::Test {
   void SetUp() override { start({}); }
 
   void start(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"--registry", registry_.endpoint(), "--param", "speed:=0",
-                                       "--param", "scene:=config/scenes/demo.yaml"};
+    std::vector<std::string> arguments{"--registry", registry_.endpoint(),
+                                       "--param",    "speed:=0",
+                                       "--param",    "scene:=config/scenes/demo.yaml"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     simulation_ = start_simulation(arguments, output_);
     graph::NodeOptions options;
@@ -207,8 +207,7 @@ TEST_F(SimulationNode, WatchdogStopsAForgottenCommand) {
 }
 
 TEST_F(SimulationNode, SpawnsPredictedMeshesAndRefusesBadOnes) {
-  const auto spawn =
-      node_->client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn");
+  const auto spawn = node_->client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn");
   msgs::SpawnRequest request;
   request.set_name("predicted");
   geometry::TriangleMesh mesh = geometry::make_box({0.04, 0.05, 0.06});

@@ -30,8 +30,8 @@ class BadInput : public ::testing::Test {
     EXPECT_NE(*outcome.exit_code, 0) << outcome.output;
     EXPECT_LT(*outcome.exit_code, 128) << "killed by a signal: " << outcome.output;
     for (const auto& word : words) {
-      EXPECT_NE(outcome.output.find(word), std::string::npos)
-          << "'" << word << "' is not in:\n" << outcome.output;
+      EXPECT_NE(outcome.output.find(word), std::string::npos) << "'" << word << "' is not in:\n"
+                                                              << outcome.output;
     }
   }
 

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "msgs/grasp.pb.h"
 #include "msgs/graph.pb.h"
+#include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
 #include "tests/system/launched.h"
 #include "tests/system/recording.h"
@@ -26,8 +26,8 @@ using Recording = std::map<std::string, std::vector<Recorded>>;
 constexpr seconds kRunTimeout{120};
 
 std::vector<std::string> demo_arguments(const std::filesystem::path& out) {
-  return {"launch", "launch/demo.yaml", "out:=" + out.string(),
-          "--log-dir", (out / "log").string()};
+  return {"launch", "launch/demo.yaml", "out:=" + out.string(), "--log-dir",
+          (out / "log").string()};
 }
 
 // Lifted by 100 mm, moved, put down, and felt by both pads on the way.
@@ -85,8 +85,7 @@ void expect_no_silent_loss(const Recording& recording) {
       previous = message.sequence;
       if (!is_gap) continue;
       const bool said = std::any_of(log.begin(), log.end(), [&](const auto& line) {
-        return line.level() >= msgs::graph::WARNING &&
-               line.text().find(topic) != std::string::npos;
+        return line.level() >= msgs::graph::WARNING && line.text().find(topic) != std::string::npos;
       });
       EXPECT_TRUE(said) << "a gap before message " << message.sequence << " of " << topic;
     }
@@ -131,11 +130,11 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
 
   const auto replay_out = scratch.path() / "replay";
   std::filesystem::create_directories(replay_out);
-  Launched replay("prehend",
-                  {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
-                   "out:=" + replay_out.string(), "record:=true", "--log-dir",
-                   (replay_out / "log").string()},
-                  scratch.path() / "replay.txt");
+  Launched replay(
+      "prehend",
+      {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
+       "out:=" + replay_out.string(), "record:=true", "--log-dir", (replay_out / "log").string()},
+      scratch.path() / "replay.txt");
   ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
   const auto live_plans = plans_by_object(live);
   const auto replayed_plans = plans_by_object(read_recording(replay_out / "recording.mcap"));
