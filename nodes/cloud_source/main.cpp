@@ -7,6 +7,7 @@
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
+#include "nodes/segmentation_parameters/stage_clock.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node.h"
@@ -66,23 +67,9 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
   return options;
 }
 
-class StageClock {
- public:
-  void end_stage(msgs::ObjectHypotheses& message, const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    msgs::StageTime* time = message.add_times();
-    time->set_stage(stage);
-    time->set_seconds(std::chrono::duration<double>(now - start_).count());
-    start_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 // A cloud without table or objects is an answer: it is published and the node stays.
 msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedCloud& recorded,
-                               msgs::ObjectHypotheses times, StageClock& clock) {
+                               msgs::ObjectHypotheses times, nodes::StageClock& clock) {
   msgs::ObjectHypotheses message;
   try {
     const perception::SegmentedScene scene = perception::segment_recorded_cloud(
@@ -111,7 +98,7 @@ void run(graph::Node& node) {
     publisher.publish(std::move(message));
   };
 
-  StageClock clock;
+  nodes::StageClock clock;
   msgs::ObjectHypotheses times;
   msgs::ObjectHypotheses message;
   try {

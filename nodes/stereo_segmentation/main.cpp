@@ -8,6 +8,7 @@
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
+#include "nodes/segmentation_parameters/stage_clock.h"
 #include "prehend/graph/node.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
@@ -86,21 +87,6 @@ perception::StereoOptions stereo_options(const graph::Node& node) {
   return o;
 }
 
-// Seconds since the last call, by stage.
-class StageClock {
- public:
-  void end_stage(msgs::ObjectHypotheses& message, const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    msgs::StageTime* time = message.add_times();
-    time->set_stage(stage);
-    time->set_seconds(std::chrono::duration<double>(now - start_).count());
-    start_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 class StereoSegmentation {
  public:
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
@@ -154,7 +140,7 @@ class StereoSegmentation {
   }
 
   msgs::ObjectHypotheses segment(const msgs::StereoPair& pair) {
-    StageClock clock;
+    nodes::StageClock clock;
     msgs::ObjectHypotheses times;
     const geometry::StereoCamera camera = convert::from_message(*info_);
     const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);

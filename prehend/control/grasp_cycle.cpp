@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <stdexcept>
 
 namespace prehend::control {
 namespace {
@@ -13,10 +12,6 @@ namespace {
 using geometry::RigidTransform;
 
 constexpr double kGravity = 9.81;  // m/s^2
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("CycleOptions." + message);
-}
 
 std::string millimetres(double metres) {
   std::array<char, 32> text{};
@@ -40,56 +35,6 @@ RigidTransform shifted(const RigidTransform& X_WG, const Eigen::Vector3d& p_W) {
 
 }  // namespace
 
-void CycleOptions::validate() const {
-  require(std::abs(up_W.norm() - 1) < 1e-6, "up_W must be a unit vector");
-  require(std::isfinite(transit_height), "transit_height must be finite");
-  require(travel_speed > 0, "travel_speed must be positive");
-  require(approach_speed > 0, "approach_speed must be positive");
-  require(lift_speed > 0, "lift_speed must be positive");
-  require(opening_speed > 0, "opening_speed must be positive");
-  require(closing_speed > 0, "closing_speed must be positive");
-  require(fast_closing_speed > 0, "fast_closing_speed must be positive");
-  require(closing_margin >= 0, "closing_margin must not be negative");
-  require(pressing_speed > 0, "pressing_speed must be positive");
-  require(contact_force > 0, "contact_force must be positive");
-  require(touch_force > 0, "touch_force must be positive");
-  require(held_ratio >= 0 && held_ratio < 1, "held_ratio must be in [0, 1)");
-  require(largest_collapse > 0, "largest_collapse must be positive");
-  require(settled_time >= 0, "settled_time must not be negative");
-  require(check_time >= 0, "check_time must not be negative");
-  require(lift_height >= 0.12, "lift_height must be at least 0.12 m");
-  require(move_W.allFinite(), "move_W must be finite");
-  require(largest_attempts > 0, "largest_attempts must be positive");
-  require(stale_time > 0, "stale_time must be positive");
-  require(motion_timeout > 0, "motion_timeout must be positive");
-  require(closing_timeout > 0, "closing_timeout must be positive");
-  require(force_timeout > 0, "force_timeout must be positive");
-  force.validate();
-  tolerances.validate();
-}
-
-std::string to_string(Phase phase) {
-  switch (phase) {
-    case Phase::kWaiting:
-      return "waiting";
-    case Phase::kApproach:
-      return "approach";
-    case Phase::kGrasp:
-      return "grasp";
-    case Phase::kLift:
-      return "lift";
-    case Phase::kMove:
-      return "move";
-    case Phase::kRelease:
-      return "release";
-    case Phase::kDone:
-      return "done";
-    case Phase::kFailed:
-      return "failed";
-  }
-  return "unknown";
-}
-
 GraspCycle::GraspCycle(const robot::GripperModel& gripper, const CycleOptions& options,
                        GripperPort& gripper_port, CarrierPort& carrier_port)
     : gripper_(gripper),
@@ -98,38 +43,6 @@ GraspCycle::GraspCycle(const robot::GripperModel& gripper, const CycleOptions& o
       carrier_port_(carrier_port),
       force_controller_(options.force) {
   options_.validate();
-}
-
-Phase GraspCycle::phase_of(Step step) {
-  switch (step) {
-    case Step::kWaiting:
-      return Phase::kWaiting;
-    case Step::kOpen:
-    case Step::kRise:
-    case Step::kCross:
-    case Step::kPregrasp:
-    case Step::kApproach:
-      return Phase::kApproach;
-    case Step::kClose:
-    case Step::kPress:
-      return Phase::kGrasp;
-    case Step::kLift:
-    case Step::kCheck:
-      return Phase::kLift;
-    case Step::kMove:
-    case Step::kLower:
-      return Phase::kMove;
-    case Step::kRelease:
-    case Step::kRetreat:
-    case Step::kGiveUpOpen:
-    case Step::kGiveUpRetreat:
-      return Phase::kRelease;
-    case Step::kDone:
-      return Phase::kDone;
-    case Step::kFailed:
-      return Phase::kFailed;
-  }
-  return Phase::kFailed;
 }
 
 Phase GraspCycle::phase() const { return phase_of(step_); }

@@ -1,0 +1,59 @@
+#include "prehend/control/grasp_cycle.h"
+
+namespace prehend::control {
+
+std::string to_string(Phase phase) {
+  switch (phase) {
+    case Phase::kWaiting:
+      return "waiting";
+    case Phase::kApproach:
+      return "approach";
+    case Phase::kGrasp:
+      return "grasp";
+    case Phase::kLift:
+      return "lift";
+    case Phase::kMove:
+      return "move";
+    case Phase::kRelease:
+      return "release";
+    case Phase::kDone:
+      return "done";
+    case Phase::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+Phase GraspCycle::phase_of(Step step) {
+  switch (step) {
+    case Step::kWaiting:
+      return Phase::kWaiting;
+    case Step::kOpen:
+    case Step::kRise:
+    case Step::kCross:
+    case Step::kPregrasp:
+    case Step::kApproach:
+      return Phase::kApproach;
+    case Step::kClose:
+    case Step::kPress:
+      return Phase::kGrasp;
+    case Step::kLift:
+    case Step::kCheck:
+      return Phase::kLift;
+    case Step::kMove:
+    case Step::kLower:
+      return Phase::kMove;
+    case Step::kRelease:
+    case Step::kRetreat:
+    case Step::kGiveUpOpen:
+    case Step::kGiveUpRetreat:
+      return Phase::kRelease;
+    case Step::kDone:
+      return Phase::kDone;
+    case Step::kFailed:
+      return Phase::kFailed;
+  }
+  return Phase::kFailed;
+}
+
+}  // namespace prehend::control
