@@ -111,6 +111,7 @@ void run(graph::Node& node) {
     clock.end_stage(times, "viewpoint");
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
     message = segment(node, recorded, std::move(times), clock);
+    for (const std::string& note : recorded.notes) message.add_notes(note);
   } catch (const geometry::InputError& error) {
     message.set_problem(error.what());
     publish(message);  // for those who listen already; the launch shows the reason too

@@ -77,6 +77,8 @@ void add_view(Page& page, const Collected& collected) {
     if (!collected.objects->problem().empty()) {
       page.add_verdict(collected.objects->problem(), false);
     }
+    for (const auto& note : collected.objects->notes())
+      page.add_paragraph("Assumed: " + note + ".");
     if (collected.objects->has_camera() && collected.objects->camera().width() > 0) {
       const auto scene = convert::from_message(*collected.objects);
       if (!scene.depth.empty()) {

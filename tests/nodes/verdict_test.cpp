@@ -56,9 +56,12 @@ TEST(Page, IsWrittenForEveryStageOfFailure) {
                 .html()
                 .find("No object hypotheses came"),
             std::string::npos);
+  collected.objects.emplace();
+  collected.objects->add_notes("the camera looks along -z");
   collected.shapes[0].set_problem("two points only");
   collected.models[0].set_problem("no watertight mesh");
   auto page = compose_page("t", collected, judge(collected, true, ""), gripper, {}).html();
+  EXPECT_NE(page.find("the camera looks along -z"), std::string::npos);
   EXPECT_NE(page.find("two points only"), std::string::npos);
   EXPECT_NE(page.find("no watertight mesh"), std::string::npos);
 
