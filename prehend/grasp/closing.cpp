@@ -150,6 +150,31 @@ std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object,
   return springs;
 }
 
+// True when the object, at rest between the pads, reaches into a finger beyond its pad: the
+// finger's face lies the pad's thickness behind the pad's, from the housing to the fingertip.
+bool reaches_finger(const MeshQuery& object, const RigidTransform& X_WG, double open,
+                    const PadBeds& beds, double opening, const robot::GripperModel& gripper) {
+  constexpr double kSpacing = 0.004;  // m, of the rays along the finger
+  const auto& pad = gripper.pad;
+  const double half_width = gripper.finger_size.x() / 2;
+  for (int side : {1, -1}) {
+    const Eigen::Vector3d direction_W = X_WG.linear() * Eigen::Vector3d(0, -side, 0);
+    for (double z = gripper.housing_front_z(); z <= gripper.tip_z(); z += kSpacing) {
+      if (std::abs(z) < pad.length() / 2) continue;  // the pad itself
+      for (const double x : {-half_width, 0.0, half_width}) {
+        const double start = open / 2 + pad.thickness;
+        const auto hit =
+            object.cast_ray(X_WG * Eigen::Vector3d(x, side * start, z), direction_W, open);
+        if (!hit || hit->normal.dot(direction_W) > 0) continue;
+        const Spring finger{x, z, start - hit->distance, side, Eigen::Vector3d::UnitY()};
+        const double moved = finger.height + finger.jacobian().dot(beds.rest());
+        if (moved > opening / 2 + pad.thickness) return true;
+      }
+    }
+  }
+  return false;
+}
+
 ContactPatch make_patch(const PadBeds& beds, int side, double opening,
                         const robot::TactilePadModel& pad, const ClosingOptions& options) {
   ContactPatch patch;
@@ -259,6 +284,8 @@ ClosedHand close_hand(const MeshQuery& object_W, const RigidTransform& X_WG, dou
   } else if (hand.opening < 0 ||
              std::max(hand.left.depth, hand.right.depth) > gripper.pad.thickness) {
     hand.outcome = ClosingOutcome::kBottomsOut;
+  } else if (reaches_finger(object_W, X_WG, opening, beds, hand.opening, gripper)) {
+    hand.outcome = ClosingOutcome::kTouchesFinger;
   } else {
     hand.outcome = ClosingOutcome::kClosed;
   }

@@ -32,11 +32,12 @@ struct ContactPatch {
 };
 
 enum class ClosingOutcome {
-  kClosed,      // both pads press with the wanted force
-  kTooWide,     // the open pads would start inside the object
-  kMissed,      // at least one pad meets nothing
-  kBottomsOut,  // a pad's foam is used up before the force is reached
-  kTurns,       // the object would turn more than allowed, or out of the pads
+  kClosed,         // both pads press with the wanted force
+  kTooWide,        // the open pads would start inside the object
+  kMissed,         // at least one pad meets nothing
+  kBottomsOut,     // a pad's foam is used up before the force is reached
+  kTurns,          // the object would turn more than allowed, or out of the pads
+  kTouchesFinger,  // a finger would meet the object beyond its pad and keep the pad from pressing
 };
 
 /// The hand closed on a rigid object.

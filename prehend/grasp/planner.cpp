@@ -31,12 +31,14 @@ constexpr const char* kObject = "open hand would hit the object";
 constexpr const char* kObstacle = "hand would hit another object";
 constexpr const char* kBottomsOut = "contact too small or sharp for the pads";
 constexpr const char* kTurns = "closing would turn the object";
+constexpr const char* kFinger = "a finger would touch beside its pad";
 constexpr const char* kNotClosed = "no force closure";
 constexpr const char* kTooHeavy = "too heavy for the grip force";
 constexpr const char* kRankedBelow = "ranked below the best";
 // In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{kDirection, kNothing,    kTooWide, kWorkspace, kTable,     kObject,
-                             kObstacle,  kBottomsOut, kTurns,   kTooHeavy,  kOffCentre, kNotClosed};
+constexpr std::array kStages{kDirection, kNothing,   kTooWide,    kWorkspace, kTable,
+                             kObject,    kObstacle,  kBottomsOut, kTurns,     kFinger,
+                             kTooHeavy,  kOffCentre, kNotClosed};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("PlannerOptions." + message);
@@ -223,6 +225,8 @@ const char* Planner::close(const RigidTransform& X_WG, double opening, ClosedHan
         return kBottomsOut;
       case ClosingOutcome::kTurns:
         return kTurns;
+      case ClosingOutcome::kTouchesFinger:
+        return kFinger;
     }
     const double ratio = load_ratio(*hand, X_WG, *force);
     if (ratio <= 1 + 1e-9) break;

@@ -106,6 +106,23 @@ TEST(CloseHand, TooWideMissedAndBottomedOut) {
             ClosingOutcome::kBottomsOut);
 }
 
+TEST(CloseHand, RimThatReachesAFingerAboveThePadIsRefused) {
+  // A can's body with a rim at its top, above the pads.
+  const auto can_with_rim = [](double rim) {
+    geometry::TriangleMesh mesh =
+        geometry::concatenated({geometry::make_box({0.05, 0.05, 0.1}),
+                                geometry::make_box({0.05 + 2 * rim, 0.05 + 2 * rim, 0.006})});
+    // The housing is at -z of the gripper frame.
+    for (std::size_t i = 8; i < mesh.vertices.size(); ++i) mesh.vertices[i].z() -= 0.04;
+    return geometry::MeshQuery(mesh);
+  };
+  const auto hand = hand_at(0, 0, 0);
+  EXPECT_EQ(close_hand(can_with_rim(0.002), hand, 0.069, 10, kGripper).outcome,
+            ClosingOutcome::kClosed);  // behind the foam's thickness of 3 mm
+  EXPECT_EQ(close_hand(can_with_rim(0.005), hand, 0.069, 10, kGripper).outcome,
+            ClosingOutcome::kTouchesFinger);
+}
+
 TEST(CloseHand, RejectsNonsense) {
   const MeshQuery box(geometry::make_box({0.05, 0.05, 0.05}));
   EXPECT_THROW(close_hand(box, hand_at(0, 0, 0), 0, 10, kGripper), std::invalid_argument);
