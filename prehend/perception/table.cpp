@@ -24,6 +24,8 @@ namespace {
 using geometry::InputError;
 using geometry::Plane;
 
+// Of the points within three tolerances of a plane, the share that must lie within one.
+constexpr double kLeastDistinctness = 0.45;
 constexpr int kMinVoxels = 30;      // of a plane
 constexpr double kPatchGap = 0.15;  // m, larger gaps separate a plane's patches
 constexpr double kLowestTiltFactor = 0.05;
@@ -98,6 +100,19 @@ std::vector<int> inliers_of(const Plane& plane, const std::vector<Eigen::Vector3
     }
   }
   return inliers;
+}
+
+// A plane stands out from what is round it; scattered points give a third here.
+bool stands_out(const Plane& plane, const std::vector<Eigen::Vector3f>& points,
+                const TableOptions& options) {
+  std::size_t within = 0, round_it = 0;
+  for (const Eigen::Vector3f& p : points) {
+    const double distance = std::abs(plane.signed_distance(p.cast<double>()));
+    const double tolerance = tolerance_at(p, options);
+    within += distance <= tolerance;
+    round_it += distance <= 3 * tolerance;
+  }
+  return static_cast<double>(within) >= kLeastDistinctness * static_cast<double>(round_it);
 }
 
 std::optional<Plane> ransac_plane(const std::vector<Eigen::Vector3f>& points,
@@ -298,7 +313,8 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
       const bool upright =
           up_C ? candidate->plane.normal.dot(up_C->normalized()) >= std::cos(options.max_tilt)
                : tilt_factor(candidate->plane) > kLowestTiltFactor;
-      if (support >= options.min_support && upright) {
+      if (support >= options.min_support && upright &&
+          stands_out(candidate->plane, voxels, options)) {
         std::vector<Eigen::Vector3f> members;
         for (const int i : candidate->voxels) members.push_back(voxels[i]);
         const PlaneOutline outline(candidate->plane, members);
@@ -319,7 +335,8 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
   }
   if (!best) {
     throw InputError("No table: none of the planes in the cloud of " +
-                         std::to_string(indices.size()) + " points is large enough and upright",
+                         std::to_string(indices.size()) +
+                         " points is large enough, upright and stands out from its surroundings",
                      "Look at a table, give the up direction, or lower min_support and min_extent");
   }
   return make_table(*best, cloud_C, indices, voxels, options);

@@ -105,7 +105,7 @@ TEST_F(BadInput, CloudWithoutATable) {
     points += std::to_string(2 * next()) + " " + std::to_string(2 * next()) + " " +
               std::to_string(2.5 + 2 * next()) + "\n";
   }
-  expect_cloud_failure(write("scatter.pcd", pcd(points, 20000)), {"table"});
+  expect_cloud_failure(write("scatter.pcd", pcd(points, 20000)), {"No table"});
 }
 
 TEST_F(BadInput, CloudInMillimetres) {
