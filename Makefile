@@ -2,9 +2,10 @@
 # make build  install what is missing, configure and build
 # make test   build, then run all tests
 # make bench  build, then run the benchmarks; figures go to out/bench/*.json
+# make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
 # make clean  remove build and out
 
-.PHONY: demo build test bench clean packages
+.PHONY: demo build test bench fuzz clean packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -28,5 +29,11 @@ bench: build
 	  $$program --json out/bench/$$(basename $$program).json || exit 1; \
 	done
 
+FUZZ_SECONDS ?= 60
+fuzz: packages
+	@cmake --preset fuzz --log-level=WARNING
+	@cmake --build --preset fuzz
+	@tests/fuzz/run.sh build-fuzz/bin out/fuzz $(FUZZ_SECONDS)
+
 clean:
-	rm -rf build out
+	rm -rf build build-fuzz out

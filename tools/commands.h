@@ -16,12 +16,27 @@ struct Outcome {
 void add_launch_command(CLI::App& app, Outcome& outcome);
 void add_node_commands(CLI::App& app);
 void add_topic_commands(CLI::App& app, Outcome& outcome);
-void add_service_commands(CLI::App& app);
+void add_offer_commands(CLI::App& app, Outcome& outcome);
 void add_param_commands(CLI::App& app);
+void add_log_command(CLI::App& app, Outcome& outcome);
+void add_graph_command(CLI::App& app);
+void add_doctor_command(CLI::App& app, Outcome& outcome);
+void add_completion_command(CLI::App& app);
+void add_keys_commands(CLI::App& app);
+void add_clock_commands(CLI::App& app);
 void add_recording_commands(CLI::App& app);
 void add_bag_commands(CLI::App& app, Outcome& outcome);
 
-/// Option --registry of a command.
+/// Options --keys and --bind of a command that joins a graph or starts one.
+void add_security_options(CLI::App& command);
+/// Option --registry of a command, and those above.
 void add_registry_option(CLI::App& command, std::string& registry);
+
+/// What a shell asks by `prehend __complete WORD...`: prints a line for each word that can stand in
+/// the place of the last one.
+void print_completions(CLI::App& app, int argc, char** argv);
+
+/// Option --json of a command.
+void add_json_option(CLI::App& command, bool& json);
 
 }  // namespace prehend::tools

@@ -1,10 +1,17 @@
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "prehend/graph/launch/launch_file.h"
 #include "prehend/graph/launch/launch_output.h"
+#include "prehend/graph/launch/parameter_check.h"
+#include "prehend/graph/launch/process_plan.h"
 #include "prehend/graph/launch/supervisor.h"
+#include "prehend/graph/nearest_match.h"
+#include "prehend/graph/node.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
 #include "tools/table.h"
@@ -12,11 +19,12 @@
 namespace prehend::tools {
 namespace {
 
+namespace fs = std::filesystem;
 namespace launch = prehend::graph::launch;
 
 struct LaunchChoices {
-  std::string file, registry, log_folder;
-  std::vector<std::string> arguments;
+  std::vector<std::string> words;  // files and arguments
+  std::string host, registry, log_folder;
   bool check = false, dry_run = false, list_arguments = false;
 };
 
@@ -45,25 +53,187 @@ void print_arguments(const std::string& file) {
   print_table(rows);
 }
 
+// --- what is given -----------------------------------------------------------------------------
+
+struct GivenWords {
+  std::vector<std::string> files;
+  std::map<std::string, std::string> arguments;
+};
+
+GivenWords split_words(const std::vector<std::string>& words) {
+  GivenWords given;
+  std::vector<std::string> arguments;
+  for (const std::string& word : words) {
+    (word.find(":=") == std::string::npos ? given.files : arguments).push_back(word);
+  }
+  given.arguments = launch::parse_arguments(arguments);
+  return given;
+}
+
+std::string only_file(const GivenWords& given) {
+  if (given.files.size() == 1) return given.files[0];
+  throw launch::LaunchError(given.files.empty()
+                                ? "command line: which launch file? e.g. launch/demo.yaml"
+                                : "command line: \"" + given.files[1] +
+                                      "\" is no argument; write name:=value");
+}
+
+// --- checking ----------------------------------------------------------------------------------
+
+std::vector<std::string> files_in(const std::vector<std::string>& places) {
+  std::vector<std::string> files;
+  for (const std::string& place : places) {
+    if (!fs::is_directory(place)) {
+      files.push_back(place);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : fs::recursive_directory_iterator(place)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".yaml" || extension == ".yml") inside.push_back(entry.path().string());
+    }
+    if (inside.empty()) throw launch::LaunchError(place + ": holds no .yaml file");
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+// Of several files each takes the arguments that it has.
+std::map<std::string, std::string> arguments_for(const std::string& file, const GivenWords& given,
+                                                 bool one_of_many) {
+  if (!one_of_many) return given.arguments;
+  std::map<std::string, std::string> arguments;
+  for (const auto& argument : launch::declared_arguments(file)) {
+    const auto value = given.arguments.find(argument.name);
+    if (value != given.arguments.end()) arguments.insert(*value);
+  }
+  return arguments;
+}
+
+// Before anything is started: one line for each parameter that a node would refuse.
+void refuse_wrong_parameters(const launch::LaunchGraph& graph) {
+  const launch::ParameterFindings findings = launch::check_parameters(graph);
+  std::string text;
+  for (const auto& error : findings.errors) text += (text.empty() ? "" : "\n") + error;
+  if (!text.empty()) throw launch::LaunchError(text);
+}
+
+bool check_file(const std::string& file, const GivenWords& given, bool one_of_many) {
+  try {
+    const launch::LaunchGraph graph =
+        launch::load_launch_file(file, arguments_for(file, given, one_of_many), program_folder(),
+                                 launch::Missing::kLeaveOpen);
+    const launch::ParameterFindings findings = launch::check_parameters(graph);
+    for (const auto& note : findings.notes) std::printf("%s\n", note.c_str());
+    for (const auto& error : findings.errors) std::fprintf(stderr, "%s\n", error.c_str());
+    if (!findings.errors.empty()) return false;
+    std::string open;
+    for (const auto& name : graph.missing_arguments) open += (open.empty() ? "" : ", ") + name;
+    if (!open.empty()) open = "; what depends on " + open + " is not checked";
+    std::printf("%s: correct, %zu nodes%s\n", file.c_str(), graph.nodes.size(), open.c_str());
+    return true;
+  } catch (const launch::LaunchError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return false;
+  }
+}
+
+int check(GivenWords given) {
+  if (given.files.empty() && fs::is_directory("launch")) given.files.push_back("launch");
+  if (given.files.empty()) only_file(given);
+  const auto files = files_in(given.files);
+  std::size_t wrong = 0;
+  for (const std::string& file : files) {
+    wrong += check_file(file, given, files.size() > 1) ? 0 : 1;
+  }
+  if (wrong > 0 && files.size() > 1) {
+    std::fprintf(stderr, "%zu of %zu launch files are wrong\n", wrong, files.size());
+  }
+  return wrong > 0 ? 1 : 0;
+}
+
+// --- hosts -------------------------------------------------------------------------------------
+
+std::string address_of(const launch::LaunchGraph& graph, const std::string& host) {
+  for (const auto& other : graph.hosts) {
+    if (other.name == host) return other.address;
+  }
+  std::vector<std::string> known;
+  for (const auto& other : graph.hosts) known.push_back(other.name);
+  throw launch::LaunchError("command line: --host " + host + ": " + graph.file +
+                            " has no such host" + graph::nearest_match_hint(host, known));
+}
+
+std::string host_to_start(const launch::LaunchGraph& graph, const std::string& chosen) {
+  if (!chosen.empty()) {
+    address_of(graph, chosen);
+    return chosen;
+  }
+  if (graph.hosts.size() < 2) return graph.registry_host;
+  std::string names;
+  for (const auto& host : graph.hosts) names += (names.empty() ? "" : " or ") + host.name;
+  throw launch::LaunchError(
+      graph.file + ": has nodes for several hosts; say which this one is: " + "--host " + names);
+}
+
+bool is_loopback(const std::string& address) {
+  return address == "localhost" || address == "::1" || address.starts_with("127.");
+}
+
+// What is bound beyond loopback needs keys, which everything finds in the environment.
+void check_keys(const launch::LaunchGraph& graph) {
+  const char* keys = std::getenv("PREHEND_KEYS");
+  if (keys && *keys) return;
+  for (const auto& host : graph.hosts) {
+    if (is_loopback(host.address)) continue;
+    throw launch::LaunchError(graph.file + ": host " + host.name + " (" + host.address +
+                              ") is beyond loopback, which needs keys: make them with 'prehend "
+                              "keys create', then give --keys FILE or PREHEND_KEYS");
+  }
+}
+
+launch::SupervisorOptions supervisor_options(const LaunchChoices& choices,
+                                             const launch::LaunchGraph& graph) {
+  launch::SupervisorOptions options;
+  options.host = host_to_start(graph, choices.host);
+  options.registry = choices.registry;
+  options.registry_program = program_folder() + "/registry";
+  options.log_folder = !choices.log_folder.empty()    ? choices.log_folder
+                       : !graph.log_directory.empty() ? graph.log_directory
+                                                      : launch::new_log_folder();
+  if (graph.hosts.empty()) return options;
+  options.join_registry = options.host != graph.registry_host;
+  if (options.registry.empty()) {
+    const std::string usual = graph::kDefaultRegistryEndpoint;
+    options.registry =
+        "tcp://" + address_of(graph, graph.registry_host) + usual.substr(usual.rfind(':'));
+  }
+  if (launch::processes_of(graph, options.host).empty()) {
+    throw launch::LaunchError(graph.file + ": no node is on host " + options.host);
+  }
+  return options;
+}
+
+// -----------------------------------------------------------------------------------------------
+
 int run(const LaunchChoices& choices) {
+  const GivenWords given = split_words(choices.words);
+  if (choices.check) return check(given);
+  const std::string file = only_file(given);
   if (choices.list_arguments) {
-    print_arguments(choices.file);
+    print_arguments(file);
     return 0;
   }
-  const launch::LaunchGraph graph = launch::load_launch_file(
-      choices.file, launch::parse_arguments(choices.arguments), program_folder());
+  const launch::LaunchGraph graph =
+      launch::load_launch_file(file, given.arguments, program_folder());
   if (choices.dry_run) {
     std::fputs(launch::describe(graph).c_str(), stdout);
     return 0;
   }
-  if (choices.check) {
-    std::printf("%s: correct, %zu nodes\n", choices.file.c_str(), graph.nodes.size());
-    return 0;
-  }
-  launch::SupervisorOptions options;
-  options.registry = choices.registry;
-  options.registry_program = program_folder() + "/registry";
-  options.log_folder = choices.log_folder.empty() ? launch::new_log_folder() : choices.log_folder;
+  check_keys(graph);
+  const launch::SupervisorOptions options = supervisor_options(choices, graph);
+  refuse_wrong_parameters(graph);
   return launch::run_launch(graph, options);
 }
 
@@ -73,23 +243,30 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
   auto choices = std::make_shared<LaunchChoices>();
   CLI::App* command = app.add_subcommand(
       "launch", "Start a registry and the nodes of a launch file; Ctrl-C stops all of them");
-  command->add_option("file", choices->file, "The launch file (YAML)")->required();
-  command->add_option("arguments", choices->arguments, "Its arguments, as name:=value");
+  command->add_option("file", choices->words,
+                      "The launch file (YAML), and its arguments as name:=value");
   command->add_flag("--list-arguments", choices->list_arguments,
                     "List the arguments of the launch file");
-  command->add_flag("--check", choices->check, "Only check the launch file and its arguments");
+  command->add_flag("--check", choices->check,
+                    "Only check: launch files, or all in folders; default: the folder launch");
   command->add_flag("--dry-run", choices->dry_run, "Print the resolved graph, start nothing");
+  command->add_option("--host", choices->host,
+                      "Start the nodes of this one of the file's hosts only");
   command->add_option("--registry", choices->registry,
-                      "Where its registry listens; default: tcp://127.0.0.1:11411, or a free port "
-                      "when that is in use");
+                      "Where its registry listens (on other hosts: where they find it); default: "
+                      "port 11411 of the registry_host, or of loopback, there a free port when "
+                      "that is in use");
+  add_security_options(*command);
   command->add_option("--log-dir", choices->log_folder,
-                      "Folder for one log file per node; default: out/log/DATE-TIME");
+                      "Folder for one log file per process; default: log_directory of the file, "
+                      "else out/log/DATE-TIME");
   command->footer(
       "Ends when a required node ends: with 0 if its exit code was 0, else with 1.\n\n"
       "Examples:\n"
       "  prehend launch launch/demo.yaml\n"
       "  prehend launch launch/replay.yaml bag:=run.mcap\n"
-      "  prehend launch launch/demo.yaml --list-arguments");
+      "  prehend launch launch/demo.yaml --list-arguments\n"
+      "  prehend launch --check launch/");
   command->callback([choices, &outcome] { outcome.exit_code = run(*choices); });
 }
 
@@ -97,6 +274,7 @@ void add_registry_option(CLI::App& command, std::string& registry) {
   command.add_option("--registry", registry,
                      "Endpoint of the registry; default: PREHEND_REGISTRY, else "
                      "tcp://127.0.0.1:11411");
+  add_security_options(command);
 }
 
 }  // namespace prehend::tools

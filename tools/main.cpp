@@ -5,6 +5,10 @@
 
 #include "tools/commands.h"
 
+void prehend::tools::add_json_option(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print JSON, for programs");
+}
+
 int main(int argc, char** argv) {
   using namespace prehend::tools;
   CLI::App app(
@@ -16,6 +20,7 @@ int main(int argc, char** argv) {
       "  prehend launch launch/demo.yaml scene:=table_objects\n"
       "  prehend node list\n"
       "  prehend topic echo /gripper/state\n"
+      "  prehend doctor\n"
       "  prehend record -o run.mcap\n"
       "Each command explains itself: prehend topic echo --help");
   app.require_subcommand(1);
@@ -23,10 +28,20 @@ int main(int argc, char** argv) {
   add_launch_command(app, outcome);
   add_node_commands(app);
   add_topic_commands(app, outcome);
-  add_service_commands(app);
+  add_offer_commands(app, outcome);
   add_param_commands(app);
+  add_log_command(app, outcome);
+  add_graph_command(app);
+  add_doctor_command(app, outcome);
+  add_keys_commands(app);
+  add_clock_commands(app);
   add_recording_commands(app);
   add_bag_commands(app, outcome);
+  add_completion_command(app);
+  if (argc > 1 && std::string(argv[1]) == "__complete") {
+    print_completions(app, argc, argv);
+    return 0;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

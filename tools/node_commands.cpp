@@ -1,86 +1,91 @@
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 
-#include "prehend/graph/introspection.h"
-#include "prehend/graph/nearest_match.h"
 #include "tools/commands.h"
+#include "tools/graph_view.h"
+#include "tools/json.h"
 #include "tools/table.h"
+#include "tools/traffic_table.h"
 
 namespace prehend::tools {
 namespace {
 
-using graph::Introspection;
-using msgs::graph::NodeRecord;
+struct NodeChoices {
+  std::string registry, name;
+  bool json = false;
+};
 
-std::string state_of(const NodeRecord& node) {
-  switch (node.state()) {
-    case msgs::graph::READY:
-      return "ready";
-    case msgs::graph::STOPPING:
-      return "stopping";
-    default:
-      return "starting";
-  }
+Json to_json(const NodeView& node) {
+  Json json = Json::object();
+  json.set("name", node.record.name())
+      .set("program", node.record.program())
+      .set("pid", node.record.pid())
+      .set("state", name_of(node.record.state()))
+      .set("status", name_of(node.status()))
+      .set("status_text", node.status_text())
+      .set("silence", static_cast<double>(node.record.silence()) * 1e-9)
+      .set("record", Json::of(node.record))
+      .set("statistics", node.statistics ? Json::of(*node.statistics) : Json::null());
+  return json;
 }
 
-std::string health_of(const NodeRecord& node) {
-  const char* level = node.health() == msgs::graph::HEALTH_ERROR     ? "error"
-                      : node.health() == msgs::graph::HEALTH_WARNING ? "warning"
-                                                                     : "ok";
-  return node.health_text().empty() ? level : std::string(level) + ": " + node.health_text();
-}
-
-void list_nodes(const std::string& registry) {
-  std::vector<std::vector<std::string>> rows{{"NODE", "PROGRAM", "PID", "STATE", "HEALTH"}};
-  for (const NodeRecord& node : Introspection(registry).nodes()) {
-    rows.push_back(
-        {node.name(), node.program(), std::to_string(node.pid()), state_of(node), health_of(node)});
+void list_nodes(const NodeChoices& choices) {
+  const GraphView graph = look_at_graph(choices.registry);
+  Json list = Json::array();
+  std::vector<std::vector<std::string>> rows{{"NODE", "PROGRAM", "PID", "STATE", "STATUS"}};
+  for (const NodeView& node : graph.nodes) {
+    list.add(to_json(node));
+    rows.push_back({node.record.name(), node.record.program(), std::to_string(node.record.pid()),
+                    name_of(node.record.state()), node.status_text()});
   }
+  if (choices.json) return print(list);
   print_table(rows);
 }
 
-template <class Entries, class Text>
-void print_group(const char* title, const Entries& entries, Text text) {
-  if (entries.empty()) return;
-  std::printf("%s\n", title);
-  for (const auto& entry : entries) std::printf("  %s\n", text(entry).c_str());
+void print_offers(const char* title,
+                  const google::protobuf::RepeatedPtrField<msgs::graph::Offer>& offers) {
+  if (offers.empty()) return;
+  std::printf("\n%s\n", title);
+  for (const auto& offer : offers) {
+    std::printf("  %s  %s\n", offer.name().c_str(),
+                joined({offer.type_names().begin(), offer.type_names().end()}).c_str());
+  }
 }
 
-void show_node(const std::string& registry, const std::string& name) {
-  std::vector<std::string> names;
-  for (const NodeRecord& node : Introspection(registry).nodes()) {
-    names.push_back(node.name());
-    if (node.name() != name) continue;
-    std::printf("%s: program %s, process %lld, %s, %s\n", node.name().c_str(),
-                node.program().c_str(), static_cast<long long>(node.pid()), state_of(node).c_str(),
-                health_of(node).c_str());
-    const auto topic = [](const msgs::graph::TopicEnd& end) {
-      return end.topic() + (end.schema_name().empty() ? "" : "  " + end.schema_name());
-    };
-    const auto offer = [](const msgs::graph::Offer& entry) {
-      return entry.name() + "  " + joined({entry.type_names().begin(), entry.type_names().end()});
-    };
-    print_group("publishes", node.publishers(), topic);
-    print_group("subscribes", node.subscribers(), topic);
-    print_group("services", node.services(), offer);
-    print_group("actions", node.actions(), offer);
-    return;
+void print_ends(const char* title, const NodeView& node,
+                const google::protobuf::RepeatedPtrField<msgs::graph::TopicEnd>& ends,
+                bool publishers) {
+  if (ends.empty()) return;
+  std::printf("\n%s\n", title);
+  std::vector<TopicEndView> views;
+  for (const auto& end : ends) {
+    std::printf("  %s  %s\n", end.topic().c_str(),
+                end.schema_name().empty() ? "(any type)" : end.schema_name().c_str());
+    if (is_built_in(end.topic()) && publishers) continue;
+    views.push_back({&node, end, node.topic(end.topic(), publishers)});
   }
-  throw std::runtime_error("there is no node \"" + name + "\"" +
-                           graph::nearest_match_hint(name, names));
+  if (!views.empty()) print_traffic("TOPIC", views);
 }
 
-void list_offers(const std::string& registry, bool actions) {
-  std::vector<std::vector<std::string>> rows{
-      {actions ? "ACTION" : "SERVICE", actions ? "GOAL, FEEDBACK, RESULT" : "REQUEST, RESPONSE",
-       "NODE"}};
-  for (const NodeRecord& node : Introspection(registry).nodes()) {
-    for (const auto& offer : actions ? node.actions() : node.services()) {
-      rows.push_back({offer.name(), joined({offer.type_names().begin(), offer.type_names().end()}),
-                      node.name()});
-    }
+void show_node(const NodeChoices& choices) {
+  const GraphView graph = look_at_graph(choices.registry);
+  const NodeView& node = graph.node(choices.name);
+  if (choices.json) return print(to_json(node));
+  std::printf("%s: program %s, process %lld, %s, %s\n", node.record.name().c_str(),
+              node.record.program().c_str(), static_cast<long long>(node.record.pid()),
+              name_of(node.record.state()), node.status_text().c_str());
+  if (node.statistics && node.statistics->stamp() != 0) {
+    std::printf("process: %.1f MB of memory, %.1f s of processor time; %llu damaged frames\n",
+                static_cast<double>(node.statistics->resident_bytes()) * 1e-6,
+                node.statistics->cpu_seconds(),
+                static_cast<unsigned long long>(node.statistics->malformed_frames()));
   }
-  print_table(rows);
+  print_ends("publishes", node, node.record.publishers(), true);
+  print_ends("subscribes", node, node.record.subscribers(), false);
+  print_offers("services", node.record.services());
+  print_offers("actions", node.record.actions());
 }
 
 }  // namespace
@@ -88,31 +93,20 @@ void list_offers(const std::string& registry, bool actions) {
 void add_node_commands(CLI::App& app) {
   CLI::App* group = app.add_subcommand("node", "Look at the nodes of a running graph");
   group->require_subcommand(1);
-  auto registry = std::make_shared<std::string>();
-  auto name = std::make_shared<std::string>();
-  CLI::App* list = group->add_subcommand("list", "List all nodes with their state and health");
-  add_registry_option(*list, *registry);
+  auto choices = std::make_shared<NodeChoices>();
+  CLI::App* list = group->add_subcommand(
+      "list", "List all nodes with their state and status (ok, warning, error, stale)");
+  add_registry_option(*list, choices->registry);
+  add_json_option(*list, choices->json);
   list->footer("Example:\n  prehend node list");
-  list->callback([registry] { list_nodes(*registry); });
-  CLI::App* info = group->add_subcommand("info", "Show what one node publishes, takes and offers");
-  info->add_option("node", *name, "Its name")->required();
-  add_registry_option(*info, *registry);
+  list->callback([choices] { list_nodes(*choices); });
+  CLI::App* info = group->add_subcommand(
+      "info", "Show what one node publishes, takes and offers, with rates and losses");
+  info->add_option("node", choices->name, "Its name")->required();
+  add_registry_option(*info, choices->registry);
+  add_json_option(*info, choices->json);
   info->footer("Example:\n  prehend node info simulation");
-  info->callback([registry, name] { show_node(*registry, *name); });
-}
-
-void add_service_commands(CLI::App& app) {
-  for (const bool actions : {false, true}) {
-    CLI::App* group = app.add_subcommand(
-        actions ? "action" : "service",
-        actions ? "Look at the actions nodes offer" : "Look at the services nodes offer");
-    group->require_subcommand(1);
-    auto registry = std::make_shared<std::string>();
-    CLI::App* list = group->add_subcommand("list", "List them with their types and nodes");
-    add_registry_option(*list, *registry);
-    list->footer(std::string("Example:\n  prehend ") + (actions ? "action" : "service") + " list");
-    list->callback([registry, actions] { list_offers(*registry, actions); });
-  }
+  info->callback([choices] { show_node(*choices); });
 }
 
 }  // namespace prehend::tools

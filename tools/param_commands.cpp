@@ -1,8 +1,16 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <memory>
+#include <stdexcept>
 
 #include "prehend/graph/introspection.h"
+#include "prehend/graph/nearest_match.h"
 #include "tools/commands.h"
+#include "tools/json.h"
+#include "tools/parameter_file.h"
 #include "tools/table.h"
 
 namespace prehend::tools {
@@ -12,7 +20,8 @@ using graph::Introspection;
 using msgs::graph::ParameterRecord;
 
 struct ParamChoices {
-  std::string registry, node, name, value;
+  std::string registry, node, name, value, file;
+  bool json = false;
 };
 
 std::string range_of(const ParameterRecord& parameter) {
@@ -25,9 +34,17 @@ std::string range_of(const ParameterRecord& parameter) {
   return joined({least, most}, " to ");
 }
 
+void print_json(const std::vector<ParameterRecord>& parameters) {
+  Json list = Json::array();
+  for (const ParameterRecord& parameter : parameters) list.add(Json::of(parameter));
+  print(list);
+}
+
 void list(const ParamChoices& choices) {
+  const auto parameters = Introspection(choices.registry).parameters(choices.node);
+  if (choices.json) return print_json(parameters);
   std::vector<std::vector<std::string>> rows{{"PARAMETER", "VALUE", "UNIT", "DEFAULT"}};
-  for (const auto& parameter : Introspection(choices.registry).parameters(choices.node)) {
+  for (const ParameterRecord& parameter : parameters) {
     rows.push_back({parameter.name(), graph::to_text(parameter.value()), parameter.unit(),
                     graph::to_text(parameter.default_value())});
   }
@@ -44,22 +61,58 @@ void print_description(const ParameterRecord& parameter) {
 
 void describe(const ParamChoices& choices) {
   Introspection introspection(choices.registry);
-  if (!choices.name.empty()) {
-    print_description(introspection.parameter(choices.node, choices.name));
-    return;
+  std::vector<ParameterRecord> parameters;
+  if (choices.name.empty()) {
+    parameters = introspection.parameters(choices.node);
+  } else {
+    parameters.push_back(introspection.parameter(choices.node, choices.name));
   }
-  for (const auto& parameter : introspection.parameters(choices.node)) print_description(parameter);
+  if (choices.json) return print_json(parameters);
+  for (const ParameterRecord& parameter : parameters) print_description(parameter);
 }
 
 void get(const ParamChoices& choices) {
   const auto parameter = Introspection(choices.registry).parameter(choices.node, choices.name);
+  if (choices.json) return print(Json::of(parameter));
   std::printf("%s\n", graph::to_text(parameter.value()).c_str());
 }
 
 void set(const ParamChoices& choices) {
   const auto parameter =
       Introspection(choices.registry).set_parameter(choices.node, choices.name, choices.value);
+  if (choices.json) return print(Json::of(parameter));
   std::printf("%s = %s\n", parameter.name().c_str(), graph::to_text(parameter.value()).c_str());
+}
+
+void dump(const ParamChoices& choices) {
+  const std::string text =
+      parameter_file_text(choices.node, Introspection(choices.registry).parameters(choices.node));
+  if (choices.file.empty()) {
+    std::fputs(text.c_str(), stdout);
+    return;
+  }
+  std::ofstream file(choices.file);
+  if (!(file << text).flush()) throw std::runtime_error("cannot write " + choices.file);
+}
+
+// Nothing is set when a name of the file is unknown.
+void load(const ParamChoices& choices) {
+  Introspection introspection(choices.registry);
+  const auto values = read_parameter_file(choices.file);
+  std::vector<std::string> known;
+  for (const auto& parameter : introspection.parameters(choices.node)) {
+    known.push_back(parameter.name());
+  }
+  for (const auto& [name, value] : values) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw std::runtime_error(fmt::format("{}: node '{}' has no parameter '{}'{}", choices.file,
+                                         choices.node, name,
+                                         graph::nearest_match_hint(name, known)));
+  }
+  for (const auto& [name, value] : values) {
+    const auto parameter = introspection.set_parameter(choices.node, name, value);
+    std::printf("%s = %s\n", name.c_str(), graph::to_text(parameter.value()).c_str());
+  }
 }
 
 }  // namespace
@@ -77,16 +130,25 @@ void add_param_commands(CLI::App& app) {
     command->callback([choices, action] { action(*choices); });
     return command;
   };
-  add("list", "List all parameters of a node", list, "list simulation");
-  add("get", "Print one parameter's value", get, "get simulation speed")
-      ->add_option("parameter", choices->name, "Its name")
-      ->required();
+  CLI::App* lister = add("list", "List all parameters of a node", list, "list simulation");
+  CLI::App* getter = add("get", "Print one parameter's value", get, "get simulation speed");
+  getter->add_option("parameter", choices->name, "Its name")->required();
   CLI::App* setter =
       add("set", "Set a parameter of a running node", set, "set simulation speed 0.5");
   setter->add_option("parameter", choices->name, "Its name")->required();
   setter->add_option("value", choices->value, "The new value")->required();
-  add("describe", "Explain one or all parameters of a node", describe, "describe simulation speed")
-      ->add_option("parameter", choices->name, "Its name; default: all");
+  CLI::App* describer = add("describe", "Explain one or all parameters of a node", describe,
+                            "describe simulation speed");
+  describer->add_option("parameter", choices->name, "Its name; default: all");
+  for (CLI::App* command : {lister, getter, setter, describer}) {
+    add_json_option(*command, choices->json);
+  }
+  add("dump", "Print all parameters of a node as a file for --params and param load", dump,
+      "dump simulation -o simulation.yaml")
+      ->add_option("-o,--output", choices->file, "File to write; default: standard output");
+  add("load", "Set the parameters that a YAML file gives", load, "load simulation simulation.yaml")
+      ->add_option("file", choices->file, "The file")
+      ->required();
 }
 
 }  // namespace prehend::tools

@@ -1,28 +1,33 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdio>
 #include <ctime>
 #include <memory>
 
+#include "prehend/graph/recording/word_list.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
-#include "tools/table.h"
+#include "tools/quantities.h"
 
 namespace prehend::tools {
 namespace {
 
+using graph::recording::joined_words;
+
 struct RecordChoices {
   std::string registry, output, compression = "lz4", clock = "wall";
   std::vector<std::string> topics, attachments;
+  std::string split_size, split_duration;
   bool all = false;
   double duration = 0;
 };
 
 struct ReplayChoices {
   std::string registry, file;
-  std::vector<std::string> topics;
-  double rate = 1, start = 0, wait = 2;
-  bool loop = false, hold = false, no_clock = false;
+  std::vector<std::string> topics, remaps;
+  double rate = 1, start = 0, end = 0, wait = 2;
+  bool loop = false, hold = false, no_clock = false, paused = false;
 };
 
 std::string default_output() {
@@ -46,6 +51,13 @@ void add_parameter(std::vector<std::string>& words, const std::string& name,
   words.insert(words.end(), {"--param", name + ":=" + value});
 }
 
+// Comes back exactly.
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.17g", value);
+  return text.data();
+}
+
 void record(const RecordChoices& choices) {
   if (choices.all && !choices.topics.empty()) {
     throw std::invalid_argument("give either --all or topics, not both");
@@ -53,20 +65,30 @@ void record(const RecordChoices& choices) {
   auto words = node_arguments("recorder", choices.registry);
   words.insert(words.end(), {"--clock", choices.clock});
   add_parameter(words, "output", choices.output.empty() ? default_output() : choices.output);
-  add_parameter(words, "topics", joined(choices.topics, " "));
-  add_parameter(words, "attachment", joined(choices.attachments, " "));
+  add_parameter(words, "topics", joined_words(choices.topics));
+  add_parameter(words, "attachment", joined_words(choices.attachments));
   add_parameter(words, "compression", choices.compression);
-  add_parameter(words, "duration", std::to_string(choices.duration));
+  add_parameter(words, "duration", number_text(choices.duration));
+  if (!choices.split_size.empty()) {
+    add_parameter(words, "split_size", std::to_string(parse_bytes(choices.split_size)));
+  }
+  if (!choices.split_duration.empty()) {
+    const auto nanoseconds = static_cast<double>(parse_duration(choices.split_duration));
+    add_parameter(words, "split_duration", number_text(nanoseconds * 1e-9));
+  }
   become_program("recorder", words);
 }
 
 void replay(const ReplayChoices& choices) {
   auto words = node_arguments("replay", choices.registry);
   add_parameter(words, "file", choices.file);
-  add_parameter(words, "topics", joined(choices.topics, " "));
-  add_parameter(words, "rate", std::to_string(choices.rate));
-  add_parameter(words, "start", std::to_string(choices.start));
-  add_parameter(words, "wait_for_subscribers", std::to_string(choices.wait));
+  for (const std::string& remap : choices.remaps) words.insert(words.end(), {"--remap", remap});
+  add_parameter(words, "topics", joined_words(choices.topics));
+  add_parameter(words, "rate", number_text(choices.rate));
+  add_parameter(words, "start", number_text(choices.start));
+  add_parameter(words, "end", number_text(choices.end));
+  add_parameter(words, "paused", choices.paused ? "true" : "false");
+  add_parameter(words, "wait_for_subscribers", number_text(choices.wait));
   add_parameter(words, "loop", choices.loop ? "true" : "false");
   add_parameter(words, "hold", choices.hold ? "true" : "false");
   add_parameter(words, "clock", choices.no_clock ? "false" : "true");
@@ -77,13 +99,20 @@ void add_record(CLI::App& app) {
   auto choices = std::make_shared<RecordChoices>();
   CLI::App* command = app.add_subcommand(
       "record", "Record topics to an MCAP file until Ctrl-C; nothing that arrived is lost");
-  command->add_option("topics", choices->topics, "Topics to record; default: all, also new ones");
+  command->add_option("topics", choices->topics,
+                      "Topics to record, * for any text; default: all, also new ones");
   command->add_flag("-a,--all", choices->all, "All topics, which is the default");
   command->add_option("-o,--output", choices->output, "File; default: recording-DATE-TIME.mcap");
   command->add_option("-d,--duration", choices->duration, "Seconds after which it ends; 0: never")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--attach", choices->attachments, "Files to keep in the recording")
+  command
+      ->add_option("--attach", choices->attachments,
+                   "A file to keep in the recording; may be repeated")
       ->allow_extra_args(false);
+  command->add_option("--split-size", choices->split_size,
+                      "Go on in another file at this size, e.g. 1GB: NAME_0000.mcap, ...");
+  command->add_option("--split-duration", choices->split_duration,
+                      "Go on in another file after this recorded time, e.g. 60s");
   command->add_option("--compression", choices->compression, "none, lz4 or zstd")
       ->check(CLI::IsMember({"none", "lz4", "zstd"}))
       ->capture_default_str();
@@ -95,7 +124,8 @@ void add_record(CLI::App& app) {
       "Examples:\n"
       "  prehend record -o run.mcap\n"
       "  prehend record /camera/stereo /camera/info --duration 10\n"
-      "  prehend record --attach launch/demo.yaml --compression zstd");
+      "  prehend record --attach calibration.yaml --compression zstd\n"
+      "  prehend record -o long.mcap --split-size 1GB");
   command->callback([choices] { record(*choices); });
 }
 
@@ -106,23 +136,29 @@ void add_replay(CLI::App& app) {
   command->add_option("file", choices->file, "The recording")->required()->check(CLI::ExistingFile);
   command
       ->add_option("-r,--rate", choices->rate,
-                   "Recorded seconds per second; 0: as fast as possible")
+                   "Recorded seconds per second; 0: as fast as the subscribers, without loss")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("-s,--start", choices->start, "Seconds after its beginning to start at")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("-t,--topics", choices->topics, "Only these topics");
+  command->add_option("-e,--end", choices->end, "Seconds after its beginning to end at; 0: its end")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("-t,--topics", choices->topics, "Only these topics, * for any text");
+  command->add_option("--remap", choices->remaps, "FROM:=TO, publish a topic by another name")
+      ->allow_extra_args(false);
   command->add_option("--wait", choices->wait, "Longest wait for subscribers before it begins [s]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("-l,--loop", choices->loop, "Begin again at the end");
   command->add_flag("--hold", choices->hold, "Stay at the end for late subscribers");
   command->add_flag("--no-clock", choices->no_clock, "Do not publish /clock");
+  command->add_flag("--pause", choices->paused, "Begin paused; prehend clock resume goes on");
   add_registry_option(*command, choices->registry);
   command->footer(
       "Examples:\n"
       "  prehend replay run.mcap\n"
-      "  prehend replay run.mcap --rate 0.5 --start 3 --topics /camera/stereo\n"
+      "  prehend replay run.mcap --rate 0.5 --start 3 --topics '/camera/*'\n"
+      "  prehend replay run.mcap --pause; prehend clock step 100ms\n"
       "Use a graph of its own (prehend launch), or the topics have two publishers.");
   command->callback([choices] { replay(*choices); });
 }

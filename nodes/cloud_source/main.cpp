@@ -10,7 +10,7 @@
 #include "nodes/segmentation_parameters/stage_clock.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/perception/recorded_cloud.h"
 
 namespace {
@@ -126,14 +126,11 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"cloud_source",
+     "Reads a recorded point cloud, works out from where it was seen, finds the table and the "
+     "objects on it, and publishes them once on /objects (latched). A file that cannot be used "
+     "ends the node with the reason."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"cloud_source",
-       "Reads a recorded point cloud, works out from where it was seen, finds the table and the "
-       "objects on it, and publishes them once on /objects (latched). A file that cannot be used "
-       "ends the node with the reason."},
-      run);
-}
+}  // namespace

@@ -137,8 +137,8 @@ void CycleNode::subscribe() {
   start_service_ =
       node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
         msgs::Acknowledge answer;
-        answer.set_success(!running_);
-        if (running_) {
+        answer.set_success(!running_ && !preparing_);
+        if (!answer.success()) {
           answer.set_reason("a cycle is running");
         } else {
           armed_ = true;
@@ -175,7 +175,7 @@ void CycleNode::tick() {
     if (cycle_->finished()) finish(cycle_->result(), false);
     return;
   }
-  if (!armed_) return;
+  if (!armed_ || preparing_) return;
   if (const View* view = views_.newest_ready(steady_clock::now())) {
     armed_ = false;
     start(*view);
@@ -197,26 +197,37 @@ void CycleNode::start(const View& view) {
     const auto X_SW =
         spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
     for (auto& grasp : target_.grasps) grasp = transformed(grasp, X_SW);
-    if (spawns_ && !spawn_predicted(view, target_, X_SW)) return;
-    control::CycleOptions options = options_;
-    options.move_W = choose_move(view, target_, X_SW);
-    node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
-                   target_.grasps.size(), target_.grasps.front().score);
-    cycle_.emplace(gripper_model_, options, gripper_, carrier_);
-    surprises_sent_ = 0;
-    last_detail_.clear();
-    cycle_->start(target_.grasps);
-    running_ = true;
+    move_W_ = choose_move(view, target_, X_SW);
+    if (spawns_) return spawn_predicted(view, X_SW);
+    begin();
   } catch (const geometry::InputError& error) {
     failure.reason = error.what();
     finish(failure, false);
   }
 }
 
-bool CycleNode::spawn_predicted(const View& view, const Target& target,
-                                const geometry::RigidTransform& X_SW) {
+void CycleNode::begin() try {
+  control::CycleOptions options = options_;
+  options.move_W = move_W_;
+  node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
+                 target_.grasps.size(), target_.grasps.front().score);
+  cycle_.emplace(gripper_model_, options, gripper_, carrier_);
+  surprises_sent_ = 0;
+  last_detail_.clear();
+  cycle_->start(target_.grasps);
+  running_ = true;
+} catch (const geometry::InputError& error) {
+  control::CycleResult failure;
+  failure.reason = error.what();
+  finish(failure, false);
+}
+
+void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform& X_SW) {
+  to_spawn_.clear();
   for (const auto& [id, mesh_W] : meshes_of(view)) {
-    msgs::SpawnRequest request;
+    Spawn& spawn = to_spawn_.emplace_back();
+    spawn.id = id;
+    msgs::SpawnRequest& request = spawn.request;
     request.set_name("object_" + std::to_string(id));
     *request.mutable_mesh() = convert::to_message(geometry::transformed(mesh_W, X_SW));
     for (const auto& piece : view.models.at(id)->convex_pieces()) {
@@ -225,21 +236,38 @@ bool CycleNode::spawn_predicted(const View& view, const Target& target,
     }
     request.set_density(density_);
     // Neighbours predicted a little too large would push each other about.
-    request.set_is_static(id != target.id);
-    const auto outcome = spawn_.call(request, kServiceTimeout);
-    const std::string reason =
-        !outcome.ok() ? outcome.error() : (outcome->success() ? "" : outcome->reason());
-    if (reason.empty()) continue;
-    if (id == target.id) {
-      control::CycleResult failure;
-      failure.reason = "the predicted object cannot be simulated: " + reason;
-      finish(failure, false);
-      return false;
-    }
+    request.set_is_static(id != target_.id);
+  }
+  preparing_ = true;
+  spawn_next();
+}
+
+void CycleNode::spawn_next() {
+  if (to_spawn_.empty()) {
+    preparing_ = false;
+    return begin();
+  }
+  const Spawn spawn = std::move(to_spawn_.front());
+  to_spawn_.pop_front();
+  spawn_.call_async(spawn.request, kServiceTimeout,
+                    [this, id = spawn.id](const auto& outcome) { take_spawned(id, outcome); });
+}
+
+void CycleNode::take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnResponse>& outcome) {
+  const std::string reason =
+      !outcome.ok() ? outcome.error() : (outcome->success() ? "" : outcome->reason());
+  if (!reason.empty() && id == target_.id) {
+    to_spawn_.clear();
+    preparing_ = false;
+    control::CycleResult failure;
+    failure.reason = "the predicted object cannot be simulated: " + reason;
+    return finish(failure, false);
+  }
+  if (!reason.empty()) {
     node_.report(graph::Health::kWarning,
                  "object " + std::to_string(id) + " is not in the simulation: " + reason);
   }
-  return true;
+  spawn_next();
 }
 
 Eigen::Vector3d CycleNode::choose_move(const View& view, const Target& target,

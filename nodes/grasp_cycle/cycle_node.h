@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,8 +31,11 @@ class CycleNode {
   void tick();
   /// Starts on `view`; false when it has to wait or has failed.
   void start(const View& view);
-  bool spawn_predicted(const View& view, const Target& target,
-                       const geometry::RigidTransform& X_SW);
+  /// Asks the simulation for the predicted objects, one after another, then begins the cycle.
+  void spawn_predicted(const View& view, const geometry::RigidTransform& X_SW);
+  void spawn_next();
+  void take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnResponse>& outcome);
+  void begin();
   Eigen::Vector3d choose_move(const View& view, const Target& target,
                               const geometry::RigidTransform& X_SW) const;
   control::Percepts percepts() const;
@@ -67,8 +71,15 @@ class CycleNode {
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
-  bool armed_ = true;  // waits for plans to start on
+  bool armed_ = true;       // waits for plans to start on
+  bool preparing_ = false;  // objects are being put into the simulation
   bool running_ = false;
+  struct Spawn {
+    std::uint32_t id = 0;
+    msgs::SpawnRequest request;
+  };
+  std::deque<Spawn> to_spawn_;
+  Eigen::Vector3d move_W_ = Eigen::Vector3d::Zero();  // of the object, when it is lifted
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;

@@ -7,7 +7,7 @@
 #include "msgs/convert/objects.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
 
@@ -174,17 +174,16 @@ class GraspPlanning {
   graph::Node::Timer timer_;
 };
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"grasp_planning",
-       "Plans grasps of predicted objects (/models) with a parallel gripper and publishes ranked "
-       "lists (/plans), with the reason and count of everything that was rejected. The other "
-       "objects of the view are obstacles."},
-      [](prehend::graph::Node& node) {
-        GraspPlanning planning(node);
-        node.spin();
-      });
+void run(graph::Node& node) {
+  GraspPlanning planning(node);
+  node.spin();
 }
+
+const prehend::graph::RegisteredNodeProgram registered(
+    {"grasp_planning",
+     "Plans grasps of predicted objects (/models) with a parallel gripper and publishes ranked "
+     "lists (/plans), with the reason and count of everything that was rejected. The other "
+     "objects of the view are obstacles."},
+    run);
+
+}  // namespace

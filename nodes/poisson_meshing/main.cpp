@@ -4,7 +4,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/surface/model.h"
 
 namespace {
@@ -156,14 +156,11 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"poisson_meshing",
+     "Turns each completed shape into a watertight mesh, convex pieces and mass properties. "
+     "Takes /shapes, publishes one message per object on /models (latched, the last 32). A shape "
+     "that gives no mesh is published as not valid, with the reason."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"poisson_meshing",
-       "Turns each completed shape into a watertight mesh, convex pieces and mass properties. "
-       "Takes /shapes, publishes one message per object on /models (latched, the last 32). A shape "
-       "that gives no mesh is published as not valid, with the reason."},
-      run);
-}
+}  // namespace

@@ -2,86 +2,114 @@
 
 #include <signal.h>
 
-#include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
-#include <iterator>
-#include <sstream>
+#include <set>
 #include <thread>
 
+#include "nodes/recorder/run_facts.h"
 #include "nodes/recorder/topic_recorder.h"
+#include "prehend/graph/node_program.h"
+#include "prehend/graph/recording/word_list.h"
+#include "prehend/graph/stop_signals.h"
 
 namespace {
 
 using prehend::graph::Node;
+using prehend::graph::recording::split_words;
 
-std::atomic<bool> stop_asked{false};
+struct Settings {
+  std::string output;
+  std::vector<std::string> topics, attachments;
+  prehend::graph::recording::McapWriterOptions writer;
+  prehend::graph::recording::SplitOptions split;
+  double duration = 0;
+};
 
-// Unlike other nodes the recorder goes on for a moment after a signal, to write what has arrived.
-void take_over_signals() {
-  struct sigaction action = {};
-  action.sa_handler = [](int) { stop_asked = true; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-}
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
-
-void record(Node& node) {
-  const auto output = node.declare_parameter<std::string>(
+Settings declare_settings(Node& node) {
+  Settings s;
+  s.output = node.declare_parameter<std::string>(
       {.name = "output", .default_value = "recording.mcap", .description = "file to write"});
-  const auto topics = node.declare_parameter<std::string>(
-      {.name = "topics", .description = "topics to record, separated by spaces; empty: all"});
-  const auto attachment = node.declare_parameter<std::string>(
-      {.name = "attachment", .description = "files to keep in the recording, separated by spaces"});
-  const auto compression =
+  s.topics = split_words(node.declare_parameter<std::string>(
+      {.name = "topics",
+       .description = "topics to record, separated by spaces, * for any text; empty: all"}));
+  s.attachments = split_words(node.declare_parameter<std::string>(
+      {.name = "attachment",
+       .description = "files to keep in the recording, separated by spaces, in double quotes where "
+                      "they have some; the launch file of the graph always is"}));
+  s.writer.compression = prehend::graph::recording::compression_named(
       node.declare_parameter<std::string>({.name = "compression",
                                            .default_value = "lz4",
                                            .choices = {"none", "lz4", "zstd"},
-                                           .description = "of the recording's chunks"});
-  const auto duration = node.declare_parameter<double>(
+                                           .description = "of the recording's chunks"}));
+  s.duration = node.declare_parameter<double>(
       {.name = "duration",
        .default_value = 0,
        .unit = "s",
        .minimum = 0,
        .description = "wall time after which it ends; 0: when it is stopped"});
+  s.split.size = static_cast<std::uint64_t>(node.declare_parameter<std::int64_t>(
+      {.name = "split_size",
+       .default_value = 0,
+       .unit = "B",
+       .minimum = 0,
+       .description = "size at which it goes on in another file, OUTPUT_0001.mcap; 0: never"}));
+  s.split.duration = static_cast<std::uint64_t>(
+      1e9 * node.declare_parameter<double>(
+                {.name = "split_duration",
+                 .default_value = 0,
+                 .unit = "s",
+                 .minimum = 0,
+                 .maximum = 1e9,
+                 .description = "recorded time after which it goes on in another file; 0: never"}));
+  return s;
+}
 
-  prehend::TopicRecorder recorder(node, words_of(topics));
-  prehend::graph::recording::McapWriterOptions options;
-  options.compression = prehend::graph::recording::compression_named(compression);
-  const auto folder = std::filesystem::path(output).parent_path();
+void attach_files(prehend::TopicRecorder& recorder, std::vector<std::string> paths) {
+  const char* launch_file = std::getenv("PREHEND_LAUNCH_FILE");
+  if (launch_file != nullptr && *launch_file != '\0') paths.emplace_back(launch_file);
+  std::set<std::filesystem::path> attached;
+  for (const std::string& path : paths) {
+    if (!attached.insert(std::filesystem::weakly_canonical(path)).second) continue;
+    recorder.add(prehend::attachment_of(path));
+  }
+}
+
+void record(Node& node) {
+  const Settings settings = declare_settings(node);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file at the process' size limit is an error to be told, no death
+  prehend::TopicRecorder recorder(node, settings.topics);
+  const auto folder = std::filesystem::path(settings.output).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
-  recorder.open(output, options);
-  for (const std::string& path : words_of(attachment)) recorder.attach(path);
+  recorder.open(settings.output, settings.writer, settings.split);
+  recorder.add(prehend::run_facts());
+  attach_files(recorder, settings.attachments);
 
-  take_over_signals();
   node.spin_in_background();
-  node.log_info("recording to {}", output);
+  node.log_info("recording to {}", settings.output);
   const auto start = std::chrono::steady_clock::now();
   const auto is_over = [&] {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    return stop_asked || !node.ok() || (duration > 0 && elapsed.count() >= duration);
+    return prehend::graph::stop_requested() || !node.ok() ||
+           (settings.duration > 0 && elapsed.count() >= settings.duration);
   };
-  while (!is_over()) {
+  bool writes = true;
+  while (!is_over() && writes) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    recorder.keep_up();
+    writes = recorder.keep_up();
   }
-  recorder.drain();
+  if (writes) recorder.drain();
   recorder.finish();
   node.shutdown();
 }
 
-}  // namespace
+// It stops itself: after a signal it goes on for a moment, to write what has arrived.
+const prehend::graph::RegisteredNodeProgram registered(
+    {"recorder",
+     "Records chosen or all topics of the graph to an MCAP file with protobuf schemas, until it is "
+     "stopped, and says what it recorded and what it missed. A full disk ends it with an error; "
+     "what it wrote before can be read."},
+    record, true);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(argc, argv,
-                                  {"recorder",
-                                   "Records chosen or all topics of the graph to an MCAP file with "
-                                   "protobuf schemas, until it is "
-                                   "stopped, and says what it recorded and what it missed."},
-                                  record);
-}
+}  // namespace

@@ -1,42 +1,62 @@
 #include "nodes/recorder/topic_recorder.h"
 
-#include <chrono>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
+#include <algorithm>
+#include <cstdlib>
 #include <thread>
+#include <utility>
+
+#include "prehend/graph/recording/latched_messages.h"
 
 namespace prehend {
 namespace {
 
-using graph::recording::McapAttachment;
 using graph::recording::McapError;
+using graph::recording::McapMetadata;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kQuietTime = std::chrono::milliseconds(100);  // then nothing more is on its way
-constexpr auto kDrainTime = std::chrono::seconds(1);
+constexpr auto kArrivalTime = std::chrono::seconds(10);
+constexpr auto kArrivalTimeOfOtherClock = std::chrono::seconds(1);
+constexpr std::int64_t kSameClock = 3'600'000'000'000;  // ns: further apart are two clocks
+constexpr auto kStuckTime = std::chrono::seconds(5);    // without a message being written
+constexpr auto kLook = std::chrono::milliseconds(5);    // how often draining looks
 constexpr auto kLongestWait = std::chrono::seconds(1);  // for how a topic is published
 constexpr std::size_t kQueueDepth = 100000;
 constexpr std::size_t kQueueBytes = std::size_t{1} << 30;
-
-const char* media_type_of(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension == ".yaml" || extension == ".yml") return "text/yaml";
-  if (extension == ".json") return "application/json";
-  if (extension == ".txt" || extension == ".log") return "text/plain";
-  return "application/octet-stream";
-}
 
 std::uint64_t unsigned_time(std::int64_t time) {
   return time < 0 ? 0 : static_cast<std::uint64_t>(time);
 }
 
+bool is_pattern(const std::string& topic) {
+  return topic.find_first_of("*?[") != std::string::npos;
+}
+
+std::uint64_t handled(const graph::SubscriptionStatistics& statistics) {
+  return statistics.delivered + statistics.dropped + statistics.superseded;
+}
+
+// Empty when nothing is missing.
+std::string losses_text(const graph::SubscriptionStatistics& statistics,
+                        const std::map<std::string, std::uint64_t>& by_sender) {
+  const std::uint64_t lost = statistics.dropped + statistics.missed + statistics.malformed;
+  if (lost == 0) return "";
+  std::string text = fmt::format("{} lost ({} dropped, {} never came, {} damaged)", lost,
+                                 statistics.dropped, statistics.missed, statistics.malformed);
+  for (const auto& [sender, missing] : by_sender) {
+    if (missing > 0) text += fmt::format(", {} of {}", missing, sender);
+  }
+  return text;
+}
+
 }  // namespace
 
 TopicRecorder::TopicRecorder(graph::Node& node, const std::vector<std::string>& topics)
-    : node_(node) {
-  for (const std::string& topic : topics) record(topic);
-  node_.watch_topics([this, all = topics.empty()](const graph::TopicInfo& info) {
+    : node_(node), filter_{topics, {}} {
+  for (const std::string& topic : topics) {
+    if (!is_pattern(topic)) record(topic);
+  }
+  node_.watch_topics([this](const graph::TopicInfo& info) {
     {
       const std::lock_guard lock(mutex_);
       infos_[info.topic] = info;
@@ -44,27 +64,27 @@ TopicRecorder::TopicRecorder(graph::Node& node, const std::vector<std::string>& 
         write_waiting(topic->second);
       }
     }
-    if (all) record(info.topic);
+    if (filter_.wants(info.topic)) record(info.topic);
   });
 }
 
 void TopicRecorder::open(const std::string& path,
-                         const graph::recording::McapWriterOptions& options) {
+                         const graph::recording::McapWriterOptions& options,
+                         const graph::recording::SplitOptions& split) {
   const std::lock_guard lock(mutex_);
   path_ = path;
-  writer_.emplace(path, options);
+  writer_.emplace(path, options, split, [this] { return losses(); });
 }
 
-void TopicRecorder::attach(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read the attachment " + path);
-  McapAttachment attachment;
-  attachment.name = std::filesystem::path(path).filename().string();
-  attachment.media_type = media_type_of(path);
-  attachment.data.assign(std::istreambuf_iterator<char>(file), {});
+void TopicRecorder::add(graph::recording::McapAttachment attachment) {
   attachment.log_time = unsigned_time(node_.clock().now());
   const std::lock_guard lock(mutex_);
-  writer_->add_attachment(attachment);
+  writer_->add_attachment(std::move(attachment));
+}
+
+void TopicRecorder::add(McapMetadata metadata) {
+  const std::lock_guard lock(mutex_);
+  writer_->add_metadata(std::move(metadata));
 }
 
 void TopicRecorder::record(const std::string& name) {
@@ -76,32 +96,32 @@ void TopicRecorder::record(const std::string& name) {
     topic = &entry->second;  // stays where it is
   }
   auto subscription = node_.subscribe_raw(
-      name, graph::QoS::queue(kQueueDepth, kQueueBytes),
+      "/" + name, graph::QoS::queue(kQueueDepth, kQueueBytes),
       [this, topic](const graph::RawMessage& message) { take(*topic, message); });
   const std::lock_guard lock(mutex_);
   topic->subscription = std::move(subscription);
 }
 
 void TopicRecorder::declare_channel(Topic& topic, const graph::RawMessage& message) {
-  const graph::Schema& schema = *message.schema;
-  const auto schema_id = writer_->add_schema(schema.name, "protobuf", schema.descriptor_set);
   std::map<std::string, std::string> metadata;
-  const auto info = infos_.find(message.info.topic);
+  const auto info = infos_.find(message.info.topic.str());
   if (info != infos_.end() && info->second.policy == graph::QoS::Policy::kLatched) {
-    metadata["latched"] = std::to_string(info->second.depth);  // replay latches as many
+    metadata[graph::recording::kLatchedKey] = std::to_string(info->second.depth);
   }
-  topic.channel_id = writer_->add_channel(message.info.topic, "protobuf", schema_id, metadata);
+  topic.channel = writer_->add_channel(message.info.topic.str(), message.schema->name,
+                                       message.schema->descriptor_set, metadata);
   topic.schema_hash = message.info.schema_hash;
 }
 
 void TopicRecorder::take(Topic& topic, const graph::RawMessage& message) {
   const std::lock_guard lock(mutex_);
+  if (finished_) return;  // came after the end that the recording tells
   const std::uint64_t log_time = unsigned_time(node_.clock().now());
-  if (topic.channel_id != 0 || infos_.count(message.info.topic) > 0) {
+  if (topic.channel || infos_.count(message.info.topic.str()) > 0) {
     write(topic, message, log_time);
     return;
   }
-  if (topic.waiting.empty()) topic.waiting_since = std::chrono::steady_clock::now();
+  if (topic.waiting.empty()) topic.waiting_since = SteadyClock::now();
   topic.waiting.push_back({message, log_time});
 }
 
@@ -110,91 +130,157 @@ void TopicRecorder::write_waiting(Topic& topic) {
   topic.waiting.clear();
 }
 
+void TopicRecorder::follow_sequence(Topic& topic, const graph::MessageInfo& info) {
+  std::uint64_t& last = topic.last_by_sender[info.sender.str()];
+  const bool goes_on = last != 0 && info.sequence > last;  // else the publisher is a new one
+  const std::uint64_t steps = goes_on ? info.sequence - last : 1;
+  topic.sequence += static_cast<std::uint32_t>(steps);
+  topic.missing_by_sender[info.sender.str()] += steps - 1;
+  last = info.sequence;
+}
+
 void TopicRecorder::write(Topic& topic, const graph::RawMessage& message, std::uint64_t log_time) {
-  if (!failure_.empty()) return;  // said already
+  topic.newest = std::max(topic.newest, message.info.publish_time);
+  if (!failure_.empty()) {  // said already
+    ++not_written_;
+    return;
+  }
   try {
-    if (topic.channel_id == 0 || topic.schema_hash != message.info.schema_hash) {
+    if (!topic.channel || topic.schema_hash != message.info.schema_hash) {
       declare_channel(topic, message);
     }
-    std::uint64_t& last = topic.last_by_sender[message.info.sender];
-    const bool goes_on = last != 0 && message.info.sequence > last;
-    topic.sequence += goes_on ? static_cast<std::uint32_t>(message.info.sequence - last) : 1;
-    last = message.info.sequence;
-    writer_->write(topic.channel_id, topic.sequence, log_time,
+    follow_sequence(topic, message.info);
+    writer_->write(*topic.channel, message.info.sender.str(), topic.sequence, log_time,
                    unsigned_time(message.info.publish_time), message.bytes);
     ++topic.messages;
     topic.bytes += message.bytes.size();
+  } catch (const McapError& error) {
+    failure_ = error.what();
+    ++not_written_;
+    node_.report(graph::Health::kError, failure_);
+  }
+}
+
+bool TopicRecorder::keep_up() {
+  const std::lock_guard lock(mutex_);
+  for (auto& [name, topic] : topics_) {
+    const auto waited = SteadyClock::now() - topic.waiting_since;
+    if (!topic.waiting.empty() && waited > kLongestWait) write_waiting(topic);
+  }
+  if (!failure_.empty()) return false;
+  try {
+    writer_->close_chunk_if_old();
+  } catch (const McapError& error) {
+    failure_ = error.what();
+    node_.report(graph::Health::kError, failure_);
+  }
+  return failure_.empty();
+}
+
+void TopicRecorder::drain() {
+  wait_for_arrivals(node_.clock().now());
+  wait_until_written();
+}
+
+// Messages of a topic arrive in order, so one that was published after `until` ends the wait for
+// its topic; where none comes, silence does. Who publishes by another clock than the recorder's
+// without ever being silent is waited for a shorter time.
+void TopicRecorder::wait_for_arrivals(std::int64_t until) {
+  struct Arrivals {
+    std::uint64_t count = 0;
+    SteadyClock::time_point last = SteadyClock::now();
+  };
+  std::map<std::string, Arrivals> arrivals;
+  const auto begin = SteadyClock::now();
+  for (bool waiting = true; waiting && SteadyClock::now() - begin < kArrivalTime;) {
+    std::this_thread::sleep_for(kLook);
+    waiting = false;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, topic] : topics_) {
+      Arrivals& seen = arrivals[name];
+      const std::uint64_t now = topic.subscription.statistics().received;
+      if (now != seen.count) seen = {now, SteadyClock::now()};
+      const bool is_quiet = SteadyClock::now() - seen.last > kQuietTime;
+      const bool same_clock = std::abs(topic.newest - until) < kSameClock;
+      const bool is_through =
+          same_clock ? topic.newest > until : SteadyClock::now() - begin > kArrivalTimeOfOtherClock;
+      waiting = waiting || (!is_quiet && !is_through);
+    }
+  }
+}
+
+void TopicRecorder::wait_until_written() {
+  std::map<std::string, std::uint64_t> arrived;
+  std::uint64_t written = 0;
+  auto progress = SteadyClock::now();
+  while (SteadyClock::now() - progress < kStuckTime) {
+    {
+      const std::lock_guard lock(mutex_);
+      bool all = true;
+      std::uint64_t now = 0;
+      for (const auto& [name, topic] : topics_) {
+        const auto statistics = topic.subscription.statistics();
+        const auto target = arrived.try_emplace(name, statistics.received).first;
+        all = all && handled(statistics) >= target->second;
+        now += handled(statistics);
+      }
+      if (all) return;
+      if (now != written) progress = SteadyClock::now();
+      written = now;
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+}
+
+std::vector<McapMetadata> TopicRecorder::losses() const {
+  McapMetadata metadata{kLossMetadata, {}};
+  for (const auto& [name, topic] : topics_) {
+    const std::string text = losses_text(topic.subscription.statistics(), topic.missing_by_sender);
+    if (!text.empty()) metadata.entries[name] = text;
+  }
+  if (metadata.entries.empty()) return {};
+  return {metadata};
+}
+
+void TopicRecorder::close() {
+  for (auto& [name, topic] : topics_) write_waiting(topic);
+  if (!failure_.empty()) return;
+  try {
+    writer_->close();
   } catch (const McapError& error) {
     failure_ = error.what();
     node_.report(graph::Health::kError, failure_);
   }
 }
 
-void TopicRecorder::keep_up() {
-  const std::lock_guard lock(mutex_);
-  for (auto& [name, topic] : topics_) {
-    const auto waited = std::chrono::steady_clock::now() - topic.waiting_since;
-    if (!topic.waiting.empty() && waited > kLongestWait) write_waiting(topic);
-  }
-  if (!failure_.empty()) throw McapError(failure_);
-  writer_->close_chunk_if_old();
-}
-
-std::uint64_t TopicRecorder::received() const {
-  std::uint64_t count = 0;
-  for (const auto& [name, topic] : topics_) count += topic.subscription.statistics().received;
-  return count;
-}
-
-std::uint64_t TopicRecorder::handled() const {
-  std::uint64_t count = 0;
-  for (const auto& [name, topic] : topics_) {
-    const auto statistics = topic.subscription.statistics();
-    count += statistics.delivered + statistics.dropped + statistics.superseded;
-  }
-  return count;
-}
-
-void TopicRecorder::drain() {
-  using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + kDrainTime;
-  auto last_arrival = Clock::now();
-  std::uint64_t before = 0;
-  while (Clock::now() < deadline) {
-    {
-      const std::lock_guard lock(mutex_);
-      const std::uint64_t now = received();
-      if (now != before) last_arrival = Clock::now();
-      before = now;
-      if (Clock::now() - last_arrival > kQuietTime && handled() >= now) return;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-}
-
 void TopicRecorder::finish() {
   const std::lock_guard lock(mutex_);
-  for (auto& [name, topic] : topics_) write_waiting(topic);
-  if (!failure_.empty()) throw McapError(failure_);
-  writer_->close();
+  close();
+  finished_ = true;
+  log_summary();
+  if (failure_.empty()) return;
+  throw McapError(
+      fmt::format("{}; {} messages that came later were not recorded; what was can be "
+                  "read (prehend bag info {})",
+                  failure_, not_written_, writer_->files().back()));
+}
+
+void TopicRecorder::log_summary() const {
   std::uint64_t lost = 0;
   for (const auto& [name, topic] : topics_) {
     const auto statistics = topic.subscription.statistics();
-    const std::uint64_t missing = statistics.dropped + statistics.missed + statistics.malformed;
-    lost += missing;
-    const auto level = missing > 0 ? graph::LogLevel::kWarning : graph::LogLevel::kInfo;
-    node_.log(level,
-              fmt::format("{}: {} messages, {:.2f} MB{}", name, topic.messages,
-                          static_cast<double>(topic.bytes) * 1e-6,
-                          missing > 0 ? fmt::format(", {} lost ({} dropped, {} never came, {} "
-                                                    "damaged)",
-                                                    missing, statistics.dropped, statistics.missed,
-                                                    statistics.malformed)
-                                      : ""));
+    const std::string text = losses_text(statistics, topic.missing_by_sender);
+    lost += statistics.dropped + statistics.missed + statistics.malformed;
+    node_.log(text.empty() ? graph::LogLevel::kInfo : graph::LogLevel::kWarning,
+              fmt::format("{}: {} messages, {:.2f} MB{}{}", name, topic.messages,
+                          static_cast<double>(topic.bytes) * 1e-6, text.empty() ? "" : ", ", text));
   }
-  node_.log_info("recorded {} messages of {} topics to {} ({:.2f} MB){}",
-                 writer_->statistics().message_count, topics_.size(), path_,
-                 static_cast<double>(writer_->bytes_written()) * 1e-6,
+  const auto& files = writer_->files();
+  const std::string where = files.size() == 1 ? files.front()
+                                              : fmt::format("{} .. {} ({} files)", files.front(),
+                                                            files.back(), files.size());
+  node_.log_info("recorded {} messages of {} topics to {} ({:.2f} MB){}", writer_->message_count(),
+                 topics_.size(), where, static_cast<double>(writer_->bytes_written()) * 1e-6,
                  lost > 0 ? fmt::format("; {} messages are missing", lost) : "");
 }
 

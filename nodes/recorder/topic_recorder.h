@@ -6,13 +6,17 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/mcap_writer.h"
+#include "prehend/graph/recording/split_writer.h"
+#include "prehend/graph/recording/topic_filter.h"
 
 namespace prehend {
+
+/// Metadata record with what a recording lacks: topic -> "N lost (...)". Absent when it lacks
+/// nothing.
+inline constexpr const char* kLossMetadata = "prehend.losses";
 
 /// Writes what arrives on topics of a graph into one recording. Message times: log_time is the
 /// node's clock on arrival, publish_time the publisher's. A message's sequence number counts on
@@ -20,23 +24,29 @@ namespace prehend {
 /// missing.
 class TopicRecorder {
  public:
-  /// Subscribes to `topics`, also those nobody publishes yet, or to all topics, now and later, when
-  /// there are none. Call open() before the node spins.
+  /// Subscribes to `topics`, also those nobody publishes yet, and to all that match a pattern among
+  /// them, now and later; without any to all topics. Call open() before the node spins.
   TopicRecorder(graph::Node& node, const std::vector<std::string>& topics);
 
-  /// Creates the file; throws graph::recording::McapError when it cannot be written.
-  void open(const std::string& path, const graph::recording::McapWriterOptions& options);
+  /// Creates the file; throws graph::recording::McapError when it cannot be written,
+  /// std::invalid_argument when the options make no sense.
+  void open(const std::string& path, const graph::recording::McapWriterOptions& options,
+            const graph::recording::SplitOptions& split);
 
-  /// Stores a file as it is now. Throws std::runtime_error when it cannot be read.
-  void attach(const std::string& path);
+  void add(graph::recording::McapAttachment attachment);
+  void add(graph::recording::McapMetadata metadata);
 
-  /// Writes a chunk that has become old. Throws once the file could not be written.
-  void keep_up();
+  /// Writes a chunk that has become old. False once the file could not be written: then nothing
+  /// more will be.
+  bool keep_up();
 
-  /// Waits until nothing more arrives and all that has is in the recording, at most for 1 s.
+  /// Waits until everything published before the call is in the recording. Ends when nothing more
+  /// arrives, or what arrives was published later; at most 10 s for arrivals, and as long as it
+  /// takes to write them.
   void drain();
 
-  /// Ends the recording and logs what it holds and what it lacks.
+  /// Ends the recording and logs what it holds and what it lacks. Throws
+  /// graph::recording::McapError when not all of it could be written.
   void finish();
 
  private:
@@ -49,10 +59,12 @@ class TopicRecorder {
     graph::Subscription subscription;
     std::vector<Waiting> waiting;
     std::chrono::steady_clock::time_point waiting_since;
-    std::uint16_t channel_id = 0;  // 0: no message yet
+    std::optional<std::size_t> channel;  // empty: no message yet
     std::uint64_t schema_hash = 0;
     std::uint32_t sequence = 0;
+    std::int64_t newest = 0;  // publish time of what came last [ns]
     std::map<std::string, std::uint64_t> last_by_sender;
+    std::map<std::string, std::uint64_t> missing_by_sender;
     std::uint64_t messages = 0, bytes = 0;
   };
 
@@ -60,17 +72,24 @@ class TopicRecorder {
   void take(Topic& topic, const graph::RawMessage& message);
   void write(Topic& topic, const graph::RawMessage& message, std::uint64_t log_time);
   void write_waiting(Topic& topic);
+  void follow_sequence(Topic& topic, const graph::MessageInfo& info);
   void declare_channel(Topic& topic, const graph::RawMessage& message);
-  std::uint64_t received() const;
-  std::uint64_t handled() const;
+  void wait_for_arrivals(std::int64_t until);
+  void wait_until_written();
+  std::vector<graph::recording::McapMetadata> losses() const;
+  void close();
+  void log_summary() const;
 
   graph::Node& node_;
+  const graph::recording::TopicFilter filter_;
   std::mutex mutex_;  // of everything below
   std::string path_;
-  std::optional<graph::recording::McapWriter> writer_;
+  std::optional<graph::recording::SplitWriter> writer_;
   std::map<std::string, Topic> topics_;
   std::map<std::string, graph::TopicInfo> infos_;
   std::string failure_;
+  bool finished_ = false;
+  std::uint64_t not_written_ = 0;  // messages after the failure
 };
 
 }  // namespace prehend

@@ -25,6 +25,8 @@ int main(int argc, char** argv) {
   app.add_option("--endpoint,--registry", options.endpoint,
                  "Where to listen; tcp://127.0.0.1:* takes a free port; default: PREHEND_REGISTRY")
       ->capture_default_str();
+  app.add_option("--keys", options.keys_file,
+                 "Key file of the graph, see prehend keys; default: PREHEND_KEYS, else none");
   CLI11_PARSE(app, argc, argv);
 
   sigset_t signals;  // blocked before threads are made, so that this one alone waits for them

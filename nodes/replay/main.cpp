@@ -1,48 +1,69 @@
 // Publishes a recording again. See recording_player.h.
 
 #include <chrono>
-#include <iterator>
-#include <sstream>
+#include <functional>
+#include <memory>
+#include <stdexcept>
 #include <thread>
 
 #include "nodes/replay/recording_player.h"
+#include "prehend/graph/node_program.h"
+#include "prehend/graph/recording/word_list.h"
 
 namespace {
 
 using prehend::graph::Node;
+using prehend::graph::recording::joined_words;
+using prehend::graph::recording::split_words;
 
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), {}};
-}
+constexpr auto kLastMessages = std::chrono::seconds(2);  // for subscribers to take them
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
-void replay(Node& node) {
-  const auto file =
-      node.declare_parameter<std::string>({.name = "file", .description = "the recording (MCAP)"});
+prehend::RecordingPlayerOptions declare_options(Node& node,
+                                                std::function<void(const double&)> on_rate) {
   prehend::RecordingPlayerOptions options;
-  options.topics = words_of(node.declare_parameter<std::string>(
-      {.name = "topics", .description = "topics to replay, separated by spaces; empty: all"}));
+  options.topics = split_words(node.declare_parameter<std::string>(
+      {.name = "topics",
+       .description = "topics to replay, separated by spaces, * for any text; empty: all"}));
   options.rate = node.declare_parameter<double>(
       {.name = "rate",
        .default_value = 1,
        .minimum = 0,
-       .description = "recorded seconds per second; 0: as fast as possible"});
+       .description = "recorded seconds per second; 0: as fast as the subscribers' callbacks",
+       .on_change = std::move(on_rate)});
   options.start = node.declare_parameter<double>(
       {.name = "start",
        .default_value = 0,
        .unit = "s",
        .minimum = 0,
-       .description = "where to begin, after the recording's beginning"});
+       .description = "where to begin, after the recording's beginning; what was latched before "
+                      "comes first"});
+  options.end = node.declare_parameter<double>(
+      {.name = "end",
+       .default_value = 0,
+       .unit = "s",
+       .minimum = 0,
+       .description = "where to end, after the recording's beginning; 0: at its end"});
+  options.paused = node.declare_parameter<bool>(
+      {.name = "paused",
+       .default_value = false,
+       .description = "begin with the clock paused, see prehend clock"});
   options.publish_clock =
       node.declare_parameter<bool>({.name = "clock",
                                     .default_value = true,
                                     .description = "publish the recorded time on /clock"});
+  return options;
+}
+
+void sleep_while(Node& node, bool condition) {
+  while (condition && node.ok()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+void replay(Node& node) {
+  const auto file =
+      node.declare_parameter<std::string>({.name = "file", .description = "the recording (MCAP)"});
+  const auto pacer = std::make_shared<prehend::graph::ClockPacer>();
+  prehend::RecordingPlayerOptions options =
+      declare_options(node, [pacer](const double& rate) { pacer->set_speed(rate); });
   const bool loop = node.declare_parameter<bool>(
       {.name = "loop", .default_value = false, .description = "begin again at the end"});
   const bool hold = node.declare_parameter<bool>(
@@ -60,29 +81,27 @@ void replay(Node& node) {
   // First of all on the graph, so that --help opens no file.
   const auto idle = node.create_timer(3600, [] {});
   if (file.empty()) throw std::invalid_argument("give the recording: --param file:=FILE.mcap");
-  prehend::RecordingPlayer player(node, file, options);
+  prehend::RecordingPlayer player(node, file, options, pacer);
   node.spin_in_background();
   const auto lonely =
       player.wait_for_subscribers(std::chrono::nanoseconds(static_cast<std::int64_t>(wait * 1e9)));
-  if (!lonely.empty() && node.ok()) node.log_info("nobody listens to {}", joined(lonely));
+  if (!lonely.empty() && node.ok()) node.log_info("nobody listens to {}", joined_words(lonely));
   while (player.play() && loop && player.published() > 0) node.log_info("beginning again");
-  node.log_info("replayed {} messages of {}", player.published(), file);
-  // A reader that is slow just now gets the last messages only while this node lives.
-  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
-  while (!hold && node.ok() && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  // Messages on their way get to their readers only while this node lives.
+  if (node.ok() && !node.wait_until_delivered(kLastMessages) && node.ok()) {
+    node.log_warning("subscribers have not taken the last messages within 2 s");
   }
-  while (hold && node.ok()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  node.log_info("replayed {} messages of {}", player.published(), file);
+  sleep_while(node, hold);
+  node.shutdown();
 }
+
+const prehend::graph::RegisteredNodeProgram registered(
+    {"replay",
+     "Publishes a recording again: the same messages with the same stamps, and the recorded time "
+     "on /clock, which the service /clock/control pauses, steps and speeds up. Ends when "
+     "everything was published, unless told to hold or to loop. The topics /log, /diagnostics and "
+     "/statistics, which every node has of its own, are left out."},
+    replay);
 
 }  // namespace
-
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"replay",
-       "Publishes a recording again: the same messages with the same stamps, and the recorded time "
-       "on /clock. Ends when everything was published, unless told to hold or to loop. The topics "
-       "/log and /diagnostics, which every node has of its own, are left out."},
-      replay);
-}

@@ -10,7 +10,7 @@
 #include "nodes/report/compose.h"
 #include "nodes/report/processes.h"
 #include "nodes/report/verdict.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 
 namespace {
 
@@ -91,13 +91,10 @@ void run(graph::Node& node) {
   if (!verdict.success) throw std::runtime_error(verdict.text);
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"report",
+     "Listens to a whole run and writes a page with pictures, charts and times when the grasp "
+     "cycle has ended. Exits 0 on success, 1 with the reason otherwise."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"report",
-       "Listens to a whole run and writes a page with pictures, charts and times when the grasp "
-       "cycle has ended. Exits 0 on success, 1 with the reason otherwise."},
-      run);
-}
+}  // namespace

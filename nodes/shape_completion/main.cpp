@@ -5,7 +5,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/shape/symmetry.h"
 
 namespace {
@@ -150,14 +150,11 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"shape_completion",
+     "Predicts the unseen side of each object by the vertical plane of symmetry that contradicts "
+     "the view least. Takes /objects, publishes one message per object on /shapes (latched, the "
+     "last 32). An object that cannot be completed is published as seen, with the reason."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"shape_completion",
-       "Predicts the unseen side of each object by the vertical plane of symmetry that contradicts "
-       "the view least. Takes /objects, publishes one message per object on /shapes (latched, the "
-       "last 32). An object that cannot be completed is published as seen, with the reason."},
-      run);
-}
+}  // namespace

@@ -9,7 +9,8 @@
 #include "nodes/simulation/sensor_messages.h"
 #include "nodes/simulation/simulated_robot.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/clock_control.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/simulation/scene.h"
 
 namespace {
@@ -18,7 +19,7 @@ using namespace prehend;
 
 struct Settings {
   std::string scene;
-  double speed = 1;
+  bool paused = false;
   bool camera = true;
   double camera_period = 0;
   int noise_seed = -1;
@@ -29,6 +30,10 @@ Settings declare_settings(graph::Node& node) {
   Settings s;
   s.scene = node.declare_parameter<std::string>(
       {.name = "scene", .default_value = "config/scenes/demo.yaml", .description = "scene file"});
+  s.paused = node.declare_parameter<bool>(
+      {.name = "paused",
+       .default_value = false,
+       .description = "begin with the clock paused, see prehend clock"});
   s.camera = node.declare_parameter<bool>(
       {.name = "camera",
        .default_value = true,
@@ -87,7 +92,7 @@ struct StopAtEnd {
 void run(graph::Node& node) {
   using namespace prehend::nodes;
   const Settings settings = declare_settings(node);
-  SimulatedRobot* running = nullptr;
+  graph::ClockPacer* running = nullptr;
   const double speed = node.declare_parameter<double>(
       {.name = "speed",
        .default_value = 1.0,
@@ -102,19 +107,29 @@ void run(graph::Node& node) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
   }
 
+  graph::ClockPacerOptions clock;
+  clock.speed = speed;
+  clock.paused = settings.paused;
+  clock.slice = SimulatedRobot::slice_of(scene);
+  graph::ClockPacer pacer(clock);
+  running = &pacer;
+  const graph::ClockControl clock_control(node, pacer, [&node](double value) {
+    node.set_parameter("speed", fmt::format("{}", value));
+  });
   SensorPublisher sensors(node, scene.gripper);
   Camera* camera_to_ask = nullptr;
   std::int64_t next_picture = graph::nanoseconds(settings.camera_period);
   SimulatedRobot robot(
-      scene, speed,
+      scene, pacer,
       [&](const SensorReadings& readings) {
-        sensors.publish(readings, node.parameter<double>("speed"));
+        sensors.publish_clock(readings.stamp, pacer.state());
+        sensors.publish(readings);
         if (!camera_to_ask || settings.camera_period <= 0 || readings.stamp < next_picture) return;
         next_picture += graph::nanoseconds(settings.camera_period);
         camera_to_ask->request();
       },
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
       [&node](const std::string& note) { node.log_warning("{}", note); });
-  running = &robot;
   std::unique_ptr<Camera> camera;
   const StopAtEnd stop_at_end{robot};  // before the camera goes, which the robot's thread asks
   if (settings.camera) {
@@ -139,18 +154,16 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"simulation",
+     "Stands in for the robot: table, objects, a PG70 gripper with two tactile pads on a carrier "
+     "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
+     "/camera/info, /camera/stereo, /gripper/state, /tactile/left, /tactile/right, /wrench, "
+     "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
+     "while moving), the actions /carrier/move and /gripper/move, and the services "
+     "/gripper/stop, "
+     "/gripper/acknowledge, /simulation/spawn, /simulation/render and /clock/control (pause, "
+     "resume, step, speed)."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"simulation",
-       "Stands in for the robot: table, objects, a PG70 gripper with two tactile pads on a carrier "
-       "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
-       "/camera/info, /camera/stereo, /gripper/state, /tactile/left, /tactile/right, /wrench, "
-       "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
-       "while moving), the actions /carrier/move and /gripper/move, and the services "
-       "/gripper/stop, "
-       "/gripper/acknowledge, /simulation/spawn and /simulation/render."},
-      run);
-}
+}  // namespace

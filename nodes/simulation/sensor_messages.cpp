@@ -71,11 +71,14 @@ SensorPublisher::SensorPublisher(graph::Node& node, const robot::GripperModel& g
       carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
       truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {}
 
-void SensorPublisher::publish(const SensorReadings& readings, double speed) {
+void SensorPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace) {
   msgs::Clock clock;
-  clock.set_time(readings.stamp);
-  clock.set_speed(speed);
+  clock.set_time(stamp);
+  clock.set_speed(pace.paused ? 0 : pace.speed);
   clock_.publish(clock);
+}
+
+void SensorPublisher::publish(const SensorReadings& readings) {
   gripper_.publish(gripper_message(readings));
   wrench_.publish(wrench_message(readings));
   if (count_++ % 2 != 0) return;

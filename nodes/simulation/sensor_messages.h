@@ -13,7 +13,8 @@ namespace prehend::nodes {
 class SensorPublisher {
  public:
   SensorPublisher(graph::Node& node, const robot::GripperModel& gripper);
-  void publish(const SensorReadings& readings, double speed);
+  void publish(const SensorReadings& readings);
+  void publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace);
 
  private:
   msgs::TactileFrame tactile(const simulation::TactileImage& image, std::int64_t stamp,

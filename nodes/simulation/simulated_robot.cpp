@@ -8,19 +8,33 @@ namespace prehend::nodes {
 using simulation::GripperMode;
 using simulation::PadSide;
 
-SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, double speed,
+namespace {
+
+int steps_of_slice(const simulation::Scene& scene) {
+  return std::max(1, static_cast<int>(std::lround(SimulatedRobot::kSlice / scene.step)));
+}
+
+}  // namespace
+
+std::int64_t SimulatedRobot::slice_of(const simulation::Scene& scene) {
+  return std::llround(steps_of_slice(scene) * scene.step * 1e9);
+}
+
+SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, graph::ClockPacer& pacer,
                                std::function<void(const SensorReadings&)> on_readings,
+                               std::function<void(std::int64_t)> on_pace,
                                std::function<void(const std::string&)> on_note)
     : world_(scene),
+      pacer_(pacer),
+      slice_(slice_of(scene)),
       on_readings_(std::move(on_readings)),
-      on_note_(std::move(on_note)),
-      speed_(speed) {}
+      on_pace_(std::move(on_pace)),
+      on_note_(std::move(on_note)) {}
 
 SimulatedRobot::~SimulatedRobot() { stop(); }
 
 void SimulatedRobot::start() {
   running_ = true;
-  deadline_ = std::chrono::steady_clock::now();
   thread_ = std::thread([this] { run(); });
 }
 
@@ -31,6 +45,7 @@ void SimulatedRobot::stop() {
 
 void SimulatedRobot::run() {
   while (running_) {
+    if (!wait_for_pace()) continue;
     SensorReadings readings;
     bool watchdog_fired = false;
     {
@@ -43,12 +58,11 @@ void SimulatedRobot::run() {
     slice_done_.notify_all();
     if (watchdog_fired) on_note_("no gripper command for 0.2 s while moving: stopped");
     on_readings_(readings);
-    pace();
   }
 }
 
 void SimulatedRobot::step_slice() {
-  const int steps = std::max(1, static_cast<int>(std::lround(kSlice / world_.scene().step)));
+  const int steps = steps_of_slice(world_.scene());
   for (int i = 0; i < steps; ++i) {
     world_.step();
     if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
@@ -77,25 +91,22 @@ SensorReadings SimulatedRobot::read() const {
   return readings;
 }
 
-void SimulatedRobot::pace() {
-  using std::chrono::steady_clock;
-  const double speed = speed_;
-  const steady_clock::time_point now = steady_clock::now();
-  if (speed <= 0) {
-    deadline_ = now;
-    // Lets waiting commands in: a mutex is not fair.
-    std::this_thread::yield();
-    return;
-  }
-  deadline_ += std::chrono::duration_cast<steady_clock::duration>(
-      std::chrono::duration<double>(kSlice / speed));
+// True when the next slice is due; false now and then, so that the thread can end.
+bool SimulatedRobot::wait_for_pace() {
+  constexpr auto kLongestWait = std::chrono::milliseconds(50);
   constexpr auto kMostLag = std::chrono::milliseconds(300);
-  if (now - deadline_ > kMostLag) {
-    if (!slow_) on_note_("this machine is too slow for the speed asked for; simulated time lags");
-    slow_ = true;
-    deadline_ = now;
+  std::this_thread::yield();  // lets waiting commands in: a mutex is not fair
+  const bool is_due = pacer_.wait_for(time_ + slice_, kLongestWait) >= time_ + slice_;
+  if (is_due) {
+    time_ += slice_;
+    if (pacer_.give_up_lag(kMostLag) && !std::exchange(slow_, true)) {
+      on_note_("this machine is too slow for the speed asked for; simulated time lags");
+    }
   }
-  std::this_thread::sleep_until(deadline_);
+  const auto pace = pacer_.state();
+  if (!is_due && (pace.paused != pace_.paused || pace.speed != pace_.speed)) on_pace_(time_);
+  pace_ = pace;
+  return is_due;
 }
 
 void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit,

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "prehend/graph/clock_pacer.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::nodes {
@@ -24,24 +25,29 @@ struct SensorReadings {
   std::vector<simulation::BodyReading> bodies;
 };
 
-/// The world with its clock: a thread steps it in slices of 10 ms of simulated time, paced by the
-/// wall clock, and hands out readings after each slice, outside the lock. Commands may come from
+/// The world with its clock: a thread steps it in slices of about 10 ms of simulated time, as the
+/// pacer allows, and hands out readings after each slice, outside the lock. Commands may come from
 /// any thread.
 class SimulatedRobot {
  public:
   static constexpr double kSlice = 0.01;    // s, simulated
   static constexpr double kWatchdog = 0.2;  // s, simulated
 
-  /// `on_readings` is called by the thread after each slice; `on_note` takes rare remarks.
-  SimulatedRobot(const simulation::Scene& scene, double speed,
+  /// [ns] Length of a slice: the whole steps of the scene nearest to kSlice, at least one.
+  static std::int64_t slice_of(const simulation::Scene& scene);
+
+  /// `pacer` begins at 0 with slices of slice_of(scene) and must outlive the object. All three
+  /// functions are called by the thread: `on_readings` after each slice; `on_pace` with the
+  /// simulated time [ns] when the clock was paused, resumed or got another speed; `on_note` takes
+  /// rare remarks.
+  SimulatedRobot(const simulation::Scene& scene, graph::ClockPacer& pacer,
                  std::function<void(const SensorReadings&)> on_readings,
+                 std::function<void(std::int64_t)> on_pace,
                  std::function<void(const std::string&)> on_note);
   ~SimulatedRobot();
 
   void start();
   void stop();
-  /// Simulated seconds per wall second; 0: as fast as possible.
-  void set_speed(double speed) { speed_ = speed; }
 
   /// Runs `work` on the world between two steps.
   template <class Work>
@@ -75,12 +81,14 @@ class SimulatedRobot {
   void run();
   void step_slice();
   SensorReadings read() const;
-  void pace();
+  bool wait_for_pace();
 
   simulation::World world_;
+  graph::ClockPacer& pacer_;
+  const std::int64_t slice_;  // ns
   std::function<void(const SensorReadings&)> on_readings_;
+  std::function<void(std::int64_t)> on_pace_;
   std::function<void(const std::string&)> on_note_;
-  std::atomic<double> speed_;
   std::atomic<bool> running_{false};
   std::thread thread_;
 
@@ -96,7 +104,8 @@ class SimulatedRobot {
   bool contact_ = false;
 
   // Of the thread alone.
-  std::chrono::steady_clock::time_point deadline_;
+  std::int64_t time_ = 0;  // ns, at the end of the last slice
+  graph::ClockPacer::State pace_;
   bool slow_ = false;
 };
 

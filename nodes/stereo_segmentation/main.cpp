@@ -9,7 +9,7 @@
 #include "msgs/sensors.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/perception/table.h"
@@ -181,15 +181,12 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"stereo_segmentation",
+     "Finds the table and the objects on it in a rectified stereo pair. Takes /camera/info and "
+     "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest "
+     "is "
+     "looked at. When there is no table or no object, /objects says why in `problem`."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"stereo_segmentation",
-       "Finds the table and the objects on it in a rectified stereo pair. Takes /camera/info and "
-       "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest "
-       "is "
-       "looked at. When there is no table or no object, /objects says why in `problem`."},
-      run);
-}
+}  // namespace

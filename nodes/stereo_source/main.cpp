@@ -5,7 +5,7 @@
 #include "msgs/convert/objects.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/graph/node.h"
+#include "prehend/graph/node_program.h"
 #include "prehend/perception/calibration.h"
 #include "prehend/perception/image_files.h"
 #include "prehend/perception/rectification.h"
@@ -55,14 +55,11 @@ void run(graph::Node& node) {
   node.spin();
 }
 
-}  // namespace
+const prehend::graph::RegisteredNodeProgram registered(
+    {"stereo_source",
+     "Publishes a recorded stereo pair on /camera/stereo and its camera on /camera/info (both "
+     "latched), rectified when the calibration says that it needs it. A file that cannot be used "
+     "ends the node with the reason."},
+    run);
 
-int main(int argc, char** argv) {
-  return prehend::graph::run_node(
-      argc, argv,
-      {"stereo_source",
-       "Publishes a recorded stereo pair on /camera/stereo and its camera on /camera/info (both "
-       "latched), rectified when the calibration says that it needs it. A file that cannot be used "
-       "ends the node with the reason."},
-      run);
-}
+}  // namespace

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -21,7 +22,8 @@ class ActionClientCore;
 class GoalCore;  // a goal at its client
 class GoalTask;  // a goal at its server
 
-/// Holds an action server: destroying it cancels the running goal and waits for its handler.
+/// Holds an action server: destroying it cancels the running goal and waits for its handler, unless
+/// it is the handler itself that does so.
 class ActionServer {
  public:
   ActionServer() = default;
@@ -60,6 +62,12 @@ class ActionContext : public ActionContextBase {
   void feedback(const Feedback& message) const { send_feedback(message); }
 };
 
+struct GoalOptions {
+  /// [wall time] After this the goal is cancelled and ends as kTimeout, whatever the server does;
+  /// 0: never.
+  std::chrono::nanoseconds timeout{0};
+};
+
 /// A goal that was sent. Cheap to copy; copies are the same goal. Dropping it does not cancel.
 class GoalHandleBase {
  public:
@@ -75,6 +83,8 @@ class GoalHandleBase {
   explicit GoalHandleBase(std::shared_ptr<GoalCore> goal) : goal_(std::move(goal)) {}
   Status wait_core(google::protobuf::Message& result, bool& has_result,
                    std::chrono::nanoseconds timeout, std::string& error) const;
+  void on_end_core(std::function<void(Status, const std::string& error, const std::string* result)>
+                       callback) const;
 
   std::shared_ptr<GoalCore> goal_;
 };
@@ -87,7 +97,9 @@ class GoalHandle : public GoalHandleBase {
 
   /// Waits for the result, at most `timeout` (wall time); kTimeout leaves the goal running, wait
   /// again or cancel. Ends at once with kServerGone when the server dies. Feedback that comes
-  /// meanwhile is given to the callback in this thread, so wait() may be called from a callback.
+  /// meanwhile is given to the callback in this thread, so that a node need not spin for it. Inside
+  /// one of the node's own callbacks only wait(0) may be asked, which looks and never waits; more
+  /// is refused at once (kRefused): use on_result there.
   Outcome<Result> wait(std::chrono::nanoseconds timeout) const {
     Result result;
     bool has_result = false;
@@ -97,12 +109,30 @@ class GoalHandle : public GoalHandleBase {
     if (has_result) return Outcome<Result>(status, std::move(error), std::move(result));
     return Outcome<Result>(status, std::move(error));
   }
+
+  /// `callback` is called once, among the node's callbacks, after the last feedback, with what
+  /// wait() would return then; also when the goal has ended already. It is not called when this
+  /// node shuts down before. Each call adds a callback.
+  void on_result(std::function<void(const Outcome<Result>&)> callback) const {
+    if (!callback) throw std::invalid_argument("on_result: no callback given");
+    on_end_core([callback = std::move(callback)](Status status, const std::string& error,
+                                                 const std::string* bytes) {
+      Result result;
+      if (!bytes) return callback({status, error});
+      if (!result.ParseFromString(*bytes)) {
+        return callback({Status::kFailed, "the result is damaged"});
+      }
+      if (status == Status::kOk) return callback(std::move(result));
+      callback({status, error, std::move(result)});
+    });
+  }
 };
 
 /// What all action clients share. Cheap to copy. All functions may be called from any thread.
 class ActionClientBase {
  public:
-  /// Waits until a server is there; `timeout` is wall time. Sending does not need this.
+  /// Waits until a server is there; `timeout` is wall time. Sending does not need this. Throws
+  /// std::logic_error inside one of the node's callbacks, unless the timeout is 0.
   bool wait_for_server(std::chrono::nanoseconds timeout) const;
   const std::string& action() const;
 
@@ -111,7 +141,8 @@ class ActionClientBase {
   ActionClientBase() = default;
   explicit ActionClientBase(std::shared_ptr<ActionClientCore> core) : core_(std::move(core)) {}
   std::shared_ptr<GoalCore> send_core(const google::protobuf::Message& goal,
-                                      RawFeedback on_feedback) const;
+                                      RawFeedback on_feedback,
+                                      const GoalOptions& options = {}) const;
 
   std::shared_ptr<ActionClientCore> core_;
 };
@@ -124,9 +155,11 @@ class ActionClient : public ActionClientBase {
       : ActionClientBase(std::move(core)) {}
 
   /// Sends a goal, as soon as a server is known. A server runs one goal at a time: the new one
-  /// preempts the one before. `on_feedback` runs among the node's callbacks or in wait().
+  /// preempts the one before. `on_feedback` runs among the node's callbacks or in wait(), in the
+  /// order it was sent. Throws std::invalid_argument when the timeout is negative.
   GoalHandle<Result> send(const Goal& goal,
-                          std::function<void(const Feedback&)> on_feedback = nullptr) const {
+                          std::function<void(const Feedback&)> on_feedback = nullptr,
+                          const GoalOptions& options = {}) const {
     RawFeedback raw;
     if (on_feedback) {
       raw = [on_feedback = std::move(on_feedback)](const std::string& bytes) {
@@ -135,7 +168,7 @@ class ActionClient : public ActionClientBase {
         on_feedback(feedback);
       };
     }
-    return GoalHandle<Result>(send_core(goal, std::move(raw)));
+    return GoalHandle<Result>(send_core(goal, std::move(raw), options));
   }
 };
 

@@ -1,5 +1,10 @@
 #include "prehend/graph/clock.h"
 
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "prehend/graph/link/callback_scope.h"
 #include "prehend/graph/link/clock_state.h"
 
 namespace prehend::graph {
@@ -11,6 +16,9 @@ std::int64_t count_of() {
              SystemOrSteady::now().time_since_epoch())
       .count();
 }
+
+// [ns] 146 years, so that sums and differences of two times do not overflow.
+constexpr std::int64_t kFurthestTime = std::numeric_limits<std::int64_t>::max() / 2;
 
 }  // namespace
 
@@ -30,13 +38,21 @@ bool Clock::State::has_started() const {
   return started_;
 }
 
-void Clock::State::set(std::int64_t stamp) {
+bool Clock::State::set(std::int64_t stamp) {
+  if (stamp < -kFurthestTime || stamp > kFurthestTime) return false;
   {
     const std::lock_guard lock(mutex_);
+    if (!started_ || stamp < simulated_) ++restarts_;
     simulated_ = stamp;
     started_ = true;
   }
   changed_.notify_all();
+  return true;
+}
+
+bool Clock::State::is_stopped() const {
+  const std::lock_guard lock(mutex_);
+  return stopped_;
 }
 
 void Clock::State::stop() {
@@ -59,7 +75,9 @@ bool Clock::State::sleep_until(std::int64_t stamp, const std::function<bool()>& 
         mode_ == ClockMode::kWall ? count_of<std::chrono::system_clock>() : simulated_;
     if (time >= stamp && (mode_ == ClockMode::kWall || started_)) return true;
     if (mode_ == ClockMode::kWall) {
-      changed_.wait_for(lock, std::chrono::nanoseconds(stamp - time));
+      // In slices, as the system time may be set meanwhile.
+      changed_.wait_for(lock, std::min<std::chrono::nanoseconds>(
+                                  std::chrono::nanoseconds(stamp - time), std::chrono::seconds(1)));
     } else {
       changed_.wait(lock);
     }
@@ -69,6 +87,7 @@ bool Clock::State::sleep_until(std::int64_t stamp, const std::function<bool()>& 
 
 bool Clock::State::sleep_for(std::int64_t duration,
                              const std::function<bool()>& interrupted) const {
+  duration = std::min(duration, kFurthestTime);
   std::unique_lock lock(mutex_);
   if (mode_ == ClockMode::kWall) {  // monotonic: a jump of the system time must not matter
     const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(duration);
@@ -78,17 +97,53 @@ bool Clock::State::sleep_for(std::int64_t duration,
     }
     return false;
   }
-  while (!started_ && !stopped_ && !(interrupted && interrupted())) changed_.wait(lock);
-  const std::int64_t end = simulated_ + duration;
-  lock.unlock();
-  return sleep_until(end, interrupted);
+  std::int64_t begin = simulated_;
+  std::uint64_t restarts = restarts_;
+  while (!stopped_ && !(interrupted && interrupted())) {
+    if (restarts != restarts_) {
+      restarts = restarts_;
+      begin = simulated_;
+    }
+    if (started_ && simulated_ - begin >= duration) return true;
+    changed_.wait(lock);
+  }
+  return false;
+}
+
+std::uint64_t Clock::State::restarts() const {
+  const std::lock_guard lock(mutex_);
+  return restarts_;
+}
+
+bool Clock::State::sleep_until_tick(std::int64_t stamp, std::uint64_t restarts) const {
+  std::unique_lock lock(mutex_);
+  if (mode_ == ClockMode::kWall) {
+    const std::chrono::steady_clock::time_point end{std::chrono::nanoseconds(stamp)};
+    changed_.wait_until(lock, end, [this] { return stopped_; });
+    return !stopped_;
+  }
+  const auto is_over = [this, stamp, restarts] {
+    return stopped_ || restarts != restarts_ || (started_ && simulated_ >= stamp);
+  };
+  changed_.wait(lock, is_over);
+  return !stopped_;
+}
+
+void check_may_sleep(const Clock::State& state) {
+  const std::string refused = refuse_blocking(state, "sleeping by the node's clock",
+                                              "use a timer, or sleep in a thread of your own");
+  if (!refused.empty()) throw std::logic_error(refused);
 }
 
 Clock::Clock(std::shared_ptr<State> state) : state_(std::move(state)) {}
 ClockMode Clock::mode() const { return state_->mode(); }
 std::int64_t Clock::now() const { return state_->now(); }
-bool Clock::sleep_until(std::int64_t stamp) const { return state_->sleep_until(stamp, nullptr); }
+bool Clock::sleep_until(std::int64_t stamp) const {
+  check_may_sleep(*state_);
+  return state_->sleep_until(stamp, nullptr);
+}
 bool Clock::sleep_for(std::chrono::nanoseconds duration) const {
+  if (duration.count() > 0) check_may_sleep(*state_);
   return state_->sleep_for(duration.count(), nullptr);
 }
 

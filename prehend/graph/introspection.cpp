@@ -5,17 +5,21 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <thread>
 
+#include "prehend/graph/link/curve.h"
 #include "prehend/graph/link/frames.h"
+#include "prehend/graph/link/statistics_report.h"
 #include "prehend/graph/nearest_match.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::graph {
 
 using msgs::graph::NodeRecord;
+using msgs::graph::NodeStatistics;
 using msgs::graph::ParameterRecord;
 using msgs::graph::PeerMessage;
 using msgs::graph::RegistryReply;
@@ -23,6 +27,7 @@ using msgs::graph::RegistryRequest;
 
 struct Introspection::Impl {
   std::string registry;
+  std::optional<GraphKeys> keys;
   std::chrono::milliseconds timeout;
   zmq::context_t context{1};
   zmq::socket_t socket;
@@ -35,8 +40,11 @@ struct Introspection::Impl {
   RegistryReply ask(RegistryRequest request);
   Schema ask_schema(const std::string& name, std::uint64_t hash);
   Schema await_schema(const std::string& name, std::uint64_t hash);
+  std::vector<Schema> await_types(const msgs::graph::Offer& offer, int expected);
   std::vector<ParameterRecord> ask_parameters(const NodeRecord& node,
                                               PeerMessage::ParameterRequest request);
+  void cancel(const NodeRecord& node, const std::string& action);
+  void ask_statistics(const NodeRecord& node, zmq::socket_t& peer) const;
 };
 
 zmq::socket_t Introspection::Impl::open(const std::string& endpoint) {
@@ -46,6 +54,7 @@ zmq::socket_t Introspection::Impl::open(const std::string& endpoint) {
   result.set(zmq::sockopt::reconnect_ivl, 50);
   std::random_device random;
   result.set(zmq::sockopt::routing_id, fmt::format("look-{}-{:08x}", ::getpid(), random()));
+  secure_client(result, endpoint, keys);
   try {
     result.connect(endpoint);
   } catch (const zmq::error_t& error) {
@@ -128,8 +137,22 @@ std::vector<ParameterRecord> Introspection::Impl::ask_parameters(
           answer.parameter_answer().parameters().end()};
 }
 
-Introspection::Introspection(std::string registry, std::chrono::milliseconds timeout)
+void Introspection::Impl::cancel(const NodeRecord& node, const std::string& action) {
+  zmq::socket_t peer = open(node.endpoint());
+  PeerMessage message, answer;
+  message.mutable_cancel()->set_action(action);
+  exchange(peer, "node '" + node.name() + "'", to_wire(message), [&](const Frames& got) {
+    return got.size() == 2 &&
+           answer.ParseFromArray(got[1].data(), static_cast<int>(got[1].size())) &&
+           answer.has_answer() && answer.answer().id() == 0;
+  });
+  if (!answer.answer().error().empty()) throw std::runtime_error(answer.answer().error());
+}
+
+Introspection::Introspection(std::string registry, std::chrono::milliseconds timeout,
+                             const std::string& keys_file)
     : impl_(std::make_unique<Impl>()) {
+  impl_->keys = find_graph_keys(keys_file);
   const char* from_environment = std::getenv("PREHEND_REGISTRY");
   if (registry.empty() && from_environment) registry = from_environment;
   impl_->registry = registry.empty() ? kDefaultRegistryEndpoint : registry;
@@ -167,6 +190,64 @@ Schema Introspection::schema(const std::string& name, std::uint64_t hash) {
   return impl_->ask_schema(name, hash);
 }
 
+// Joins the node's topic /statistics, whose history is its last report.
+void Introspection::Impl::ask_statistics(const NodeRecord& node, zmq::socket_t& peer) const {
+  PeerMessage message;
+  auto& subscribe = *message.mutable_subscribe();
+  subscribe.set_topic(kStatisticsTopic);
+  subscribe.set_subscription(1);
+  subscribe.set_policy(msgs::graph::LATCHED);
+  subscribe.set_depth(1);
+  for (const auto& end : node.publishers()) {
+    if (end.topic() == kStatisticsTopic) subscribe.set_publisher(end.id());
+  }
+  Frames frames = to_wire(message);
+  graph::send(peer, "", frames);
+}
+
+namespace {
+
+// Takes one message of a node that was asked; true when it was the last one.
+bool take_statistics(const Frames& frames, NodeStatistics& report) {
+  if (frames.size() == 5 && frames[0].to_string_view() == kStatisticsTopic) {
+    report.ParseFromArray(frames[2].data(), static_cast<int>(frames[2].size()));
+    return false;
+  }
+  PeerMessage message;
+  return frames.size() == 2 &&
+         message.ParseFromArray(frames[1].data(), static_cast<int>(frames[1].size())) &&
+         (message.has_history_end() || !message.subscribed().error().empty());
+}
+
+}  // namespace
+
+std::map<std::string, NodeStatistics> Introspection::statistics(
+    const std::vector<NodeRecord>& nodes, std::chrono::milliseconds wait) {
+  const auto deadline = std::chrono::steady_clock::now() + wait;
+  std::vector<zmq::socket_t> peers;
+  std::vector<zmq::pollitem_t> items;
+  std::vector<NodeStatistics> reports(nodes.size());
+  for (const NodeRecord& node : nodes) {
+    peers.push_back(impl_->open(node.endpoint()));
+    items.push_back({peers.back().handle(), 0, ZMQ_POLLIN, 0});
+    impl_->ask_statistics(node, peers.back());
+  }
+  std::map<std::string, NodeStatistics> result;
+  while (result.size() < nodes.size()) {
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0 || zmq::poll(items, left) == 0) break;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!(items[i].revents & ZMQ_POLLIN)) continue;
+      if (take_statistics(receive(peers[i]), reports[i])) {
+        result[nodes[i].instance()] = reports[i];
+        items[i].events = 0;
+      }
+    }
+  }
+  return result;
+}
+
 namespace {
 
 NodeRecord find_node(const std::vector<NodeRecord>& nodes, const std::string& name) {
@@ -179,6 +260,48 @@ NodeRecord find_node(const std::vector<NodeRecord>& nodes, const std::string& na
 }
 
 }  // namespace
+
+namespace {
+
+// The node that offers a service or action, and the offer.
+std::pair<NodeRecord, msgs::graph::Offer> find_offer(const std::vector<NodeRecord>& nodes,
+                                                     const std::string& name, bool is_action) {
+  std::vector<std::string> known;
+  for (const NodeRecord& node : nodes) {
+    for (const auto& offer : is_action ? node.actions() : node.services()) {
+      if (offer.name() == name) return {node, offer};
+      known.push_back(offer.name());
+    }
+  }
+  throw std::runtime_error(fmt::format("nobody serves {} {}{}", is_action ? "action" : "service",
+                                       name, nearest_match_hint(name, known)));
+}
+
+}  // namespace
+
+std::vector<Schema> Introspection::Impl::await_types(const msgs::graph::Offer& offer,
+                                                     int expected) {
+  if (offer.type_names_size() != expected || offer.type_hashes_size() != expected) {
+    throw std::runtime_error(offer.name() + ": its node does not say its message types");
+  }
+  std::vector<Schema> types;
+  for (int i = 0; i < expected; ++i) {
+    types.push_back(await_schema(offer.type_names(i), offer.type_hashes(i)));
+  }
+  return types;
+}
+
+std::vector<Schema> Introspection::service(const std::string& name) {
+  return impl_->await_types(find_offer(nodes(), name, false).second, 2);
+}
+
+std::vector<Schema> Introspection::action(const std::string& name) {
+  return impl_->await_types(find_offer(nodes(), name, true).second, 3);
+}
+
+void Introspection::cancel_action(const std::string& action) {
+  impl_->cancel(find_offer(nodes(), action, true).first, action);
+}
 
 std::vector<ParameterRecord> Introspection::parameters(const std::string& node) {
   return impl_->ask_parameters(find_node(nodes(), node), {});
@@ -198,6 +321,13 @@ ParameterRecord Introspection::set_parameter(const std::string& node, const std:
   return impl_->ask_parameters(find_node(nodes(), node), request).at(0);
 }
 
+std::vector<ParameterRecord> Introspection::set_parameters(
+    const std::string& node, const std::map<std::string, std::string>& texts) {
+  PeerMessage::ParameterRequest request;
+  request.mutable_set_texts()->insert(texts.begin(), texts.end());
+  return impl_->ask_parameters(find_node(nodes(), node), request);
+}
+
 std::string to_text(const msgs::graph::ParameterValue& value) {
   using Value = msgs::graph::ParameterValue;
   switch (value.value_case()) {
@@ -209,6 +339,12 @@ std::string to_text(const msgs::graph::ParameterValue& value) {
       return fmt::format("{}", value.double_value());
     case Value::kStringValue:
       return value.string_value();
+    case Value::kNumbersValue:
+      return to_text(ParameterValue(std::vector<double>(value.numbers_value().values().begin(),
+                                                        value.numbers_value().values().end())));
+    case Value::kTextsValue:
+      return to_text(ParameterValue(std::vector<std::string>(value.texts_value().values().begin(),
+                                                             value.texts_value().values().end())));
     case Value::VALUE_NOT_SET:
       break;
   }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,8 +18,10 @@ namespace prehend::graph {
 class Introspection {
  public:
   /// `registry`: endpoint; empty: PREHEND_REGISTRY, else the default. `timeout`: of each call.
+  /// `keys_file`: see NodeOptions.
   explicit Introspection(std::string registry = "",
-                         std::chrono::milliseconds timeout = std::chrono::seconds(2));
+                         std::chrono::milliseconds timeout = std::chrono::seconds(2),
+                         const std::string& keys_file = "");
   ~Introspection();
 
   const std::string& registry() const;
@@ -31,12 +34,30 @@ class Introspection {
   /// A message type by name, as far as a node has declared it; throws when unknown.
   Schema schema(const std::string& name, std::uint64_t hash = 0);
 
+  /// The message types of a service (request, response) or an action (goal, feedback, result).
+  /// Throws when nobody serves it, naming the nearest.
+  std::vector<Schema> service(const std::string& name);
+  std::vector<Schema> action(const std::string& name);
+
+  /// The last report of each of `nodes`, by instance. All are asked at once; a node that does not
+  /// answer within `wait` is missing, one that has not reported yet has an empty report.
+  std::map<std::string, msgs::graph::NodeStatistics> statistics(
+      const std::vector<msgs::graph::NodeRecord>& nodes,
+      std::chrono::milliseconds wait = std::chrono::milliseconds(500));
+
+  /// Cancels the goals of an action, whoever sent them. Throws when nobody serves the action,
+  /// naming the nearest, or it has no goal.
+  void cancel_action(const std::string& action);
+
   /// A node's parameters, sorted by name. Throws when there is no such node, naming the nearest.
   std::vector<msgs::graph::ParameterRecord> parameters(const std::string& node);
   msgs::graph::ParameterRecord parameter(const std::string& node, const std::string& name);
   /// Sets and returns what the node then has; throws what the node says against it.
   msgs::graph::ParameterRecord set_parameter(const std::string& node, const std::string& name,
                                              const std::string& text);
+  /// The same for several at once, name -> text: the node sets all of them or none.
+  std::vector<msgs::graph::ParameterRecord> set_parameters(
+      const std::string& node, const std::map<std::string, std::string>& texts);
 
  private:
   struct Impl;

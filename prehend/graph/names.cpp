@@ -33,4 +33,26 @@ void check_resource_name(const std::string& name) {
   }
 }
 
+void check_name_space(const std::string& name_space) {
+  if (name_space.empty()) return;
+  try {
+    check_resource_name(name_space);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("namespace: ") + error.what());
+  }
+}
+
+bool is_global_name(const std::string& name) {
+  for (const std::string& global :
+       {std::string("/clock"), std::string("/log"), std::string("/diagnostics"),
+        std::string("/parameter_events"), std::string("/statistics")}) {
+    if (name == global || name.starts_with(global + "/")) return true;
+  }
+  return false;
+}
+
+std::string in_name_space(const std::string& name_space, const std::string& name) {
+  return is_global_name(name) ? name : name_space + name;
+}
+
 }  // namespace prehend::graph

@@ -7,13 +7,19 @@
 namespace prehend::graph {
 namespace {
 
-OfferType make_offer(bool is_action, std::string name,
-                     std::initializer_list<const google::protobuf::Descriptor*> types) {
+using Types = std::initializer_list<const google::protobuf::Descriptor*>;
+
+std::vector<std::shared_ptr<const Schema>> schemas_of(Types types) {
+  std::vector<std::shared_ptr<const Schema>> schemas;
+  for (const auto* type : types) schemas.push_back(schema_of(*type));
+  return schemas;
+}
+
+OfferType make_offer(bool is_action, std::string name, Types types) {
   OfferType offer;
   offer.is_action = is_action;
   offer.name = std::move(name);
-  for (const auto* type : types) {
-    const auto schema = schema_of(*type);
+  for (const auto& schema : schemas_of(types)) {
     offer.type_names.push_back(schema->name);
     offer.type_hashes.push_back(schema->hash);
   }
@@ -34,6 +40,7 @@ Node::~Node() = default;
 const std::string& Node::name() const { return impl_->options.name; }
 
 ParameterValue Node::declare(ParameterInfo parameter) {
+  impl_->announce_parameters();
   return impl_->parameters.declare(std::move(parameter));
 }
 
@@ -44,7 +51,11 @@ ParameterValue Node::parameter_value(const std::string& name) const {
 std::vector<ParameterInfo> Node::parameters() const { return impl_->parameters.all(); }
 
 void Node::set_parameter(const std::string& name, const std::string& text) {
-  impl_->parameter_was_set(impl_->parameters.set(name, text));
+  set_parameters({{name, text}});
+}
+
+void Node::set_parameters(const std::map<std::string, std::string>& texts) {
+  impl_->parameters_were_set(impl_->parameters.set(texts));
 }
 
 std::shared_ptr<PublisherCore> Node::advertise_core(const std::string& topic, const QoS& qos,
@@ -59,11 +70,11 @@ RawPublisher Node::advertise_raw(const std::string& topic, const QoS& qos,
 }
 
 Subscription Node::subscribe_core(const std::string& topic, const QoS& qos,
-                                  std::shared_ptr<const Schema> schema, FramesHandler handler) {
+                                  std::shared_ptr<const Schema> schema, ContentHandler handler) {
   return Subscription(impl_->make_subscription(
       impl_->resolve(topic), qos, std::move(schema),
       [handler = std::move(handler)](const WaitingMessage& message) {
-        return handler(message.frames, message.info);
+        return handler(*message.content, message.info);
       },
       false));
 }
@@ -73,7 +84,7 @@ Subscription Node::subscribe_raw(const std::string& topic, const QoS& qos,
   return Subscription(impl_->make_subscription(
       impl_->resolve(topic), qos, nullptr,
       [callback = std::move(callback)](const WaitingMessage& message) {
-        callback({*message.info, message.frames.concatenated(), message.schema});
+        callback({*message.info, message.content->encoded().concatenated(), message.schema});
         return true;
       },
       false));
@@ -85,6 +96,10 @@ void Node::watch_topics(std::function<void(const TopicInfo&)> callback) {
     impl->topic_watchers.push_back(callback);
     for (const std::string& topic : impl->topics_told) impl->tell_topic(callback, topic);
   });
+}
+
+std::optional<ReaderQueues> Node::wait_until_delivered(std::chrono::nanoseconds timeout) {
+  return impl_->wait_until_delivered(timeout);
 }
 
 Service Node::serve_core(const std::string& service, const Type& request, const Type& response,
@@ -100,7 +115,8 @@ Service Node::serve_core(const std::string& service, const Type& request, const 
     impl->services.erase(found);
     impl->record_changed();
   });
-  impl->link->loop->post([impl, name, core] {
+  impl->link->loop->post([impl, name, core, types = schemas_of({&request, &response})] {
+    for (const auto& type : types) impl->registry->offer_schema(type);
     impl->services[name] = core;
     impl->record_changed();
   });
@@ -112,6 +128,16 @@ std::shared_ptr<ServiceClientCore> Node::client_core(const std::string& service,
   const std::string name = impl_->resolve(service);
   return std::make_shared<ServiceClientCore>(impl_->link, *impl_->calls,
                                              make_offer(false, name, {&request, &response}));
+}
+
+RawServiceClient Node::raw_client(const std::string& service, const Type& request,
+                                  const Type& response) {
+  return RawServiceClient(client_core(service, request, response));
+}
+
+RawActionClient Node::raw_action_client(const std::string& action, const Type& goal,
+                                        const Type& feedback, const Type& result) {
+  return RawActionClient(action_client_core(action, goal, feedback, result));
 }
 
 ActionServer Node::serve_action_core(const std::string& action, const Type& goal,
@@ -129,11 +155,13 @@ ActionServer Node::serve_action_core(const std::string& action, const Type& goal
     impl->action_servers.erase(found);
     impl->record_changed();
   });
+  core->start();
   {
     const std::lock_guard lock(impl->mutex);
     impl->action_server_list.push_back(core);
   }
-  impl->link->loop->post([impl, name, core] {
+  impl->link->loop->post([impl, name, core, types = schemas_of({&goal, &feedback, &result})] {
+    for (const auto& type : types) impl->registry->offer_schema(type);
     impl->action_servers[name] = core;
     impl->record_changed();
   });
@@ -168,12 +196,20 @@ Node::Timer& Node::Timer::operator=(Timer&& other) noexcept {
 }
 
 Node::Timer Node::create_timer(double period_seconds, std::function<void()> callback) {
+  return make_timer(period_seconds, false, std::move(callback));
+}
+
+Node::Timer Node::create_one_shot_timer(double delay_seconds, std::function<void()> callback) {
+  return make_timer(delay_seconds, true, std::move(callback));
+}
+
+Node::Timer Node::make_timer(double seconds, bool once, std::function<void()> callback) {
   impl_->check_not_describing();
-  if (!(period_seconds >= 1e-9) || !(period_seconds < 1e9)) {
-    throw std::invalid_argument(
-        fmt::format("timer period {} s must be positive and finite", period_seconds));
+  if (!(seconds >= 1e-9) || !(seconds <= 1e9)) {
+    throw std::invalid_argument(fmt::format("timer {} {} s must be from 1e-9 to 1e9 s",
+                                            once ? "delay" : "period", seconds));
   }
-  auto source = std::make_shared<TimerSource>(impl_->link->clock, nanoseconds(period_seconds),
+  auto source = std::make_shared<TimerSource>(impl_->link->clock, nanoseconds(seconds), once,
                                               std::move(callback));
   impl_->link->executor->add_timer(source);
   auto state = std::make_shared<Timer::State>();

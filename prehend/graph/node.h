@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,10 +15,12 @@
 
 #include "prehend/graph/action.h"
 #include "prehend/graph/clock.h"
+#include "prehend/graph/delivery.h"
 #include "prehend/graph/outcome.h"
 #include "prehend/graph/parameter.h"
 #include "prehend/graph/publisher.h"
 #include "prehend/graph/qos.h"
+#include "prehend/graph/raw_clients.h"
 #include "prehend/graph/schema.h"
 #include "prehend/graph/service.h"
 #include "prehend/graph/subscription.h"
@@ -35,11 +38,22 @@ struct NodeOptions {
   std::string name;      ///< unique in the graph, see check_node_name
   std::string program;   ///< kind of node; empty: the name
   std::string registry;  ///< endpoint; empty: PREHEND_REGISTRY, else default
-  std::map<std::string, std::string> parameters;  ///< name -> text, instead of defaults
-  std::map<std::string, std::string> remaps;      ///< topic, service or action name -> name
+  std::map<std::string, std::string> parameters;         ///< name -> text, instead of defaults
+  std::map<std::string, std::string> parameter_sources;  ///< name -> "FILE:LINE", for messages
+  std::string name_space;  ///< before every topic, service and action name, e.g. "/left"; or none
+  /// Topic, service or action name -> name in the graph, to which no namespace is added.
+  std::map<std::string, std::string> remaps;
   ClockMode clock = ClockMode::kWall;
   LogLevel log_level = LogLevel::kInfo;  ///< least level that is written and published
   bool use_tcp = false;                  ///< peers connect by tcp on loopback, not ipc
+  bool use_slab = true;      ///< large payloads to processes on this host go through shared memory
+  bool use_pointers = true;  ///< messages to nodes of this process are handed over by pointer
+  /// How long the node's two threads look out for more before they sleep. Waking a sleeper takes
+  /// 5 to 50 µs; each message then costs up to this much processor time in either thread.
+  std::chrono::nanoseconds busy_wait{0};
+  /// Of this host, where peers connect by tcp; empty: PREHEND_BIND, else ipc or use_tcp.
+  std::string bind_address;
+  std::string keys_file;  ///< of create_graph_keys; empty: PREHEND_KEYS, else no keys
   std::chrono::nanoseconds registry_timeout = std::chrono::seconds(5);  ///< to wait for it at start
 };
 
@@ -54,6 +68,7 @@ struct TopicInfo {
 };
 
 struct NodeDescription;
+struct DescribedNode;
 
 /// A node of the graph: one per process as a rule, several are possible.
 ///
@@ -63,10 +78,15 @@ struct NodeDescription;
 /// also in callbacks. One thread of the node's own moves the messages and keeps the registry's
 /// lease, so a long callback delays nobody but its own node.
 ///
+/// What blocks (call, wait, wait_for_server, wait_for_subscribers, sleeps of the clock) is refused
+/// inside the node's callbacks, with a line that names the mend. Handlers of actions may block.
+///
 /// An exception that leaves a callback is logged and reported as diagnostic; the node goes on.
 ///
-/// Names of topics, services and actions start with '/'. A malformed name, or one that this node
-/// already uses for the same purpose, throws std::invalid_argument.
+/// Names of topics, services and actions start with '/'. They are put into the node's namespace,
+/// except those of the whole graph (/clock, /log, /diagnostics, /parameter_events, /statistics) and
+/// those that start with "//": "//left/camera" is "/left/camera" for every node. A malformed name, or one that this
+/// node already uses for the same purpose, throws std::invalid_argument.
 class Node {
  public:
   /// Joins the graph. Throws std::runtime_error with one clear line when no registry answers within
@@ -102,8 +122,11 @@ class Node {
   }
 
   std::vector<ParameterInfo> parameters() const;
-  /// Sets from text, with the checks of declare_parameter; then on_change is called back.
+  /// Sets from text, with the checks of declare_parameter; then on_change is called back, and
+  /// topic /parameter_events (msgs::graph::ParameterEvent) tells everybody.
   void set_parameter(const std::string& name, const std::string& text);
+  /// The same for several, name -> text: sets all of them, or none when one is refused, and throws.
+  void set_parameters(const std::map<std::string, std::string>& texts);
 
   // --- topics -----------------------------------------------------------------------------------
 
@@ -116,17 +139,17 @@ class Node {
   }
 
   /// Returns when the registry knows the subscription, after about 2 ms.
-  /// `callback` takes each message, decoded just before. A publisher of another message type is
+  /// `callback` takes each message. A publisher of another message type is
   /// refused: one error line and a diagnostic, no message of it is delivered.
   template <class Message>
   [[nodiscard]] Subscription subscribe(const std::string& topic, const QoS& qos,
                                        std::function<void(const Received<Message>&)> callback) {
-    FramesHandler handler = [callback = std::move(callback)](
-                                const MessageFrames& frames,
-                                const std::shared_ptr<const MessageInfo>& info) {
-      auto message = std::make_shared<Message>();
-      if (!decode(frames, *message)) return false;
-      callback(Received<Message>(std::move(message), info));
+    ContentHandler handler = [callback = std::move(callback)](
+                                 const Content& content,
+                                 const std::shared_ptr<const MessageInfo>& info) {
+      MessageParts parts;
+      if (!take_parts(content, Message::default_instance(), parts)) return false;
+      callback(Received<Message>(std::move(parts), info));
       return true;
     };
     return subscribe_core(topic, qos, schema_of(*Message::descriptor()), std::move(handler));
@@ -142,10 +165,16 @@ class Node {
   /// Calls back once for every topic that has a publisher, now and whenever one appears.
   void watch_topics(std::function<void(const TopicInfo&)> callback);
 
+  /// Waits until all subscribers that have joined this node's topics have run their callbacks for
+  /// everything it published before the call: nothing of it waits in any queue. Nothing when that
+  /// took longer than `timeout` (wall time) or the node was shut down. Costs a message to and from
+  /// each subscribing node; not for callbacks of a node that hears itself.
+  [[nodiscard]] std::optional<ReaderQueues> wait_until_delivered(std::chrono::nanoseconds timeout);
+
   // --- services and actions ---------------------------------------------------------------------
 
-  /// `handler` answers requests, among the node's callbacks. When it throws a std::exception, the
-  /// caller gets what() as error.
+  /// `handler` answers requests, among the node's callbacks. When it throws, the caller gets what()
+  /// as error.
   template <class Request, class Response>
   [[nodiscard]] Service serve(const std::string& service,
                               std::function<Response(const Request&)> handler) {
@@ -165,8 +194,8 @@ class Node {
 
   /// `handler` works on one goal at a time in a thread of its own; see ActionContext. A new goal
   /// preempts: the running one is cancelled, and the new one starts when its handler has returned.
-  /// A goal whose client dies is cancelled. When the handler throws a std::exception, the client
-  /// gets kFailed and what().
+  /// A goal whose client dies is cancelled. When the handler throws, the client gets kFailed and
+  /// what(). The handler may block, call services and wait for other goals.
   template <class Goal, class Feedback, class Result>
   [[nodiscard]] ActionServer serve_action(
       const std::string& action,
@@ -187,6 +216,16 @@ class Node {
         action, *Goal::descriptor(), *Feedback::descriptor(), *Result::descriptor()));
   }
 
+  /// The same for message types that are known at run time only, e.g. from a schema. The
+  /// descriptors must live as long as the process.
+  [[nodiscard]] RawServiceClient raw_client(const std::string& service,
+                                            const google::protobuf::Descriptor& request,
+                                            const google::protobuf::Descriptor& response);
+  [[nodiscard]] RawActionClient raw_action_client(const std::string& action,
+                                                  const google::protobuf::Descriptor& goal,
+                                                  const google::protobuf::Descriptor& feedback,
+                                                  const google::protobuf::Descriptor& result);
+
   // --- time -------------------------------------------------------------------------------------
 
   const Clock& clock() const;
@@ -206,9 +245,12 @@ class Node {
   };
 
   /// Calls back every `period_seconds` of the node's clock, first one period from now (simulated:
-  /// from the first /clock stamp). Ticks missed by a slow callback merge into one.
-  /// Throws std::invalid_argument unless the period is positive and finite.
+  /// from the first /clock stamp). Ticks missed by a slow callback or a jump of the clock merge
+  /// into one; while the clock is paused there is none; when it jumps back, the period begins anew
+  /// there. Throws std::invalid_argument unless the period is from 1e-9 to 1e9 s.
   [[nodiscard]] Timer create_timer(double period_seconds, std::function<void()> callback);
+  /// The same, but calls back once only, `delay_seconds` from now.
+  [[nodiscard]] Timer create_one_shot_timer(double delay_seconds, std::function<void()> callback);
 
   // --- words to the outside ---------------------------------------------------------------------
 
@@ -251,18 +293,19 @@ class Node {
   struct Impl;
 
  private:
-  using FramesHandler =
-      std::function<bool(const MessageFrames&, const std::shared_ptr<const MessageInfo>&)>;
+  using ContentHandler =
+      std::function<bool(const Content&, const std::shared_ptr<const MessageInfo>&)>;
   using BytesHandler = std::function<std::string(const std::string&)>;
   using GoalHandler = std::function<std::string(const std::string&, GoalTask&)>;
   using Type = google::protobuf::Descriptor;
 
+  Timer make_timer(double seconds, bool once, std::function<void()> callback);
   ParameterValue declare(ParameterInfo parameter);
   ParameterValue parameter_value(const std::string& name) const;
   std::shared_ptr<PublisherCore> advertise_core(const std::string& topic, const QoS& qos,
                                                 std::shared_ptr<const Schema> schema);
   Subscription subscribe_core(const std::string& topic, const QoS& qos,
-                              std::shared_ptr<const Schema> schema, FramesHandler handler);
+                              std::shared_ptr<const Schema> schema, ContentHandler handler);
   Service serve_core(const std::string& service, const Type& request, const Type& response,
                      BytesHandler handler);
   std::shared_ptr<ServiceClientCore> client_core(const std::string& service, const Type& request,
@@ -272,7 +315,7 @@ class Node {
   std::shared_ptr<ActionClientCore> action_client_core(const std::string& action, const Type& goal,
                                                        const Type& feedback, const Type& result);
 
-  friend int run_node(int, char**, const NodeDescription&, const std::function<void(Node&)>&);
+  friend DescribedNode describe_node(const NodeOptions&, const std::function<void(Node&)>&);
   Node(NodeOptions options, bool describing);  // describing: joins no graph, for --help
 
   std::shared_ptr<Impl> impl_;
@@ -284,14 +327,16 @@ struct NodeDescription {
   std::string summary;  ///< one paragraph for --help
 };
 
-/// The main function of a node's program. Reads the command line
+/// The main function of a program that is one node. Reads the command line
 ///   --name NAME  --registry ENDPOINT  --param KEY:=VALUE ...  --params FILE.yaml
-///   --remap FROM:=TO ...  --clock wall|simulated  --log-level debug|info|warning|error  --tcp
+///   --remap FROM:=TO ...  --namespace /NAME  --clock wall|simulated
+///   --log-level debug|info|warning|error  --tcp  --bind ADDRESS  --keys FILE  --busy-wait SECONDS
 ///   --help (lists the parameters that `set_up` declares before anything else it does on the node)
+///   --describe (the same for programs: a NodeProgramDescription as JSON)
 /// joins the graph, calls `set_up`, which as a rule ends in node.spin(), and leaves the graph when
 /// it returns. SIGINT and SIGTERM shut the node down; a second one kills. Returns the exit code: 0,
 /// or 1 after printing what an exception that left `set_up` says. A parameter file is a mapping of
-/// names to values; nested mappings join names with '.'.
+/// names to values; nested mappings join names with '.'. Programs of nodes/ use node_program.h.
 int run_node(int argc, char** argv, const NodeDescription& description,
              const std::function<void(Node&)>& set_up);
 

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "msgs/sensors.pb.h"
+#include "prehend/graph/link/local_nodes.h"
 #include "prehend/graph/link/runtime_folder.h"
 #include "prehend/graph/names.h"
 
@@ -20,6 +21,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kFlushTime = 1s;
+
+// Shared memory of one node; what would go beyond goes inline.
+constexpr auto kSlabRest = 5s;
+constexpr std::size_t kMaxSlabBytes = std::size_t{512} << 20;
 
 std::shared_ptr<spdlog::logger> make_logger(const std::string& name, LogLevel level) {
   auto logger = std::make_shared<spdlog::logger>(
@@ -57,12 +62,16 @@ std::uint64_t next_local_id() {
 Node::Impl::Impl(NodeOptions node_options, bool is_describing)
     : options(std::move(node_options)),
       describing(is_describing),
-      parameters(options.parameters),
+      parameters(options.parameters, options.parameter_sources),
       link(std::make_shared<NodeLink>()),
       clock(link->clock = std::make_shared<Clock::State>(options.clock)),
       logger(make_logger(options.name, options.log_level)) {
   check_node_name(options.name);
+  check_name_space(options.name_space);
   link->node_name = options.name;
+  link->use_pointers = options.use_pointers;
+  link->use_slab = options.use_slab;
+  if (options.use_slab) link->slabs = std::make_shared<SlabPool>(kMaxSlabBytes);
   link->loop = std::make_shared<IoLoop>();
   link->log = [this](LogLevel level, const std::string& text) { log(level, text); };
   link->report = [this](Health level, const std::string& text) { report(level, text); };
@@ -72,12 +81,13 @@ Node::Impl::Impl(NodeOptions node_options, bool is_describing)
   };
   link->record_changed = [this] { record_changed(); };
   link->executor = std::make_shared<Executor>(
-      link->clock, [this](const std::string& source, const std::string& what) {
-        callback_failed(source, what);
-      });
+      link->clock,
+      [this](const std::string& source, const std::string& what) { callback_failed(source, what); },
+      options.busy_wait);
   record.set_name(options.name);
   record.set_program(options.program.empty() ? options.name : options.program);
   record.set_instance(make_instance(options.name));
+  link->instance = record.instance();
   record.set_pid(::getpid());
   record.set_process_space(process_space());
 }
@@ -91,24 +101,19 @@ void Node::Impl::join_graph() {
     if (!std::exchange(told, true)) ended.set_value(error);
   };
   link->loop->post([this] { registry->hello(record); });
-  loop_thread = std::thread([this] { link->loop->run(); });
+  loop_thread = std::thread([this] { link->loop->run(options.busy_wait); });
   auto future = ended.get_future();
-  std::string error;
-  if (future.wait_for(options.registry_timeout) == std::future_status::ready) {
-    error = future.get();
-  } else {
-    error = fmt::format(
-        "no registry answers at {} within {:.3g} s: start one with 'registry', or "
-        "this node by 'prehend launch'",
-        registry_endpoint(options),
-        std::chrono::duration<double>(options.registry_timeout).count());
-  }
+  const bool answered = future.wait_for(options.registry_timeout) == std::future_status::ready;
+  std::string key_trouble;
   std::promise<void> cleared;
   link->loop->post([&] {
     join_ended = nullptr;
+    key_trouble = registry->key_trouble();
     cleared.set_value();
   });
   cleared.get_future().wait();
+  const std::string error =
+      answered ? future.get() : no_answer(registry_endpoint(options), key_trouble);
   if (!error.empty()) throw std::runtime_error(error);
 }
 
@@ -117,11 +122,13 @@ void Node::Impl::make_own_topics() {
       make_publisher("/log", QoS::latched(100), schema_of(*msgs::graph::LogLine::descriptor()));
   diagnostic_publisher = make_publisher("/diagnostics", QoS::latched(1),
                                         schema_of(*msgs::graph::Diagnostic::descriptor()));
+  statistics_publisher = make_publisher(kStatisticsTopic, QoS::latched(1),
+                                        schema_of(*msgs::graph::NodeStatistics::descriptor()));
   if (options.clock == ClockMode::kSimulated) {
     const auto take_clock = [this](const WaitingMessage& message) {
       msgs::Clock stamp;
-      if (!decode(message.frames, stamp)) return false;
-      link->clock->set(stamp.time());
+      if (!stamp.ParseFromString(message.content->encoded().concatenated())) return false;
+      if (!link->clock->set(stamp.time())) return false;
       link->executor->wake();
       return true;
     };
@@ -131,6 +138,7 @@ void Node::Impl::make_own_topics() {
 }
 
 void Node::Impl::start_link() {
+  gate = make_gate();
   PeerChannels::Events peer;
   peer.client_message = [this](auto& client, auto& message) {
     take_client_message(client, message);
@@ -143,15 +151,21 @@ void Node::Impl::start_link() {
   };
   peer.client_lost = [this](auto& client) {
     publishers->lose_client(client);
+    deliveries->lose_client(client);
     for (auto& [name, server] : action_servers) server->lose_client(client);
   };
   peer.server_lost = [this](auto& server) {
     calls->lose_server(server);
     goals->lose_server(server);
   };
-  peer.server_back = [this](auto& server) { subscribers->rejoin(server); };
+  peer.server_back = [this](auto& server) {
+    subscribers->rejoin(server);
+    calls->look_again();
+    goals->look_again();
+  };
   peer.malformed = [this](auto& what) { count_malformed(what); };
-  channels = std::make_unique<PeerChannels>(*link->loop, record.instance(), std::move(peer));
+  channels = std::make_unique<PeerChannels>(*link->loop, *gate, record.instance(), std::move(peer),
+                                            link->slabs);
 
   RegistryLink::Events events;
   events.welcome = [this](auto& folder) { welcome(folder); };
@@ -179,17 +193,37 @@ void Node::Impl::start_link() {
                       " does not answer; messages flow on, but nobody new is found");
   };
   try {
-    registry =
-        std::make_unique<RegistryLink>(*link->loop, registry_endpoint(options), std::move(events));
+    registry = std::make_unique<RegistryLink>(*link->loop, *gate, registry_endpoint(options),
+                                              std::move(events));
   } catch (const zmq::error_t& error) {
     throw std::runtime_error("registry endpoint '" + registry_endpoint(options) +
                              "': " + error.what() + "; an example is " + kDefaultRegistryEndpoint);
   }
   publishers = std::make_unique<PublisherSide>(*link, *channels, *registry);
   subscribers = std::make_unique<SubscriberSide>(*link, *channels, *registry);
-  calls = std::make_unique<CallSide>(*channels, *registry);
-  goals = std::make_unique<GoalSide>(*channels, *registry);
+  statistics = std::make_unique<StatisticsReport>(*publishers, *subscribers,
+                                                  [this](msgs::graph::NodeStatistics& report) {
+                                                    report.set_stamp(link->clock->now());
+                                                    report.set_node(options.name);
+                                                    publish_to(statistics_publisher, report);
+                                                  });
+  calls = std::make_unique<CallSide>(*link->loop, *channels, *registry);
+  goals = std::make_unique<GoalSide>(*link->loop, *channels, *registry);
+  deliveries = std::make_unique<DeliverySide>(
+      [this](auto& client, auto& question) { return ask_delivery(client, question); });
+  if (options.use_pointers) {
+    const auto when_delivered = [this, loop = link->loop](auto& server, auto reply) {
+      loop->post([this, server, reply] { answer_delivery(server, reply); });
+    };
+    LocalNodes::of_this_process().add(record.instance(),
+                                      {link->loop, publishers.get(), when_delivered});
+  }
   link->loop->every(100ms, [this] { tick(); });
+  link->loop->every(1s, [this] {
+    publishers->look_after_lost_readers();
+    subscribers->trim_slabs();
+    if (link->slabs) link->slabs->trim(kSlabRest);
+  });
 }
 
 void Node::Impl::shutdown() {
@@ -230,13 +264,16 @@ Node::Impl::~Impl() {
     flush_and_leave();
   });
   loop_thread.join();
+  LocalNodes::of_this_process().remove(record.instance());
   // Sockets have to go before their context; both of this thread now, as the loop's has ended.
   goals.reset();
   calls.reset();
+  deliveries.reset();
   subscribers.reset();
   publishers.reset();
   registry.reset();
   channels.reset();
+  gate.reset();
   if (!socket_file.empty()) ::unlink(socket_file.c_str());
   if (!runtime_folder.empty()) clean_runtime_folder(runtime_folder);
 }
@@ -247,11 +284,15 @@ void Node::Impl::check_not_describing() const {
 
 std::string Node::Impl::resolve(const std::string& name) {
   check_not_describing();
+  if (name.starts_with("//")) {  // a name of the whole graph
+    check_resource_name(name.substr(1));
+    return name.substr(1);
+  }
   check_resource_name(name);
   const std::lock_guard lock(mutex);
   names_used.insert(name);
   const auto remap = options.remaps.find(name);
-  if (remap == options.remaps.end()) return name;
+  if (remap == options.remaps.end()) return in_name_space(options.name_space, name);
   remaps_used.insert(name);
   check_resource_name(remap->second);
   return remap->second;
@@ -302,7 +343,8 @@ std::shared_ptr<SubscriptionCore> Node::Impl::make_subscription(
     subscribers->remove(id);
     record_changed();
   });
-  link->loop->post([this, core] {
+  link->loop->post([this, core, schema] {
+    if (schema) registry->offer_schema(schema);
     subscribers->add(core);
     record_changed();
   });
@@ -372,14 +414,6 @@ void Node::Impl::callback_failed(const std::string& source, const std::string& w
   } else if (count > 0) {
     log(LogLevel::kError, fmt::format("{} ({} times in all)", text, count));
   }
-}
-
-void Node::Impl::parameter_was_set(const ParameterInfo& parameter) {
-  log(LogLevel::kInfo,
-      fmt::format("parameter {} is now {}", parameter.name, to_text(parameter.value)));
-  if (!parameter.on_change) return;
-  link->executor->schedule("on_change of parameter " + parameter.name,
-                           [parameter] { parameter.on_change(parameter.value); });
 }
 
 void Node::Impl::start_spinning() {

@@ -11,11 +11,14 @@
 
 #include "prehend/graph/link/action_server_core.h"
 #include "prehend/graph/link/call_side.h"
+#include "prehend/graph/link/curve.h"
+#include "prehend/graph/link/delivery_side.h"
 #include "prehend/graph/link/goal_side.h"
 #include "prehend/graph/link/node_link.h"
 #include "prehend/graph/link/parameter_store.h"
 #include "prehend/graph/link/peer_channels.h"
 #include "prehend/graph/link/registry_link.h"
+#include "prehend/graph/link/statistics_report.h"
 #include "prehend/graph/link/topic_sides.h"
 #include "prehend/graph/node.h"
 
@@ -39,9 +42,10 @@ struct Node::Impl {
 
   /// Connects to the registry and waits until it has taken the node.
   void join_graph();
+  std::string no_answer(const std::string& registry_endpoint, const std::string& key_trouble) const;
   void shutdown();
   void check_not_describing() const;
-  /// The name after remapping. Throws when malformed.
+  /// The name in the graph: remapped, or else in the node's namespace. Throws when malformed.
   std::string resolve(const std::string& name);
   /// Notes that this node uses the name for that purpose; throws when it does already.
   void take_name(const std::string& purpose, const std::string& name);
@@ -55,10 +59,14 @@ struct Node::Impl {
   /// Waits, 1 s at most, until the registry knows what this thread has changed in the record. A
   /// publisher that anybody advertises from then on awaits this node's subscriptions.
   void wait_until_known();
+  std::optional<ReaderQueues> wait_until_delivered(std::chrono::nanoseconds timeout);
   void log(LogLevel level, const std::string& text);
   void report(Health health, const std::string& text);
   void callback_failed(const std::string& source, const std::string& what);
-  void parameter_was_set(const ParameterInfo& parameter);
+  /// Offers topic /parameter_events, once there is a parameter.
+  void announce_parameters();
+  /// Logs it, calls back, and publishes one event.
+  void parameters_were_set(const std::vector<ParameterInfo>& changed);
   void start_spinning();
 
   const NodeOptions options;
@@ -69,6 +77,9 @@ struct Node::Impl {
   std::shared_ptr<spdlog::logger> logger;
   std::shared_ptr<PublisherCore> log_publisher;
   std::shared_ptr<PublisherCore> diagnostic_publisher;
+  std::once_flag parameters_announced;
+  Publisher<msgs::graph::ParameterEvent> parameter_events;
+  std::shared_ptr<PublisherCore> statistics_publisher;
   std::shared_ptr<SubscriptionCore> clock_subscription;
   std::thread loop_thread;
   std::thread spin_thread;
@@ -86,29 +97,45 @@ struct Node::Impl {
 
   // loop thread
   void start_link();
+  /// Throws when the keys cannot be read, or are needed and not there.
+  std::unique_ptr<CurveGate> make_gate();
+  /// Where peers connect to this node by tcp; empty: they use ipc.
+  std::string tcp_endpoint() const;
   void flush_and_leave();
   void record_changed();
   void send_record();
   void welcome(const std::string& runtime_folder);
+  std::string bind_failure(const std::string& runtime_folder, const std::string& what) const;
   void meet(const msgs::graph::NodeRecord& node);
+  void warn_if_out_of_reach(const msgs::graph::NodeRecord& node);
   void lose_node(const std::string& instance);
   void forget_departed();
   void take_client_message(const std::string& client, msgs::graph::PeerMessage& message);
   void take_server_message(const std::string& server, msgs::graph::PeerMessage& message);
   void take_call(const std::string& client, msgs::graph::PeerMessage::Call& call);
   void take_goal(const std::string& client, msgs::graph::PeerMessage::Goal& goal);
+  void take_cancel(const std::string& client, const msgs::graph::PeerMessage::Cancel& cancel);
   void answer_parameters(const std::string& client,
                          const msgs::graph::PeerMessage::ParameterRequest& request);
+  /// In the loop's thread, or among the callbacks when user code has a say in it.
+  void set_from_outside(const std::string& client, std::uint64_t id,
+                        const std::map<std::string, std::string>& texts);
+  bool ask_delivery(const std::string& client, const msgs::graph::PeerMessage& question);
+  void answer_delivery(const std::string& server,
+                       std::function<void(msgs::graph::PeerMessage::DeliveryAnswer)> reply);
   void count_malformed(const std::string& what);
   void watch_new_topics(const msgs::graph::NodeRecord& node);
   void tell_topic(const std::function<void(const TopicInfo&)>& watcher, const std::string& topic);
   void tick();
 
   msgs::graph::NodeRecord record;  // without the lists of ends and offers
+  std::unique_ptr<CurveGate> gate;
   std::unique_ptr<PeerChannels> channels;
   std::unique_ptr<RegistryLink> registry;
   std::unique_ptr<PublisherSide> publishers;
   std::unique_ptr<SubscriberSide> subscribers;
+  std::unique_ptr<StatisticsReport> statistics;
+  std::unique_ptr<DeliverySide> deliveries;
   std::unique_ptr<CallSide> calls;
   std::unique_ptr<GoalSide> goals;
   bool joined = false;

@@ -11,8 +11,8 @@ using msgs::graph::PeerMessage;
 
 void Node::Impl::welcome(const std::string& folder) {
   try {
-    if (options.use_tcp) {
-      record.set_endpoint(channels->bind("tcp://127.0.0.1:*"));
+    if (const std::string endpoint = tcp_endpoint(); !endpoint.empty()) {
+      record.set_endpoint(channels->bind(endpoint));
     } else {
       runtime_folder = folder;
       socket_file = socket_path(folder, record.instance());
@@ -20,7 +20,7 @@ void Node::Impl::welcome(const std::string& folder) {
     }
   } catch (const std::exception& error) {
     socket_file.clear();
-    if (join_ended) join_ended(fmt::format("cannot open a socket in {}: {}", folder, error.what()));
+    if (join_ended) join_ended(bind_failure(folder, error.what()));
     return;
   }
   send_record();
@@ -61,6 +61,7 @@ void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
   publishers->check_opening();
   watch_new_topics(node);
   if (node.instance() == record.instance()) return;
+  warn_if_out_of_reach(node);
   const auto check = [&](const auto& offers, const auto& own, const std::string& kind) {
     for (const auto& offer : offers) {
       if (!own.count(offer.name()) || !conflicts_told.insert(kind + offer.name()).second) continue;
@@ -75,6 +76,7 @@ void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
 
 void Node::Impl::lose_node(const std::string& instance) {
   publishers->lose_client(instance);
+  deliveries->lose_client(instance);
   for (auto& [name, server] : action_servers) server->lose_client(instance);
   // Its last messages may be on their way still.
   departed[instance] = std::chrono::steady_clock::now();
@@ -107,13 +109,12 @@ void Node::Impl::take_client_message(const std::string& client, PeerMessage& mes
       return take_call(client, *message.mutable_call());
     case PeerMessage::kGoal:
       return take_goal(client, *message.mutable_goal());
-    case PeerMessage::kCancel: {
-      const auto server = action_servers.find(message.cancel().action());
-      if (server != action_servers.end()) server->second->cancel(client, message.cancel().id());
-      return;
-    }
+    case PeerMessage::kCancel:
+      return take_cancel(client, message.cancel());
     case PeerMessage::kParameterRequest:
       return answer_parameters(client, message.parameter_request());
+    case PeerMessage::kDeliveryAnswer:
+      return deliveries->take_answer(client, message.delivery_answer());
     default:
       return count_malformed("an answer where a request belongs");
   }
@@ -126,11 +127,19 @@ void Node::Impl::take_server_message(const std::string& server, PeerMessage& mes
     case PeerMessage::kHistoryEnd:
       return subscribers->take_history_end(server, message.history_end());
     case PeerMessage::kAnswer:
-      return calls->take_answer(*message.mutable_answer());
+      return calls->take_answer(server, *message.mutable_answer());
     case PeerMessage::kFeedback:
-      return goals->take_feedback(*message.mutable_feedback());
+      return goals->take_feedback(server, *message.mutable_feedback());
     case PeerMessage::kGoalResult:
-      return goals->take_result(*message.mutable_goal_result());
+      return goals->take_result(server, *message.mutable_goal_result());
+    case PeerMessage::kDeliveryQuestion:
+      return answer_delivery(server,
+                             [this, server, id = message.delivery_question().id()](auto answer) {
+                               PeerMessage told;
+                               *told.mutable_delivery_answer() = std::move(answer);
+                               told.mutable_delivery_answer()->set_id(id);
+                               channels->send_to_server(server, told);
+                             });
     default:
       return count_malformed("a request where an answer belongs");
   }
@@ -157,24 +166,19 @@ void Node::Impl::take_goal(const std::string& client, PeerMessage::Goal& goal) {
   channels->send_to_client(client, message);
 }
 
-void Node::Impl::answer_parameters(const std::string& client,
-                                   const PeerMessage::ParameterRequest& request) {
+void Node::Impl::take_cancel(const std::string& client, const PeerMessage::Cancel& cancel) {
+  const auto server = action_servers.find(cancel.action());
+  const bool served = server != action_servers.end();
+  if (cancel.id() != 0) {
+    if (served) server->second->cancel(client, cancel.id());
+    return;
+  }
   PeerMessage message;
-  auto& answer = *message.mutable_parameter_answer();
-  answer.set_id(request.id());
-  try {
-    if (request.has_set_text()) {
-      const ParameterInfo parameter = parameters.set(request.name(), request.set_text());
-      parameter_was_set(parameter);
-      *answer.add_parameters() = to_record(parameter);
-    } else if (!request.name().empty()) {
-      *answer.add_parameters() = to_record(parameters.get(request.name()));
-    } else {
-      for (const auto& parameter : parameters.all())
-        *answer.add_parameters() = to_record(parameter);
-    }
-  } catch (const std::invalid_argument& error) {
-    answer.set_error(error.what());
+  auto& answer = *message.mutable_answer();
+  if (!served) {
+    answer.set_error("node '" + options.name + "' does not serve " + cancel.action());
+  } else if (!server->second->cancel_all()) {
+    answer.set_error("action " + cancel.action() + " has no goal now");
   }
   channels->send_to_client(client, message);
 }
@@ -212,10 +216,14 @@ void Node::Impl::tell_topic(const std::function<void(const TopicInfo&)>& watcher
 
 void Node::Impl::tick() {
   forget_departed();
+  calls->check_connections();
+  goals->check_connections();
+  for (auto& [name, server] : action_servers) server->probe_client();
   subscribers->forget_withdrawn();
   publishers->check_opening();
   publishers->log_losses(false);
   subscribers->log_losses(false);
+  statistics->tick(malformed);
   if (malformed_line.is_due(malformed)) {
     log(LogLevel::kError, fmt::format("{} damaged or foreign messages thrown away in all, the last "
                                       "one: {}",
@@ -225,7 +233,8 @@ void Node::Impl::tick() {
 
 void Node::Impl::flush_and_leave() {
   publishers->check_opening();
-  const bool idle = !joined || (channels->is_idle() && publishers->is_idle());
+  const bool idle = !joined || (channels->is_idle() && publishers->is_idle() &&
+                                !(link->slabs && link->slabs->has_grants()));
   if (!idle && std::chrono::steady_clock::now() < flush_deadline) {
     link->loop->soon([this] { link->loop->post([this] { flush_and_leave(); }); });
     return;

@@ -18,6 +18,8 @@ const char* to_string(Status status) {
       return "preempted";
     case Status::kShutdown:
       return "shutdown";
+    case Status::kRefused:
+      return "refused";
   }
   return "unknown";
 }

@@ -16,6 +16,7 @@ enum class Status {
   kCancelled,   ///< action: cancelled by its client
   kPreempted,   ///< action: another goal took its place
   kShutdown,    ///< the calling node stops
+  kRefused,     ///< a blocking call from inside one of the node's callbacks
 };
 
 /// "timeout", "server gone", …

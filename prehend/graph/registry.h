@@ -9,6 +9,8 @@ namespace prehend::graph {
 struct RegistryOptions {
   /// ZeroMQ endpoint to listen on; tcp://127.0.0.1:* takes a free port.
   std::string endpoint = "tcp://127.0.0.1:11411";
+  /// Of create_graph_keys; empty: PREHEND_KEYS, else no keys, and then only loopback is allowed.
+  std::string keys_file{};
   /// A node that is silent for this long is gone. Nodes beat every second.
   std::chrono::milliseconds lease{3000};
 };
@@ -22,7 +24,7 @@ struct RegistryOptions {
 class Registry {
  public:
   /// Listens and serves in a thread of its own. Throws std::runtime_error naming the mend when the
-  /// endpoint is in use or malformed.
+  /// endpoint is in use or malformed, or beyond loopback without keys.
   explicit Registry(RegistryOptions options = {});
   ~Registry();
 

@@ -78,19 +78,6 @@ TEST_F(Services, ShutdownEndsCalls) {
   stopper.join();
 }
 
-TEST_F(Services, ACallbackMayCall) {
-  Node server(options("server")), caller(options("caller"));
-  auto service = server.serve<Clock_, Clock_>(
-      "/next", [](const Clock_& request) { return clock_message(request.time() + 1); });
-  server.spin_in_background();
-  auto client = caller.client<Clock_, Clock_>("/next");
-  std::atomic<std::int64_t> result = 0;
-  auto timer =
-      caller.create_timer(0.01, [&] { result = client.call(clock_message(41), 5s)->time(); });
-  caller.spin_in_background();
-  EXPECT_TRUE(eventually([&] { return result == 42; }));
-}
-
 class Actions : public GraphTest {
  protected:
   // Counts to the goal, 1 ms each, with feedback; the result is how far it came.

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "msgs/actions.pb.h"
+#include "msgs/geometry.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
 
@@ -36,6 +37,15 @@ void listen(graph::Node& node) {
   node.spin();
 }
 
+// Keeps every message of /big for ever.
+void hoard(graph::Node& node) {
+  std::vector<graph::Received<msgs::PointCloud>> kept;
+  auto subscription = node.subscribe<msgs::PointCloud>(
+      "/big", graph::QoS::queue(100),
+      [&](const graph::Received<msgs::PointCloud>& m) { kept.push_back(m); });
+  node.spin();
+}
+
 // /answer answers; /hang and the action /hang_action do not before the process dies.
 void serve(graph::Node& node) {
   auto answer = node.serve<msgs::Clock, msgs::Clock>(
@@ -66,6 +76,7 @@ int main(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
   const auto set_up = mode == "talk"     ? talk
                       : mode == "listen" ? listen
+                      : mode == "hoard"  ? hoard
                       : mode == "serve"  ? serve
                                          : command;
   return prehend::graph::run_node(argc - 1, argv + 1, {"test_" + mode, "A node for tests."},

@@ -120,7 +120,7 @@ TEST_F(RegistryOfNodes, ListsWhatNodesOffer) {
   EXPECT_TRUE(eventually([&] {
     const auto nodes = look.nodes();
     return nodes.size() == 1 && nodes[0].state() == msgs::graph::READY &&
-           nodes[0].services_size() == 1 && nodes[0].publishers_size() == 3 &&
+           nodes[0].services_size() == 1 && nodes[0].publishers_size() == 4 &&
            nodes[0].health_text() == "no table" && nodes[0].pid() == ::getpid();
   }));
   const Schema schema = look.topic_schema("/t");

@@ -14,9 +14,29 @@ std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
   return result;
 }
 
-class Topics : public GraphTest {};
+// All of this holds however messages travel.
+enum class Transport { kFrames, kSharedMemory, kPointers };
 
-TEST_F(Topics, MessagesArriveInOrderWithTheirEnvelope) {
+class Topics : public GraphTest, public testing::WithParamInterface<Transport> {
+ protected:
+  NodeOptions options(const std::string& name) const {
+    NodeOptions result = GraphTest::options(name);
+    result.use_pointers = GetParam() == Transport::kPointers;
+    result.use_slab = GetParam() != Transport::kFrames;
+    return result;
+  }
+};
+
+std::string transport_name(const testing::TestParamInfo<Transport>& transport) {
+  if (transport.param == Transport::kFrames) return "Frames";
+  return transport.param == Transport::kSharedMemory ? "SharedMemory" : "Pointers";
+}
+INSTANTIATE_TEST_SUITE_P(By, Topics,
+                         testing::Values(Transport::kFrames, Transport::kSharedMemory,
+                                         Transport::kPointers),
+                         transport_name);
+
+TEST_P(Topics, MessagesArriveInOrderWithTheirEnvelope) {
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
   std::vector<MessageInfo> infos;
@@ -44,7 +64,7 @@ TEST_F(Topics, MessagesArriveInOrderWithTheirEnvelope) {
   EXPECT_EQ(infos[49].schema_hash, schema_of(*msgs::GripperState::descriptor())->hash);
 }
 
-TEST_F(Topics, ANodeHearsItself) {
+TEST_P(Topics, ANodeHearsItself) {
   Node node(options("both"));
   Inbox inbox;
   auto subscription = node.subscribe<msgs::Clock>("/self", QoS::queue(10), inbox.taker());
@@ -54,7 +74,7 @@ TEST_F(Topics, ANodeHearsItself) {
   EXPECT_TRUE(eventually([&] { return inbox.values() == std::vector<std::int64_t>{7}; }));
 }
 
-TEST_F(Topics, TcpWorksLikeIpc) {
+TEST_P(Topics, TcpWorksLikeIpc) {
   NodeOptions by_tcp = options("talker");
   by_tcp.use_tcp = true;
   Node talker(by_tcp), listener(options("listener"));
@@ -68,7 +88,7 @@ TEST_F(Topics, TcpWorksLikeIpc) {
 }
 
 // The publisher's process publishes at once, before anybody can have joined it.
-TEST_F(Topics, NoFirstMessageIsLostBetweenProcesses) {
+TEST_P(Topics, NoFirstMessageIsLostBetweenProcesses) {
   Node listener(options("listener"));
   Inbox inbox;
   auto subscription = listener.subscribe<msgs::Clock>("/numbers", QoS::queue(5000), inbox.taker());
@@ -81,7 +101,7 @@ TEST_F(Topics, NoFirstMessageIsLostBetweenProcesses) {
   EXPECT_EQ(talker.wait(), 0);
 }
 
-TEST_F(Topics, WhatWasPublishedJustBeforeTheEndArrives) {
+TEST_P(Topics, WhatWasPublishedJustBeforeTheEndArrives) {
   Node listener(options("listener"));
   Inbox inbox;
   auto subscription = listener.subscribe<msgs::Clock>("/last", QoS::queue(100), inbox.taker());
@@ -94,7 +114,7 @@ TEST_F(Topics, WhatWasPublishedJustBeforeTheEndArrives) {
   EXPECT_TRUE(eventually([&] { return inbox.values() == numbers(1, 20); }));
 }
 
-TEST_F(Topics, LateSubscribersGetTheLatchedHistory) {
+TEST_P(Topics, LateSubscribersGetTheLatchedHistory) {
   Node talker(options("talker")), listener(options("listener"));
   auto publisher = talker.advertise<msgs::Clock>("/map", QoS::latched(4));
   auto plain = talker.advertise<msgs::Clock>("/plain", QoS::queue(4));
@@ -122,7 +142,7 @@ TEST_F(Topics, LateSubscribersGetTheLatchedHistory) {
   EXPECT_EQ(a.statistics().missed + e.statistics().missed, 0u);
 }
 
-TEST_F(Topics, LatchedSubscriberOfAPlainPublisherIsWarned) {
+TEST_P(Topics, LatchedSubscriberOfAPlainPublisherIsWarned) {
   LogReader log(options("log_reader"));
   Node talker(options("talker")), listener(options("listener"));
   auto publisher = talker.advertise<msgs::Clock>("/plain", QoS::queue(4));
@@ -131,7 +151,7 @@ TEST_F(Topics, LatchedSubscriberOfAPlainPublisherIsWarned) {
   EXPECT_TRUE(eventually([&] { return log.has("does not keep messages"); }));
 }
 
-TEST_F(Topics, FullQueueDropsOldestCountsAndSaysSo) {
+TEST_P(Topics, FullQueueDropsOldestCountsAndSaysSo) {
   LogReader log(options("log_reader"));
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
@@ -146,7 +166,7 @@ TEST_F(Topics, FullQueueDropsOldestCountsAndSaysSo) {
   EXPECT_TRUE(eventually([&] { return log.has("/fast: 90 messages dropped in all"); }));
 }
 
-TEST_F(Topics, QueueIsBoundedInBytes) {
+TEST_P(Topics, QueueIsBoundedInBytes) {
   Node talker(options("talker")), listener(options("listener"));
   std::atomic<int> got = 0;
   auto subscription = listener.subscribe<msgs::PointCloud>(
@@ -160,7 +180,7 @@ TEST_F(Topics, QueueIsBoundedInBytes) {
   EXPECT_EQ(subscription.statistics().dropped, 8u);
 }
 
-TEST_F(Topics, LatestKeepsTheNewest) {
+TEST_P(Topics, LatestKeepsTheNewest) {
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
   auto subscription = listener.subscribe<msgs::Clock>("/pose", QoS::latest(), inbox.taker());
@@ -176,7 +196,7 @@ TEST_F(Topics, LatestKeepsTheNewest) {
 
 // A stopped process: what ZeroMQ and the kernel cannot hold waits, then is dropped and counted. No
 // message is lost without being counted by one side.
-TEST_F(Topics, StoppedReaderCostsOnlyCountedMessages) {
+TEST_P(Topics, StoppedReaderCostsOnlyCountedMessages) {
   LogReader log(options("log_reader"));
   Node talker(options("talker"));
   Child listener({"listen", "--registry", endpoint});
@@ -195,7 +215,7 @@ TEST_F(Topics, StoppedReaderCostsOnlyCountedMessages) {
   listener.send(SIGCONT);
 }
 
-TEST_F(Topics, AnotherTypeIsRefusedVisibly) {
+TEST_P(Topics, AnotherTypeIsRefusedVisibly) {
   LogReader log(options("log_reader"));
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
@@ -216,7 +236,7 @@ TEST_F(Topics, AnotherTypeIsRefusedVisibly) {
   EXPECT_EQ(log.count("publishes prehend.msgs.Plane"), 1u);
 }
 
-TEST_F(Topics, PayloadIsPartOfTheStandardEncoding) {
+TEST_P(Topics, PayloadIsPartOfTheStandardEncoding) {
   Node talker(options("talker")), listener(options("listener"));
   std::mutex mutex;
   std::vector<RawMessage> raw;
@@ -257,7 +277,7 @@ TEST_F(Topics, PayloadIsPartOfTheStandardEncoding) {
   EXPECT_THROW(publisher.publish(cloud, std::vector<std::uint8_t>(4)), std::invalid_argument);
 }
 
-TEST_F(Topics, EncodedMessagesKeepTheirStamp) {
+TEST_P(Topics, EncodedMessagesKeepTheirStamp) {
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox, stamps;
   auto subscription = listener.subscribe<msgs::Clock>("/replayed", QoS::queue(10),
@@ -275,7 +295,7 @@ TEST_F(Topics, EncodedMessagesKeepTheirStamp) {
   EXPECT_EQ(stamps.values(), numbers(1234, 1234));
 }
 
-TEST_F(Topics, DamagedEncodingIsCountedNotFatal) {
+TEST_P(Topics, DamagedEncodingIsCountedNotFatal) {
   LogReader log(options("log_reader"));
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
@@ -290,7 +310,7 @@ TEST_F(Topics, DamagedEncodingIsCountedNotFatal) {
   EXPECT_TRUE(eventually([&] { return log.has("/broken: 1 damaged messages"); }));
 }
 
-TEST_F(Topics, KilledPublisherIsNoticedAndItsSuccessorFound) {
+TEST_P(Topics, KilledPublisherIsNoticedAndItsSuccessorFound) {
   Node listener(options("listener"));
   Inbox inbox;
   auto subscription = listener.subscribe<msgs::Clock>("/ticks", QoS::queue(100), inbox.taker());
@@ -306,7 +326,7 @@ TEST_F(Topics, KilledPublisherIsNoticedAndItsSuccessorFound) {
   EXPECT_EQ(subscription.statistics().missed, 0u);
 }
 
-TEST_F(Topics, PublisherAndSubscriptionEndWithTheirHandles) {
+TEST_P(Topics, PublisherAndSubscriptionEndWithTheirHandles) {
   Node talker(options("talker")), listener(options("listener"));
   Inbox inbox;
   listener.spin_in_background();
@@ -324,7 +344,7 @@ TEST_F(Topics, PublisherAndSubscriptionEndWithTheirHandles) {
   EXPECT_THROW(Publisher<msgs::Clock>().publish(clock_message(1)), std::logic_error);
 }
 
-TEST_F(Topics, ExceptionInACallbackIsReportedAndTheNodeGoesOn) {
+TEST_P(Topics, ExceptionInACallbackIsReportedAndTheNodeGoesOn) {
   LogReader log(options("log_reader"));
   Node node(options("clumsy"));
   Inbox inbox;
@@ -345,7 +365,7 @@ TEST_F(Topics, ExceptionInACallbackIsReportedAndTheNodeGoesOn) {
   }));
 }
 
-TEST_F(Topics, RemappedAndMalformedNames) {
+TEST_P(Topics, RemappedAndMalformedNames) {
   NodeOptions remapped = options("talker");
   remapped.remaps["/from"] = "/to";
   Node talker(remapped);
@@ -358,7 +378,7 @@ TEST_F(Topics, RemappedAndMalformedNames) {
   EXPECT_THROW((void)talker.advertise<msgs::Clock>("/zero", QoS::queue(0)), std::invalid_argument);
 }
 
-TEST_F(Topics, WatcherLearnsOfEveryTopicOnce) {
+TEST_P(Topics, WatcherLearnsOfEveryTopicOnce) {
   Node watcher(options("watcher"));
   std::mutex mutex;
   std::vector<std::string> seen;

@@ -1,55 +1,17 @@
 #include "prehend/graph/launch/launch_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
+#include "tests/launch/launch_file_fixture.h"
 
 namespace prehend::graph::launch {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
 
-class LaunchFile : public testing::Test {
- protected:
-  LaunchFile() {
-    std::string name = (fs::temp_directory_path() / "prehend_launch_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-    fs::create_directories(folder_ / "launch");
-    fs::create_directories(folder_ / "bin");
-    for (const char* program : {"simulation", "grasp_planning", "report", "test_other"}) {
-      std::ofstream(folder_ / "bin" / program) << "#!/bin/sh\n";
-      fs::permissions(folder_ / "bin" / program, fs::perms::owner_all);
-    }
-  }
-  ~LaunchFile() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& text) {
-    const fs::path path = folder_ / "launch" / name;
-    std::ofstream(path) << text;
-    return path.string();
-  }
-  LaunchGraph load(const std::string& text, const std::vector<std::string>& arguments = {}) {
-    return load_launch_file(write("a.yaml", text), parse_arguments(arguments),
-                            (folder_ / "bin").string());
-  }
-  std::string error_of(const std::string& text, const std::vector<std::string>& arguments = {}) {
-    try {
-      load(text, arguments);
-    } catch (const LaunchError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  fs::path folder_;
-};
-
-TEST_F(LaunchFile, ResolvesEverythingANodeMayHave) {
+TEST_F(LaunchFileTest, ResolvesEverythingANodeMayHave) {
   write("node.yaml", "speed: 1\n");
   const LaunchGraph graph = load(R"(
 arguments:
@@ -83,32 +45,46 @@ nodes:
   EXPECT_TRUE(world.required);
   EXPECT_EQ(graph.nodes[1].name, "report");
   EXPECT_EQ(graph.nodes[1].clock, "wall");
-  EXPECT_TRUE(graph.nodes[1].respawn);
-  EXPECT_THAT(command_line(graph.nodes[1]), ElementsAre((folder_ / "bin/report").string(), "--name",
-                                                        "report", "--clock", "wall"));
+  EXPECT_TRUE(graph.nodes[1].respawn.wanted);
+  EXPECT_THAT(node_options(graph.nodes[1], ""), ElementsAre("--name", "report", "--clock", "wall"));
 }
 
-TEST_F(LaunchFile, ItsDescriptionLoadsToTheSameGraph) {
+TEST_F(LaunchFileTest, ItsDescriptionLoadsToTheSameGraph) {
   const LaunchGraph graph = load(R"(
+hosts: {cell: {address: 127.0.0.1}, arm: {address: 127.0.0.2}}
+registry_host: arm
+log_directory: out/somewhere
 nodes:
   - node: simulation
     name: world
     parameters: {text: "a: b #c", n: -1}
-    remap: {/a: /b}
+    remap: {/a: /b, /c: //d}
     required: true
-  - {node: report, environment: {A: "x y"}, respawn: true, clock: wall}
+    namespace: /left/arm
+    cpu_affinity: [0]
+  - {node: report, environment: {A: "x y"}, clock: wall, after: [left_arm_world], host: cell,
+     respawn: {first_delay: 0.25, longest_delay: 3}}
+  - {node: grasp_planning, compose: both}
+  - {node: test_other, compose: both}
 )");
   const LaunchGraph again = load(describe(graph));
-  ASSERT_EQ(again.nodes.size(), 2u);
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(command_line(again.nodes[i]), command_line(graph.nodes[i]));
+  ASSERT_EQ(again.nodes.size(), 4u);
+  EXPECT_EQ(again.registry_host, "arm");
+  EXPECT_EQ(again.hosts.size(), 2u);
+  EXPECT_EQ(again.log_directory, "out/somewhere");
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    EXPECT_EQ(node_options(again.nodes[i], ""), node_options(graph.nodes[i], ""));
     EXPECT_EQ(again.nodes[i].environment, graph.nodes[i].environment);
     EXPECT_EQ(again.nodes[i].required, graph.nodes[i].required);
     EXPECT_EQ(again.nodes[i].respawn, graph.nodes[i].respawn);
+    EXPECT_EQ(again.nodes[i].cpu_affinity, graph.nodes[i].cpu_affinity);
+    EXPECT_EQ(again.nodes[i].host, graph.nodes[i].host);
+    EXPECT_EQ(again.nodes[i].process, graph.nodes[i].process);
+    EXPECT_EQ(again.nodes[i].after, graph.nodes[i].after);
   }
 }
 
-TEST_F(LaunchFile, ConditionsChooseNodesAndIncludes) {
+TEST_F(LaunchFileTest, ConditionsChooseNodesAndIncludes) {
   write("b.yaml", "arguments: {who: {default: x}}\nnodes: [{node: report, name: $(who)}]\n");
   const std::string text = R"(
 arguments: {mode: {default: fast}, viewer: {default: false, type: bool}}
@@ -128,7 +104,7 @@ nodes:
   EXPECT_THAT(error_of("nodes: [{node: report, if: maybe}]"), HasSubstr("if must be true, false"));
 }
 
-TEST_F(LaunchFile, TheClockIsInheritedByIncludes) {
+TEST_F(LaunchFileTest, TheClockIsInheritedByIncludes) {
   write("b.yaml", "nodes: [{node: report}]\n");
   write("c.yaml", "clock: wall\nnodes: [{node: simulation}]\n");
   const LaunchGraph graph = load("clock: simulated\ninclude: [{file: b.yaml}, {file: c.yaml}]\n");
@@ -136,7 +112,7 @@ TEST_F(LaunchFile, TheClockIsInheritedByIncludes) {
   EXPECT_EQ(graph.nodes[1].clock, "wall");
 }
 
-TEST_F(LaunchFile, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
+TEST_F(LaunchFileTest, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
   EXPECT_THAT(error_of("nodes:\n  - node: simulatoin\n"),
               testing::AllOf(HasSubstr("a.yaml:2: "), HasSubstr("did you mean \"simulation\"?")));
   EXPECT_THAT(error_of("nodes:\n  - node: report\n    paramters: {}\n"),
@@ -152,7 +128,7 @@ TEST_F(LaunchFile, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
   EXPECT_THAT(error_of("clock: simulatd\nnodes: [{node: report}]\n"), HasSubstr("\"simulated\""));
 }
 
-TEST_F(LaunchFile, WrongValuesAreNamed) {
+TEST_F(LaunchFileTest, WrongValuesAreNamed) {
   const std::string typed =
       "arguments: {n: {default: 1, type: int}, b: {default: true, type: bool}, "
       "x: {default: 1.5, type: double}}\nnodes: [{node: report}]\n";
@@ -183,12 +159,12 @@ TEST_F(LaunchFile, WrongValuesAreNamed) {
   EXPECT_THAT(error_of("nodes: [{node: report}]", {"scene"}), HasSubstr("name:=value"));
 }
 
-TEST_F(LaunchFile, TwoNodesOfOneNameAreNamedWithBothPlaces) {
+TEST_F(LaunchFileTest, TwoNodesOfOneNameAreNamedWithBothPlaces) {
   EXPECT_THAT(error_of("nodes:\n  - node: report\n  - node: report\n"),
               testing::AllOf(HasSubstr("a.yaml:3"), HasSubstr("a.yaml:2")));
 }
 
-TEST_F(LaunchFile, CyclicIncludesShowTheChain) {
+TEST_F(LaunchFileTest, CyclicIncludesShowTheChain) {
   write("b.yaml", "include: [{file: c.yaml}]\n");
   write("c.yaml", "include: [{file: a.yaml}]\n");
   const std::string error = error_of("include: [{file: b.yaml}]\n");
@@ -197,7 +173,7 @@ TEST_F(LaunchFile, CyclicIncludesShowTheChain) {
   EXPECT_THAT(error_of("include: [{file: a.yaml}]\n"), HasSubstr("in a circle"));
 }
 
-TEST_F(LaunchFile, MissingFilesAreNamed) {
+TEST_F(LaunchFileTest, MissingFilesAreNamed) {
   EXPECT_THAT(error_of("include:\n  - {file: none.yaml}\n"),
               testing::AllOf(HasSubstr("a.yaml:2"), HasSubstr("none.yaml does not exist")));
   EXPECT_THAT(error_of("nodes:\n  - node: report\n    parameter_file: none.yaml\n"),
@@ -206,13 +182,13 @@ TEST_F(LaunchFile, MissingFilesAreNamed) {
   EXPECT_THROW(load_launch_file(folder_.string(), {}, "."), LaunchError);
 }
 
-TEST_F(LaunchFile, AnIncludeRefusesArgumentsItDoesNotHave) {
+TEST_F(LaunchFileTest, AnIncludeRefusesArgumentsItDoesNotHave) {
   write("b.yaml", "arguments: {speed: {default: 1}}\nnodes: [{node: report}]\n");
   EXPECT_THAT(error_of("include:\n  - {file: b.yaml, arguments: {sped: 2}}\n"),
               testing::AllOf(HasSubstr("a.yaml:2"), HasSubstr("\"speed\"")));
 }
 
-TEST_F(LaunchFile, DeclaredArgumentsAreListed) {
+TEST_F(LaunchFileTest, DeclaredArgumentsAreListed) {
   const auto arguments = declared_arguments(
       write("a.yaml", "arguments: {a: {default: $(root)/x}, b: {type: int, description: d}}\n"));
   ASSERT_EQ(arguments.size(), 2u);

@@ -12,6 +12,10 @@
 #include <string>
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "--describe") {
+    std::puts("{\"name\": \"launch_test_node\", \"failure\": \"it takes what it is given\"}");
+    return 0;
+  }
   std::map<std::string, std::string> parameters;
   for (int i = 1; i + 1 < argc; ++i) {
     const std::string word = argv[i + 1];

@@ -1,15 +1,11 @@
 // `prehend launch` as a real process, with small programs as its nodes.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 
 #include <chrono>
-#include <iterator>
-#include <memory>
-#include <sstream>
 
-#include "tests/launch/child_program.h"
+#include "tests/launch/supervision_fixture.h"
 
 namespace prehend::testing {
 namespace {
@@ -20,41 +16,7 @@ using std::chrono::steady_clock;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class Supervision : public ::testing::Test {
- protected:
-  // A launch of `nodes` with a registry of its own.
-  std::unique_ptr<ChildProgram> launch(const std::string& nodes) {
-    const std::string file = scratch_.write("launch/a.yaml", "nodes:\n" + nodes);
-    return std::make_unique<ChildProgram>(
-        "prehend",
-        std::vector<std::string>{"launch", file, "--log-dir", scratch_.path("log"), "--registry",
-                                 "tcp://127.0.0.1:*"},
-        scratch_.path("output.txt"));
-  }
-  std::string node(const std::string& name, const std::string& parameters,
-                   const std::string& more = "") {
-    return "  - {node: launch_test_node, name: " + name + ", parameters: {touch: " + pids_file() +
-           ", " + parameters + "}" + (more.empty() ? "" : ", " + more) + "}\n";
-  }
-  std::string pids_file() { return scratch_.path("pids"); }
-  // Of every test node that was started so far.
-  std::vector<pid_t> pids() {
-    std::istringstream text(text_of_file(pids_file()));
-    return {std::istream_iterator<pid_t>(text), {}};
-  }
-  bool wait_for_pids(std::size_t count) {
-    return eventually([&] { return pids().size() >= count; });
-  }
-  void expect_none_running() {
-    for (const pid_t pid : pids()) {
-      EXPECT_TRUE(eventually([&] { return !is_running(pid); }, seconds(2))) << pid;
-    }
-  }
-
-  ScratchDirectory scratch_;
-};
-
-TEST_F(Supervision, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
+TEST_F(SupervisionTest, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
   const auto program =
       launch(node("idle", "after: 50") +
              node("vital", "say: no camera, after: 0.2, exit: 3", "required: true"));
@@ -65,13 +27,13 @@ TEST_F(Supervision, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
   expect_none_running();
 }
 
-TEST_F(Supervision, ARequiredNodesSignalIsNamed) {
+TEST_F(SupervisionTest, ARequiredNodesSignalIsNamed) {
   const auto program = launch(node("vital", "after: 0.1, signal: 11", "required: true"));
   EXPECT_EQ(program->wait(seconds(10)), 1);
   EXPECT_THAT(program->output(), HasSubstr("required node vital: signal SIGSEGV"));
 }
 
-TEST_F(Supervision, ARequiredNodeThatFinishesEndsTheLaunchWell) {
+TEST_F(SupervisionTest, ARequiredNodeThatFinishesEndsTheLaunchWell) {
   const auto program =
       launch(node("idle", "after: 50") + node("vital", "after: 0.1", "required: true"));
   EXPECT_EQ(program->wait(seconds(10)), 0);
@@ -79,14 +41,14 @@ TEST_F(Supervision, ARequiredNodeThatFinishesEndsTheLaunchWell) {
   expect_none_running();
 }
 
-TEST_F(Supervision, TheLaunchEndsWithItsLastNode) {
+TEST_F(SupervisionTest, TheLaunchEndsWithItsLastNode) {
   EXPECT_EQ(launch(node("a", "after: 0.1"))->wait(seconds(10)), 0);
   const auto failing = launch(node("a", "after: 0.1, exit: 4"));
   EXPECT_EQ(failing->wait(seconds(10)), 1);
   EXPECT_THAT(failing->output(), HasSubstr("a: exit code 4 before it was ready"));
 }
 
-TEST_F(Supervision, ANodeIsStartedAgainLaterEachTime) {
+TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
   const auto start = steady_clock::now();
   const auto program = launch(node("weak", "after: 0.05, exit: 2", "respawn: true"));
   ASSERT_TRUE(wait_for_pids(3));  // at 0, 0.5 and 1.5 s
@@ -98,7 +60,7 @@ TEST_F(Supervision, ANodeIsStartedAgainLaterEachTime) {
   expect_none_running();
 }
 
-TEST_F(Supervision, AKilledNodeIsStartedAgain) {
+TEST_F(SupervisionTest, AKilledNodeIsStartedAgain) {
   const auto program = launch(node("weak", "after: 50", "respawn: true"));
   ASSERT_TRUE(wait_for_pids(1));
   ::kill(pids()[0], SIGKILL);
@@ -107,7 +69,7 @@ TEST_F(Supervision, AKilledNodeIsStartedAgain) {
   EXPECT_THAT(program->output(), HasSubstr("weak: signal SIGKILL"));
 }
 
-TEST_F(Supervision, InterruptAndTerminateStopAll) {
+TEST_F(SupervisionTest, InterruptAndTerminateStopAll) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::filesystem::remove(pids_file());
     const auto program = launch(node("a", "after: 50") + node("b", "after: 50"));
@@ -120,7 +82,7 @@ TEST_F(Supervision, InterruptAndTerminateStopAll) {
   }
 }
 
-TEST_F(Supervision, ANodeThatIgnoresSignalsIsKilledInTheEnd) {
+TEST_F(SupervisionTest, ANodeThatIgnoresSignalsIsKilledInTheEnd) {
   const auto program = launch(node("mule", "after: 50, stubborn: true"));
   ASSERT_TRUE(wait_for_pids(1));
   ::kill(program->pid(), SIGINT);
@@ -130,7 +92,7 @@ TEST_F(Supervision, ANodeThatIgnoresSignalsIsKilledInTheEnd) {
   expect_none_running();
 }
 
-TEST_F(Supervision, ASecondInterruptKillsAtOnce) {
+TEST_F(SupervisionTest, ASecondInterruptKillsAtOnce) {
   const auto program = launch(node("mule", "after: 50, stubborn: true"));
   ASSERT_TRUE(wait_for_pids(1));
   ::kill(program->pid(), SIGINT);
@@ -142,7 +104,7 @@ TEST_F(Supervision, ASecondInterruptKillsAtOnce) {
   expect_none_running();
 }
 
-TEST_F(Supervision, NothingSurvivesAKilledLaunch) {
+TEST_F(SupervisionTest, NothingSurvivesAKilledLaunch) {
   const auto program = launch(node("a", "after: 50, stubborn: true") + node("b", "after: 50"));
   ASSERT_TRUE(wait_for_pids(2));
   ::kill(program->pid(), SIGKILL);
@@ -150,7 +112,7 @@ TEST_F(Supervision, NothingSurvivesAKilledLaunch) {
   expect_none_running();
 }
 
-TEST_F(Supervision, OutputIsPrefixedAndLoggedAndTheEnvironmentArrives) {
+TEST_F(SupervisionTest, OutputIsPrefixedAndLoggedAndTheEnvironmentArrives) {
   const auto program = launch(
       node("talker", "say: hello there, print: COLOUR, after: 0.1", "environment: {COLOUR: blue}"));
   EXPECT_EQ(program->wait(seconds(10)), 0);
@@ -160,13 +122,13 @@ TEST_F(Supervision, OutputIsPrefixedAndLoggedAndTheEnvironmentArrives) {
   EXPECT_THAT(text_of_file(scratch_.path("log/launch.log")), HasSubstr("peak memory"));
 }
 
-TEST_F(Supervision, TheRegistrysEndpointArrives) {
+TEST_F(SupervisionTest, TheRegistrysEndpointArrives) {
   const auto program = launch(node("talker", "print: PREHEND_REGISTRY, after: 0.1"));
   EXPECT_EQ(program->wait(seconds(10)), 0);
   EXPECT_THAT(program->output(), HasSubstr("PREHEND_REGISTRY=tcp://127.0.0.1:"));
 }
 
-TEST_F(Supervision, ReadinessComesFromTheRegistryAndUnusedRemapsAreNamed) {
+TEST_F(SupervisionTest, ReadinessComesFromTheRegistryAndUnusedRemapsAreNamed) {
   const auto program =
       launch("  - {node: recorder, parameters: {output: " + scratch_.path("a.mcap") +
              "}, remap: {/lgo: /x}}\n");
@@ -177,7 +139,7 @@ TEST_F(Supervision, ReadinessComesFromTheRegistryAndUnusedRemapsAreNamed) {
   EXPECT_EQ(program->wait(seconds(10)), 0);
 }
 
-TEST_F(Supervision, ARegistryPortInUseIsAClearError) {
+TEST_F(SupervisionTest, ARegistryPortInUseIsAClearError) {
   const auto first = launch(node("a", "after: 50"));
   ASSERT_TRUE(first->wait_for_output("registry listens on "));
   const std::string output = first->output();

@@ -129,7 +129,8 @@ TEST(Recorder, LosesNothingOfWhatWasPublishedBeforeItWasStopped) {
   for (const auto& [id, channel] : reader.channels()) {
     EXPECT_EQ(channel.metadata.count("latched") > 0, channel.topic == "/camera" ||
                                                          channel.topic == "/log" ||
-                                                         channel.topic == "/diagnostics")
+                                                         channel.topic == "/diagnostics" ||
+                                                         channel.topic == "/statistics")
         << channel.topic;
   }
   ASSERT_EQ(reader.attachments().size(), 1u);

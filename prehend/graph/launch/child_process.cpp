@@ -1,6 +1,7 @@
 #include "prehend/graph/launch/child_process.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -37,15 +38,16 @@ std::vector<std::string> merged_environment(const std::map<std::string, std::str
 }
 
 // Runs between fork and exec: only calls that are safe in a child of a process with threads.
-[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent, int input,
-                         int output, int failure) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, pid_t parent,
+                         const cpu_set_t* cpus, int input, int output, int failure) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
   ::setpgid(0, 0);
   sigset_t none;
   ::sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (::dup2(input, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
+  const bool placed = cpus == nullptr || ::sched_setaffinity(0, sizeof *cpus, cpus) == 0;
+  if (placed && ::dup2(input, STDIN_FILENO) >= 0 && ::dup2(output, STDOUT_FILENO) >= 0 &&
       ::dup2(output, STDERR_FILENO) >= 0) {
     ::execve(arguments[0], arguments, environment);
   }
@@ -57,7 +59,8 @@ std::vector<std::string> merged_environment(const std::map<std::string, std::str
 }  // namespace
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command,
-                           const std::map<std::string, std::string>& environment) {
+                           const std::map<std::string, std::string>& environment,
+                           const std::vector<int>& cpus) {
   std::vector<std::string> words = command;
   std::vector<std::string> variables = merged_environment(environment);
   const std::vector<char*> arguments = pointers_to(words);
@@ -67,10 +70,14 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command,
   if (::pipe2(failure.data(), O_CLOEXEC) != 0) throw_errno(errno, "pipe");
   const int input = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   const pid_t parent = ::getpid();
+  cpu_set_t cpu_set;
+  CPU_ZERO(&cpu_set);
+  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &cpu_set);
   pid_ = ::fork();
   const int fork_error = errno;
   if (pid_ == 0) {
-    become(arguments.data(), environment_pointers.data(), parent, input, output[1], failure[1]);
+    become(arguments.data(), environment_pointers.data(), parent, cpus.empty() ? nullptr : &cpu_set,
+           input, output[1], failure[1]);
   }
   ::close(input);
   ::close(output[1]);

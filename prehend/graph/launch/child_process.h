@@ -16,10 +16,11 @@ namespace prehend::graph::launch {
 class ChildProcess {
  public:
   /// `command`: executable path, then arguments. `environment` is added to this process' own.
-  /// Throws std::system_error naming the executable when it cannot be started. Call from a thread
-  /// that lives as long as the child shall.
+  /// `cpus`: those it may run on, empty: all. Throws std::system_error naming the executable when
+  /// it cannot be started. Call from a thread that lives as long as the child shall.
   ChildProcess(const std::vector<std::string>& command,
-               const std::map<std::string, std::string>& environment);
+               const std::map<std::string, std::string>& environment,
+               const std::vector<int>& cpus = {});
   /// Kills the group if the child has not ended, and waits for the child.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

@@ -24,27 +24,60 @@ struct LaunchArgument {
   std::string description;
 };
 
-/// One process to start, everything resolved.
+/// Whether a process is started again when it dies, and when.
+struct Respawn {
+  bool wanted = false;
+  double first_delay = 0.5;   ///< s, doubles each time
+  double longest_delay = 10;  ///< s
+  bool operator==(const Respawn&) const = default;
+};
+
+/// One node to start, everything resolved.
 struct LaunchNode {
-  std::string name;        ///< unique in the graph
+  std::string name;        ///< unique in the graph, with its namespace before it: left_camera
   std::string program;     ///< name of the executable
   std::string executable;  ///< its path
   std::string clock;       ///< "wall", "simulated", or "" for the program's default
-  std::map<std::string, std::string> parameters;  ///< nested keys joined with '.'
-  std::string parameter_file;                     ///< path, or ""
-  std::map<std::string, std::string> remaps;      ///< from -> to
+  std::string name_space;  ///< e.g. "/left"; "" for none
+  std::map<std::string, std::string> parameters;        ///< nested keys joined with '.'
+  std::map<std::string, std::string> parameter_places;  ///< the same keys -> "FILE:LINE"
+  std::string parameter_file;                           ///< path, or ""
+  std::map<std::string, std::string> remaps;            ///< from -> name in the graph
   std::map<std::string, std::string> environment;
-  bool required = false;  ///< its end is the end of the launch
-  bool respawn = false;   ///< start it again when it dies
-  std::string place;      ///< "FILE:LINE" it comes from
+  std::vector<int> cpu_affinity;   ///< CPUs it may run on; empty: all
+  std::string host;                ///< name in LaunchGraph::hosts; "" when there are none
+  std::string process;             ///< `compose:` nodes of one name share a process; "": its own
+  std::vector<std::string> after;  ///< names of nodes that have to be ready before
+  bool required = false;           ///< its end is the end of the launch
+  Respawn respawn;
+  std::string place;  ///< "FILE:LINE" it comes from
+};
+
+/// A machine that runs a part of the graph.
+struct LaunchHost {
+  std::string name;
+  std::string address;  ///< what its nodes bind to and others connect to
 };
 
 /// What a launch file and its arguments resolve to.
 struct LaunchGraph {
   std::string file;                              ///< absolute path
   std::map<std::string, std::string> arguments;  ///< of the top file, with their final values
+  std::vector<std::string> missing_arguments;    ///< see Missing::kLeaveOpen
+  std::vector<LaunchHost> hosts;                 ///< empty: all on this machine, on loopback
+  std::string registry_host;                     ///< where the registry runs; "" without hosts
+  std::string log_directory;                     ///< or ""
   std::vector<LaunchNode> nodes;  ///< in the order of the file, includes where they stand
 };
+
+/// What becomes of arguments that have no default and get no value.
+enum class Missing {
+  kRefuse,
+  kLeaveOpen,  ///< stays as "$(name)", and what depends on it is not checked
+};
+
+/// True when the text depends on an argument that has no value.
+bool is_open(const std::string& text);
 
 /// Splits command line words "name:=value"; throws LaunchError for any other word.
 std::map<std::string, std::string> parse_arguments(const std::vector<std::string>& words);
@@ -52,37 +85,18 @@ std::map<std::string, std::string> parse_arguments(const std::vector<std::string
 /// The arguments the launch file itself declares. Throws LaunchError.
 std::vector<LaunchArgument> declared_arguments(const std::string& path);
 
-/// Reads a launch file and everything it includes, and resolves it:
-///
-///     arguments:            # all optional; without a default the argument must be given
-///       scene: {default: demo, type: string, description: what stands on the table}
-///     clock: simulated      # of every node that says nothing else: wall | simulated
-///     include:
-///       - {file: sensors.yaml, arguments: {rate: 5}, if: $(sensors)}
-///     nodes:
-///       - node: simulation                # name of a program beside `prehend`
-///         name: world                     # default: the program's name
-///         parameters: {scene: $(root)/config/scenes/$(scene).yaml, seed: 7}
-///         parameter_file: simulation.yaml # relative to the launch file
-///         remap: {/camera: /left/camera}
-///         required: true
-///         respawn: false
-///         clock: wall
-///         environment: {OMP_NUM_THREADS: "1"}
-///         if: $(scene) == demo            # true | false | a == b | a != b
-///
-/// `$(name)` stands for an argument, `$(launch_dir)` for the file's folder and `$(root)` for the
-/// folder above it. `node_folder` is where programs are looked for. Unknown keys, programs and
-/// arguments, duplicate node names, values of a wrong type, missing files and cyclic includes throw
-/// LaunchError.
+/// Reads a launch file and everything it includes, and resolves it. All keys: launch/README.md.
+/// `node_folder` is where programs are looked for. Unknown keys, programs and arguments, duplicate
+/// names and keys, values of a wrong type, missing files, cyclic includes and start orders, nodes
+/// of one process that contradict each other, and files beyond all measure throw LaunchError.
 LaunchGraph load_launch_file(const std::string& path,
                              const std::map<std::string, std::string>& arguments,
-                             const std::string& node_folder);
+                             const std::string& node_folder, Missing missing = Missing::kRefuse);
 
-/// The resolved graph as YAML that load_launch_file would accept.
+/// The resolved graph as YAML that load_launch_file would accept, groups and includes resolved.
 std::string describe(const LaunchGraph& graph);
 
-/// The command line a node is started with, the executable first.
-std::vector<std::string> command_line(const LaunchNode& node);
+/// The options a node is started with, without its program. `address`: to bind to, or "".
+std::vector<std::string> node_options(const LaunchNode& node, const std::string& address);
 
 }  // namespace prehend::graph::launch

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct LaunchScope {
   std::map<std::string, std::string> values;  ///< arguments, launch_dir, root
 };
 
+/// The shorter of the path itself and the path from the working directory.
+std::string short_path(const std::string& path);
+
 /// "FILE:LINE" of a YAML node, FILE as a short path.
 std::string place_of(const LaunchScope& scope, const YAML::Node& node);
 
@@ -27,21 +31,34 @@ std::string place_of(const LaunchScope& scope, const YAML::Node& node);
 void check_keys(const LaunchScope& scope, const YAML::Node& map, const std::string& what,
                 const std::vector<std::string>& known);
 
-/// Replaces every `$(name)`; throws for unknown names and unclosed parentheses.
+/// Throws unless `node` is a list, nothing, or null; `what` says what it should be a list of.
+void check_list(const LaunchScope& scope, const YAML::Node& node, const std::string& what);
+
+/// Replaces every `$(name)`; throws for unknown names, unclosed parentheses and results beyond
+/// 64 KiB.
 std::string substitute(const LaunchScope& scope, const YAML::Node& place, const std::string& text);
 
-/// The text of a scalar, with substitution.
+/// The text of a scalar, with substitution; "" for null and nothing.
 std::string text_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what);
 bool bool_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what);
+/// A number from 0 to `most`; `otherwise` when the key is not there.
+double number_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what,
+                 double most, double otherwise);
 
-/// A mapping of names to scalars, nested mappings joined with '.', with substitution.
-std::map<std::string, std::string> text_map_of(const LaunchScope& scope, const YAML::Node& node,
-                                               const std::string& what);
+/// A list of texts; also one text whose parts are separated by commas or spaces. May be empty.
+std::vector<std::string> text_list_of(const LaunchScope& scope, const YAML::Node& node,
+                                      const std::string& what);
 
-/// The value of an `if:` key: true | false | a == b | a != b.
+/// A mapping of names to scalars, nested mappings joined with '.', with substitution. `places`,
+/// when given, takes "FILE:LINE" of each.
+std::map<std::string, std::string> text_map_of(
+    const LaunchScope& scope, const YAML::Node& node, const std::string& what,
+    std::map<std::string, std::string>* places = nullptr);
+
+/// The value of an `if:` key: true | false | a == b | a != b. True when the key is not there.
 bool condition_of(const LaunchScope& scope, const YAML::Node& node);
 
-/// Throws unless `value` is one of the argument's type.
+/// Reads `value` as the argument's type; throws unless it is one.
 void check_type(const LaunchScope& scope, const YAML::Node& place, const LaunchArgument& argument,
                 const std::string& value);
 

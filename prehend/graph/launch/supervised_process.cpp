@@ -10,10 +10,10 @@ constexpr std::size_t kLongestLine = 16384;  // longer ones are shown in pieces
 }  // namespace
 
 void SupervisedProcess::start() {
-  ready = false;
+  ready = succeeded = false;
   restart_at.reset();
   last_line_.clear();
-  child_ = std::make_unique<ChildProcess>(command_, environment_);
+  child_ = std::make_unique<ChildProcess>(command_, environment_, cpus_);
   started_ = Clock::now();
 }
 
@@ -51,6 +51,7 @@ std::optional<int> SupervisedProcess::reap() {
   partial_line_.clear();
   peak_memory_ = std::max(peak_memory_, child_->peak_memory());
   child_.reset();
+  succeeded = is_success(*status);
   return status;
 }
 

@@ -19,10 +19,12 @@ class SupervisedProcess {
   using Clock = std::chrono::steady_clock;
 
   SupervisedProcess(std::string name, std::vector<std::string> command,
-                    std::map<std::string, std::string> environment, LaunchOutput& output)
+                    std::map<std::string, std::string> environment, std::vector<int> cpus,
+                    LaunchOutput& output)
       : name_(std::move(name)),
         command_(std::move(command)),
         environment_(std::move(environment)),
+        cpus_(std::move(cpus)),
         output_(output) {}
 
   void start();
@@ -33,6 +35,9 @@ class SupervisedProcess {
 
   const std::string& name() const { return name_; }
   bool running() const { return child_ != nullptr; }
+  /// It runs, will run again, or has not run yet.
+  bool is_wanted() const { return running() || restart_at || !was_started(); }
+  bool was_started() const { return started_ != Clock::time_point{}; }
   ChildProcess* child() { return child_.get(); }
   /// The last line it wrote that is not blank.
   const std::string& last_line() const { return last_line_; }
@@ -42,7 +47,8 @@ class SupervisedProcess {
 
   bool ready = false;                           ///< the registry has it as ready, since its start
   std::optional<Clock::time_point> restart_at;  ///< when to start it again
-  std::chrono::milliseconds delay{0};           ///< of the last restart
+  std::chrono::duration<double> delay{0};       ///< of the last restart
+  bool succeeded = false;                       ///< its last run ended with exit code 0
 
  private:
   void show_line(std::string_view line);
@@ -50,6 +56,7 @@ class SupervisedProcess {
   const std::string name_;
   const std::vector<std::string> command_;
   const std::map<std::string, std::string> environment_;
+  const std::vector<int> cpus_;
   LaunchOutput& output_;
   std::unique_ptr<ChildProcess> child_;
   std::string partial_line_, last_line_;

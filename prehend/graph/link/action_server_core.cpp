@@ -12,11 +12,18 @@ using msgs::graph::PeerMessage;
 }  // namespace
 
 ActionServerCore::ActionServerCore(std::shared_ptr<NodeLink> link, OfferType offer, Handler handler)
-    : link_(std::move(link)), offer_(std::move(offer)), handler_(std::move(handler)) {
-  thread_ = std::thread([this] { work(); });
+    : link_(std::move(link)), offer_(std::move(offer)), handler_(std::move(handler)) {}
+
+ActionServerCore::~ActionServerCore() {
+  stop();
+  if (thread_.joinable()) thread_.detach();  // it runs this destructor as its last deed
 }
 
-ActionServerCore::~ActionServerCore() { stop(); }
+void ActionServerCore::start() {
+  const std::lock_guard lock(thread_mutex_);
+  // The thread holds the server, as the handler may destroy the last handle.
+  thread_ = std::thread([self = shared_from_this()] { self->work(); });
+}
 
 void ActionServerCore::accept(const std::string& client, PeerMessage::Goal goal) {
   auto task = std::make_shared<GoalTask>();
@@ -34,7 +41,7 @@ void ActionServerCore::accept(const std::string& client, PeerMessage::Goal goal)
     if (stopping_) {
       never_run = task;
     } else {
-      if (current_) {
+      if (current_ && !current_->cancelled) {  // else its client's cancel is what ends it
         current_->preempted = true;
         current_->cancelled = true;
       }
@@ -55,24 +62,45 @@ void ActionServerCore::cancel(const std::string& client, std::uint64_t id) {
   cancel_where([&](const GoalTask& task) { return task.client == client && task.id == id; });
 }
 
+bool ActionServerCore::cancel_all() {
+  return cancel_where([](const GoalTask&) { return true; });
+}
+
 void ActionServerCore::lose_client(const std::string& client) {
   cancel_where([&](const GoalTask& task) { return task.client == client; });
 }
 
-void ActionServerCore::cancel_where(const std::function<bool(const GoalTask&)>& applies) {
+bool ActionServerCore::cancel_where(const std::function<bool(const GoalTask&)>& applies) {
   std::shared_ptr<GoalTask> never_run;
+  bool found = false;
   {
     const std::lock_guard lock(mutex_);
-    if (current_ && applies(*current_)) current_->cancelled = true;
+    found = current_ && applies(*current_);
+    if (found) current_->cancelled = true;
     if (pending_ && applies(*pending_)) never_run = std::exchange(pending_, nullptr);
   }
   link_->clock->wake();
   if (never_run) {
     send_end(*never_run, PeerMessage::CANCELLED, offer_.label() + ": cancelled before it began");
   }
+  return found || never_run;
+}
+
+void ActionServerCore::probe_client() {
+  constexpr auto kPeriod = std::chrono::milliseconds(500);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_probe_ < kPeriod) return;
+  last_probe_ = now;
+  PeerMessage message;
+  message.mutable_feedback()->set_id(0);
+  const std::lock_guard lock(mutex_);
+  for (const auto& task : {current_, pending_}) {
+    if (task && !task->cancelled) link_->send_to_client(task->client, message);
+  }
 }
 
 void ActionServerCore::work() {
+  thread_id_ = std::this_thread::get_id();
   while (true) {
     std::shared_ptr<GoalTask> task;
     {
@@ -101,9 +129,15 @@ void ActionServerCore::run(GoalTask& task) {
       send_end(task, PeerMessage::SUCCEEDED, "", &result);
     }
   } catch (const std::exception& error) {
-    send_end(task, PeerMessage::FAILED, offer_.label() + " failed: " + error.what());
-    link_->report(Health::kError, offer_.label() + ": exception in the handler: " + error.what());
+    fail(task, error.what());
+  } catch (...) {
+    fail(task, kForeignException);
   }
+}
+
+void ActionServerCore::fail(const GoalTask& task, const std::string& what) {
+  send_end(task, PeerMessage::FAILED, offer_.label() + " failed: " + what);
+  link_->report(Health::kError, offer_.label() + ": exception in the handler: " + what);
 }
 
 void ActionServerCore::send_end(const GoalTask& task, PeerMessage::GoalStatus status,
@@ -130,6 +164,8 @@ void ActionServerCore::begin_stop() {
 
 void ActionServerCore::stop() {
   begin_stop();
+  if (thread_id_ == std::this_thread::get_id()) return;  // the handler ends its own server
+  const std::lock_guard lock(thread_mutex_);
   if (thread_.joinable()) thread_.join();
 }
 

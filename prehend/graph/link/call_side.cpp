@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "prehend/graph/link/callback_scope.h"
+
 namespace prehend::graph {
 namespace {
 
@@ -63,6 +65,9 @@ bool ServiceCore::run_one() {
   } catch (const std::exception& error) {
     answer_error(request, error.what());
     throw;  // the server's own log has it, too
+  } catch (...) {
+    answer_error(request, kForeignException);
+    throw;
   }
   link_->send_to_client(request.client, message);
   return true;
@@ -101,25 +106,59 @@ Service& Service::operator=(Service&& other) noexcept {
   return *this;
 }
 
-void PendingCall::finish(Status end_status, std::string text, std::string content) {
-  const std::lock_guard lock(mutex);
-  if (done) return;
-  done = true;
-  status = end_status;
-  error = std::move(text);
-  answer = std::move(content);
-  changed.notify_all();
+void PendingCall::finish(Status status, std::string error, std::string answer) {
+  {
+    const std::lock_guard lock(mutex);
+    if (done) return;
+    done = true;
+    end = {status, std::move(error), std::move(answer)};
+    changed.notify_all();
+  }
+  if (on_end) on_end(end);
+}
+
+std::string PendingCall::timeout_error() const {
+  const double waited = std::chrono::duration<double>(timeout).count();
+  return server_name.empty()
+             ? fmt::format("{}: nobody serves it (waited {:.3g} s)", offer.label(), waited)
+             : fmt::format("{}: node '{}' did not answer within {:.3g} s", offer.label(),
+                           server_name, waited);
 }
 
 void CallSide::start(const std::shared_ptr<PendingCall>& call) {
   if (stopped_) return call->finish(Status::kShutdown, call->offer.label() + ": this node stops");
-  if (!advance(*call)) calls_[call->id] = call;
+  call->since = std::chrono::steady_clock::now();
+  if (advance(*call)) return;
+  calls_[call->id] = call;
+  if (call->on_end) call->alarm = loop_.at(call->deadline, [this, id = call->id] { expire(id); });
+}
+
+CallSide::Calls::iterator CallSide::erase(Calls::iterator call) {
+  if (call->second->alarm) loop_.cancel(*call->second->alarm);
+  return calls_.erase(call);
+}
+
+void CallSide::forget(std::uint64_t id) {
+  if (const auto call = calls_.find(id); call != calls_.end()) erase(call);
+}
+
+void CallSide::expire(std::uint64_t id) {
+  const auto found = calls_.find(id);
+  if (found == calls_.end()) return;
+  const auto call = found->second;
+  erase(found);
+  std::string error;
+  {
+    const std::lock_guard lock(call->mutex);
+    error = call->timeout_error();
+  }
+  call->finish(Status::kTimeout, error);
 }
 
 // True when the call is over.
 bool CallSide::advance(PendingCall& call) {
   if (!call.server.empty()) return false;
-  const FoundOffer found = find_offer(registry_, call.offer);
+  const FoundOffer found = find_offer(registry_, channels_, call.offer);
   if (!found.node) return false;
   if (!found.error.empty()) {
     call.finish(Status::kFailed, found.error);
@@ -137,6 +176,7 @@ bool CallSide::advance(PendingCall& call) {
   request.set_request_hash(call.offer.type_hashes[0]);
   request.set_body(std::move(call.body));
   call.server = found.node->instance();
+  call.since = std::chrono::steady_clock::now();
   {
     const std::lock_guard lock(call.mutex);
     call.server_name = found.node->name();
@@ -149,7 +189,7 @@ bool CallSide::advance(PendingCall& call) {
 
 void CallSide::look_again() {
   for (auto call = calls_.begin(); call != calls_.end();) {
-    call = advance(*call->second) ? calls_.erase(call) : std::next(call);
+    call = advance(*call->second) ? erase(call) : std::next(call);
   }
 }
 
@@ -162,20 +202,40 @@ void CallSide::lose_server(const std::string& server) {
     call->second->finish(Status::kServerGone,
                          fmt::format("{}: its server ended before it answered ({})",
                                      call->second->offer.label(), server));
-    call = calls_.erase(call);
+    call = erase(call);
   }
 }
 
-void CallSide::take_answer(PeerMessage::Answer& answer) {
+void CallSide::check_connections() {
+  const auto before = std::chrono::steady_clock::now() - kConnectTime;
+  for (auto call = calls_.begin(); call != calls_.end();) {
+    const PendingCall& pending = *call->second;
+    std::string lost;
+    if (pending.server.empty()) {
+      lost = find_offer(registry_, channels_, pending.offer).lost;
+    } else if (!channels_.is_connected(pending.server)) {
+      lost = pending.server;
+    }
+    if (lost.empty() || pending.since > before || pending.only_wait) {
+      ++call;
+      continue;
+    }
+    call->second->finish(Status::kServerGone, fmt::format("{}: its server cannot be reached ({})",
+                                                          pending.offer.label(), lost));
+    call = erase(call);
+  }
+}
+
+void CallSide::take_answer(const std::string& server, PeerMessage::Answer& answer) {
   const auto call = calls_.find(answer.id());
-  if (call == calls_.end()) return;  // came too late
+  if (call == calls_.end() || call->second->server != server) return;  // came too late
   if (answer.error().empty()) {
     call->second->finish(Status::kOk, "", std::move(*answer.mutable_body()));
   } else {
     call->second->finish(Status::kFailed,
                          call->second->offer.label() + " failed: " + answer.error());
   }
-  calls_.erase(call);
+  erase(call);
 }
 
 void CallSide::stop() {
@@ -186,37 +246,71 @@ void CallSide::stop() {
   calls_.clear();
 }
 
-Status ServiceClientCore::call(std::string body, bool only_wait, std::chrono::nanoseconds timeout,
-                               std::string& answer, std::string& error) {
-  const auto deadline = deadline_after(timeout);
+std::shared_ptr<PendingCall> ServiceClientCore::make_call(std::string body,
+                                                          std::chrono::nanoseconds timeout) const {
   auto call = std::make_shared<PendingCall>();
   call->id = next_call_id();
   call->offer = offer_;
-  call->only_wait = only_wait;
   call->body = std::move(body);
-  if (!link_->loop->post([call, &side = side_] { side.start(call); })) {
-    error = offer_.label() + ": this node has stopped";
-    return Status::kShutdown;
-  }
+  call->timeout = timeout;
+  call->deadline = deadline_after(timeout);
+  return call;
+}
+
+bool ServiceClientCore::post(const std::shared_ptr<PendingCall>& call) {
+  if (link_->loop->post([call, &side = side_] { side.start(call); })) return true;
+  call->finish(Status::kShutdown, offer_.label() + ": this node has stopped");
+  return false;
+}
+
+CallEnd ServiceClientCore::run(const std::shared_ptr<PendingCall>& call) {
+  post(call);
   std::unique_lock lock(call->mutex);
-  if (call->changed.wait_until(lock, deadline, [&] { return call->done; })) {
-    answer = std::move(call->answer);
-    error = call->error;
-    return call->status;
+  if (call->changed.wait_until(lock, call->deadline, [&] { return call->done; })) {
+    return std::move(call->end);
   }
-  const double waited = std::chrono::duration<double>(timeout).count();
-  error = call->server_name.empty()
-              ? fmt::format("{}: nobody serves it (waited {:.3g} s)", offer_.label(), waited)
-              : fmt::format("{}: node '{}' did not answer within {:.3g} s", offer_.label(),
-                            call->server_name, waited);
+  const std::string error = call->timeout_error();
   lock.unlock();
   link_->loop->post([id = call->id, &side = side_] { side.forget(id); });
-  return Status::kTimeout;
+  return {Status::kTimeout, error, ""};
+}
+
+CallEnd ServiceClientCore::call(std::string body, std::chrono::nanoseconds timeout) {
+  if (timeout.count() > 0) {
+    const std::string refused = refuse_blocking(*link_->clock, offer_.label() + ": call",
+                                                "use call_async, or call in a thread of your own");
+    if (!refused.empty()) return {Status::kRefused, refused, ""};
+  }
+  return run(make_call(std::move(body), timeout));
+}
+
+void ServiceClientCore::call_async(std::string body, std::chrono::nanoseconds timeout,
+                                   std::function<void(CallEnd)> on_end) {
+  const auto call = make_call(std::move(body), timeout);
+  call->on_end = [link = std::weak_ptr(link_), name = "answer of " + offer_.label(),
+                  on_end = std::move(on_end)](CallEnd end) {
+    const auto alive = link.lock();
+    if (!alive) return;
+    alive->executor->schedule(name,
+                              [on_end, end = std::move(end)]() mutable { on_end(std::move(end)); });
+  };
+  post(call);
+}
+
+bool ServiceClientCore::wait_for_server(std::chrono::nanoseconds timeout) {
+  if (timeout.count() > 0) {
+    const std::string refused = refuse_blocking(
+        *link_->clock, offer_.label() + ": wait_for_server",
+        "a call or a goal waits for its server by itself, or wait in a thread of your own");
+    if (!refused.empty()) throw std::logic_error(refused);
+  }
+  const auto call = make_call("", timeout);
+  call->only_wait = true;
+  return run(call).status == Status::kOk;
 }
 
 bool ServiceClientBase::wait_for_server(std::chrono::nanoseconds timeout) const {
-  std::string answer, error;
-  return checked(core_)->call("", true, timeout, answer, error) == Status::kOk;
+  return checked(core_)->wait_for_server(timeout);
 }
 
 const std::string& ServiceClientBase::service() const { return checked(core_)->offer().name; }
@@ -224,12 +318,20 @@ const std::string& ServiceClientBase::service() const { return checked(core_)->o
 Status ServiceClientBase::call_core(const google::protobuf::Message& request,
                                     google::protobuf::Message& response,
                                     std::chrono::nanoseconds timeout, std::string& error) const {
-  std::string answer;
-  const Status status =
-      checked(core_)->call(request.SerializeAsString(), false, timeout, answer, error);
-  if (status != Status::kOk || response.ParseFromString(answer)) return status;
+  CallEnd end = checked(core_)->call(request.SerializeAsString(), timeout);
+  error = std::move(end.error);
+  if (end.status != Status::kOk || response.ParseFromString(end.answer)) return end.status;
   error = core_->offer().label() + ": the answer is damaged";
   return Status::kFailed;
+}
+
+void ServiceClientBase::call_async_core(
+    const google::protobuf::Message& request, std::chrono::nanoseconds timeout,
+    std::function<void(Status, std::string error, const std::string& answer)> on_end) const {
+  checked(core_)->call_async(request.SerializeAsString(), timeout,
+                             [on_end = std::move(on_end)](CallEnd end) {
+                               on_end(end.status, std::move(end.error), end.answer);
+                             });
 }
 
 }  // namespace prehend::graph

@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "prehend/graph/link/callback_scope.h"
+
 namespace prehend::graph {
 namespace {
 
@@ -54,11 +56,12 @@ bool CallbackSource::is_closed() const {
   return closed_;
 }
 
-TimerSource::TimerSource(std::shared_ptr<Clock::State> clock, std::int64_t period,
+TimerSource::TimerSource(std::shared_ptr<Clock::State> clock, std::int64_t period, bool once,
                          std::function<void()> callback)
     : CallbackSource("timer"),
       clock_(std::move(clock)),
       period_(period),
+      once_(once),
       callback_(std::move(callback)) {
   if (clock_->has_started()) {
     started_ = true;
@@ -80,17 +83,22 @@ bool TimerSource::run_one() {
     const std::lock_guard lock(mutex_);
     const std::int64_t now = clock_->timer_now();
     if (now < next_) return false;
-    next_ += (1 + (now - next_) / period_) * period_;
+    next_ = now + (period_ - (now - next_) % period_);
   }
+  if (once_) close();
   callback_();
   return true;
 }
 
-void Executor::schedule(std::shared_ptr<CallbackSource> source) {
+void Executor::schedule(std::shared_ptr<CallbackSource> source, std::size_t count) {
   const std::lock_guard lock(mutex_);
   if (stopped_) return;
-  ready_.push_back(std::move(source));
-  changed_.notify_one();
+  if (!ready_.empty() && ready_.back().source == source) {
+    ready_.back().runs += count;
+  } else {
+    ready_.push_back({std::move(source), count});
+  }
+  tell_news();
 }
 
 void Executor::schedule(std::string name, std::function<void()> work) {
@@ -100,12 +108,12 @@ void Executor::schedule(std::string name, std::function<void()> work) {
 void Executor::add_timer(const std::shared_ptr<TimerSource>& timer) {
   const std::lock_guard lock(mutex_);
   timers_.push_back(timer);
-  changed_.notify_one();
+  tell_news();
 }
 
 void Executor::wake() {
   const std::lock_guard lock(mutex_);
-  changed_.notify_one();
+  tell_news();
 }
 
 std::shared_ptr<CallbackSource> Executor::due_timer(std::int64_t now, std::int64_t& next_due) {
@@ -125,6 +133,23 @@ std::shared_ptr<CallbackSource> Executor::due_timer(std::int64_t now, std::int64
   return next_due <= now ? first : nullptr;
 }
 
+void Executor::tell_news() {
+  ++news_;
+  changed_.notify_one();
+}
+
+// Watches out for news without sleeping; true when there are some.
+bool Executor::look_out(std::unique_lock<std::mutex>& lock, std::int64_t no_longer_than) {
+  if (busy_wait_.count() <= 0) return false;
+  const std::uint64_t seen = news_;
+  const auto end = std::chrono::steady_clock::now() +
+                   std::min(busy_wait_, std::chrono::nanoseconds(no_longer_than));
+  lock.unlock();
+  while (news_ == seen && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+  lock.lock();
+  return news_ != seen;
+}
+
 std::shared_ptr<CallbackSource> Executor::next(std::unique_lock<std::mutex>& lock) {
   while (!stopped_) {
     std::int64_t next_due = std::numeric_limits<std::int64_t>::max();
@@ -138,10 +163,12 @@ std::shared_ptr<CallbackSource> Executor::next(std::unique_lock<std::mutex>& loc
     }
     timer_ran_last_ = false;
     if (!ready_.empty()) {
-      auto source = std::move(ready_.front());
+      if (--ready_.front().runs > 0) return ready_.front().source;
+      auto source = std::move(ready_.front().source);
       ready_.pop_front();
       return source;
     }
+    if (look_out(lock, next_due - now)) continue;
     const bool by_the_wall = clock_->mode() == ClockMode::kWall;
     if (by_the_wall && next_due != std::numeric_limits<std::int64_t>::max()) {
       changed_.wait_for(lock, std::chrono::nanoseconds(next_due - now));
@@ -153,12 +180,15 @@ std::shared_ptr<CallbackSource> Executor::next(std::unique_lock<std::mutex>& loc
 }
 
 bool Executor::run_now(CallbackSource& source) {
+  const CallbackScope scope(*clock_, source.name());
   try {
     return source.run();
   } catch (const std::exception& error) {
     on_error_(source.name(), error.what());
-    return true;
+  } catch (...) {
+    on_error_(source.name(), kForeignException);
   }
+  return true;
 }
 
 void Executor::run() {
@@ -175,11 +205,11 @@ void Executor::run() {
 }
 
 void Executor::stop() {
-  std::deque<std::shared_ptr<CallbackSource>> dropped;  // destroyed outside the lock
+  std::deque<Ready> dropped;  // destroyed outside the lock
   const std::lock_guard lock(mutex_);
   stopped_ = true;
   dropped.swap(ready_);
-  changed_.notify_all();
+  tell_news();
 }
 
 bool Executor::is_stopped() const {

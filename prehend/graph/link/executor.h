@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -14,6 +15,9 @@
 #include "prehend/graph/link/clock_state.h"
 
 namespace prehend::graph {
+
+/// What is said of a thrown thing that is no std::exception.
+inline constexpr const char* kForeignException = "an exception that is no std::exception";
 
 /// Something that calls user code: a subscription, a service, a timer, …
 class CallbackSource {
@@ -45,10 +49,10 @@ class CallbackSource {
   std::thread::id runner_;
 };
 
-/// Calls its function every period of the clock.
+/// Calls its function every period of the clock, or once.
 class TimerSource : public CallbackSource {
  public:
-  TimerSource(std::shared_ptr<Clock::State> clock, std::int64_t period,
+  TimerSource(std::shared_ptr<Clock::State> clock, std::int64_t period, bool once,
               std::function<void()> callback);
   /// [ns of timer_now()] when due next; moves on when the simulated clock starts or jumps back.
   std::int64_t due(std::int64_t now);
@@ -59,6 +63,7 @@ class TimerSource : public CallbackSource {
  private:
   std::shared_ptr<Clock::State> clock_;
   const std::int64_t period_;
+  const bool once_;
   std::function<void()> callback_;
   std::mutex mutex_;
   bool started_ = false;
@@ -69,13 +74,14 @@ class TimerSource : public CallbackSource {
 /// Runs callbacks one at a time in the order they came due.
 class Executor {
  public:
-  /// `on_error` is told of exceptions that leave callbacks.
+  /// `on_error` is told of exceptions that leave callbacks. `busy_wait`: see NodeOptions.
   Executor(std::shared_ptr<Clock::State> clock,
-           std::function<void(const std::string& source, const std::string& what)> on_error)
-      : clock_(std::move(clock)), on_error_(std::move(on_error)) {}
+           std::function<void(const std::string& source, const std::string& what)> on_error,
+           std::chrono::nanoseconds busy_wait = {})
+      : clock_(std::move(clock)), on_error_(std::move(on_error)), busy_wait_(busy_wait) {}
 
-  /// Asks for one run of the source. May be called from any thread.
-  void schedule(std::shared_ptr<CallbackSource> source);
+  /// Asks for `count` runs of the source. May be called from any thread.
+  void schedule(std::shared_ptr<CallbackSource> source, std::size_t count = 1);
   /// Asks for one call of `work`.
   void schedule(std::string name, std::function<void()> work);
   void add_timer(const std::shared_ptr<TimerSource>& timer);
@@ -90,13 +96,21 @@ class Executor {
 
  private:
   std::shared_ptr<CallbackSource> next(std::unique_lock<std::mutex>& lock);
+  bool look_out(std::unique_lock<std::mutex>& lock, std::int64_t no_longer_than);
+  void tell_news();
   std::shared_ptr<CallbackSource> due_timer(std::int64_t now, std::int64_t& next_due);
 
   std::shared_ptr<Clock::State> clock_;
   std::function<void(const std::string&, const std::string&)> on_error_;
+  const std::chrono::nanoseconds busy_wait_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::shared_ptr<CallbackSource>> ready_;
+  std::atomic<std::uint64_t> news_ = 0;  // counts what changed_ is told
+  struct Ready {
+    std::shared_ptr<CallbackSource> source;
+    std::size_t runs;
+  };
+  std::deque<Ready> ready_;
   std::vector<std::weak_ptr<TimerSource>> timers_;
   bool timer_ran_last_ = false;  // so that a timer that is always due does not starve the rest
   bool running_ = false;

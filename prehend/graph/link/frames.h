@@ -2,63 +2,63 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <zmq.hpp>
 
 #include "msgs/graph.pb.h"
+#include "prehend/graph/link/content.h"
 
 namespace prehend::graph {
 
-/// Largest frame a socket takes. ZeroMQ closes the connection of a peer that announces more, before
-/// it allocates memory.
-inline constexpr std::int64_t kMaxFrameBytes = std::int64_t{256} << 20;
-
-/// The content of a published message: body + prefix + payload is its standard encoding.
-struct MessageFrames {
-  zmq::message_t body;
-  zmq::message_t prefix;   ///< tag and length of the payload field, or empty
-  zmq::message_t payload;  ///< content of the payload field, or empty
-
-  std::size_t bytes() const { return body.size() + prefix.size() + payload.size(); }
-  /// Shares the memory.
-  MessageFrames share();
-  std::string concatenated() const;
+/// A published message on its way to its readers.
+struct OutgoingMessage {
+  std::shared_ptr<const Content> content;
+  std::uint64_t sequence = 0;
+  std::int64_t stamp = 0;         ///< ns
+  std::int64_t publish_time = 0;  ///< ns
 };
 
-/// A message with its envelope, ready to be sent to any number of readers.
-struct TopicFrames {
-  std::string envelope;
-  MessageFrames message;
-  std::uint64_t sequence = 0;
-
-  TopicFrames share() { return {envelope, message.share(), sequence}; }
+/// What all messages of a publisher have in common.
+struct TopicHead {
+  std::string topic;
+  std::string sender;
+  std::uint64_t schema_hash = 0;
 };
 
 /// A multipart message in full.
 using Frames = std::vector<zmq::message_t>;
-
-/// Encodes `message`, copying it once. Throws std::length_error above kMaxFrameBytes.
-MessageFrames encode(const google::protobuf::Message& message);
-/// The same, taking the payload field's content out of `message` without a copy.
-MessageFrames encode_moving(google::protobuf::Message& message);
-/// The same with the payload apart; see Publisher::publish.
-MessageFrames encode_with_payload(const google::protobuf::Message& message,
-                                  std::vector<std::uint8_t>&& payload);
-/// Takes bytes that are encoded already.
-MessageFrames encode_raw(std::string bytes);
-
-/// `header.stamp` of the message, 0 when it has none.
-std::int64_t header_stamp(const google::protobuf::Message& message);
 
 /// Receives all frames of one message without waiting; empty when there is none. Frames beyond
 /// `kMaxFrames` are thrown away, and the result then has kMaxFrames + 1 frames: malformed.
 inline constexpr std::size_t kMaxFrames = 8;
 Frames receive(zmq::socket_ref socket);
 
-/// The frames `topic | Envelope | body | prefix | payload`.
-Frames to_wire(const std::string& topic, TopicFrames& frames);
+/// The frames `topic | Envelope | body | prefix | payload`. With a `slab_reader` (not 0) what lies
+/// in shared memory stays there: its frame is empty and the envelope says where it is.
+Frames to_wire(const TopicHead& head, const OutgoingMessage& message, std::uint32_t slab_reader);
+
+/// Small messages that follow each other travel together, at most this many bytes.
+inline constexpr std::size_t kMaxBatchBytes = std::size_t{64} << 10;
+/// Whether a message may travel with others.
+bool fits_in_batch(const OutgoingMessage& message);
+/// The frames `topic | Envelope | batch`: the envelope is the first message's, the batch one record
+/// for each: stamp, publish time (int64), length of the encoding (uint32), all little-endian, and
+/// the encoding. Sequence numbers follow the first.
+Frames to_wire(const TopicHead& head, std::span<const OutgoingMessage> batch);
+
+/// Takes a batch apart. False, and no or some calls, when it is damaged.
+struct BatchRecord {
+  std::int64_t stamp = 0;
+  std::int64_t publish_time = 0;
+  SharedBytes encoded;
+};
+bool read_batch(const SharedBytes& batch, const std::function<void(BatchRecord)>& take);
+
 /// The frames `"" | PeerMessage`.
 Frames to_wire(const msgs::graph::PeerMessage& message);
 

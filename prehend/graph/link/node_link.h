@@ -10,9 +10,11 @@
 #include <utility>
 
 #include "msgs/graph.pb.h"
+#include "prehend/graph/link/callback_scope.h"
 #include "prehend/graph/link/clock_state.h"
 #include "prehend/graph/link/executor.h"
 #include "prehend/graph/link/io_loop.h"
+#include "prehend/graph/link/slab.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::graph {
@@ -39,6 +41,10 @@ class UsedNames {
 /// the loop closed and the executor stopped then.
 struct NodeLink {
   std::string node_name;
+  std::string instance;
+  bool use_pointers = true;         ///< between nodes of this process
+  bool use_slab = true;             ///< between processes of this host
+  std::shared_ptr<SlabPool> slabs;  ///< null unless use_slab
   UsedNames names;
   std::shared_ptr<Clock::State> clock;
   std::shared_ptr<IoLoop> loop;

@@ -22,21 +22,38 @@ void fill(const ParameterValue& value, msgs::graph::ParameterValue& out) {
   if (const auto* v = std::get_if<std::int64_t>(&value)) out.set_int_value(*v);
   if (const auto* v = std::get_if<double>(&value)) out.set_double_value(*v);
   if (const auto* v = std::get_if<std::string>(&value)) out.set_string_value(*v);
+  if (const auto* v = std::get_if<std::vector<double>>(&value)) {
+    out.mutable_numbers_value()->mutable_values()->Assign(v->begin(), v->end());
+  }
+  if (const auto* v = std::get_if<std::vector<std::string>>(&value)) {
+    out.mutable_texts_value();  // an empty list is a value, too
+    for (const std::string& text : *v) out.mutable_texts_value()->add_values(text);
+  }
 }
 
 }  // namespace
 
+std::string ParameterStore::place_of(const std::string& name) const {
+  const auto source = sources_.find(name);
+  return source == sources_.end() ? "" : source->second + ": ";
+}
+
 ParameterValue ParameterStore::declare(ParameterInfo parameter) {
   check_name(parameter.name);
-  const std::lock_guard lock(mutex_);
-  if (parameters_.count(parameter.name)) {
-    throw std::invalid_argument("parameter '" + parameter.name + "' is declared twice");
-  }
   const auto given = given_.find(parameter.name);
-  const std::string text = given != given_.end() ? given->second : to_text(parameter.default_value);
-  parameter.value = parse_parameter(parameter, text);
+  try {
+    parameter.value = parse_parameter(
+        parameter, given != given_.end() ? given->second : to_text(parameter.default_value));
+    validate_parameter(parameter, parameter.value);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(place_of(parameter.name) + error.what());
+  }
   const ParameterValue value = parameter.value;
-  parameters_.emplace(parameter.name, std::move(parameter));
+  const std::string name = parameter.name;
+  const std::lock_guard lock(mutex_);
+  if (!parameters_.emplace(name, std::move(parameter)).second) {
+    throw std::invalid_argument("parameter '" + name + "' is declared twice");
+  }
   return value;
 }
 
@@ -59,12 +76,35 @@ ParameterInfo ParameterStore::get(const std::string& name) const {
   return find(name);
 }
 
-ParameterInfo ParameterStore::set(const std::string& name, const std::string& text) {
+std::vector<ParameterInfo> ParameterStore::set(const std::map<std::string, std::string>& texts) {
+  std::vector<ParameterInfo> changed;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, text] : texts) changed.push_back(find(name));
+  }
+  for (ParameterInfo& parameter : changed) {
+    if (parameter.read_only) {
+      throw std::invalid_argument(
+          "parameter '" + parameter.name +
+          "' is read-only: it is set when the node starts, by --param or a parameter file");
+    }
+    parameter.value = parse_parameter(parameter, texts.at(parameter.name));
+    validate_parameter(parameter, parameter.value);
+  }
   const std::lock_guard lock(mutex_);
-  const ParameterValue value = parse_parameter(find(name), text);
-  ParameterInfo& parameter = parameters_.at(name);
-  parameter.value = value;
-  return parameter;
+  for (const ParameterInfo& parameter : changed) {
+    parameters_.at(parameter.name).value = parameter.value;
+  }
+  return changed;
+}
+
+bool ParameterStore::has_validation(const std::map<std::string, std::string>& texts) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, text] : texts) {
+    const auto found = parameters_.find(name);
+    if (found != parameters_.end() && found->second.validate) return true;
+  }
+  return false;
 }
 
 std::vector<ParameterInfo> ParameterStore::all() const {
@@ -78,7 +118,7 @@ void ParameterStore::check_all_given_are_declared() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [name, text] : given_) {
     if (parameters_.count(name)) continue;
-    throw std::runtime_error("unknown parameter '" + name + "'" +
+    throw std::runtime_error(place_of(name) + "unknown parameter '" + name + "'" +
                              nearest_match_hint(name, names()));
   }
 }
@@ -93,6 +133,7 @@ msgs::graph::ParameterRecord to_record(const ParameterInfo& parameter) {
   if (parameter.maximum) fill(*parameter.maximum, *record.mutable_maximum());
   for (const ParameterValue& choice : parameter.choices) record.add_choices(to_text(choice));
   record.set_description(parameter.description);
+  record.set_read_only(parameter.read_only);
   return record;
 }
 

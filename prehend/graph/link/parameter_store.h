@@ -12,18 +12,25 @@
 
 namespace prehend::graph {
 
-/// A node's parameters. All functions may be called from any thread; none calls back.
+/// A node's parameters. All functions may be called from any thread; user code (validate) is called
+/// in that thread, outside the lock.
 class ParameterStore {
  public:
-  /// `given`: name -> text from the command line and parameter files.
-  explicit ParameterStore(std::map<std::string, std::string> given) : given_(std::move(given)) {}
+  /// `given`: name -> text from the command line and parameter files. `sources`: name ->
+  /// "FILE:LINE" of those that come from a file, for messages.
+  ParameterStore(std::map<std::string, std::string> given,
+                 std::map<std::string, std::string> sources)
+      : given_(std::move(given)), sources_(std::move(sources)) {}
 
   /// See Node::declare_parameter.
   ParameterValue declare(ParameterInfo parameter);
   /// The parameter as it is now. Throws std::invalid_argument, with the nearest name, when unknown.
   ParameterInfo get(const std::string& name) const;
-  /// Sets and returns it as it is then. Throws as declare and get do.
-  ParameterInfo set(const std::string& name, const std::string& text);
+  /// Sets all of name -> text, or none and throws as declare and get do. Returns the parameters as
+  /// they are then, sorted by name.
+  std::vector<ParameterInfo> set(const std::map<std::string, std::string>& texts);
+  /// True when one of them has a validate(), which is user code.
+  bool has_validation(const std::map<std::string, std::string>& texts) const;
   /// Sorted by name.
   std::vector<ParameterInfo> all() const;
   /// Throws std::runtime_error when a parameter was given that is not declared.
@@ -32,9 +39,12 @@ class ParameterStore {
  private:
   const ParameterInfo& find(const std::string& name) const;
   std::vector<std::string> names() const;
+  /// "FILE:LINE: " or "".
+  std::string place_of(const std::string& name) const;
 
   mutable std::mutex mutex_;
-  std::map<std::string, std::string> given_;
+  const std::map<std::string, std::string> given_;
+  const std::map<std::string, std::string> sources_;
   std::map<std::string, ParameterInfo> parameters_;
 };
 

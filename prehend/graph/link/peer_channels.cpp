@@ -25,10 +25,13 @@ void set_up(zmq::socket_t& socket, int send_high_water_mark) {
 
 }  // namespace
 
-PeerChannels::PeerChannels(IoLoop& loop, std::string instance, Events events)
+PeerChannels::PeerChannels(IoLoop& loop, CurveGate& gate, std::string instance, Events events,
+                           std::shared_ptr<const SlabPool> slabs)
     : loop_(loop),
+      gate_(gate),
       instance_(std::move(instance)),
       events_(std::move(events)),
+      slabs_(std::move(slabs)),
       router_(loop.context(), zmq::socket_type::router) {
   set_up(router_, kHighWaterMark);
   router_.set(zmq::sockopt::router_mandatory, true);
@@ -37,6 +40,7 @@ PeerChannels::PeerChannels(IoLoop& loop, std::string instance, Events events)
 
 PeerChannels::~PeerChannels() {
   loop_.unwatch(router_);
+  gate_.release(router_);
   for (auto& [name, server] : servers_) close(server);
 }
 
@@ -48,6 +52,7 @@ void PeerChannels::close(Server& server) {
 }
 
 std::string PeerChannels::bind(const std::string& endpoint) {
+  gate_.secure_server(router_, endpoint);
   router_.bind(endpoint);
   loop_.watch(router_, [this] { read_router(); });
   return router_.get(zmq::sockopt::last_endpoint);
@@ -68,8 +73,9 @@ void PeerChannels::connect(const std::string& name, const std::string& endpoint)
   server.monitor.set(zmq::sockopt::linger, 0);
   server.monitor.connect(monitor);
   try {
+    gate_.secure_client(server.socket, endpoint);
     server.socket.connect(endpoint);
-  } catch (const zmq::error_t& error) {
+  } catch (const std::exception& error) {
     close(server);
     events_.malformed("endpoint '" + endpoint + "' of " + name + ": " + error.what());
     return;
@@ -77,6 +83,16 @@ void PeerChannels::connect(const std::string& name, const std::string& endpoint)
   loop_.watch(server.socket, [this, name] { read_server(name); });
   loop_.watch(server.monitor, [this, name] { read_monitor(name); });
   servers_.emplace(name, std::move(server));
+}
+
+bool PeerChannels::is_connected(const std::string& server) const {
+  const auto found = servers_.find(server);
+  return found != servers_.end() && found->second.is_connected;
+}
+
+bool PeerChannels::is_lost(const std::string& server) const {
+  const auto found = servers_.find(server);
+  return found != servers_.end() && found->second.was_lost;
 }
 
 void PeerChannels::forget(const std::string& peer) {
@@ -93,84 +109,155 @@ bool PeerChannels::send_to_server(const std::string& server,
   const auto found = servers_.find(server);
   if (found == servers_.end()) return false;
   Frames frames = to_wire(message);
-  return send(found->second.socket, "", frames) == SendResult::kSent;
+  const SendResult result = send(found->second.socket, "", frames);
+  loop_.touch(found->second.socket);
+  return result == SendResult::kSent;
 }
 
 bool PeerChannels::send_to_client(const std::string& client,
                                   const msgs::graph::PeerMessage& message) {
   Waiting item;
   item.frames = to_wire(message);
-  return send_or_wait(client, std::move(item));
+  if (!backlogs_.count(client)) {
+    const SendResult result = send_by_router(client, item.frames);
+    if (result == SendResult::kNoRoute) lose_client(client);
+    if (result != SendResult::kFull) return result == SendResult::kSent;
+  }
+  wait(client, std::move(item));
+  return true;
 }
 
-bool PeerChannels::publish_to_client(const std::string& client, const std::string& topic,
-                                     TopicFrames& frames, const QoS& qos,
-                                     const std::shared_ptr<DropCounter>& drops) {
-  Waiting item;
-  item.frames = to_wire(topic, frames);
-  item.topic = topic;
-  item.bytes = frames.message.bytes();
-  item.drops = drops;
-  if (const auto backlog = backlogs_.find(client); backlog != backlogs_.end()) {
-    make_room(backlog->second, topic, item.bytes, qos);
+bool PeerChannels::publish_to_client(const std::string& client, std::uint32_t slab_reader,
+                                     const Publication& publication,
+                                     std::span<const OutgoingMessage> messages) {
+  if (!backlogs_.count(client) &&
+      send_messages(client, slab_reader, publication.head, messages) == SendResult::kNoRoute) {
+    lose_client(client);
+    return false;
   }
-  return send_or_wait(client, std::move(item));
+  for (const OutgoingMessage& message : messages) {
+    Backlog& backlog = backlogs_[client];
+    make_room(backlog, publication.head.topic, message.content->bytes(), publication.qos);
+    auto& share = backlog.topics[publication.head.topic];
+    ++share.count;
+    share.bytes += message.content->bytes();
+    wait(client, {{}, &publication.head, publication.drops, message, slab_reader});
+  }
+  return true;
 }
 
-void PeerChannels::make_room(std::deque<Waiting>& backlog, const std::string& topic,
-                             std::size_t bytes, const QoS& qos) {
-  std::size_t count = 0;
-  for (const Waiting& item : backlog) {
-    if (item.topic != topic) continue;
-    ++count;
-    bytes += item.bytes;
+SendResult PeerChannels::send_by_router(const std::string& client, Frames& frames) {
+  loop_.touch(router_);
+  return send(router_, client, frames);
+}
+
+SendResult PeerChannels::send_messages(const std::string& client, std::uint32_t slab_reader,
+                                       const TopicHead& head,
+                                       std::span<const OutgoingMessage>& messages) {
+  while (!messages.empty()) {
+    std::size_t count = 0;
+    for (std::size_t bytes = 0; count < messages.size() && fits_in_batch(messages[count]);
+         ++count) {
+      bytes += messages[count].content->bytes();
+      if (bytes > kMaxBatchBytes) break;
+    }
+    SendResult result = SendResult::kSent;
+    if (count > 1) {
+      Frames frames = to_wire(head, messages.first(count));
+      result = send_by_router(client, frames);
+    } else {
+      count = 1;
+      result = send_message(client, head, messages.front(), slab_reader);
+    }
+    if (result != SendResult::kSent) return result;
+    messages = messages.subspan(count);
   }
-  for (auto item = backlog.begin();
-       item != backlog.end() && count > 0 && (count >= qos.depth || bytes > qos.max_bytes);) {
-    if (item->topic != topic) {
+  return SendResult::kSent;
+}
+
+SendResult PeerChannels::send_message(const std::string& client, const TopicHead& head,
+                                      const OutgoingMessage& message, std::uint32_t slab_reader) {
+  const auto& slab = message.content->encoded().slab;
+  const bool by_slab = slab && slab_reader != 0;
+  // The frames of a message in shared memory are so small that a socket would take hundreds for a
+  // reader that has stopped.
+  if (by_slab && slabs_ && slabs_->granted(slab_reader) >= kHighWaterMark) {
+    return SendResult::kFull;
+  }
+  Frames frames = to_wire(head, message, slab_reader);
+  if (by_slab) slab->grant(slab_reader);
+  const SendResult result = send_by_router(client, frames);
+  if (by_slab && result != SendResult::kSent) slab->revoke(slab_reader);
+  return result;
+}
+
+void PeerChannels::make_room(Backlog& backlog, const std::string& topic, std::size_t bytes,
+                             const QoS& qos) {
+  auto& share = backlog.topics[topic];
+  for (auto item = backlog.items.begin();
+       share.count > 0 && (share.count >= qos.depth || share.bytes + bytes > qos.max_bytes);) {
+    if (!item->head || item->head->topic != topic) {
       ++item;
       continue;
     }
     item->drops->count_dropped(1);
-    bytes -= item->bytes;
-    --count;
-    item = backlog.erase(item);
+    share.bytes -= item->message.content->bytes();
+    --share.count;
+    item = backlog.items.erase(item);
   }
 }
 
-bool PeerChannels::send_or_wait(const std::string& client, Waiting item) {
-  auto backlog = backlogs_.find(client);
-  if (backlog == backlogs_.end()) {
-    const SendResult result = send(router_, client, item.frames);
-    if (result == SendResult::kSent) return true;
-    if (result == SendResult::kNoRoute) {
-      lose_client(client);
-      return false;
-    }
-    backlog = backlogs_.emplace(client, std::deque<Waiting>()).first;
+void PeerChannels::wait(const std::string& client, Waiting item) {
+  backlogs_[client].items.push_back(std::move(item));
+  if (retry_planned_) return;
+  retry_planned_ = true;
+  loop_.soon([this] { retry_backlogs(); });
+}
+
+// The first item, and with it the published messages behind it that may travel together.
+SendResult PeerChannels::send_front(const std::string& client, Backlog& backlog) {
+  const Waiting& front = backlog.items.front();
+  if (!front.head) {
+    const SendResult result = send_by_router(client, backlog.items.front().frames);
+    if (result == SendResult::kSent) drop_front(backlog);
+    return result;
   }
-  backlog->second.push_back(std::move(item));
-  if (!retry_planned_) {
-    retry_planned_ = true;
-    loop_.soon([this] { retry_backlogs(); });
+  const TopicHead& head = *front.head;
+  const std::shared_ptr<DropCounter> keeps_head = front.drops;
+  std::vector<OutgoingMessage> run;
+  std::size_t bytes = 0;
+  for (const Waiting& item : backlog.items) {
+    bytes += item.head ? item.message.content->bytes() : 0;
+    if (!run.empty() && (item.head != &head || bytes > kMaxBatchBytes)) break;
+    run.push_back(item.message);
   }
-  return true;
+  std::span<const OutgoingMessage> left = run;
+  const SendResult result = send_messages(client, front.slab_reader, head, left);
+  for (std::size_t sent = run.size() - left.size(); sent > 0; --sent) drop_front(backlog);
+  return result;
+}
+
+void PeerChannels::drop_front(Backlog& backlog) {
+  const Waiting& item = backlog.items.front();
+  if (item.head) {
+    auto& share = backlog.topics[item.head->topic];
+    --share.count;
+    share.bytes -= item.message.content->bytes();
+  }
+  backlog.items.pop_front();
 }
 
 void PeerChannels::retry_backlogs() {
   retry_planned_ = false;
   std::vector<std::string> lost;
   for (auto client = backlogs_.begin(); client != backlogs_.end();) {
-    auto& backlog = client->second;
+    Backlog& backlog = client->second;
     SendResult result = SendResult::kSent;
-    while (!backlog.empty()) {
-      result = send(router_, client->first, backlog.front().frames);
-      if (result != SendResult::kSent) break;
-      backlog.pop_front();
+    while (!backlog.items.empty() && result == SendResult::kSent) {
+      result = send_front(client->first, backlog);
     }
     if (result == SendResult::kNoRoute) lost.push_back(client->first);
-    client = backlog.empty() || result == SendResult::kNoRoute ? backlogs_.erase(client)
-                                                               : std::next(client);
+    client = backlog.items.empty() ? backlogs_.erase(client) : std::next(client);
   }
   for (const std::string& client : lost) lose_client(client);
   if (backlogs_.empty() || retry_planned_) return;
@@ -205,7 +292,7 @@ bool PeerChannels::read_server(const std::string& name) {
     if (server == servers_.end()) return false;
     Frames frames = receive(server->second.socket);
     if (frames.empty()) return false;
-    if (frames.size() == 5) {
+    if (frames.size() == 5 || frames.size() == 3) {
       events_.topic_message(name, frames);
       continue;
     }
@@ -228,6 +315,7 @@ void PeerChannels::read_monitor(const std::string& name) {
   if (frames.empty() || frames[0].size() < 2) return;
   std::uint16_t event = 0;
   std::memcpy(&event, frames[0].data(), sizeof event);
+  server->second.is_connected = event != ZMQ_EVENT_DISCONNECTED;
   if (event == ZMQ_EVENT_DISCONNECTED) {
     server->second.was_lost = true;
     while (read_server(name)) {

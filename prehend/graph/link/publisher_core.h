@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "prehend/graph/link/frames.h"
 #include "prehend/graph/link/node_link.h"
@@ -14,21 +16,34 @@
 
 namespace prehend::graph {
 
-/// The part of a publisher that user threads see: messages go into its outbox, and the loop's
-/// thread takes them out. Thread-safe.
+class SubscriptionCore;
+
+/// The part of a publisher that user threads see. Subscribers of this process get each message at
+/// once, by pointer; for the others it goes into the outbox, which is emptied in the loop's thread.
+/// Thread-safe.
 class PublisherCore : public DropCounter {
  public:
-  /// `has_work`: called, under no lock, when the outbox is no longer empty.
   PublisherCore(std::shared_ptr<NodeLink> link, std::string topic, QoS qos,
                 std::shared_ptr<const Schema> schema, std::uint64_t id);
 
-  const std::string& topic() const { return topic_; }
+  const std::string& topic() const { return head_.topic; }
+  const TopicHead& head() const { return head_; }
   const QoS& qos() const { return qos_; }
   const std::shared_ptr<const Schema>& schema() const { return schema_; }
   std::uint64_t id() const { return id_; }
 
+  /// See Publisher. Those that take a `message` may take it apart.
+  void publish_copy(const google::protobuf::Message& message);
+  void publish_moved(google::protobuf::Message& message);
+  void publish_apart(google::protobuf::Message& message, SharedBytes payload,
+                     std::shared_ptr<Slab> slab);
+  void publish_shared(std::shared_ptr<const google::protobuf::Message> message);
+  void publish_each(std::span<const google::protobuf::Message* const> messages);
   /// `stamp` [ns], 0: now.
-  void publish(MessageFrames message, std::int64_t stamp);
+  void publish(EncodedMessage message, std::int64_t stamp);
+  /// Shared memory for a payload, or null when it had better be on the heap.
+  std::shared_ptr<Slab> slab_for(std::size_t bytes) const;
+
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const;
   PublisherStatistics statistics() const;
 
@@ -36,27 +51,55 @@ class PublisherCore : public DropCounter {
 
   // For the loop's thread:
   void set_drain(std::function<void()> drain);
-  std::deque<TopicFrames> take_outbox();
+  struct Taken {
+    std::deque<OutgoingMessage> messages;
+    std::uint64_t last_sequence = 0;  ///< of all that were published, whether kept or not
+  };
+  Taken take_outbox();
+  /// Who is to be served through the outbox: `keeps`, anybody at all or the history;
+  /// `slab_readers`, somebody who reads shared memory.
+  void set_outbox_use(bool keeps, bool slab_readers);
   void set_subscribers(std::size_t count);
-  /// Ends waits for ever.
+  /// Hands everything published from now on to a subscription of this process. Not twice. `history`
+  /// comes first, with what waits in the outbox since it was written down, the last `depth` of all
+  /// that; null: nothing of the past.
+  void add_local(const std::shared_ptr<SubscriptionCore>& subscription,
+                 const std::deque<OutgoingMessage>* history, std::size_t depth);
+  void remove_local(std::uint64_t subscription);
+  /// Ends waits for ever, and hands nothing over any more.
   void stop();
 
  private:
+  using Message = google::protobuf::Message;
+
+  bool has_local() const;
+  std::shared_ptr<SlabPool> pool() const;
+  std::shared_ptr<const Content> content_of(const Message& message) const;
+  void publish_content(std::shared_ptr<const Content> content, std::int64_t stamp);
+  /// True when the outbox was empty before.
+  bool put(std::shared_ptr<const Content> content, std::int64_t stamp, std::int64_t now);
+  void start_drain(bool was_empty);
+  void hand_over(SubscriptionCore& subscription, const OutgoingMessage& message) const;
   void make_room(std::size_t bytes);
 
   const std::shared_ptr<NodeLink> link_;
-  const std::string topic_;
+  const TopicHead head_;
   const QoS qos_;
   const std::shared_ptr<const Schema> schema_;
   const std::uint64_t id_;
+  const SharedName topic_name_, sender_name_;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::function<void()> drain_;
-  std::deque<TopicFrames> outbox_;
+  std::deque<OutgoingMessage> outbox_;
   std::size_t outbox_bytes_ = 0;
-  std::uint64_t next_sequence_ = 1;
+  std::vector<std::shared_ptr<SubscriptionCore>> local_;
+  bool keeps_ = true;
+  bool slab_readers_ = false;
+  std::uint64_t last_sequence_ = 0;
   PublisherStatistics statistics_;
+  std::chrono::steady_clock::time_point last_drain_;
   bool stopped_ = false;
 };
 

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <vector>
 
+#include "prehend/graph/link/local_nodes.h"
 #include "prehend/graph/link/topic_sides.h"
 
 namespace prehend::graph {
@@ -30,6 +33,7 @@ void PublisherSide::add(const std::shared_ptr<PublisherCore>& core) {
   Entry& entry = entries_[core->id()];
   entry.core = core;
   entry.deadline = std::chrono::steady_clock::now() + kOpeningTime;
+  drain(core->id());  // published before the loop came to know it
 }
 
 void PublisherSide::remove(std::uint64_t id) {
@@ -46,34 +50,48 @@ void PublisherSide::drain(std::uint64_t id) {
   const auto found = entries_.find(id);
   if (found == entries_.end()) return;
   Entry& entry = found->second;
-  for (TopicFrames& frames : entry.core->take_outbox()) {
-    entry.last_sequence = frames.sequence;
-    for (const auto& [client, subscriptions] : entry.clients) {
-      channels_.publish_to_client(client, entry.core->topic(), frames, entry.core->qos(),
-                                  entry.core);
-    }
-    if (entry.opening || entry.core->qos().policy == QoS::Policy::kLatched) {
-      remember(entry, std::move(frames));
-    }
+  auto taken = entry.core->take_outbox();
+  entry.last_sequence = taken.last_sequence;
+  if (taken.messages.empty()) return;
+  const std::vector<OutgoingMessage> messages(std::make_move_iterator(taken.messages.begin()),
+                                              std::make_move_iterator(taken.messages.end()));
+  for (const auto& [client, subscriptions] : entry.clients) {
+    publish_to(client, entry, entry.core->qos(), messages);
   }
+  if (!entry.opening && entry.core->qos().policy != QoS::Policy::kLatched) return;
+  for (const OutgoingMessage& message : messages) remember(entry, message);
 }
 
-void PublisherSide::remember(Entry& entry, TopicFrames frames) {
+void PublisherSide::publish_to(const std::string& client, const Entry& entry, const QoS& qos,
+                               std::span<const OutgoingMessage> messages) {
+  channels_.publish_to_client(client, slab_readers_.place_of(client),
+                              {entry.core->head(), qos, entry.core}, messages);
+}
+
+std::set<std::string> PublisherSide::drain_all() {
+  std::set<std::string> readers;
+  for (const auto& [id, entry] : entries_) {
+    drain(id);
+    for (const auto& [reader, subscription] : entry.readers) readers.insert(reader);
+  }
+  return readers;
+}
+
+void PublisherSide::remember(Entry& entry, const OutgoingMessage& message) {
   const QoS& qos = entry.core->qos();
   const std::size_t depth = entry.opening ? std::max(qos.depth, kOpeningDepth) : qos.depth;
-  entry.history_bytes += frames.message.bytes();
-  entry.history.push_back(std::move(frames));
+  entry.history_bytes += message.content->bytes();
+  entry.history.push_back(message);
   while (entry.history.size() > depth ||
          (entry.history.size() > 1 && entry.history_bytes > qos.max_bytes)) {
     if (entry.opening && qos.policy == QoS::Policy::kQueue) entry.core->count_dropped(1);
-    entry.history_bytes -= entry.history.front().message.bytes();
+    entry.history_bytes -= entry.history.front().content->bytes();
     entry.history.pop_front();
   }
 }
 
-void PublisherSide::join(const std::string& client, const PeerMessage::Subscribe& request) {
-  PeerMessage message;
-  auto& answer = *message.mutable_subscribed();
+PublisherSide::Entry* PublisherSide::admit(const PeerMessage::Subscribe& request,
+                                           PeerMessage::Subscribed& answer) {
   answer.set_topic(request.topic());
   answer.set_subscription(request.subscription());
   const auto found = entries_.find(request.publisher());
@@ -81,37 +99,82 @@ void PublisherSide::join(const std::string& client, const PeerMessage::Subscribe
   if (!entry || entry->core->topic() != request.topic()) {
     answer.set_error("topic " + request.topic() + " is not published by node '" + link_.node_name +
                      "' any more");
-  } else if (request.schema_hash() != 0 && request.schema_hash() != entry->core->schema()->hash) {
+    return nullptr;
+  }
+  if (request.schema_hash() != 0 && request.schema_hash() != entry->core->schema()->hash) {
     answer.set_error(fmt::format("topic {} carries {} of another definition or type than {}",
                                  request.topic(), entry->core->schema()->name,
                                  request.schema_name()));
+    return nullptr;
   }
-  if (!answer.error().empty()) {
-    channels_.send_to_client(client, message);
-    return;
-  }
+  entry->core->set_outbox_use(true, entry->slab_readers);
   drain(entry->core->id());  // what was published before the join is history
   const Schema& schema = *entry->core->schema();
   answer.mutable_schema()->set_name(schema.name);
   answer.mutable_schema()->set_hash(schema.hash);
   if (request.wants_schema()) answer.mutable_schema()->set_descriptor_set(schema.descriptor_set);
   answer.set_policy(to_wire_policy(entry->core->qos().policy));
-  const std::size_t history = std::min<std::size_t>(
-      entry->history.size(), entry->opening ? entry->history.size() : request.depth());
-  answer.set_next_sequence(entry->last_sequence + 1 - history);
-  if (!channels_.send_to_client(client, message)) return;
-  for (std::size_t i = entry->history.size() - history; i < entry->history.size(); ++i) {
-    QoS all = entry->core->qos();  // history was bounded when it was kept
-    all.depth = std::max(all.depth, kOpeningDepth);
-    channels_.publish_to_client(client, request.topic(), entry->history[i], all, entry->core);
+  return entry;
+}
+
+// How many messages of the past a new reader gets.
+std::size_t PublisherSide::history_for(const Entry& entry,
+                                       const PeerMessage::Subscribe& request) const {
+  return entry.opening ? entry.history.size()
+                       : std::min<std::size_t>(entry.history.size(), request.depth());
+}
+
+void PublisherSide::join(const std::string& client, const PeerMessage::Subscribe& request) {
+  PeerMessage message;
+  auto& answer = *message.mutable_subscribed();
+  Entry* entry = admit(request, answer);
+  if (!entry) {
+    channels_.send_to_client(client, message);
+    return;
   }
+  const std::size_t history = history_for(*entry, request);
+  answer.set_next_sequence(entry->last_sequence + 1 - history);
+  if (request.accepts_slab()) {
+    answer.set_slab_reader(slab_readers_.join(client, request.pid()));
+  } else {
+    slab_readers_.lose(client);
+  }
+  if (!channels_.send_to_client(client, message)) return refresh_readers(*entry);
+  QoS all = entry->core->qos();  // history was bounded when it was kept
+  all.depth = std::max(all.depth, kOpeningDepth);
+  const std::vector<OutgoingMessage> past(
+      entry->history.end() - static_cast<std::ptrdiff_t>(history), entry->history.end());
+  publish_to(client, *entry, all, past);
   PeerMessage end;
   end.mutable_history_end()->set_topic(request.topic());
   end.mutable_history_end()->set_subscription(request.subscription());
   channels_.send_to_client(client, end);
   if (entry->readers.insert({client, request.subscription()}).second) ++entry->clients[client];
-  entry->core->set_subscribers(entry->readers.size());
+  refresh_readers(*entry);
   check_opening();
+}
+
+void PublisherSide::join_local(const std::shared_ptr<SubscriptionCore>& subscription,
+                               const std::string& client, const PeerMessage::Subscribe& request,
+                               PeerMessage::Subscribed& answer) {
+  Entry* entry = admit(request, answer);
+  if (!entry) return;
+  const bool has_past = entry->opening || entry->core->qos().policy == QoS::Policy::kLatched;
+  entry->core->add_local(subscription, has_past ? &entry->history : nullptr,
+                         entry->opening ? kOpeningDepth : request.depth());
+  entry->readers.insert({client, request.subscription()});
+  refresh_readers(*entry);
+  check_opening();
+}
+
+void PublisherSide::refresh_readers(Entry& entry) {
+  entry.core->set_subscribers(entry.readers.size());
+  entry.slab_readers =
+      std::any_of(entry.clients.begin(), entry.clients.end(),
+                  [this](const auto& client) { return slab_readers_.place_of(client.first) != 0; });
+  const bool keeps =
+      entry.opening || !entry.clients.empty() || entry.core->qos().policy == QoS::Policy::kLatched;
+  entry.core->set_outbox_use(keeps, entry.slab_readers);
 }
 
 void PublisherSide::leave(const std::string& client, const PeerMessage::Unsubscribe& request) {
@@ -123,6 +186,8 @@ void PublisherSide::leave(const std::string& client, const PeerMessage::Unsubscr
 }
 
 void PublisherSide::lose_client(const std::string& client) {
+  if (LocalNodes::of_this_process().find(client).loop) return;  // only the registry has lost it
+  slab_readers_.lose(client);
   for (auto& [id, entry] : entries_) {
     std::vector<std::pair<std::string, std::uint64_t>> lost;
     for (const auto& reader : entry.readers) {
@@ -136,8 +201,13 @@ void PublisherSide::lose_client(const std::string& client) {
 void PublisherSide::erase_reader(Entry& entry,
                                  const std::pair<std::string, std::uint64_t>& reader) {
   if (!entry.readers.erase(reader)) return;
-  if (--entry.clients[reader.first] == 0) entry.clients.erase(reader.first);
-  entry.core->set_subscribers(entry.readers.size());
+  const auto client = entry.clients.find(reader.first);
+  if (client == entry.clients.end()) {
+    entry.core->remove_local(reader.second);
+  } else if (--client->second == 0) {
+    entry.clients.erase(client);
+  }
+  refresh_readers(entry);
 }
 
 void PublisherSide::record_sent(std::uint64_t version) {
@@ -199,9 +269,10 @@ void PublisherSide::close_opening(Entry& entry) {
   const QoS& qos = entry.core->qos();
   const std::size_t kept = qos.policy == QoS::Policy::kLatched ? qos.depth : 0;
   while (entry.history.size() > kept) {
-    entry.history_bytes -= entry.history.front().message.bytes();
+    entry.history_bytes -= entry.history.front().content->bytes();
     entry.history.pop_front();
   }
+  refresh_readers(entry);
 }
 
 void PublisherSide::log_losses(bool at_any_rate) {

@@ -16,15 +16,17 @@ constexpr auto kTick = 50ms;
 constexpr auto kBeat = 1s;
 constexpr auto kRepeat = 500ms;  // unanswered hellos and updates
 constexpr auto kSilence = 3s;    // after which the registry counts as gone
-constexpr auto kGathering = 5s;  // in which nodes find a new registry
+constexpr auto kGathering = 2s;  // in which nodes find a new registry
 
 auto now() { return std::chrono::steady_clock::now(); }
 
 }  // namespace
 
-RegistryLink::RegistryLink(IoLoop& loop, const std::string& endpoint, Events events)
+RegistryLink::RegistryLink(IoLoop& loop, const CurveGate& gate, const std::string& endpoint,
+                           Events events)
     : loop_(loop),
       events_(std::move(events)),
+      has_keys_(gate.has_keys()),
       socket_(loop.context(), zmq::socket_type::dealer),
       last_answer_(now()),
       last_beat_(now()),
@@ -36,6 +38,11 @@ RegistryLink::RegistryLink(IoLoop& loop, const std::string& endpoint, Events eve
   socket_.set(zmq::sockopt::reconnect_ivl_max, 500);
   socket_.set(zmq::sockopt::linger, 300);
   socket_.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
+  gate.secure_client(socket_, endpoint);
+  monitor_.emplace(loop_, socket_,
+                   ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                       ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL,
+                   [this](std::uint16_t event, std::uint32_t) { connection_event(event); });
   socket_.connect(endpoint);
   loop_.watch(socket_, [this] { read(); });
   loop_.every(kTick, [this] { tick(); });
@@ -47,7 +54,23 @@ bool RegistryLink::send(RegistryRequest& request) {
   request.set_id(next_id_++);
   Frames frames(1);
   frames[0] = zmq::message_t(request.SerializeAsString());
+  loop_.touch(socket_);
   return graph::send(socket_, "", frames) == SendResult::kSent;
+}
+
+void RegistryLink::connection_event(std::uint16_t event) {
+  if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+    key_trouble_.clear();
+    last_beat_ = now() - kBeat;  // it may be a new registry, or have taken this node for dead
+    return tick();
+  }
+  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
+    key_trouble_ = has_keys_
+                       ? "what listens there uses no keys"
+                       : "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
+  } else if (has_keys_) {
+    key_trouble_ = "the registry there has other keys";
+  }
 }
 
 void RegistryLink::hello(const NodeRecord& record) {
@@ -149,6 +172,7 @@ void RegistryLink::take(const RegistryReply& reply) {
     registry_instance_ = reply.registry_instance();
     revision_ = reply.revision();
     known_version_ = 0;
+    list_id_ = 0;  // the list that was asked of the one before knows nobody yet
     full_list_due_ = now() + kGathering;
     full_list_wanted_ = true;
   }
@@ -160,7 +184,10 @@ void RegistryLink::take(const RegistryReply& reply) {
   if (reply.id() != 0 && reply.id() == update_id_) return take_update_answer(reply);
   if (reply.id() != 0 && reply.id() == list_id_) return take_all(reply);
   follow_revision(reply);
-  if (reply.id() != 0) return;
+  if (reply.id() != 0) {
+    if (!reply.error().empty()) events_.refused(reply.error());
+    return;
+  }
   for (const NodeRecord& record : reply.nodes()) take_node(record);
   for (const std::string& instance : reply.gone()) drop_node(instance);
 }

@@ -5,12 +5,15 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <zmq.hpp>
 
 #include "msgs/graph.pb.h"
+#include "prehend/graph/link/curve.h"
 #include "prehend/graph/link/io_loop.h"
+#include "prehend/graph/link/socket_monitor.h"
 #include "prehend/graph/schema.h"
 
 namespace prehend::graph {
@@ -35,7 +38,7 @@ class RegistryLink {
     std::function<void(bool)> registry_answers;
   };
 
-  RegistryLink(IoLoop& loop, const std::string& endpoint, Events events);
+  RegistryLink(IoLoop& loop, const CurveGate& gate, const std::string& endpoint, Events events);
   ~RegistryLink();
 
   /// Asks for the runtime folder until welcome or refused.
@@ -47,6 +50,8 @@ class RegistryLink {
   void goodbye();
 
   bool answers() const { return answers_; }
+  /// What is wrong with the keys when that is why nothing answers; else empty.
+  const std::string& key_trouble() const { return key_trouble_; }
   /// The other nodes and this one, by instance.
   const std::map<std::string, msgs::graph::NodeRecord>& nodes() const { return nodes_; }
 
@@ -54,6 +59,7 @@ class RegistryLink {
   using Time = std::chrono::steady_clock::time_point;
 
   bool send(msgs::graph::RegistryRequest& request);
+  void connection_event(std::uint16_t event);
   void send_hello();
   void send_record();
   void tick();
@@ -67,7 +73,10 @@ class RegistryLink {
 
   IoLoop& loop_;
   Events events_;
+  const bool has_keys_;
   zmq::socket_t socket_;
+  std::optional<SocketMonitor> monitor_;
+  std::string key_trouble_;
   msgs::graph::NodeRecord record_;
   std::map<std::string, msgs::graph::NodeRecord> nodes_;
   std::map<std::uint64_t, std::shared_ptr<const Schema>> schemas_;

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <system_error>
 
@@ -56,6 +57,7 @@ std::string make_runtime_folder() {
 void leave_runtime_folder(const std::string& folder) {
   ::unlink(registry_file(folder).c_str());
   clean_runtime_folder(folder);
+  clean_stale_runtime_folders();  // of killed registries, whose nodes may have ended since
 }
 
 std::string socket_path(const std::string& folder, const std::string& instance) {
@@ -95,7 +97,7 @@ std::string process_space() {
 }
 
 bool is_process_alive(std::int64_t pid) {
-  if (pid <= 0) return false;
+  if (pid <= 0 || pid > std::numeric_limits<pid_t>::max()) return false;
   if (::kill(static_cast<pid_t>(pid), 0) != 0) return errno == EPERM;
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string text;

@@ -14,7 +14,7 @@ std::string make_runtime_folder();
 std::string socket_path(const std::string& folder, const std::string& instance);
 /// Removes what dead processes left there, and the folder if it is empty then.
 void clean_runtime_folder(const std::string& folder);
-/// The same at the end of the folder's registry.
+/// The same at the end of the folder's registry, and for the folders of dead ones.
 void leave_runtime_folder(const std::string& folder);
 /// The same for all folders below BASE that dead registries left.
 void clean_stale_runtime_folders();

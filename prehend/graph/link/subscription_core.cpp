@@ -1,5 +1,6 @@
 #include "prehend/graph/link/subscription_core.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace prehend::graph {
@@ -44,28 +45,38 @@ void SubscriptionCore::withdraw() {
   if (withdraw) link_->loop->post(std::move(withdraw));
 }
 
-void SubscriptionCore::push(WaitingMessage message) {
+void SubscriptionCore::push(WaitingMessage message) { ask_for_callbacks(put(std::move(message))); }
+
+void SubscriptionCore::ask_for_callbacks(std::size_t count) {
+  if (count > 0) link_->executor->schedule(shared_from_this(), count);
+}
+
+std::size_t SubscriptionCore::put(WaitingMessage message) {
   if (in_loop_) {
-    handler_(message);
-    return;
+    link_->loop->post(
+        [self = shared_from_this(), message = std::move(message)] { self->handler_(message); });
+    return 0;
   }
   std::vector<WaitingMessage> dropped;  // freed outside the lock
   {
     const std::lock_guard lock(mutex_);
+    const std::size_t bytes = message.content->bytes();
     ++statistics_.received;
-    const std::size_t bytes = message.frames.bytes();
+    statistics_.bytes += bytes;
     while (!queue_.empty() &&
            (queue_.size() >= qos_.depth || queue_bytes_ + bytes > qos_.max_bytes)) {
-      queue_bytes_ -= queue_.front().frames.bytes();
+      queue_bytes_ -= queue_.front().content->bytes();
       dropped.push_back(std::move(queue_.front()));
       queue_.pop_front();
       ++(qos_.policy == QoS::Policy::kLatest ? statistics_.superseded : statistics_.dropped);
     }
     queue_bytes_ += bytes;
     queue_.push_back(std::move(message));
+    statistics_.queue_high_water = std::max(statistics_.queue_high_water, queue_.size());
+    statistics_.queue_high_water_bytes = std::max(statistics_.queue_high_water_bytes, queue_bytes_);
   }
   // One that took a dropped one's place takes its turn, too.
-  if (dropped.empty()) link_->executor->schedule(shared_from_this());
+  return dropped.empty() ? 1 : 0;
 }
 
 bool SubscriptionCore::run_one() {
@@ -75,7 +86,7 @@ bool SubscriptionCore::run_one() {
     if (queue_.empty()) return false;
     message = std::move(queue_.front());
     queue_.pop_front();
-    queue_bytes_ -= message.frames.bytes();
+    queue_bytes_ -= message.content->bytes();
   }
   const bool decoded = handler_(message);
   const std::lock_guard lock(mutex_);

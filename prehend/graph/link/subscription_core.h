@@ -8,8 +8,8 @@
 #include <mutex>
 #include <string>
 
+#include "prehend/graph/link/content.h"
 #include "prehend/graph/link/executor.h"
-#include "prehend/graph/link/frames.h"
 #include "prehend/graph/link/node_link.h"
 #include "prehend/graph/subscription.h"
 
@@ -17,7 +17,7 @@ namespace prehend::graph {
 
 /// A message that waits for its callback.
 struct WaitingMessage {
-  MessageFrames frames;
+  std::shared_ptr<const Content> content;
   std::shared_ptr<const MessageInfo> info;
   std::shared_ptr<const Schema> schema;  ///< of raw subscriptions
 };
@@ -47,8 +47,11 @@ class SubscriptionCore : public CallbackSource,
   /// Ends the subscription: no callback any more, then tells the loop.
   void withdraw();
 
-  /// In the loop's thread.
+  /// From the loop's thread, or a publisher's of this process.
   void push(WaitingMessage message);
+  /// The same, but asks for no callback yet: returns how many callbacks are to be asked for.
+  std::size_t put(WaitingMessage message);
+  void ask_for_callbacks(std::size_t count);
 
  protected:
   bool run_one() override;

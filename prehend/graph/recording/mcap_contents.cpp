@@ -1,6 +1,7 @@
 // How McapReader finds out what is in a file: from its summary, or by a scan from the front.
 
 #include <algorithm>
+#include <utility>
 
 #include "prehend/graph/recording/mcap_reader.h"
 #include "prehend/graph/recording/record_codec.h"
@@ -9,9 +10,9 @@ namespace prehend::graph::recording {
 
 bool McapReader::read_summary() {
   const std::uint64_t end_bytes = kFooterBytes + kMagic.size();
-  if (file_size_ < kMagic.size() + end_bytes) return false;
-  const std::uint64_t footer_offset = file_size_ - end_bytes;
-  const std::string end = read_bytes(footer_offset, end_bytes);
+  if (file_.size() < kMagic.size() + end_bytes) return false;
+  const std::uint64_t footer_offset = file_.size() - end_bytes;
+  const std::string end = file_.read(footer_offset, end_bytes);
   FieldReader footer(end);
   if (!end.ends_with(kMagic) || footer.u8() != kFooter ||
       footer.u64() != kFooterBytes - kRecordPrefix) {
@@ -27,7 +28,7 @@ bool McapReader::read_summary() {
     return false;
   }
   const std::string summary =
-      read_bytes(summary_start, footer_offset + kFooterBytes - 4 - summary_start);
+      file_.read(summary_start, footer_offset + kFooterBytes - 4 - summary_start);
   if (crc != 0 && crc32_of(summary) != crc) {
     report("the summary's checksum is wrong; the file was scanned instead");
     return false;
@@ -62,7 +63,7 @@ void McapReader::take_summary(std::string_view records) {
       const std::uint64_t length = index.u64();
       if (length < kRecordPrefix) throw McapError("a metadata index points to no record");
       metadata_.push_back(
-          decode_metadata(std::string_view(read_bytes(offset, length)).substr(kRecordPrefix)));
+          decode_metadata(std::string_view(file_.read(offset, length)).substr(kRecordPrefix)));
     }
   }
 }
@@ -81,24 +82,31 @@ bool McapReader::summary_is_usable() const {
 
 void McapReader::take_chunk_blocks() {
   for (const McapChunkIndex& chunk : chunks_) {
-    const bool inside = chunk.chunk_start_offset <= file_size_ &&
-                        chunk.chunk_length <= file_size_ - chunk.chunk_start_offset &&
+    const bool inside = chunk.chunk_start_offset <= file_.size() &&
+                        chunk.chunk_length <= file_.size() - chunk.chunk_start_offset &&
                         chunk.chunk_length >= kRecordPrefix;
     if (!inside) throw McapError("a chunk index points outside of the file");
-    blocks_.push_back({chunk.message_start_time, chunk.message_end_time, chunk.chunk_start_offset,
-                       chunk.chunk_length});
+    Block block{chunk.message_start_time,
+                chunk.message_end_time,
+                chunk.chunk_start_offset,
+                chunk.chunk_length,
+                {}};
+    for (const auto& [channel, offset] : chunk.message_index_offsets) {
+      block.channels.push_back(channel);
+    }
+    blocks_.push_back(std::move(block));
   }
 }
 
 void McapReader::scan() {
   std::uint64_t offset = kMagic.size();
   bool footer_found = false;
-  while (!footer_found && file_size_ - offset >= kRecordPrefix) {
-    const std::string prefix = read_bytes(offset, kRecordPrefix);
+  while (!footer_found && file_.size() - offset >= kRecordPrefix) {
+    const std::string prefix = file_.read(offset, kRecordPrefix);
     FieldReader fields(prefix);
     const std::uint8_t opcode = fields.u8();
     const std::uint64_t length = fields.u64();
-    const std::uint64_t available = file_size_ - offset - kRecordPrefix;
+    const std::uint64_t available = file_.size() - offset - kRecordPrefix;
     if (opcode == 0) {
       report("the record at byte " + std::to_string(offset) +
              " has the invalid opcode 0; nothing after it was read");
@@ -106,7 +114,7 @@ void McapReader::scan() {
     }
     footer_found = opcode == kFooter;
     if (length > available) {
-      if (opcode == kChunk) scan_block(opcode, offset, file_size_ - offset);
+      if (opcode == kChunk) scan_block(opcode, offset, file_.size() - offset);
       break;
     }
     try {
@@ -118,12 +126,12 @@ void McapReader::scan() {
   }
   if (!complete_) {
     report("the file ends without a footer (its writer was stopped, or it is cut off); " +
-           std::to_string(file_size_ - offset) + " bytes at its end are of no whole record");
+           std::to_string(file_.size() - offset) + " bytes at its end are of no whole record");
   }
 }
 
 void McapReader::scan_record(std::uint8_t opcode, std::uint64_t offset, std::uint64_t length) {
-  const auto content = [&] { return read_bytes(offset + kRecordPrefix, length); };
+  const auto content = [&] { return file_.read(offset + kRecordPrefix, length); };
   switch (opcode) {
     case kSchema:
       take_schema(decode_schema(content()));
@@ -140,7 +148,7 @@ void McapReader::scan_record(std::uint8_t opcode, std::uint64_t offset, std::uin
     case kAttachment: {
       // The fields before the data are read; the data can be large and is left alone.
       constexpr std::uint64_t kLongestFields = 1 << 16;
-      const std::string head = read_bytes(offset + kRecordPrefix, std::min(length, kLongestFields));
+      const std::string head = file_.read(offset + kRecordPrefix, std::min(length, kLongestFields));
       FieldReader fields(head);
       McapAttachmentIndex index;
       index.offset = offset;
@@ -164,7 +172,7 @@ void McapReader::scan_record(std::uint8_t opcode, std::uint64_t offset, std::uin
 }
 
 void McapReader::scan_block(std::uint8_t opcode, std::uint64_t offset, std::uint64_t length) {
-  Block block{0, 0, offset, length};
+  Block block{0, 0, offset, length, {}};
   const std::vector<McapMessage> messages = block_messages(block);
   for (const McapMessage& message : messages) {
     const bool first_of_all = statistics_.message_count == 0;

@@ -1,12 +1,6 @@
 #include "prehend/graph/recording/mcap_reader.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "prehend/graph/recording/chunk_compression.h"
 #include "prehend/graph/recording/record_codec.h"
@@ -16,78 +10,44 @@ namespace {
 
 constexpr std::size_t kMostProblems = 200;
 
-std::string at(std::uint64_t offset) { return " at byte " + std::to_string(offset); }
-
 }  // namespace
 
 McapReader::McapReader(const std::string& path, McapReaderOptions options)
-    : path_(path), options_(options) {
-  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file_ < 0) throw McapError("cannot open " + path_ + ": " + std::strerror(errno));
-  try {
-    struct stat status;
-    if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-      throw McapError(path_ + " is not a file");
-    }
-    file_size_ = static_cast<std::uint64_t>(status.st_size);
-    check_magic();
-    read_header();
-    if (!read_summary()) scan();
-  } catch (...) {
-    ::close(file_);
-    throw;
-  }
+    : file_(path), options_(options) {
+  check_magic();
+  read_header();
+  if (!read_summary()) scan();
 }
 
-McapReader::~McapReader() { ::close(file_); }
-
 void McapReader::check_magic() const {
-  if (file_size_ == 0) throw McapError(path_ + " is empty: not an MCAP recording");
-  const std::string magic = read_bytes(0, std::min<std::uint64_t>(file_size_, kMagic.size()));
+  if (file_.size() == 0) throw McapError(path() + " is empty: not an MCAP recording");
+  const std::string magic = file_.read(0, std::min<std::uint64_t>(file_.size(), kMagic.size()));
   if (magic == kMagic) return;
   if (magic.size() == kMagic.size() && magic.starts_with(kMagic.substr(0, 5))) {
-    throw McapError(path_ + " is MCAP of version '" + magic[5] + "'; only version '0' is known");
+    throw McapError(path() + " is MCAP of version '" + magic[5] + "'; only version '0' is known");
   }
-  throw McapError(path_ + " is not an MCAP recording (it does not begin with the MCAP magic)");
+  throw McapError(path() + " is not an MCAP recording (it does not begin with the MCAP magic)");
 }
 
 void McapReader::read_header() {
   const std::uint64_t offset = kMagic.size();
-  if (file_size_ < offset + kRecordPrefix) return;
-  const std::string prefix = read_bytes(offset, kRecordPrefix);
+  if (file_.size() < offset + kRecordPrefix) return;
+  const std::string prefix = file_.read(offset, kRecordPrefix);
   FieldReader fields(prefix);
   if (fields.u8() != kHeader) {
-    report("there is no Header record" + at(offset));
+    report("there is no Header record" + at_byte(offset));
     return;
   }
   const std::uint64_t length = fields.u64();
-  if (length > file_size_ - offset - kRecordPrefix) return;  // the scan reports it
+  if (length > file_.size() - offset - kRecordPrefix) return;  // the scan reports it
   try {
-    const std::string content = read_bytes(offset + kRecordPrefix, length);
+    const std::string content = file_.read(offset + kRecordPrefix, length);
     FieldReader header(content);
     profile_ = header.text();
     library_ = header.text();
   } catch (const McapError& error) {
     report("the Header record is damaged: " + std::string(error.what()));
   }
-}
-
-// Never asks for more than the file has, so a false length cannot cost memory.
-std::string McapReader::read_bytes(std::uint64_t offset, std::uint64_t length) const {
-  if (offset > file_size_ || length > file_size_ - offset) {
-    throw McapError(std::to_string(length) + " bytes" + at(offset) + " run past the file's end");
-  }
-  std::string bytes(length, '\0');
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got =
-        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw McapError("cannot read " + path_ + ": " + std::strerror(errno));
-    if (got == 0) throw McapError(path_ + " became shorter while it was read");
-    done += static_cast<std::size_t>(got);
-  }
-  return bytes;
 }
 
 void McapReader::forget_contents() {
@@ -132,12 +92,12 @@ void McapReader::take_channel(McapChannel channel) {
 std::vector<McapMessage> McapReader::block_messages(const Block& block) {
   std::vector<McapMessage> messages;
   try {
-    std::string bytes = read_bytes(block.offset, block.length);
+    std::string bytes = file_.read(block.offset, block.length);
     FieldReader record(bytes);
     const std::uint8_t opcode = record.u8();
     const std::uint64_t declared = record.u64();
     const std::uint64_t available = block.length - kRecordPrefix;
-    const bool cut_off = declared > available && block.offset + block.length == file_size_;
+    const bool cut_off = declared > available && block.offset + block.length == file_.size();
     if ((opcode != kChunk && opcode != kMessage) || (declared != available && !cut_off)) {
       throw McapError("there is no such record, the index is wrong or the file damaged");
     }
@@ -150,7 +110,7 @@ std::vector<McapMessage> McapReader::block_messages(const Block& block) {
                    messages);
     }
   } catch (const McapError& error) {
-    report("skipped the chunk" + at(block.offset) + ": " + error.what());
+    report("skipped the chunk" + at_byte(block.offset) + ": " + error.what());
   }
   return messages;
 }
@@ -186,7 +146,7 @@ void McapReader::take_inner_records(std::uint64_t chunk_offset,
     const std::uint8_t opcode = reader.u8();
     const std::uint64_t length = reader.u64();
     if (length > reader.rest().size()) {
-      if (!cut_off) report("the chunk" + at(chunk_offset) + " ends inside a record");
+      if (!cut_off) report("the chunk" + at_byte(chunk_offset) + " ends inside a record");
       return;
     }
     try {
@@ -195,11 +155,11 @@ void McapReader::take_inner_records(std::uint64_t chunk_offset,
       if (opcode == kChannel) take_channel(decode_channel(content));
       if (opcode == kMessage) take_message(chunk_offset, content, records, messages);
     } catch (const McapError& error) {
-      report("a record inside the chunk" + at(chunk_offset) + " is damaged: " + error.what());
+      report("a record inside the chunk" + at_byte(chunk_offset) + " is damaged: " + error.what());
     }
   }
   if (!cut_off && !reader.rest().empty()) {
-    report("the chunk" + at(chunk_offset) + " ends inside a record");
+    report("the chunk" + at_byte(chunk_offset) + " ends inside a record");
   }
 }
 
@@ -215,7 +175,7 @@ void McapReader::take_message(std::uint64_t offset, std::string_view content,
   message.data = fields.rest();
   message.storage = storage;
   if (channels_.count(message.channel_id) == 0) {
-    report("messages" + at(offset) + " were skipped: they are of channel " +
+    report("messages" + at_byte(offset) + " were skipped: they are of channel " +
            std::to_string(message.channel_id) + ", which is not declared");
     return;
   }
@@ -223,10 +183,10 @@ void McapReader::take_message(std::uint64_t offset, std::string_view content,
 }
 
 McapAttachment McapReader::read_attachment(const McapAttachmentIndex& index) const {
-  const std::string bytes = read_bytes(index.offset, index.length);
+  const std::string bytes = file_.read(index.offset, index.length);
   FieldReader record(bytes);
   if (record.u8() != kAttachment || record.u64() != record.rest().size()) {
-    throw McapError("there is no attachment" + at(index.offset) + " of " + path_);
+    throw McapError("there is no attachment" + at_byte(index.offset) + " of " + path());
   }
   const std::string_view content = record.rest();
   McapAttachment attachment;
@@ -238,7 +198,7 @@ McapAttachment McapReader::read_attachment(const McapAttachmentIndex& index) con
   const std::string_view covered = content.substr(0, content.size() - record.rest().size());
   const std::uint32_t crc = record.u32();
   if (crc != 0 && crc32_of(covered) != crc) {
-    throw McapError("the attachment " + attachment.name + " of " + path_ +
+    throw McapError("the attachment " + attachment.name + " of " + path() +
                     " is damaged: its checksum is wrong");
   }
   return attachment;

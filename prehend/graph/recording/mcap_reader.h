@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/graph/recording/byte_file.h"
 #include "prehend/graph/recording/mcap_records.h"
 
 namespace prehend::graph::recording {
@@ -34,12 +35,11 @@ class McapReader {
   /// Opens the file and reads its summary, or scans it. Throws McapError when it cannot be opened
   /// or does not begin as an MCAP file.
   explicit McapReader(const std::string& path, McapReaderOptions options = {});
-  ~McapReader();
   McapReader(const McapReader&) = delete;
   McapReader& operator=(const McapReader&) = delete;
 
-  const std::string& path() const { return path_; }
-  std::uint64_t file_size() const { return file_size_; }
+  const std::string& path() const { return file_.path(); }
+  std::uint64_t file_size() const { return file_.size(); }
   const std::string& profile() const { return profile_; }
   const std::string& library() const { return library_; }
 
@@ -72,11 +72,11 @@ class McapReader {
   // A run of messages that is read at once: a chunk, or one message outside of any chunk.
   struct Block {
     std::uint64_t start_time, end_time, offset, length;
+    std::vector<std::uint16_t> channels;  // with messages inside; empty: not known
   };
 
   void check_magic() const;
   void read_header();
-  std::string read_bytes(std::uint64_t offset, std::uint64_t length) const;
   bool read_summary();
   void take_summary(std::string_view records);
   bool summary_is_usable() const;
@@ -96,10 +96,8 @@ class McapReader {
   std::string chunk_records(std::string_view content, bool cut_off) const;
   void report(const std::string& problem);
 
-  const std::string path_;
+  const ByteFile file_;
   const McapReaderOptions options_;
-  int file_ = -1;
-  std::uint64_t file_size_ = 0;
   std::string profile_, library_;
   bool complete_ = false;
   std::map<std::uint16_t, McapSchema> schemas_;

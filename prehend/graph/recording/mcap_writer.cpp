@@ -132,7 +132,7 @@ void McapWriter::write(std::uint16_t channel_id, std::uint32_t sequence, std::ui
   if (chunk_ && chunk_->records.size() + kRecordPrefix + length > options_.chunk_size)
     close_chunk();
   if (!chunk_) {
-    chunk_.emplace();
+    chunk_.emplace(OpenChunk{});
     chunk_->start_time = chunk_->end_time = log_time;
     chunk_->opened = std::chrono::steady_clock::now();
   }

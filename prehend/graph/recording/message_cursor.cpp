@@ -11,10 +11,18 @@ McapMessageCursor McapReader::messages(const McapMessageFilter& filter) {
 
 McapMessageCursor::McapMessageCursor(McapReader& reader, McapMessageFilter filter)
     : reader_(&reader), filter_(std::move(filter)) {
+  const auto is_wanted = [&](std::uint16_t channel) {
+    const auto known = reader.channels_.find(channel);
+    return known != reader.channels_.end() &&
+           std::find(filter_.topics.begin(), filter_.topics.end(), known->second.topic) !=
+               filter_.topics.end();
+  };
   for (const McapReader::Block& block : reader.blocks_) {
     const bool overlaps =
         block.start_time <= filter_.end_time && block.end_time >= filter_.start_time;
-    if (overlaps) blocks_.push_back(block);
+    const bool has_topics = filter_.topics.empty() || block.channels.empty() ||
+                            std::any_of(block.channels.begin(), block.channels.end(), is_wanted);
+    if (overlaps && has_topics) blocks_.push_back(block);
   }
   std::stable_sort(blocks_.begin(), blocks_.end(), [](const auto& a, const auto& b) {
     return std::pair(a.start_time, a.offset) < std::pair(b.start_time, b.offset);

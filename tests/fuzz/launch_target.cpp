@@ -1,0 +1,85 @@
+// A launch file that may include another: `argument byte | launch file`. Bit 0 of the byte gives
+// the argument `mode`. A file that loads is described too.
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "prehend/graph/launch/launch_file.h"
+#include "prehend/graph/launch/process_plan.h"
+#include "tests/fuzz/fuzz_input.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace prehend::graph::launch;
+
+constexpr std::string_view kPart = R"(
+arguments: {rate: {default: 5, type: int}}
+nodes:
+  - {node: alpha, name: part_alpha, parameters: {rate: $(rate)}}
+)";
+
+// The folder `launch` with the file under test and `part.yaml`, and `bin` with two programs.
+class Files {
+ public:
+  Files() {
+    std::string pattern = fs::temp_directory_path() / "prehend-fuzz-XXXXXX";
+    FUZZ_CHECK(::mkdtemp(pattern.data()) != nullptr);
+    root_ = pattern;
+    fs::create_directory(root_ / "launch");
+    fs::create_directory(root_ / "bin");
+    write(root_ / "launch/part.yaml", kPart);
+    for (const char* program : {"alpha", "beta"}) {
+      write(root_ / "bin" / program, "");
+      fs::permissions(root_ / "bin" / program, fs::perms::owner_all);
+    }
+  }
+  ~Files() {
+    std::error_code ignored;
+    fs::remove_all(root_, ignored);
+  }
+  std::string launch_file(std::string_view content) const {
+    write(root_ / "launch/graph.yaml", content);
+    return root_ / "launch/graph.yaml";
+  }
+  std::string programs() const { return root_ / "bin"; }
+
+ private:
+  static void write(const fs::path& path, std::string_view content) {
+    std::ofstream(path, std::ios::binary) << content;
+  }
+  fs::path root_;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const Files files;
+  prehend::fuzz::FuzzInput input(data, size);
+  std::map<std::string, std::string> arguments;
+  if (input.byte() & 1) arguments["mode"] = "fast";
+  const std::string path = files.launch_file(input.rest());
+  try {
+    declared_arguments(path);
+  } catch (const LaunchError&) {
+  }
+  try {
+    const LaunchGraph graph = load_launch_file(path, arguments, files.programs());
+    FUZZ_CHECK(!graph.nodes.empty());
+    check_processes(graph);
+    std::vector<std::string> hosts{""};
+    for (const auto& host : graph.hosts) hosts.push_back(host.name);
+    for (const std::string& host : hosts) {
+      for (const LaunchProcess& process : processes_of(graph, host)) {
+        FUZZ_CHECK(!process.command.empty() && !process.nodes.empty());
+      }
+    }
+    FUZZ_CHECK(!describe(graph).empty());
+  } catch (const LaunchError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+
+#include "prehend/graph/nearest_match.h"
+#include "prehend/graph/recording/latched_messages.h"
+#include "prehend/graph/recording/mcap_reader.h"
+#include "prehend/graph/recording/mcap_writer.h"
+#include "prehend/graph/recording/topic_filter.h"
+#include "tools/bag_tools.h"
+#include "tools/quantities.h"
+
+namespace prehend::tools {
+namespace {
+
+namespace fs = std::filesystem;
+namespace recording = prehend::graph::recording;
+
+// Writes parts of a recording to a new one.
+class Copy {
+ public:
+  Copy(recording::McapReader& reader, const std::string& to,
+       const recording::McapWriterOptions& options)
+      : reader_(reader), writer_(new_file(to), options) {}
+
+  void declare(const recording::TopicFilter& filter) {
+    for (const auto& [id, channel] : reader_.channels()) {
+      if (!filter.wants(channel.topic)) continue;
+      const auto* schema = reader_.schema_of(channel);
+      const std::uint16_t schema_id =
+          schema ? writer_.add_schema(schema->name, schema->encoding, schema->data) : 0;
+      channels_[id] =
+          writer_.add_channel(channel.topic, channel.message_encoding, schema_id, channel.metadata);
+    }
+  }
+
+  void copy_attachments() {
+    for (const auto& index : reader_.attachments()) {
+      try {
+        writer_.add_attachment(reader_.read_attachment(index));
+      } catch (const recording::McapError& error) {
+        std::printf("problem: %s\n", error.what());
+      }
+    }
+    for (const auto& item : reader_.metadata()) writer_.add_metadata(item);
+  }
+
+  void add(const recording::McapMetadata& metadata) { writer_.add_metadata(metadata); }
+
+  void write(const recording::McapMessage& message, std::uint64_t log_time) {
+    const auto channel = channels_.find(message.channel_id);
+    if (channel == channels_.end()) return;
+    writer_.write(channel->second, message.sequence, log_time, message.publish_time, message.data);
+  }
+
+  void copy_messages(const recording::McapMessageFilter& filter) {
+    auto cursor = reader_.messages(filter);
+    while (const auto message = cursor.next()) write(*message, message->log_time);
+  }
+
+  // Prints what was skipped; returns the number of messages written.
+  std::uint64_t finish() {
+    writer_.close();
+    for (const auto& problem : reader_.problems()) std::printf("problem: %s\n", problem.c_str());
+    return writer_.statistics().message_count;
+  }
+
+ private:
+  static const std::string& new_file(const std::string& path) {
+    if (fs::exists(path)) throw std::runtime_error(path + " exists; give a new file");
+    return path;
+  }
+
+  recording::McapReader& reader_;
+  recording::McapWriter writer_;
+  std::map<std::uint16_t, std::uint16_t> channels_;
+};
+
+std::vector<std::string> topics_of(const recording::McapReader& reader) {
+  std::vector<std::string> topics;
+  for (const auto& [id, channel] : reader.channels()) topics.push_back(channel.topic);
+  return topics;
+}
+
+recording::McapMessageFilter time_range(const BagFilter& filter,
+                                        const recording::McapReader& reader) {
+  recording::McapMessageFilter range;
+  const std::uint64_t begin = reader.statistics().message_start_time;
+  const auto after = [&](const std::string& text) {
+    return begin + static_cast<std::uint64_t>(parse_duration(text));
+  };
+  if (!filter.start.empty()) range.start_time = after(filter.start);
+  if (!filter.end.empty()) range.end_time = after(filter.end);
+  if (range.end_time < range.start_time) {
+    throw std::invalid_argument("--end must be later than --start");
+  }
+  return range;
+}
+
+}  // namespace
+
+int bag_recover(const std::string& from, const std::string& to) {
+  recording::McapReader reader(from);
+  Copy copy(reader, to, {});
+  copy.declare({});
+  copy.copy_attachments();
+  copy.copy_messages({});
+  std::printf("%s: %" PRIu64 " messages recovered\n", to.c_str(), copy.finish());
+  return 0;
+}
+
+int bag_filter(const BagFilter& filter) {
+  recording::McapReader reader(filter.from);
+  const recording::TopicFilter topics{filter.topics, filter.without};
+  const auto recorded = topics_of(reader);
+  if (const auto pattern = topics.unmatched(recorded)) {
+    throw std::invalid_argument(filter.from + " has no topic " + *pattern +
+                                graph::nearest_match_hint(*pattern, recorded));
+  }
+  auto range = time_range(filter, reader);
+  for (const std::string& topic : recorded) {
+    if (topics.wants(topic)) range.topics.push_back(topic);
+  }
+  if (range.topics.empty()) throw std::invalid_argument("no topic is left over");
+  recording::McapWriterOptions options;
+  options.compression = recording::compression_named(filter.compression);
+  Copy copy(reader, filter.to, options);
+  copy.declare(topics);
+  copy.copy_attachments();
+  copy.add({"prehend.filter", {{"from", filter.from}}});
+  if (range.start_time > 0) {
+    for (const auto& message : recording::latched_before(reader, topics, range.start_time)) {
+      copy.write(message, range.start_time);
+    }
+  }
+  copy.copy_messages(range);
+  std::printf("%s: %" PRIu64 " of %" PRIu64 " messages\n", filter.to.c_str(), copy.finish(),
+              reader.statistics().message_count);
+  return 0;
+}
+
+int bag_attachments(const std::string& path, const std::string& folder, const std::string& name) {
+  const recording::McapReader reader(path);
+  std::vector<std::string> names;
+  for (const auto& index : reader.attachments()) names.push_back(index.name);
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
+    throw std::invalid_argument(path + " has no attachment " + name +
+                                graph::nearest_match_hint(name, names));
+  }
+  for (const auto& index : reader.attachments()) {
+    if (!name.empty() && index.name != name) continue;
+    if (folder.empty()) {
+      std::printf("%s  %s  %" PRIu64 " bytes\n", index.name.c_str(), index.media_type.c_str(),
+                  index.data_size);
+      continue;
+    }
+    // Only the last part of the name: a recording must not write outside of the folder.
+    const fs::path file = fs::path(index.name).filename();
+    if (file.empty() || file == "." || file == "..") {
+      throw std::runtime_error("the attachment '" + index.name + "' has no usable file name");
+    }
+    const fs::path target = fs::path(folder) / file;
+    if (fs::exists(target)) throw std::runtime_error(target.string() + " exists");
+    fs::create_directories(folder);
+    const auto attachment = reader.read_attachment(index);
+    std::ofstream out(target, std::ios::binary);
+    out << attachment.data;
+    out.close();
+    if (!out) throw std::runtime_error("cannot write " + target.string());
+    std::printf("%s\n", target.c_str());
+  }
+  return 0;
+}
+
+}  // namespace prehend::tools

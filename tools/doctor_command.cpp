@@ -1,0 +1,138 @@
+// `prehend doctor`: one page on what is wrong here, and the mend.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include "prehend/graph/introspection.h"
+#include "prehend/graph/node.h"
+#include "tools/commands.h"
+#include "tools/doctor_graph.h"
+#include "tools/doctor_host.h"
+#include "tools/json.h"
+#include "tools/table.h"
+
+namespace prehend::tools {
+namespace {
+
+using Level = Finding::Level;
+
+struct DoctorChoices {
+  std::string registry;
+  bool json = false;
+};
+
+constexpr const char* kLevels[] = {"ok", "warning", "error"};
+
+bool answers(const std::string& endpoint) {
+  try {
+    graph::Introspection(endpoint, std::chrono::milliseconds(500)).nodes();
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+// Why no registry answers at `endpoint`, and where one does.
+Finding missing_registry(const std::string& endpoint, const std::string& error, bool by_option) {
+  const char* variable = std::getenv("PREHEND_REGISTRY");
+  const bool by_variable = !by_option && variable && *variable;
+  Finding finding{Level::kError, "registry", error, "start a graph: prehend launch FILE"};
+  if (by_variable) finding.what += " (from PREHEND_REGISTRY)";
+  if (endpoint != graph::kDefaultRegistryEndpoint && answers(graph::kDefaultRegistryEndpoint)) {
+    finding.mend = fmt::format("one answers at {}: {}", graph::kDefaultRegistryEndpoint,
+                               by_variable ? "unset PREHEND_REGISTRY" : "leave --registry out");
+    return finding;
+  }
+  const auto others = living_registries();
+  if (!others.empty()) {
+    finding.mend = "export PREHEND_REGISTRY=ENDPOINT; running here: " + joined(others);
+  }
+  return finding;
+}
+
+void print_page(const std::string& registry, const std::optional<GraphView>& graph,
+                const Findings& findings, int errors, int warnings) {
+  const bool colours = ::isatty(STDOUT_FILENO) == 1;
+  static constexpr const char* kColours[] = {"\x1b[32m", "\x1b[33m", "\x1b[31m"};
+  std::printf("prehend doctor: registry %s%s\n\n", registry.c_str(),
+              graph ? fmt::format(", {} nodes", graph->nodes.size()).c_str() : "");
+  for (const Finding& finding : findings) {
+    const int level = static_cast<int>(finding.level);
+    std::printf("%s%-8s%s %s: %s\n", colours ? kColours[level] : "", kLevels[level],
+                colours ? "\x1b[0m" : "", finding.subject.c_str(), finding.what.c_str());
+    if (!finding.mend.empty()) std::printf("         -> %s\n", finding.mend.c_str());
+  }
+  if (errors + warnings == 0) {
+    std::printf("\nnothing is wrong\n");
+  } else {
+    std::printf("\n%d errors, %d warnings\n", errors, warnings);
+  }
+}
+
+void print_json(const std::string& registry, const std::optional<GraphView>& graph,
+                const Findings& findings, int errors, int warnings) {
+  Json list = Json::array();
+  for (const Finding& finding : findings) {
+    list.add(Json::object()
+                 .set("level", kLevels[static_cast<int>(finding.level)])
+                 .set("subject", finding.subject)
+                 .set("what", finding.what)
+                 .set("mend", finding.mend));
+  }
+  print(Json::object()
+            .set("registry", registry)
+            .set("reachable", graph.has_value())
+            .set("nodes", graph ? graph->node_names() : std::vector<std::string>())
+            .set("errors", errors)
+            .set("warnings", warnings)
+            .set("findings", list));
+}
+
+int examine(const DoctorChoices& choices) {
+  Findings findings = examine_host();
+  std::optional<GraphView> graph;
+  std::string registry = choices.registry;
+  try {
+    registry = graph::Introspection(choices.registry).registry();
+    graph = look_at_graph(choices.registry);
+    findings.push_back({Level::kOk, "registry", "answers", ""});
+    if (graph->nodes.empty()) {
+      findings.push_back({Level::kWarning, "registry", "knows no node",
+                          "start nodes with --registry " + registry + " or PREHEND_REGISTRY set"});
+    }
+    const Findings more = examine_graph(*graph);
+    findings.insert(findings.end(), more.begin(), more.end());
+  } catch (const std::exception& error) {
+    findings.push_back(missing_registry(registry, error.what(), !choices.registry.empty()));
+  }
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.level < b.level; });
+  const auto count = [&](Level level) {
+    return static_cast<int>(std::count_if(findings.begin(), findings.end(),
+                                          [&](const Finding& f) { return f.level == level; }));
+  };
+  const int errors = count(Level::kError), warnings = count(Level::kWarning);
+  (choices.json ? print_json : print_page)(registry, graph, findings, errors, warnings);
+  return errors > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, Outcome& outcome) {
+  auto choices = std::make_shared<DoctorChoices>();
+  CLI::App* command = app.add_subcommand(
+      "doctor", "Say what is wrong with this machine and the running graph, and the mend");
+  add_registry_option(*command, choices->registry);
+  add_json_option(*command, choices->json);
+  command->footer("Exit code 1 when there are errors.\n\nExample:\n  prehend doctor");
+  command->callback([choices, &outcome] { outcome.exit_code = examine(*choices); });
+}
+
+}  // namespace prehend::tools

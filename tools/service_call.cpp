@@ -1,0 +1,40 @@
+#include "tools/service_call.h"
+
+#include <google/protobuf/message.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "prehend/graph/introspection.h"
+#include "prehend/graph/recording/protobuf_schema.h"
+#include "tools/command_node.h"
+#include "tools/json.h"
+#include "tools/message_input.h"
+#include "tools/message_text.h"
+
+namespace prehend::tools {
+
+int call_service(const CallOptions& options) {
+  using graph::recording::SchemaMessageFactory;
+  const auto offer = graph::Introspection(options.registry).service(options.service);
+  const SchemaMessageFactory request_type(offer[0].name, offer[0].descriptor_set);
+  const SchemaMessageFactory response_type(offer[1].name, offer[1].descriptor_set);
+  const auto request = request_type.make(), response = response_type.make();
+  parse_message(options.text, *request);
+  graph::Node node(command_node("call", options.registry));
+  const auto client =
+      node.raw_client(options.service, *request->GetDescriptor(), *response->GetDescriptor());
+  std::string error;
+  const auto timeout = std::chrono::nanoseconds(graph::nanoseconds(options.timeout));
+  if (client.call(*request, *response, timeout, error) != graph::Status::kOk) {
+    throw std::runtime_error(error);
+  }
+  if (options.json) {
+    print(Json::of(*response));
+  } else {
+    std::fputs(message_text(*response, false).c_str(), stdout);
+  }
+  return 0;
+}
+
+}  // namespace prehend::tools

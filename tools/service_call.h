@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace prehend::tools {
+
+struct CallOptions {
+  std::string registry, service, text;
+  double timeout = 5;  ///< [s]
+  bool json = false;
+};
+
+/// Calls a service with a request given as protobuf text or JSON and prints its response. Returns
+/// an exit code. Throws std::runtime_error when the registry does not answer, nobody serves it, the
+/// request is none of its type, or the call fails.
+int call_service(const CallOptions& options);
+
+}  // namespace prehend::tools
