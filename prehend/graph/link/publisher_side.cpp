@@ -168,13 +168,13 @@ void PublisherSide::join_local(const std::shared_ptr<SubscriptionCore>& subscrip
 }
 
 void PublisherSide::refresh_readers(Entry& entry) {
-  entry.core->set_subscribers(entry.readers.size());
   entry.slab_readers =
       std::any_of(entry.clients.begin(), entry.clients.end(),
                   [this](const auto& client) { return slab_readers_.place_of(client.first) != 0; });
   const bool keeps =
       entry.opening || !entry.clients.empty() || entry.core->qos().policy == QoS::Policy::kLatched;
   entry.core->set_outbox_use(keeps, entry.slab_readers);
+  entry.core->set_subscribers(entry.readers.size());  // last: who waited for it may loan at once
 }
 
 void PublisherSide::leave(const std::string& client, const PeerMessage::Unsubscribe& request) {
