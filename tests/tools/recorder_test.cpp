@@ -171,8 +171,10 @@ TEST_F(Recorder, CountsWhatIsMissing) {
   ChildProgram recorder("recorder", parameters({"output:=" + scratch_.path("a.mcap")}),
                         scratch_.path("a.txt"), registry_.endpoint());
   ASSERT_TRUE(small.wait_for_subscribers(1, seconds(10)));
+  small.publish(frame_of(1));  // from here on the recorder counts
+  ASSERT_TRUE(node_.wait_until_delivered(seconds(10)));
   ::kill(recorder.pid(), SIGSTOP);
-  for (int i = 1; i <= 30'000; ++i) {
+  for (int i = 2; i <= 30'000; ++i) {
     small.publish(frame_of(i));
     if (i % 200 == 0) std::this_thread::sleep_for(milliseconds(1));
   }
