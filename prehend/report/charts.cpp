@@ -40,13 +40,18 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-void write_script(const LineChart& chart, const std::filesystem::path& folder, std::ostream& out) {
+void write_head(const std::string& title, std::ostream& out) {
   out << "set terminal svg size 900,360 dynamic noenhanced font 'DejaVu Sans,11' background "
          "'#ffffff'\n"
       << "set output 'chart.svg'\n"
-      << "set title " << quoted(chart.title) << "\nset xlabel " << quoted(chart.x_label)
-      << "\nset ylabel " << quoted(chart.y_label) << "\nset grid\nset key outside right top\n"
+      << "set title " << quoted(title) << "\nset grid\nset key outside right top\n"
       << "set datafile missing 'nan'\nset tmargin 4\n";
+}
+
+void write_line_script(const LineChart& chart, const std::filesystem::path& folder,
+                       std::ostream& out) {
+  write_head(chart.title, out);
+  out << "set xlabel " << quoted(chart.x_label) << "\nset ylabel " << quoted(chart.y_label) << '\n';
   int tag = 1;
   for (const auto& marker : chart.markers) {
     out << "set arrow " << tag << " from " << marker.x << ", graph 0 to " << marker.x
@@ -57,30 +62,63 @@ void write_script(const LineChart& chart, const std::filesystem::path& folder, s
   }
   out << "plot ";
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const Series& series = chart.series[i];
     const std::string file = "series" + std::to_string(i) + ".txt";
     std::ofstream data(folder / file);
     data.precision(9);
-    for (const auto& [x, y] : chart.series[i].points) data << x << ' ' << y << '\n';
+    const bool bars = !series.deviations.empty();
+    for (std::size_t k = 0; k < series.points.size(); ++k) {
+      data << series.points[k].first << ' ' << series.points[k].second;
+      if (bars) data << ' ' << series.deviations.at(k);
+      data << '\n';
+    }
     if (!data) throw std::runtime_error("cannot write a chart's data");
-    out << (i == 0 ? "" : ", ") << quoted(file) << " using 1:2 with lines lw 1.5 title "
-        << quoted(chart.series[i].name);
+    const char* style = bars ? (series.connected ? "with yerrorlines lw 1.5" : "with yerrorbars")
+                             : (series.connected ? "with lines lw 1.5" : "with points pt 7 ps 0.5");
+    out << (i == 0 ? "" : ", ") << quoted(file) << " using " << (bars ? "1:2:3 " : "1:2 ") << style
+        << " title " << quoted(series.name);
   }
   out << '\n';
 }
 
-}  // namespace
-
-std::string draw_line_chart(const LineChart& chart) {
-  bool any = false;
-  for (const auto& series : chart.series) {
-    for (const auto& [x, y] : series.points) any = any || (std::isfinite(x) && std::isfinite(y));
+void write_bar_script(const BarChart& chart, const std::filesystem::path& folder,
+                      std::ostream& out) {
+  write_head(chart.title, out);
+  bool bars = false;
+  for (const auto& series : chart.series) bars = bars || !series.deviations.empty();
+  out << "set ylabel " << quoted(chart.y_label) << "\nset yrange [0:*]\nset style data histograms\n"
+      << "set style histogram " << (bars ? "errorbars gap 1.5 lw 1" : "clustered gap 1.5")
+      << "\nset style fill solid 0.8\nset xtics rotate by -40 font ',9'\nset bmargin 7\n";
+  std::ofstream data(folder / "bars.txt");
+  data.precision(9);
+  for (std::size_t k = 0; k < chart.categories.size(); ++k) {
+    data << '"';
+    for (const char c : chart.categories[k]) data << (c == '"' || c == '\n' ? ' ' : c);
+    data << '"';
+    for (const auto& series : chart.series) {
+      data << ' ' << series.values.at(k);
+      if (bars) data << ' ' << (series.deviations.empty() ? 0 : series.deviations.at(k));
+    }
+    data << '\n';
   }
-  if (!any) throw std::runtime_error("the chart '" + chart.title + "' has no finite point");
+  if (!data) throw std::runtime_error("cannot write a chart's data");
+  out << "plot ";
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const std::size_t column = 2 + (bars ? 2 : 1) * i;
+    out << (i == 0 ? "" : ", ") << "'bars.txt' using " << column;
+    if (bars) out << ':' << column + 1;
+    out << ":xtic(1) title " << quoted(chart.series[i].name);
+  }
+  out << '\n';
+}
 
+// Runs gnuplot on the script that `write` puts into a folder.
+template <typename Write>
+std::string draw(const std::string& title, const Write& write) {
   const TemporaryFolder folder;
   {
     std::ofstream script(folder.path / "script");
-    write_script(chart, folder.path, script);
+    write(folder.path, script);
   }
   const std::string command =
       "cd " + quoted(folder.path.string()) + " && gnuplot script >errors 2>&1 </dev/null";
@@ -92,11 +130,41 @@ std::string draw_line_chart(const LineChart& chart) {
     std::ifstream errors(folder.path / "errors");
     std::stringstream reason;
     reason << errors.rdbuf();
-    throw std::runtime_error("gnuplot could not draw '" + chart.title + "': " + reason.str() +
+    throw std::runtime_error("gnuplot could not draw '" + title + "': " + reason.str() +
                              "(is the package gnuplot-nox installed?)");
   }
   // Without the XML prologue, so that it can stand inside a page.
   return text.str().substr(text.str().find("<svg"));
+}
+
+}  // namespace
+
+std::string draw_line_chart(const LineChart& chart) {
+  bool any = false;
+  for (const auto& series : chart.series) {
+    for (const auto& [x, y] : series.points) any = any || (std::isfinite(x) && std::isfinite(y));
+  }
+  if (!any) throw std::runtime_error("the chart '" + chart.title + "' has no finite point");
+  return draw(chart.title, [&](const std::filesystem::path& folder, std::ostream& script) {
+    write_line_script(chart, folder, script);
+  });
+}
+
+std::string draw_bar_chart(const BarChart& chart) {
+  bool any = false;
+  for (const auto& series : chart.series) {
+    if (series.values.size() != chart.categories.size()) {
+      throw std::runtime_error("the chart '" + chart.title + "' has " +
+                               std::to_string(chart.categories.size()) + " categories but '" +
+                               series.name + "' has " + std::to_string(series.values.size()) +
+                               " values");
+    }
+    for (const double value : series.values) any = any || std::isfinite(value);
+  }
+  if (!any) throw std::runtime_error("the chart '" + chart.title + "' has no finite value");
+  return draw(chart.title, [&](const std::filesystem::path& folder, std::ostream& script) {
+    write_bar_script(chart, folder, script);
+  });
 }
 
 }  // namespace prehend::report

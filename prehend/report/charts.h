@@ -9,6 +9,8 @@ namespace prehend::report {
 struct Series {
   std::string name;
   std::vector<std::pair<double, double>> points;  // x, y; points with NaN are gaps
+  std::vector<double> deviations = {};            // one a point, drawn as +- bars; or empty
+  bool connected = true;                          // by lines; else marks alone
 };
 
 /// A vertical line across the chart with a label at its top.
@@ -24,6 +26,24 @@ struct LineChart {
   std::vector<Series> series;
   std::vector<Marker> markers;
 };
+
+/// One bar of each series beside the others for each category.
+struct BarChart {
+  struct Bars {
+    std::string name;
+    std::vector<double> values;           // one a category; NaN: no bar
+    std::vector<double> deviations = {};  // one a category, drawn as +- bars; or empty
+  };
+  std::string title;
+  std::string y_label;                  // with unit
+  std::vector<std::string> categories;  // stand below their bars
+  std::vector<Bars> series;
+};
+
+/// The chart as an SVG element, drawn by gnuplot.
+/// @throws std::runtime_error when gnuplot is missing or refuses the data, or when a series has not
+/// one value a category.
+std::string draw_bar_chart(const BarChart& chart);
 
 /// The chart as an SVG element, drawn by gnuplot.
 /// @throws std::runtime_error when gnuplot is missing or refuses the data.

@@ -53,6 +53,25 @@ TEST(Charts, DrawSeriesWithGapsAndHostileNames) {
   EXPECT_THROW(draw_line_chart(chart), std::runtime_error);
 }
 
+TEST(Charts, DrawErrorBarsMarksAndBars) {
+  LineChart chart{"deviation", "x", "y", {{"bars", {{0, 1}, {1, 2}}, {0.1, 0.2}}}, {}};
+  const std::string with_bars = draw_line_chart(chart);
+  chart.series[0].deviations.clear();
+  EXPECT_NE(with_bars, draw_line_chart(chart));
+  chart.series[0].connected = false;
+  EXPECT_THAT(draw_line_chart(chart), HasSubstr("</svg>"));
+
+  BarChart bars{
+      "b", "mm", {"a mug", "it's \"x\""}, {{"Ours", {1, NAN}, {0.5, NAN}}, {"Del", {3, 4}}}};
+  const std::string svg = draw_bar_chart(bars);
+  EXPECT_THAT(svg, HasSubstr("a mug"));
+  EXPECT_THAT(svg, HasSubstr("Ours"));
+  bars.series[1].values.pop_back();
+  EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
+  bars.series = {{"nothing", {NAN, NAN}}};
+  EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
+}
+
 TEST(Pictures, NearPointsHideFarOnes) {
   geometry::PointCloud cloud;
   cloud.points = {{0, 0, 2}, {0, 0, 1}, {0, 0, -1}, {NAN, NAN, NAN}};

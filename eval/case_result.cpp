@@ -1,0 +1,99 @@
+#include "eval/case_result.h"
+
+#include <unistd.h>
+
+#include <cstdint>
+#include <fstream>
+
+#include <yaml-cpp/yaml.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::eval {
+namespace {
+
+using geometry::InputError;
+
+// The figures of a MethodResult by their names in the file.
+struct Figure {
+  const char* name;
+  double MethodResult::*value;
+};
+constexpr Figure kFigures[] = {{"mean", &MethodResult::mean},
+                               {"variance", &MethodResult::variance},
+                               {"percentile_95", &MethodResult::percentile_95},
+                               {"max", &MethodResult::max},
+                               {"back_mean", &MethodResult::back_mean},
+                               {"back_max", &MethodResult::back_max},
+                               {"centroid_error", &MethodResult::centroid_error},
+                               {"vote", &MethodResult::vote},
+                               {"confidence", &MethodResult::confidence},
+                               {"seconds", &MethodResult::seconds}};
+
+}  // namespace
+
+void write_case_result(const std::filesystem::path& file, const CaseResult& result) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(17);
+  out << YAML::BeginMap << YAML::Key << "case" << YAML::Value << result.case_name  //
+      << YAML::Key << "group" << YAML::Value << result.group                       //
+      << YAML::Key << "data_set" << YAML::Value << result.data_set                 //
+      << YAML::Key << "orientation" << YAML::Value << result.orientation           //
+      << YAML::Key << "symmetric" << YAML::Value << result.symmetric               //
+      << YAML::Key << "problem" << YAML::Value << YAML::DoubleQuoted << result.problem << YAML::Key
+      << "points" << YAML::Value << result.points  //
+      << YAML::Key << "mask_iou" << YAML::Value << result.mask_iou << YAML::Key << "methods"
+      << YAML::Value << YAML::BeginSeq;
+  for (const MethodResult& method : result.methods) {
+    out << YAML::BeginMap << YAML::Key << "method" << YAML::Value << method.method  //
+        << YAML::Key << "problem" << YAML::Value << YAML::DoubleQuoted << method.problem;
+    for (const Figure& figure : kFigures) {
+      out << YAML::Key << figure.name << YAML::Value << method.*figure.value;
+    }
+    out << YAML::Key << "watertight" << YAML::Value << method.watertight << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+
+  const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
+  {
+    std::ofstream stream(unfinished);
+    stream << out.c_str() << '\n';
+    stream.flush();
+    if (!stream) {
+      throw InputError("The result '" + file.string() + "' cannot be written",
+                       "Check the folder and the space on the disk");
+    }
+  }
+  std::filesystem::rename(unfinished, file);
+}
+
+CaseResult read_case_result(const std::filesystem::path& file) {
+  try {
+    const YAML::Node root = YAML::LoadFile(file.string());
+    CaseResult result;
+    result.case_name = root["case"].as<std::string>();
+    result.group = root["group"].as<std::string>();
+    result.data_set = root["data_set"].as<std::string>();
+    result.orientation = root["orientation"].as<int>();
+    result.symmetric = root["symmetric"].as<bool>();
+    result.problem = root["problem"].as<std::string>();
+    result.points = root["points"].as<int>();
+    result.mask_iou = root["mask_iou"].as<double>();
+    for (const YAML::Node& node : root["methods"]) {
+      MethodResult method;
+      method.method = node["method"].as<std::string>();
+      method.problem = node["problem"].as<std::string>();
+      for (const Figure& figure : kFigures) {
+        method.*figure.value = node[figure.name].as<double>();
+      }
+      method.watertight = node["watertight"].as<bool>();
+      result.methods.push_back(method);
+    }
+    return result;
+  } catch (const YAML::Exception& error) {
+    throw InputError("The file '" + file.string() + "' is no result of a case: " + error.what(),
+                     "Remove it; the case is then evaluated again");
+  }
+}
+
+}  // namespace prehend::eval

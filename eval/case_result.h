@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace prehend::eval {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// How far one method's mesh is from the truth in one case. Lengths in metres.
+struct MethodResult {
+  std::string method;
+  std::string problem;  // why there is no mesh; the figures are NaN then
+  // Distances of points spread evenly over the true surface to the mesh (MeshDev's measure).
+  double mean = kUnknown;
+  double variance = kUnknown;  // m^2
+  double percentile_95 = kUnknown;
+  double max = kUnknown;
+  // The other direction, from the mesh to the truth.
+  double back_mean = kUnknown;
+  double back_max = kUnknown;
+  double centroid_error = kUnknown;  // of the surfaces' centroids, over the truth's diagonal
+  double vote = kUnknown;
+  double confidence = kUnknown;  // 0..1
+  double seconds = kUnknown;     // from segmented cloud to mesh, one thread
+  bool watertight = false;
+};
+
+/// One stereo pair: what was seen and what each method made of it.
+struct CaseResult {
+  std::string case_name;
+  std::string group;
+  std::string data_set;
+  int orientation = 0;  // degrees
+  bool symmetric = true;
+  std::string problem;         // nothing was segmented, or the process crashed
+  int points = 0;              // of the segmented object
+  double mask_iou = kUnknown;  // with the rendered truth
+  std::vector<MethodResult> methods;
+};
+
+/// Writes the result as YAML so that the file is whole or absent, whenever the process ends.
+/// @throws geometry::InputError when the folder cannot be written.
+void write_case_result(const std::filesystem::path& file, const CaseResult& result);
+
+/// @throws geometry::InputError naming the file when it is no result.
+CaseResult read_case_result(const std::filesystem::path& file);
+
+}  // namespace prehend::eval

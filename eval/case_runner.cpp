@@ -1,0 +1,143 @@
+#include "eval/case_runner.h"
+
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <optional>
+
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/perception/segmentation.h"
+#include "prehend/perception/stereo.h"
+#include "prehend/surface/deviation.h"
+
+namespace prehend::eval {
+namespace {
+
+constexpr int kSamples = 10000;        // on each surface
+constexpr double kLeastOverlap = 0.2;  // of mask and truth, for the object to count as found
+
+// Mean of the area, defined for open surfaces, too.
+Eigen::Vector3d area_centroid(const geometry::TriangleMesh& mesh) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d &a = mesh.vertices[t.x()], &b = mesh.vertices[t.y()],
+                          &c = mesh.vertices[t.z()];
+    const double area = (b - a).cross(c - a).norm();
+    sum += area * (a + b + c) / 3;
+    total += area;
+  }
+  return sum / total;
+}
+
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images) {
+  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
+  const perception::DisparityImage disparity =
+      perception::disparity_by_sgbm(images.left, images.right, camera);
+  return perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
+                             camera.left, rendered.scene.camera.X_WC());
+}
+
+std::optional<std::size_t> best_object(const perception::SegmentedScene& scene,
+                                       const simulation::StereoImages& images) {
+  std::optional<std::size_t> best;
+  double most = kLeastOverlap;
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const double overlap = mask_iou(scene.objects[k].mask, images.labels, 0);
+    if (overlap <= most) continue;
+    most = overlap;
+    best = k;
+  }
+  return best;
+}
+
+}  // namespace
+
+double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
+                std::int16_t label) {
+  double both = 0, either = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) {
+    const bool a = mask.data[i] != 0, b = labels.data[i] == label;
+    both += a && b;
+    either += a || b;
+  }
+  return either > 0 ? both / either : 0;
+}
+
+MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::TriangleMesh& truth_B,
+                      std::uint64_t seed) {
+  const geometry::MeshQuery mesh(mesh_B);
+  const std::vector<Eigen::Vector3d> on_truth = surface::sample_surface(truth_B, kSamples, seed);
+  const surface::DeviationStatistics there = surface::deviation(on_truth, mesh);
+  const surface::DeviationStatistics back = surface::deviation(
+      surface::sample_surface(mesh_B, kSamples, seed), geometry::MeshQuery(truth_B));
+  MethodResult result;
+  result.mean = there.mean;
+  result.percentile_95 = there.percentile_95;
+  result.max = there.max;
+  result.back_mean = back.mean;
+  result.back_max = back.max;
+  double squares = 0;
+  for (const Eigen::Vector3d& p : on_truth) {
+    const double d = mesh.nearest(p)->distance - there.mean;
+    squares += d * d;
+  }
+  result.variance = squares / static_cast<double>(on_truth.size());
+  result.centroid_error = (area_centroid(mesh_B) - area_centroid(truth_B)).norm() /
+                          geometry::bounds(truth_B).sizes().norm();
+  result.watertight = geometry::find_defects(mesh_B).watertight();
+  return result;
+}
+
+CaseResult run_case(const Case& one, const std::vector<Method>& methods) {
+  CaseResult result;
+  result.case_name = one.name();
+  result.group = one.data_set->group;
+  result.data_set = one.data_set->name;
+  result.orientation = one.orientation;
+  result.symmetric = one.data_set->symmetric;
+
+  const RenderedScene rendered = scene_of(one);
+  simulation::RenderOptions render;
+  render.threads = 1;
+  const simulation::StereoImages images =
+      simulation::render_stereo(rendered.scene, rendered.bodies, 0, render);
+  perception::SegmentedScene scene;
+  try {
+    scene = seen_scene(rendered, images);
+  } catch (const std::exception& error) {
+    result.problem = error.what();
+    return result;
+  }
+  const std::optional<std::size_t> object = best_object(scene, images);
+  if (!object) {
+    result.problem = "The object was not found on the table";
+    return result;
+  }
+  const perception::ObjectHypothesis& seen = scene.objects[*object];
+  result.points = static_cast<int>(seen.cloud_W.size());
+  result.mask_iou = mask_iou(seen.mask, images.labels, 0);
+
+  const geometry::RigidTransform X_BW = one.X_WB().inverse();
+  for (const Method& method : methods) {
+    MethodResult measures;
+    try {
+      const auto start = std::chrono::steady_clock::now();
+      const Reconstruction made = method.reconstruct(scene, seen);
+      const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+      measures =
+          measured(geometry::transformed(made.mesh_W, X_BW), *one.data_set->mesh_B, one.seed);
+      measures.vote = made.vote;
+      measures.confidence = made.confidence;
+      measures.seconds = spent.count();
+    } catch (const std::exception& error) {
+      measures.problem = error.what();
+    }
+    measures.method = method.name;
+    result.methods.push_back(measures);
+  }
+  return result;
+}
+
+}  // namespace prehend::eval

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/case_result.h"
+#include "eval/data_sets.h"
+#include "eval/reconstruction_methods.h"
+#include "prehend/perception/segmented_scene.h"
+#include "prehend/simulation/stereo_renderer.h"
+
+namespace prehend::eval {
+
+/// Intersection over union of a mask with the pixels whose label is `label`; 0 when both are empty.
+double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
+                std::int16_t label);
+
+/// Renders the case's stereo pair, matches it, segments it and lets each method complete the object
+/// at the table's centre; then measures each mesh against the truth in its known pose.
+///
+/// `mean`, `variance` ... are over 10,000 points spread uniformly over the area of the truth, each
+/// with its distance to the mesh, as MeshDev measures (Roy, Foufou, Truchetet: "Mesh comparison
+/// using attribute deviation metric", 2004). The centroid of a surface is that of its area, which
+/// meshes with a boundary have, too. What fails is in the result's `problem`s; only a bug throws.
+CaseResult run_case(const Case& one, const std::vector<Method>& methods);
+
+/// The distances of a mesh in the body's frame B to the truth in B; `seed` is of the sampling.
+MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::TriangleMesh& truth_B,
+                      std::uint64_t seed);
+
+}  // namespace prehend::eval

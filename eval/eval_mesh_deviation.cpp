@@ -1,0 +1,220 @@
+// The paper's evaluation of predicted shapes (Bohg et al., "Mind the Gap", ICRA 2011, figures 10 to
+// 12) on rendered stereo pairs of known bodies.
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
+
+#include "eval/case_runner.h"
+#include "eval/mesh_deviation_report.h"
+#include "eval/process_pool.h"
+#include "eval/text_files.h"
+
+namespace {
+
+using namespace prehend;
+namespace fs = std::filesystem;
+
+constexpr int kOrientations = 8;
+constexpr int kQuickOrientations = 2;
+
+struct Options {
+  fs::path out = "out/mesh_deviation";
+  fs::path json;
+  fs::path meshes;
+  bool quick = false;
+  bool fresh = false;
+  std::uint64_t seed = 1;
+  int processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::string> only;
+  std::vector<std::string> methods;
+};
+
+std::vector<eval::DataSet> data_sets_of(const Options& options) {
+  if (!options.meshes.empty()) {
+    const fs::path folder = fs::canonical(options.meshes);
+    return eval::make_data_sets(folder.filename().string(), eval::objects_of_folder(folder));
+  }
+  std::vector<eval::DataSet> sets = eval::make_data_sets("household", eval::household_objects());
+  const char* shared = std::getenv("PREHEND_SHARED_DATA");
+  if (shared != nullptr && *shared != '\0') {
+    const auto scanned = eval::make_data_sets("scanned", eval::scanned_objects(shared));
+    sets.insert(sets.end(), scanned.begin(), scanned.end());
+  } else {
+    std::printf("Without scanned meshes: PREHEND_SHARED_DATA does not name a folder.\n");
+  }
+  return sets;
+}
+
+std::vector<eval::Method> methods_of(const Options& options) {
+  std::vector<eval::Method> methods = eval::compared_methods();
+  if (options.methods.empty()) return methods;
+  std::erase_if(methods, [&](const eval::Method& method) {
+    return std::find(options.methods.begin(), options.methods.end(), method.name) ==
+           options.methods.end();
+  });
+  return methods;
+}
+
+// Results of another build are no results of this one.
+std::string identity_of_this_program() {
+  const fs::path self = fs::canonical("/proc/self/exe");
+  return fmt::format("{} bytes, changed {}\n", fs::file_size(self),
+                     fs::last_write_time(self).time_since_epoch().count());
+}
+
+void prepare_cases_folder(const fs::path& folder, bool fresh) {
+  const fs::path stamp = folder / "made_by";
+  std::string made_by;
+  if (std::ifstream stream(stamp); stream) std::getline(stream, made_by);
+  const std::string self = identity_of_this_program();
+  if (fresh || (!made_by.empty() && made_by + "\n" != self)) {
+    std::printf("Starting afresh: the results in '%s' are %s.\n", folder.c_str(),
+                fresh ? "not wanted" : "of another build");
+    fs::remove_all(folder);
+  }
+  eval::write_text(stamp, self);
+}
+
+// The file's result, if it has one of every method.
+std::optional<eval::CaseResult> known_result(const fs::path& file,
+                                             const std::vector<eval::Method>& methods) {
+  if (!fs::exists(file)) return std::nullopt;
+  try {
+    eval::CaseResult result = eval::read_case_result(file);
+    const auto has = [&](const eval::Method& method) {
+      return std::any_of(result.methods.begin(), result.methods.end(),
+                         [&](const eval::MethodResult& m) { return m.method == method.name; });
+    };
+    if (result.problem.empty() && !std::all_of(methods.begin(), methods.end(), has)) {
+      return std::nullopt;
+    }
+    return result;
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return std::nullopt;
+  }
+}
+
+void show_progress(const eval::PoolProgress& progress, std::size_t known) {
+  static const bool terminal = isatty(STDOUT_FILENO) != 0;
+  static int last = -1;
+  if (progress.done == last && !terminal) return;
+  const bool every = terminal || progress.done == progress.total || progress.done % 16 == 0;
+  if (!every || (progress.done == last && progress.done == 0)) return;
+  last = progress.done;
+  const double left =
+      progress.done > 0 ? progress.seconds / progress.done * (progress.total - progress.done) : 0;
+  std::printf("%s%d of %d cases (%zu known before), %.0f s, about %.0f s left%s",
+              terminal ? "\r" : "", progress.done, progress.total, known, progress.seconds, left,
+              terminal ? "   " : "\n");
+  std::fflush(stdout);
+}
+
+int run(const Options& options) {
+  const std::vector<eval::DataSet> sets = data_sets_of(options);
+  std::vector<eval::Case> cases;
+  for (const eval::Case& one :
+       eval::make_cases(sets, options.quick ? kQuickOrientations : kOrientations, options.seed)) {
+    const std::vector<std::string>& only = options.only;
+    if (only.empty() || std::find(only.begin(), only.end(), one.data_set->name) != only.end()) {
+      cases.push_back(one);
+    }
+  }
+  if (cases.empty()) {
+    std::fprintf(stderr, "No data set has a name given by --only.\n");
+    return EXIT_FAILURE;
+  }
+  const std::vector<eval::Method> methods = methods_of(options);
+  const fs::path folder = options.out / "cases";
+  prepare_cases_folder(folder, options.fresh);
+  const auto file_of = [&](const eval::Case& one) { return folder / (one.name() + ".yaml"); };
+
+  std::vector<eval::Case> open;
+  for (const eval::Case& one : cases) {
+    if (!known_result(file_of(one), methods)) open.push_back(one);
+  }
+  cv::setNumThreads(1);  // the processes share the cores
+  std::vector<eval::CrashedTask> crashed;
+  if (!open.empty()) {
+    crashed = eval::run_in_processes(
+        static_cast<int>(open.size()), options.processes, options.out / "output.txt",
+        [&](int i) { eval::write_case_result(file_of(open[i]), eval::run_case(open[i], methods)); },
+        [&](const eval::PoolProgress& p) { show_progress(p, cases.size() - open.size()); });
+  }
+  std::printf("\n");
+  // Not written to the folder: the next run tries crashed cases again.
+  std::vector<eval::CaseResult> results;
+  for (const eval::Case& one : cases) {
+    if (auto result = known_result(file_of(one), methods)) {
+      results.push_back(std::move(*result));
+      continue;
+    }
+    eval::CaseResult result;
+    result.case_name = one.name();
+    result.group = one.data_set->group;
+    result.data_set = one.data_set->name;
+    result.orientation = one.orientation;
+    result.problem = "There is no result";
+    for (const eval::CrashedTask& task : crashed) {
+      if (open[task.task].name() == one.name()) result.problem = "The process ended: " + task.how;
+    }
+    results.push_back(std::move(result));
+  }
+  std::printf("%s", eval::mesh_deviation_text(results, methods).c_str());
+  if (!options.json.empty()) {
+    eval::write_text(options.json, eval::mesh_deviation_json(results, methods));
+  }
+  eval::write_mesh_deviation_report(options.out, results, methods);
+  std::printf("\n%s\n", (options.out / "index.html").c_str());
+  return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Predicts the shape of known bodies from rendered stereo pairs and measures how far the "
+      "meshes are from the truth. 16 data sets (12 household objects made by code, four of them "
+      "also lying; with PREHEND_SHARED_DATA as many scanned ones) in 8 orientations. A run that "
+      "was interrupted goes on where it was.");
+  app.add_option("--out", options.out, "folder of the page, tables, figures and single results")
+      ->capture_default_str();
+  app.add_option("--json", options.json, "file for the goals and totals");
+  app.add_option(
+         "--meshes", options.meshes,
+         "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--only", options.only, "names of the data sets to evaluate; default: all");
+  std::vector<std::string> names;
+  for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
+  app.add_option("--methods", options.methods, "the methods to compare; default: all")
+      ->check(CLI::IsMember(names));
+  app.add_flag("--quick", options.quick, "two orientations instead of eight");
+  app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
+  app.add_option("--seed", options.seed, "of texture, noise and sampling")->capture_default_str();
+  app.add_option("--processes", options.processes, "how many work at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

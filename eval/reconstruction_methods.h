@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/perception/segmented_scene.h"
+
+namespace prehend::eval {
+
+/// What a method makes of one seen object.
+struct Reconstruction {
+  geometry::TriangleMesh mesh_W;
+  double vote = std::numeric_limits<double>::quiet_NaN();        // of the chosen plane, if any
+  double confidence = std::numeric_limits<double>::quiet_NaN();  // 0..1, P(deviation < 5 mm)
+};
+
+/// A way from a seen object to its whole surface.
+struct Method {
+  std::string name;         // short, as in figures
+  std::string description;  // one line
+  std::function<Reconstruction(const perception::SegmentedScene&,
+                               const perception::ObjectHypothesis&)>
+      reconstruct;  // throws when it cannot
+};
+
+/// The methods that are compared:
+///  - Ext, the fall-back: convex hull of the seen points and their feet on the table;
+///  - Mir5, Mir7: the published completion, pcl::Poisson at depth 5 and 7, nothing closed;
+///  - Ours: the library's defaults.
+std::vector<Method> compared_methods();
+
+}  // namespace prehend::eval

@@ -1,0 +1,65 @@
+#include "eval/case_result.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "tests/eval/temporary_folder.h"
+
+namespace prehend::eval {
+namespace {
+
+TEST(CaseResult, ComesBackAsItWasWritten) {
+  const testing::TemporaryFolder folder;
+  CaseResult result;
+  result.case_name = "household-can-045-seed1";
+  result.group = "household";
+  result.data_set = "can";
+  result.orientation = 45;
+  result.symmetric = false;
+  result.points = 1234;
+  result.mask_iou = 0.9;
+  MethodResult good;
+  good.method = "Ours";
+  good.mean = 1.0 / 3;
+  good.max = 1e-9;
+  good.seconds = 0.25;
+  good.watertight = true;
+  MethodResult failed;
+  failed.method = "Del";
+  failed.problem = "it says: \"no\" \n- {odd} # text";
+  result.methods = {good, failed};
+  const std::filesystem::path file = folder.path / "case.yaml";
+  write_case_result(file, result);
+
+  const CaseResult back = read_case_result(file);
+  EXPECT_EQ(back.case_name, result.case_name);
+  EXPECT_EQ(back.orientation, 45);
+  EXPECT_FALSE(back.symmetric);
+  EXPECT_EQ(back.points, 1234);
+  ASSERT_EQ(back.methods.size(), 2U);
+  EXPECT_EQ(back.methods[0].mean, good.mean);
+  EXPECT_EQ(back.methods[0].max, good.max);
+  EXPECT_TRUE(std::isnan(back.methods[0].vote));
+  EXPECT_TRUE(back.methods[0].watertight);
+  EXPECT_EQ(back.methods[1].problem, failed.problem);
+  // Nothing unfinished is left.
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);
+}
+
+TEST(CaseResult, RefusesWhatIsNone) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path / "case.yaml";
+  EXPECT_THROW(read_case_result(file), geometry::InputError);
+  for (const char* text :
+       {"", "case: x", "[1, 2", "case: x\ngroup: y\ndata_set: z\norientation: up"}) {
+    std::ofstream(file) << text;
+    EXPECT_THROW(read_case_result(file), geometry::InputError) << text;
+  }
+  EXPECT_THROW(write_case_result(folder.path / "no" / "case.yaml", {}), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::eval

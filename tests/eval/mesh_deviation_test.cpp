@@ -1,0 +1,94 @@
+// The whole evaluation on tiny cases: rendered pair, matching, segmentation, mesh, page.
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/case_runner.h"
+#include "tests/eval/temporary_folder.h"
+
+namespace prehend::eval {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Measured, DistancesOfShiftedAndScaledBoxes) {
+  const geometry::TriangleMesh truth = geometry::make_box({0.1, 0.1, 0.1});
+  const MethodResult same = measured(truth, truth, 1);
+  EXPECT_NEAR(same.mean, 0, 1e-7);
+  EXPECT_NEAR(same.centroid_error, 0, 1e-12);
+  EXPECT_TRUE(same.watertight);
+
+  // Every face of the larger box is 5 mm off; nearer than that only towards its edges.
+  const MethodResult larger = measured(geometry::make_box({0.11, 0.11, 0.11}), truth, 1);
+  EXPECT_NEAR(larger.mean, 0.005, 1e-6);
+  EXPECT_NEAR(larger.variance, 0, 1e-10);
+  EXPECT_GT(larger.back_max, 0.005 * 1.4);
+
+  geometry::TriangleMesh shifted = truth;
+  for (Eigen::Vector3d& v : shifted.vertices) v.x() += 0.02;
+  EXPECT_NEAR(measured(shifted, truth, 1).centroid_error, 0.02 / (0.1 * std::sqrt(3.0)), 1e-9);
+}
+
+TEST(RunCase, BallOnATableIsSeenAndMeasured) {
+  const std::vector<EvaluationObject> objects = {
+      {"ball", std::make_shared<geometry::TriangleMesh>(standing(geometry::make_sphere(0.04)))}};
+  const std::vector<DataSet> sets = make_data_sets("test", objects);
+  Method hull = compared_methods().front();
+  Method failing{"None", "fails", [](const auto&, const auto&) -> Reconstruction {
+                   throw std::runtime_error("no idea");
+                 }};
+  const CaseResult result = run_case(make_cases(sets, 1, 1).front(), {hull, failing});
+  EXPECT_EQ(result.problem, "");
+  EXPECT_GT(result.points, 2000);
+  EXPECT_GT(result.mask_iou, 0.85);
+  ASSERT_EQ(result.methods.size(), 2U);
+  // The lower half of the ball is unseen: the hull reaches down to the table there.
+  EXPECT_GT(result.methods[0].mean, 0.002);
+  EXPECT_LT(result.methods[0].mean, 0.02);
+  EXPECT_TRUE(result.methods[0].watertight);
+  EXPECT_EQ(result.methods[1].problem, "no idea");
+  EXPECT_TRUE(std::isnan(result.methods[1].mean));
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(EvalMeshDeviation, WritesItsPageAndGoesOnWhereItWas) {
+  const char* programs = std::getenv("PREHEND_BIN");
+  ASSERT_NE(programs, nullptr) << "PREHEND_BIN names the folder of the programs";
+  const testing::TemporaryFolder folder;
+  const std::string command =
+      "PREHEND_SHARED_DATA= " + std::string(programs) +
+      "/eval_mesh_deviation --quick --only can --methods Ext --processes 1 --out " +
+      folder.path.string() + " --json " + (folder.path / "goals.json").string() + " >" +
+      (folder.path / "printed.txt").string() + " 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << text_of(folder.path / "printed.txt");
+  EXPECT_THAT(text_of(folder.path / "printed.txt"), HasSubstr("2 of 2 cases (0 known before)"));
+  EXPECT_THAT(text_of(folder.path / "index.html"), HasSubstr("<svg"));
+  EXPECT_THAT(text_of(folder.path / "goals.json"), HasSubstr("\"name\": \"household\""));
+  EXPECT_THAT(text_of(folder.path / "household_deviation_by_object.csv"), HasSubstr("\ncan,"));
+  const std::string cases = text_of(folder.path / "cases.csv");
+  EXPECT_THAT(cases, HasSubstr("household,can,0,"));
+  EXPECT_THAT(cases, HasSubstr("household,can,180,"));
+
+  // One case is lost; only that one is evaluated again, with the same result.
+  std::filesystem::remove(folder.path / "cases" / "household-can-180-seed1.yaml");
+  ASSERT_EQ(std::system(command.c_str()), 0) << text_of(folder.path / "printed.txt");
+  EXPECT_THAT(text_of(folder.path / "printed.txt"), HasSubstr("1 of 1 cases (1 known before)"));
+  const auto without_times = [](const std::string& csv) {
+    return csv.substr(0, csv.find(",Ext,"));
+  };
+  EXPECT_EQ(without_times(text_of(folder.path / "cases.csv")), without_times(cases));
+}
+
+}  // namespace
+}  // namespace prehend::eval

@@ -1,0 +1,111 @@
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "eval/data_sets.h"
+#include "eval/household_objects.h"
+#include "eval/implicit_mesh.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_files.h"
+#include "tests/eval/temporary_folder.h"
+
+namespace prehend::eval {
+namespace {
+
+TEST(ImplicitMesh, BallHasTheVolumeAndIsClosed) {
+  const double radius = 0.05;
+  const Implicit ball = [radius](const Eigen::Vector3d& p) { return p.norm() - radius; };
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Constant(-0.06), Eigen::Vector3d::Constant(0.06));
+  const geometry::TriangleMesh mesh = mesh_of(ball, box, 0.003);
+  EXPECT_TRUE(geometry::find_defects(mesh).watertight())
+      << geometry::find_defects(mesh).to_string();
+  const double volume = 4.0 / 3 * std::numbers::pi * std::pow(radius, 3);
+  EXPECT_NEAR(geometry::mass_properties(mesh).volume, volume, 0.005 * volume);
+}
+
+TEST(ImplicitMesh, SurfaceThroughGridPointsStaysManifold) {
+  // The faces of the box lie in planes of the grid.
+  const Implicit box = [](const Eigen::Vector3d& p) {
+    return solids::rounded_box(p, Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(0.04), 0);
+  };
+  const geometry::TriangleMesh mesh =
+      mesh_of(box, {Eigen::Vector3d::Constant(-0.04), Eigen::Vector3d::Constant(0.04)}, 0.005);
+  EXPECT_TRUE(geometry::find_defects(mesh).watertight());
+  EXPECT_NEAR(geometry::mass_properties(mesh).volume, 6.4e-5, 0.05 * 6.4e-5);  // edges are bevelled
+}
+
+TEST(ImplicitMesh, RefusesWhatHasNoInsideOrReachesOut) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1));
+  const auto constant = [](double value) {
+    return [value](const Eigen::Vector3d&) { return value; };
+  };
+  EXPECT_THROW(mesh_of(constant(1), box, 0.5), geometry::InputError);
+  EXPECT_THROW(mesh_of(constant(-1), box, 0.5), geometry::InputError);
+  EXPECT_THROW(mesh_of(constant(std::nan("")), box, 0.5), geometry::InputError);
+  EXPECT_THROW(mesh_of(constant(1), box, 0), std::invalid_argument);
+  EXPECT_THROW(mesh_of(constant(1), box, 1e-9), std::invalid_argument);
+}
+
+TEST(HouseholdObjects, AreTwelveClosedSolidsOnTheTable) {
+  const std::vector<EvaluationObject> objects = household_objects();
+  ASSERT_EQ(objects.size(), 12U);
+  std::set<std::string> names;
+  for (const EvaluationObject& object : objects) {
+    SCOPED_TRACE(object.name);
+    names.insert(object.name);
+    const geometry::TriangleMesh& mesh = *object.mesh_B;
+    EXPECT_TRUE(geometry::find_defects(mesh).watertight())
+        << geometry::find_defects(mesh).to_string();
+    EXPECT_GT(geometry::mass_properties(mesh).volume, 0);
+    const Eigen::AlignedBox3d bounds = geometry::bounds(mesh);
+    EXPECT_NEAR(bounds.min().z(), 0, 1e-12);
+    EXPECT_NEAR(bounds.center().head<2>().norm(), 0, 1e-12);
+    EXPECT_GT(bounds.sizes().maxCoeff(), 0.06);
+    EXPECT_LT(bounds.sizes().maxCoeff(), 0.25);
+  }
+  EXPECT_EQ(names.size(), 12U);
+  const std::vector<DataSet> sets = make_data_sets("household", objects);
+  EXPECT_EQ(sets.size(), 16U);
+  EXPECT_EQ(make_cases(sets, 8, 1).size(), 128U);
+  for (const DataSet& set : sets) {
+    EXPECT_NEAR(geometry::bounds(*set.mesh_B).min().z(), 0, 1e-12) << set.name;
+  }
+}
+
+TEST(HouseholdObjects, BoxAndCanHaveTheirVolumes) {
+  for (const EvaluationObject& object : household_objects()) {
+    const double volume = geometry::mass_properties(*object.mesh_B).volume;
+    if (object.name == "cereal_box") {
+      EXPECT_NEAR(volume, 0.06 * 0.15 * 0.21, 0.01 * volume);
+    }
+    if (object.name == "can") {
+      EXPECT_NEAR(volume, std::numbers::pi * 0.033 * 0.033 * 0.106, 0.01 * volume);
+    }
+  }
+}
+
+TEST(ObjectsOfFolder, TakesClosedMeshesAndNamesBadOnes) {
+  const testing::TemporaryFolder folder;
+  EXPECT_THROW(objects_of_folder(folder.path), geometry::InputError);
+  geometry::TriangleMesh box = geometry::make_box({0.05, 0.06, 0.2});
+  geometry::write_mesh_file(folder.path / "tall.ply", box);
+  geometry::write_mesh_file(folder.path / "flat.obj", geometry::make_box({0.2, 0.1, 0.05}));
+  const std::vector<EvaluationObject> objects = objects_of_folder(folder.path);
+  ASSERT_EQ(objects.size(), 2U);
+  EXPECT_EQ(objects[0].name, "flat");
+  EXPECT_FALSE(objects[0].lies_too);
+  EXPECT_EQ(objects[1].name, "tall");
+  EXPECT_TRUE(objects[1].lies_too);
+
+  box.triangles.pop_back();
+  geometry::write_mesh_file(folder.path / "open.ply", box);
+  EXPECT_THROW(objects_of_folder(folder.path), geometry::InputError);
+  std::filesystem::remove(folder.path / "open.ply");
+  geometry::write_mesh_file(folder.path / "millimetres.ply", geometry::make_box({50, 60, 200}));
+  EXPECT_THROW(objects_of_folder(folder.path), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::eval
