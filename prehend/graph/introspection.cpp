@@ -324,7 +324,11 @@ ParameterRecord Introspection::set_parameter(const std::string& node, const std:
 std::vector<ParameterRecord> Introspection::set_parameters(
     const std::string& node, const std::map<std::string, std::string>& texts) {
   PeerMessage::ParameterRequest request;
-  request.mutable_set_texts()->insert(texts.begin(), texts.end());
+  for (const auto& [parameter, text] : texts) {
+    auto& setting = *request.add_settings();
+    setting.set_name(parameter);
+    setting.set_text(text);
+  }
   return impl_->ask_parameters(find_node(nodes(), node), request);
 }
 

@@ -35,7 +35,8 @@ void Node::Impl::parameters_were_set(const std::vector<ParameterInfo>& changed) 
 
 void Node::Impl::answer_parameters(const std::string& client,
                                    const PeerMessage::ParameterRequest& request) {
-  std::map<std::string, std::string> texts(request.set_texts().begin(), request.set_texts().end());
+  std::map<std::string, std::string> texts;
+  for (const auto& setting : request.settings()) texts[setting.name()] = setting.text();
   if (request.has_set_text()) texts[request.name()] = request.set_text();
   if (!texts.empty()) {
     if (!parameters.has_validation(texts)) return set_from_outside(client, request.id(), texts);

@@ -117,8 +117,15 @@ Room room_for(std::size_t bytes, const std::shared_ptr<SlabPool>& pool) {
 }
 
 EncodedMessage encode_whole(const Message& message, std::size_t size,
-                            const std::shared_ptr<SlabPool>& pool) {
+                            const std::shared_ptr<SlabPool>& pool,
+                            BatchMemory<std::uint8_t>* batch) {
   EncodedMessage encoded;
+  if (size < kSlabPays && batch) {
+    std::uint8_t* data = batch->allocate(size);
+    message.SerializeWithCachedSizesToArray(data);
+    encoded.body = SharedBytes(data, size, batch->resource());
+    return encoded;
+  }
   if (size < kSlabPays) {
     auto bytes = std::make_shared_for_overwrite<std::uint8_t[]>(size);
     std::uint8_t* data = bytes.get();
@@ -149,12 +156,13 @@ std::shared_ptr<Slab> large_part(const std::shared_ptr<SlabPool>& pool, std::siz
   return pool && bytes >= kSlabPays ? pool->acquire(bytes) : nullptr;
 }
 
-EncodedMessage encode(const Message& message, const std::shared_ptr<SlabPool>& pool) {
+EncodedMessage encode(const Message& message, const std::shared_ptr<SlabPool>& pool,
+                      BatchMemory<std::uint8_t>* batch) {
   const std::size_t size = message.ByteSizeLong();
   check_size(size, message.GetTypeName());
   const std::string* payload = payload_of(message);
   if (!payload || payload->size() < kApartPays || !payload_is_last(message)) {
-    return encode_whole(message, size, pool);
+    return encode_whole(message, size, pool, batch);
   }
   // One pass writes body, prefix and payload, so placed that the payload's numbers are aligned.
   EncodedMessage encoded;
@@ -175,7 +183,7 @@ EncodedMessage encode_with_payload(const Message& message, SharedBytes payload,
                                    const std::shared_ptr<SlabPool>& pool) {
   const std::size_t size = message.ByteSizeLong();
   check_size(size + payload.size(), message.GetTypeName());
-  EncodedMessage encoded = encode_whole(message, size, nullptr);
+  EncodedMessage encoded = encode_whole(message, size, nullptr, nullptr);
   if (payload.empty()) return encoded;
   if (!slab && (slab = large_part(pool, payload.size()))) {
     std::memcpy(slab->data(), payload.data(), payload.size());

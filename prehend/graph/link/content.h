@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/graph/link/batch_memory.h"
 #include "prehend/graph/link/shared_bytes.h"
 #include "prehend/graph/link/slab.h"
 #include "prehend/graph/subscription.h"
@@ -43,9 +44,11 @@ struct EncodedMessage {
 /// full.
 std::shared_ptr<Slab> large_part(const std::shared_ptr<SlabPool>& pool, std::size_t bytes);
 
-/// Encodes `message`, copying it once. Throws std::length_error above kMaxFrameBytes.
+/// Encodes `message`, copying it once. Throws std::length_error above kMaxFrameBytes. A small one
+/// goes into `batch` if that is not null.
 EncodedMessage encode(const google::protobuf::Message& message,
-                      const std::shared_ptr<SlabPool>& pool = nullptr);
+                      const std::shared_ptr<SlabPool>& pool = nullptr,
+                      BatchMemory<std::uint8_t>* batch = nullptr);
 /// The same with the payload apart, in `slab` if that is not null, else put there as by encode.
 EncodedMessage encode_with_payload(const google::protobuf::Message& message, SharedBytes payload,
                                    std::shared_ptr<Slab> slab,

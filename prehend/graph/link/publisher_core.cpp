@@ -18,6 +18,9 @@ constexpr std::size_t kLeastOutbox = 10000;
 // the loop's thread, which sends those that have come together in one go.
 constexpr auto kBurst = std::chrono::microseconds(20);
 
+// Of messages published together so many share memory, which is given back with the last of them.
+constexpr std::size_t kSharingMemory = 512;
+
 }  // namespace
 
 PublisherCore::PublisherCore(std::shared_ptr<NodeLink> link, std::string topic, QoS qos,
@@ -46,6 +49,10 @@ std::shared_ptr<Slab> PublisherCore::slab_for(std::size_t bytes) const {
 
 std::shared_ptr<const Content> PublisherCore::content_of(const Message& message) const {
   if (!has_local()) return std::make_shared<Content>(encode(message, pool()));
+  return content_of_copy(message);
+}
+
+std::shared_ptr<const Content> PublisherCore::content_of_copy(const Message& message) const {
   std::shared_ptr<Message> copy(message.New());
   copy->CopyFrom(message);
   return std::make_shared<Content>(std::move(copy), SharedBytes(), nullptr, pool());
@@ -96,7 +103,15 @@ void PublisherCore::publish_shared(std::shared_ptr<const Message> message) {
 void PublisherCore::publish_each(std::span<const Message* const> messages) {
   std::vector<std::shared_ptr<const Content>> contents;
   contents.reserve(messages.size());
-  for (const Message* message : messages) contents.push_back(content_of(*message));
+  const bool as_objects = has_local();
+  const auto slabs = pool();
+  BatchMemory<std::uint8_t> batch(kBatchRoom);
+  for (const Message* message : messages) {
+    if (contents.size() % kSharingMemory == 0) batch = BatchMemory<std::uint8_t>(kBatchRoom);
+    contents.push_back(as_objects ? content_of_copy(*message)
+                                  : std::allocate_shared<Content>(BatchMemory<Content>(batch),
+                                                                  encode(*message, slabs, &batch)));
+  }
   const std::int64_t now = link_->clock->now();
   bool was_empty = false;
   {

@@ -75,6 +75,7 @@ class PublisherCore : public DropCounter {
   bool has_local() const;
   std::shared_ptr<SlabPool> pool() const;
   std::shared_ptr<const Content> content_of(const Message& message) const;
+  std::shared_ptr<const Content> content_of_copy(const Message& message) const;
   void publish_content(std::shared_ptr<const Content> content, std::int64_t stamp);
   /// True when the outbox was empty before.
   bool put(std::shared_ptr<const Content> content, std::int64_t stamp, std::int64_t now);

@@ -270,7 +270,7 @@ bool SubscriberSide::take_message(const std::string& server, Frames& frames) {
   message.payload = SharedBytes::of(std::move(frames[4]));
   if (envelope.has_slab() && !open_slab(server, receivers, envelope, message)) return true;
   if (is_consistent(message)) {
-    deliver(receivers, envelope, message);
+    deliver(receivers, envelope, message, nullptr);
     for (const Receiver& r : receivers) r.entry->core->ask_for_callbacks(r.callbacks);
     return true;
   }
@@ -285,11 +285,12 @@ bool SubscriberSide::take_message(const std::string& server, Frames& frames) {
 bool SubscriberSide::deliver_all(std::vector<Receiver>& receivers, msgs::graph::Envelope& envelope,
                                  const SharedBytes& batch) {
   EncodedMessage message;
+  const BatchMemory<Content> memory(kBatchRoom);
   const bool good = read_batch(batch, [&](BatchRecord record) {
     envelope.set_stamp(record.stamp);
     envelope.set_publish_time(record.publish_time);
     message.body = std::move(record.encoded);
-    deliver(receivers, envelope, message);
+    deliver(receivers, envelope, message, &memory);
     envelope.set_sequence(envelope.sequence() + 1);
   });
   for (const Receiver& r : receivers) r.entry->core->ask_for_callbacks(r.callbacks);
@@ -321,7 +322,8 @@ bool SubscriberSide::open_slab(const std::string& server, const std::vector<Rece
 }
 
 void SubscriberSide::deliver(std::vector<Receiver>& receivers,
-                             const msgs::graph::Envelope& envelope, const EncodedMessage& message) {
+                             const msgs::graph::Envelope& envelope, const EncodedMessage& message,
+                             const BatchMemory<Content>* batch) {
   std::shared_ptr<const Content> content;
   std::shared_ptr<const MessageInfo> info;
   for (Receiver& r : receivers) {
@@ -336,11 +338,14 @@ void SubscriberSide::deliver(std::vector<Receiver>& receivers,
     follow_sequence(*r.entry, source, envelope.sequence());
     source.expected = envelope.sequence() + 1;
     if (!info) {
-      content = std::make_shared<Content>(message);
+      content = batch ? std::allocate_shared<Content>(*batch, message)
+                      : std::make_shared<Content>(message);
       if (source.sender.str() != envelope.sender()) source.sender = SharedName(envelope.sender());
-      info = std::make_shared<MessageInfo>(MessageInfo{r.entry->topic, envelope.sequence(),
-                                                       envelope.stamp(), envelope.publish_time(),
-                                                       source.sender, envelope.schema_hash()});
+      MessageInfo facts{r.entry->topic,          envelope.sequence(), envelope.stamp(),
+                        envelope.publish_time(), source.sender,       envelope.schema_hash()};
+      info = batch ? std::allocate_shared<MessageInfo>(BatchMemory<MessageInfo>(*batch),
+                                                       std::move(facts))
+                   : std::make_shared<MessageInfo>(std::move(facts));
     }
     r.callbacks += core.put({content, info, source.schema});
   }

@@ -170,7 +170,7 @@ class SubscriberSide {
   };
   std::vector<Receiver> receivers_of(const std::string& server, const std::string& topic);
   void deliver(std::vector<Receiver>& receivers, const msgs::graph::Envelope& envelope,
-               const EncodedMessage& message);
+               const EncodedMessage& message, const BatchMemory<Content>* batch);
   bool deliver_all(std::vector<Receiver>& receivers, msgs::graph::Envelope& envelope,
                    const SharedBytes& batch);
   bool open_slab(const std::string& server, const std::vector<Receiver>& receivers,
