@@ -180,6 +180,8 @@ void SubscriberSide::rejoin_all() {
 
 void SubscriberSide::take_subscribed(const std::string& server,
                                      const PeerMessage::Subscribed& answer) {
+  // Also when the subscription has ended: what follows is leased under this number all the same.
+  if (answer.slab_reader() != 0) slab_places_[server] = answer.slab_reader();
   const auto found = entries_.find(answer.subscription());
   if (found == entries_.end()) return;
   Entry& entry = found->second;
@@ -196,7 +198,6 @@ void SubscriberSide::take_subscribed(const std::string& server,
   }
   source->second.joined = true;
   source->second.in_history = true;
-  if (answer.slab_reader() != 0) slab_places_[server] = answer.slab_reader();
   // On joining anew, what came meanwhile is lost but for the history.
   follow_sequence(entry, source->second, answer.next_sequence());
   refresh_count(entry);
