@@ -101,11 +101,6 @@ class VelocitySolver {
   }
 
  private:
-  struct Line {
-    contact::LinearisedContact law;
-    bool presses = false;
-  };
-
   Eigen::Vector3d relative_velocity(const ContactPoint& contact) const {
     Eigen::Vector3d v = point_velocity(contact.a, contact.point) - contact.partner_velocity -
                         jaw_end_ * contact.jaw_motion;
@@ -126,14 +121,9 @@ class VelocitySolver {
       const ContactPoint& contact = *contacts[c];
       const Eigen::Vector3d v = relative_velocity(contact);
       const double normal_speed = contact.normal.dot(v);
-      const double tangential_speed = (v - normal_speed * contact.normal).norm();
-      Line line;
-      line.law = contact::linearise(*contact.law, h_, contact.depth, 0, 0);
-      const double force = line.law.normal_offset - line.law.normal_damping * normal_speed;
-      line.presses = force > 0;
-      if (line.presses) {
-        line.law = contact::linearise(*contact.law, h_, contact.depth, force, tangential_speed);
-      }
+      const Eigen::Vector3d tangential = v - normal_speed * contact.normal;
+      const auto line = contact::linearise(*contact.law, h_, contact.depth, -normal_speed,
+                                           contact.bristle, tangential);
       changed = changed || line.presses != lines_[c].presses;
       lines_[c] = line;
     }
@@ -164,11 +154,11 @@ class VelocitySolver {
         law.normal_damping * along + law.tangential_damping * (Eigen::Matrix3d::Identity() - along);
   }
 
-  void add_contact(const ContactPoint& contact, const Line& line) {
+  void add_contact(const ContactPoint& contact, const contact::LinearisedContact& line) {
     if (!line.presses) return;
     Eigen::Vector3d constant;
     Eigen::Matrix3d resistance;
-    affine_force(contact, line.law, constant, resistance);
+    affine_force(contact, line, constant, resistance);
     constant += resistance * contact.partner_velocity;
     const int row_a = first_row_[contact.a];
     const int row_b = contact.b >= 0 ? first_row_[contact.b] : -1;
@@ -210,7 +200,7 @@ class VelocitySolver {
       if (!lines_[c].presses) continue;
       Eigen::Vector3d constant;
       Eigen::Matrix3d resistance;
-      affine_force(contact, lines_[c].law, constant, resistance);
+      affine_force(contact, lines_[c], constant, resistance);
       contact.force = constant - resistance * relative_velocity(contact);
       contact.normal_force = std::max(0.0, contact.normal.dot(contact.force));
     }
@@ -228,7 +218,7 @@ class VelocitySolver {
       const Eigen::Vector3d tangential = v - contact.normal.dot(v) * contact.normal;
       contact.bristle = contact::return_mapped(
           *contact.law, contact.normal_force,
-          contact::advanced_bristle(used_[c].law, h_, contact.bristle, tangential));
+          contact::advanced_bristle(used_[c], h_, contact.bristle, tangential));
     }
   }
 
@@ -240,7 +230,7 @@ class VelocitySolver {
   int jaw_row_ = -1;
   int saturation_;  // of the drive
   std::vector<Eigen::Matrix<double, 6, 1>> start_, end_;
-  std::vector<Line> lines_, used_;
+  std::vector<contact::LinearisedContact> lines_, used_;
   Eigen::MatrixXd matrix_;
   Eigen::VectorXd right_, solution_;
 };

@@ -94,7 +94,11 @@ double GripperDrive::servo_force(double h, double velocity) const {
 }
 
 contact::LinearisedContact GripperDrive::friction(double h, double velocity) const {
-  return contact::linearise(friction_law_, h, 0, model_.friction_force, std::abs(velocity));
+  contact::LinearisedContact dry;
+  const double trial = bristle_ + h * velocity;
+  contact::linearise_friction(friction_law_, h, model_.friction_force, std::abs(velocity),
+                              std::abs(trial), trial * velocity > 0, dry);
+  return dry;
 }
 
 int GripperDrive::next_saturation(double h, double velocity, int assumed) const {

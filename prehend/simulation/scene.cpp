@@ -4,23 +4,16 @@
 #include <set>
 #include <stdexcept>
 
+#include "prehend/contact/require.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/simulation/shapes.h"
 
 namespace prehend::simulation {
 namespace {
 
-void require(bool condition, const std::string& field, const char* rule) {
-  if (!condition) throw std::invalid_argument(field + " must be " + rule);
-}
-
-void require_positive(double value, const std::string& field) {
-  require(std::isfinite(value) && value > 0, field, "finite and positive");
-}
-
-void require_not_negative(double value, const std::string& field) {
-  require(std::isfinite(value) && value >= 0, field, "finite and not negative");
-}
+using contact::require;
+using contact::require_not_negative;
+using contact::require_positive;
 
 void validate_carrier(const CarrierModel& carrier) {
   require(carrier.minimum.allFinite() && carrier.maximum.allFinite() &&

@@ -24,25 +24,18 @@ struct Slab {
   double z = 0;                      // m, of each texel's bristle
 
   void step(double h) {
-    double speed_guess = std::abs(v);
-    double force_guess = std::max(0.0, law.stiffness * depth + law.damping * depth_rate);
+    using Vector1d = Eigen::Matrix<double, 1, 1>;
     double v_end = v, rate_end = depth_rate;
     LinearisedContact contact;
-    bool presses = false;
     for (int iteration = 0; iteration < 2; ++iteration) {
-      presses = depth > 0 && force_guess > 0;
-      contact = linearise(law, h, depth, force_guess, speed_guess);
-      const double n = presses ? count : 0;
+      contact = linearise(law, h, depth, rate_end, Vector1d(z), Vector1d(v_end));
+      const double n = contact.presses ? count : 0;
       rate_end = (mass * depth_rate + h * mass * gravity - h * n * contact.normal_offset) /
                  (mass + h * n * contact.normal_damping);
       v_end = (mass * v + h * push - h * n * contact.bristle_gain * z) /
               (mass + h * n * contact.tangential_damping);
-      force_guess = contact.normal_offset + contact.normal_damping * rate_end;
-      speed_guess = std::abs(v_end);
     }
-    z = presses ? advanced_bristle(contact, h, Eigen::Matrix<double, 1, 1>(z),
-                                   Eigen::Matrix<double, 1, 1>(v_end))[0]
-                : 0.0;
+    z = contact.presses ? advanced_bristle(contact, h, Vector1d(z), Vector1d(v_end))[0] : 0.0;
     v = v_end;
     depth_rate = rate_end;
     x += h * v;

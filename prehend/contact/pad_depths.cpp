@@ -1,0 +1,150 @@
+#include "prehend/contact/pad_depths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "prehend/contact/mesh_rays.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "prehend/contact/pad_depths.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace prehend::contact::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Parallel rays of a flat pad on a box: slabs. o = start of the texel's ray in B as an affine
+// function of its position, `origin` + x `ux` + y `uy`.
+bool FlatPadOnBox(const PadLayout& pad, const Eigen::Vector3d& half, const double* origin,
+                  const double* ux, const double* uy, const double* direction, double limit,
+                  double* depths) {
+  const hn::CappedTag<double, PadLayout::kLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d), thickness = hn::Set(d, pad.thickness());
+  const V far = hn::Set(d, PadState::kFar), limits = hn::Set(d, limit);
+  bool any = false;
+  for (std::size_t i = 0; i < pad.padded_size(); i += hn::Lanes(d)) {
+    const V x = hn::LoadU(d, &pad.x[i]), y = hn::LoadU(d, &pad.y[i]);
+    V enter = hn::Set(d, -std::numeric_limits<double>::infinity());
+    V exit = hn::Set(d, std::numeric_limits<double>::infinity());
+    for (int axis = 0; axis < 3; ++axis) {
+      const V o = hn::MulAdd(x, hn::Set(d, ux[axis]),
+                             hn::MulAdd(y, hn::Set(d, uy[axis]), hn::Set(d, origin[axis])));
+      // A ray along the slab is inside it for ever or never; a finite slope keeps 0 * inf away.
+      const double slope =
+          direction[axis] != 0 ? 1 / direction[axis] : std::numeric_limits<double>::max();
+      const V inverse = hn::Set(d, std::clamp(slope, -1e300, 1e300));
+      const V a = hn::Mul(hn::Sub(hn::Set(d, -half[axis]), o), inverse);
+      const V b = hn::Mul(hn::Sub(hn::Set(d, half[axis]), o), inverse);
+      enter = hn::Max(enter, hn::Min(a, b));
+      exit = hn::Min(exit, hn::Max(a, b));
+    }
+    const V distance = hn::Max(zero, enter);
+    const auto hit =
+        hn::And(hn::And(hn::Le(enter, exit), hn::Ge(exit, zero)), hn::Le(distance, limits));
+    any = any || !hn::AllFalse(d, hit);
+    hn::StoreU(hn::IfThenElse(hit, hn::Sub(thickness, distance), far), d, depths + i);
+  }
+  return any;
+}
+
+}  // namespace prehend::contact::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace prehend::contact {
+namespace {
+
+HWY_EXPORT(FlatPadOnBox);
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool mesh_depths(const PadLayout& pad, const MeshRays& mesh, const geometry::RigidTransform& X_BP,
+                 double limit, PadState& state) {
+  bool any = false;
+  MeshRays::Packet packet;
+  static_assert(PadLayout::kLanes == MeshRays::kPacket);
+  for (std::size_t i = 0; i < pad.padded_size(); i += MeshRays::kPacket) {
+    for (int k = 0; k < MeshRays::kPacket; ++k) {
+      const Eigen::Vector3d n = pad.normal(i + k);
+      const Eigen::Vector3d origin = X_BP * (pad.position(i + k) - pad.thickness() * n);
+      const Eigen::Vector3d direction = X_BP.linear() * n;
+      packet.ox[k] = origin.x();
+      packet.oy[k] = origin.y();
+      packet.oz[k] = origin.z();
+      packet.dx[k] = direction.x();
+      packet.dy[k] = direction.y();
+      packet.dz[k] = direction.z();
+      packet.active[k] = i + k < pad.size();
+    }
+    mesh.first_hits(packet, limit);
+    for (int k = 0; k < MeshRays::kPacket; ++k) {
+      const bool hit = packet.distance[k] < kInfinity;
+      state.depth[i + k] = hit ? pad.thickness() - packet.distance[k] : PadState::kFar;
+      any = any || hit;
+    }
+  }
+  return any;
+}
+
+// Bounds in P of a box in B.
+Eigen::AlignedBox3d bounds_in(const geometry::RigidTransform& X_PB,
+                              const Eigen::AlignedBox3d& box_B) {
+  const Eigen::Vector3d center = X_PB * box_B.center();
+  const Eigen::Vector3d half = X_PB.linear().cwiseAbs() * (0.5 * box_B.sizes());
+  return {center - half, center + half};
+}
+
+}  // namespace
+
+PadReach::PadReach(const PadLayout& pad) {
+  for (std::size_t i = 0; i < pad.size(); ++i) {
+    rays_P.extend(pad.position(i));
+    rays_P.extend(pad.position(i) - pad.thickness() * pad.normal(i));
+  }
+}
+
+bool find_depths(const PadLayout& pad, const PadReach& reach, const Shape& shape,
+                 const geometry::RigidTransform& X_PB, double look_ahead, PadState& state,
+                 bool gated) {
+  const double limit = pad.thickness() + look_ahead;
+  if (gated && !shape.bounds().isEmpty()) {
+    // Rounding in either of the two ways to compute a point cannot exceed this.
+    const double slack = 1e-9 * (1 + X_PB.translation().norm());
+    Eigen::AlignedBox3d rays = reach.rays_P;
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(look_ahead + slack);
+    rays.min() -= margin;
+    rays.max() += margin;
+    if (!rays.intersects(bounds_in(X_PB, shape.bounds()))) {
+      std::fill(state.depth.begin(), state.depth.end(), PadState::kFar);
+      return false;
+    }
+  }
+  const geometry::RigidTransform X_BP = X_PB.inverse(Eigen::Isometry);
+  if (shape.kind() == Shape::Kind::kMesh) {
+    return mesh_depths(pad, shape.mesh_rays(), X_BP, limit, state);
+  }
+  if (pad.is_flat() && shape.kind() == Shape::Kind::kBox) {
+    const Eigen::Vector3d origin = X_BP * Eigen::Vector3d(0, 0, -pad.thickness());
+    const Eigen::Matrix3d R = X_BP.linear();
+    return HWY_DYNAMIC_DISPATCH(FlatPadOnBox)(pad, shape.half_size(), origin.data(),
+                                              R.col(0).data(), R.col(1).data(), R.col(2).data(),
+                                              limit, state.depth.data());
+  }
+  bool any = false;
+  std::fill(state.depth.begin() + static_cast<std::ptrdiff_t>(pad.size()), state.depth.end(),
+            PadState::kFar);
+  for (std::size_t i = 0; i < pad.size(); ++i) {
+    const Eigen::Vector3d n = pad.normal(i);
+    const double distance = shape.ray_distance(X_BP * (pad.position(i) - pad.thickness() * n),
+                                               X_BP.linear() * n, limit);
+    state.depth[i] = distance < kInfinity ? pad.thickness() - distance : PadState::kFar;
+    any = any || distance < kInfinity;
+  }
+  return any;
+}
+
+}  // namespace prehend::contact
+#endif  // HWY_ONCE

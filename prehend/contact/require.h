@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace prehend::contact {
+
+/// Preconditions of parameters. @throws std::invalid_argument "`field` must be `rule`".
+inline void require(bool condition, const std::string& field, const char* rule) {
+  if (!condition) throw std::invalid_argument(field + " must be " + rule);
+}
+
+inline void require_positive(double value, const std::string& field) {
+  require(std::isfinite(value) && value > 0, field, "finite and positive");
+}
+
+inline void require_not_negative(double value, const std::string& field) {
+  require(std::isfinite(value) && value >= 0, field, "finite and not negative");
+}
+
+}  // namespace prehend::contact
