@@ -12,32 +12,57 @@ namespace {
 using namespace prehend;
 
 constexpr std::size_t kMostObjects = 32;  // that wait for a late reader
+const std::string kFastPoisson = "fast_poisson";
+const std::string kPclPoisson = "pcl_poisson";
 
 void declare_parameters(graph::Node& node) {
   const surface::ModelOptions o;
+  node.declare_parameter<std::string>({.name = "method",
+                                       .default_value = kFastPoisson,
+                                       .choices = {kFastPoisson, kPclPoisson},
+                                       .description = "of the surface"});
+  const surface::FastPoissonOptions& fast = o.surface.fast_poisson;
+  node.declare_parameter<int>({.name = "resolution",
+                               .default_value = fast.resolution,
+                               .minimum = 32,
+                               .maximum = 256,
+                               .description =
+                                   "fast_poisson: nodes along the grid's longest side, a "
+                                   "multiple of 16",
+                               .validate = [](const int& nodes) {
+                                 return std::string(nodes % 16 == 0 ? "" : "not a multiple of 16");
+                               }});
+  node.declare_parameter<double>({.name = "screening_weight",
+                                  .default_value = fast.point_weight,
+                                  .minimum = 0.0,
+                                  .maximum = 1000.0,
+                                  .description = "fast_poisson: of the points besides their "
+                                                 "normals; small for noisy points"});
+  const surface::PclPoissonOptions& pcl = o.surface.pcl_poisson;
   node.declare_parameter<int>({.name = "depth",
-                               .default_value = o.poisson.depth,
+                               .default_value = pcl.depth,
                                .minimum = 3,
                                .maximum = 10,
-                               .description = "of the octree: detail doubles and time grows about "
-                                              "fourfold with each"});
+                               .description = "pcl_poisson: of the octree; detail doubles and time "
+                                              "grows about fourfold with each"});
   node.declare_parameter<double>({.name = "samples_per_node",
-                                  .default_value = o.poisson.samples_per_node,
+                                  .default_value = pcl.samples_per_node,
                                   .minimum = 1.0,
                                   .maximum = 20.0,
-                                  .description = "more for noisier clouds"});
-  node.declare_parameter<double>({.name = "point_weight",
-                                  .default_value = o.poisson.point_weight,
-                                  .minimum = 0.0,
-                                  .maximum = 100.0,
-                                  .description = "of the points besides their normals"});
+                                  .description = "pcl_poisson: more for noisier clouds"});
+  node.declare_parameter<double>(
+      {.name = "point_weight",
+       .default_value = pcl.point_weight,
+       .minimum = 0.0,
+       .maximum = 100.0,
+       .description = "pcl_poisson: of the points besides their normals"});
   node.declare_parameter<double>({.name = "scale",
-                                  .default_value = o.poisson.scale,
-                                  .minimum = 1.05,
+                                  .default_value = pcl.scale,
+                                  .minimum = 1.1,
                                   .maximum = 3.0,
                                   .description = "reconstruction cube over the cloud's extent"});
   node.declare_parameter<bool>({.name = "close_bottom",
-                                .default_value = o.poisson.close_bottom,
+                                .default_value = o.surface.close_bottom,
                                 .description = "close the object on the table"});
   node.declare_parameter<bool>({.name = "close_sides",
                                 .default_value = o.close_sides,
@@ -69,11 +94,17 @@ void declare_parameters(graph::Node& node) {
 
 surface::ModelOptions model_options(const graph::Node& node) {
   surface::ModelOptions o;
-  o.poisson.depth = node.parameter<int>("depth");
-  o.poisson.samples_per_node = node.parameter<double>("samples_per_node");
-  o.poisson.point_weight = node.parameter<double>("point_weight");
-  o.poisson.scale = node.parameter<double>("scale");
-  o.poisson.close_bottom = node.parameter<bool>("close_bottom");
+  const std::string method = node.parameter<std::string>("method");
+  o.surface.method = method == kPclPoisson ? surface::SurfaceMethod::kPclPoisson
+                                           : surface::SurfaceMethod::kFastPoisson;
+  o.surface.fast_poisson.resolution = node.parameter<int>("resolution");
+  o.surface.fast_poisson.point_weight = node.parameter<double>("screening_weight");
+  o.surface.fast_poisson.scale = node.parameter<double>("scale");
+  o.surface.pcl_poisson.depth = node.parameter<int>("depth");
+  o.surface.pcl_poisson.samples_per_node = node.parameter<double>("samples_per_node");
+  o.surface.pcl_poisson.point_weight = node.parameter<double>("point_weight");
+  o.surface.pcl_poisson.scale = node.parameter<double>("scale");
+  o.surface.close_bottom = node.parameter<bool>("close_bottom");
   o.close_sides = node.parameter<bool>("close_sides");
   o.cloud.spacing = node.parameter<double>("spacing");
   o.cloud.normals.neighbors = node.parameter<int>("normal_neighbors");

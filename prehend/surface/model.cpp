@@ -45,7 +45,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.normals = stopwatch.lap();
 
   ObjectModel model;
-  model.mesh_W = reconstruct(cloud, table_W, options.poisson);
+  model.mesh_W = reconstruct(cloud, table_W, options.surface);
   model.defects = geometry::find_defects(model.mesh_W);
   spent.poisson = stopwatch.lap();
 

@@ -5,14 +5,14 @@
 #include "prehend/surface/convex_pieces.h"
 #include "prehend/surface/normals.h"
 #include "prehend/surface/object_model.h"
-#include "prehend/surface/poisson.h"
+#include "prehend/surface/reconstruct.h"
 
 namespace prehend::surface {
 
 struct ModelOptions {
   OrientedCloudOptions cloud;
   bool close_sides = true;  // see closing.h
-  PoissonOptions poisson;
+  SurfaceOptions surface;
   ConvexPiecesOptions convex_pieces;
 };
 
