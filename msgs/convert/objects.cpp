@@ -1,6 +1,7 @@
 #include "msgs/convert/objects.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -89,6 +90,93 @@ void copy_image(const char* in, std::uint32_t channels, geometry::ColorImage& im
       pixel[k] = static_cast<std::uint8_t>(in[channels == 3 ? k : 0]);
     }
     in += channels;
+  }
+}
+
+msgs::SymmetryPlane plane_message(const shape::SymmetryHypothesis& plane) {
+  msgs::SymmetryPlane message;
+  *message.mutable_point() = to_message(plane.point_W);
+  *message.mutable_normal() = to_message(plane.normal_W);
+  message.set_vote(plane.vote);
+  message.set_outside(plane.outside);
+  message.set_in_front(plane.in_front);
+  message.set_coincident(plane.coincident);
+  message.set_contradicted(plane.contradicted);
+  message.set_unseen(plane.unseen);
+  return message;
+}
+
+shape::SymmetryHypothesis read_plane(const msgs::SymmetryPlane& message) {
+  return {from_message(message.point()),
+          from_message(message.normal()),
+          message.vote(),
+          message.outside(),
+          message.in_front(),
+          message.coincident(),
+          message.contradicted(),
+          message.unseen()};
+}
+
+msgs::CompletionEvidence evidence_message(const shape::Evidence& evidence) {
+  msgs::CompletionEvidence message;
+  message.set_contradiction(evidence.contradiction);
+  message.set_contradicted(evidence.contradicted);
+  message.set_support(evidence.support);
+  message.set_coincident(evidence.coincident);
+  message.set_unseen(evidence.unseen);
+  message.set_margin(evidence.margin);
+  message.set_concavity(evidence.concavity);
+  message.set_open_top(evidence.open_top);
+  message.set_cut_by_image(evidence.cut_by_image);
+  message.set_open_vessel(evidence.open_vessel());
+  return message;
+}
+
+shape::Evidence read_evidence(const msgs::CompletionEvidence& message,
+                              shape::CompletionMethod method) {
+  return {method,
+          message.contradiction(),
+          message.contradicted(),
+          message.support(),
+          message.coincident(),
+          message.unseen(),
+          message.margin(),
+          message.concavity(),
+          message.open_top(),
+          message.cut_by_image()};
+}
+
+shape::CompletionMethod method_named(const std::string& name) {
+  using shape::CompletionMethod;
+  for (const auto method : {CompletionMethod::kMirror, CompletionMethod::kRotation,
+                            CompletionMethod::kExtrusion, CompletionMethod::kConvexHull}) {
+    if (name == shape::name(method)) return method;
+  }
+  throw InputError("A completed shape made by the unknown method '" + name + "'", kSenderMend);
+}
+
+/// Support and confidence of the points, and the means over regions.
+void read_points(const msgs::CompletedShape& message, shape::CompletedShape& shape) {
+  const std::size_t count = shape.cloud_W.size();
+  if (message.support().size() != count || message.point_confidence().size() != count) {
+    throw InputError("A completed shape whose points and their supports differ in number",
+                     kSenderMend);
+  }
+  std::array<double, 4> sums{}, counts{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const char support = message.support()[i];
+    if (support < 0 || support > static_cast<char>(shape::PointSupport::kUnseen)) {
+      throw InputError("A completed shape with a point of unknown support", kSenderMend);
+    }
+    shape.support.push_back(static_cast<shape::PointSupport>(support));
+    const double sure = static_cast<std::uint8_t>(message.point_confidence()[i]) / 255.0;
+    shape.point_confidence.push_back(static_cast<float>(sure));
+    const auto region = static_cast<std::size_t>(shape.origin[i]);
+    sums[region] += sure;
+    counts[region] += 1;
+  }
+  for (std::size_t r = 0; r < sums.size(); ++r) {
+    shape.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
   }
 }
 
@@ -213,6 +301,18 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   *message.mutable_viewpoint() = to_message(shape.viewpoint_W);
   *message.mutable_mirrored_viewpoint() = to_message(shape.mirrored_viewpoint_W);
   message.set_hypotheses_tried(static_cast<std::uint32_t>(shape.hypotheses.size()));
+  message.set_method(shape::name(shape.method));
+  message.set_refused(shape.refused);
+  message.set_confidence(shape.confidence);
+  *message.mutable_evidence() = evidence_message(shape.evidence);
+  for (const auto& plane : shape.planes) *message.add_planes() = plane_message(plane);
+  for (const auto support : shape.support) {
+    message.mutable_support()->push_back(static_cast<char>(support));
+  }
+  for (const float sure : shape.point_confidence) {
+    message.mutable_point_confidence()->push_back(
+        static_cast<char>(std::lround(255 * std::clamp(sure, 0.f, 1.f))));
+  }
   return message;
 }
 
@@ -236,6 +336,13 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
         shape::SymmetryHypothesis{from_message(message.second_symmetry_point()),
                                   from_message(message.second_symmetry_normal())};
   }
+  for (const auto& plane : message.planes()) shape.planes.push_back(read_plane(plane));
+  // Absent in a shape that is not completed.
+  if (!message.method().empty()) shape.method = method_named(message.method());
+  if (message.has_evidence()) shape.evidence = read_evidence(message.evidence(), shape.method);
+  shape.refused = message.refused();
+  shape.confidence = message.confidence();
+  if (!message.support().empty()) read_points(message, shape);
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
   return shape;

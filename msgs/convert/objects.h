@@ -35,9 +35,10 @@ msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene);
 /// Masks are whole images again. @throws InputError for windows outside the image, or no X_WC.
 perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message);
 
-/// Fills cloud, origin, symmetry, vote and viewpoints.
+/// Fills cloud, what is known of each point, planes, viewpoints, method, evidence and confidence.
 msgs::CompletedShape to_message(const shape::CompletedShape& shape);
-/// @throws InputError when `origin` does not have one byte for each point.
+/// @throws InputError when `origin`, or a `support` or `point_confidence` that is there, does not
+/// have one byte for each point.
 shape::CompletedShape from_message(const msgs::CompletedShape& message);
 
 /// Fills mesh, pieces, mass properties, deviation and defects.

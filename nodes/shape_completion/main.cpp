@@ -21,13 +21,14 @@ void declare_parameters(graph::Node& node) {
                                .default_value = o.orientations,
                                .minimum = 1,
                                .maximum = 181,
-                               .description = "of the symmetry plane about each axis, odd"});
+                               .description = "of the symmetry plane, odd"});
   node.declare_parameter<double>({.name = "max_angle",
                                   .default_value = o.max_angle / kRadiansPerDegree,
                                   .unit = "deg",
                                   .minimum = 0.1,
-                                  .maximum = 45.0,
-                                  .description = "of the orientations, to both sides"});
+                                  .maximum = 90.0,
+                                  .description = "of the orientations, to both sides of the "
+                                                 "viewing direction"});
   node.declare_parameter<int>({.name = "shifts",
                                .default_value = o.shifts,
                                .minimum = 2,
@@ -35,15 +36,27 @@ void declare_parameters(graph::Node& node) {
                                .description = "of the plane along its normal; time grows with it"});
   node.declare_parameter<double>({.name = "thinning",
                                   .default_value = o.thinning,
-                                  .minimum = 0.001,
+                                  .minimum = 0.0,
                                   .maximum = 0.2,
-                                  .description = "voxel in which one point votes, of the extent"});
+                                  .description = "voxel in which one point votes, of the extent; "
+                                                 "0: every point votes"});
   node.declare_parameter<double>({.name = "depth_tolerance",
                                   .default_value = o.depth_tolerance,
                                   .unit = "m",
                                   .minimum = 1e-5,
                                   .maximum = 0.1,
                                   .description = "depth differences below this are noise"});
+  node.declare_parameter<double>({.name = "max_contradicted",
+                                  .default_value = o.max_contradicted,
+                                  .minimum = 0.0,
+                                  .maximum = 1.0,
+                                  .description = "planes that put a greater fraction of points "
+                                                 "where the camera looked through are refused"});
+  node.declare_parameter<std::string>(
+      {.name = "confidence_model",
+       .default_value = "",
+       .description = "YAML file of coefficients (config/fidelity/shape_confidence.yaml); empty: "
+                      "the built-in ones"});
   node.declare_parameter<std::string>(
       {.name = "vote",
        .default_value = "supported",
@@ -58,22 +71,34 @@ void declare_parameters(graph::Node& node) {
 
 shape::CompletionOptions completion_options(const graph::Node& node) {
   const auto vote = node.parameter<std::string>("vote");
-  const bool as_published = vote == "as_published";
-  shape::CompletionOptions o = as_published ? shape::as_published() : shape::CompletionOptions{};
-  if (vote == "contradiction") o.vote = shape::VoteKind::kContradiction;
-  if (!as_published) o.second_plane = node.parameter<bool>("second_plane");
+  const double depth_tolerance = node.parameter<double>("depth_tolerance");
+  if (vote == "as_published") {
+    shape::CompletionOptions published = shape::as_published();
+    published.depth_tolerance = depth_tolerance;
+    return published;
+  }
+  shape::CompletionOptions o;
+  if (vote == "contradiction") o.vote = shape::VoteKind::kPublished;
+  o.second_plane = node.parameter<bool>("second_plane");
   o.orientations = node.parameter<int>("orientations");
   o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
   o.shifts = node.parameter<int>("shifts");
   o.thinning = node.parameter<double>("thinning");
-  o.depth_tolerance = node.parameter<double>("depth_tolerance");
+  o.max_contradicted = node.parameter<double>("max_contradicted");
+  o.depth_tolerance = depth_tolerance;
   return o;
+}
+
+shape::ConfidenceModel confidence_model(const graph::Node& node) {
+  const auto file = node.parameter<std::string>("confidence_model");
+  return file.empty() ? shape::ConfidenceModel{} : shape::read_confidence_model(file);
 }
 
 class ShapeCompletion {
  public:
   explicit ShapeCompletion(graph::Node& node) : node_(node) {
     declare_parameters(node);
+    confidence_model_ = confidence_model(node);
     publisher_ = node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::ObjectHypotheses>(
         "/objects", graph::QoS::queue(4),
@@ -101,9 +126,11 @@ class ShapeCompletion {
       shape.set_object_count(static_cast<std::uint32_t>(scene.objects.size()));
       if (shape.completed()) {
         ++completed;
-        node_.log_info("object {}: {} seen points became {}, vote {:.4f}, {} planes tried",
-                       object.id, object.cloud_W.size(), shape.cloud().count(), shape.vote(),
-                       shape.hypotheses_tried());
+        node_.log_info(
+            "object {}: {} seen points became {} by {}, vote {:.4f}, confidence {:.2f}{}{}",
+            object.id, object.cloud_W.size(), shape.cloud().count(), shape.method(), shape.vote(),
+            shape.confidence(), shape.evidence().open_vessel() ? ", an open vessel" : "",
+            shape.refused().empty() ? "" : "; refused: " + shape.refused());
       } else {
         problem = fmt::format("; object {}: {}", object.id, shape.problem());
         node_.log_warning("object {} is not completed: {}", object.id, shape.problem());
@@ -122,7 +149,7 @@ class ShapeCompletion {
     try {
       message = convert::to_message(shape::complete_by_symmetry(
           {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W},
-          completion_options(node_)));
+          completion_options(node_), confidence_model_));
     } catch (const std::exception& error) {
       message = msgs::CompletedShape();
       message.set_problem(error.what());
@@ -141,6 +168,7 @@ class ShapeCompletion {
   }
 
   graph::Node& node_;
+  shape::ConfidenceModel confidence_model_;
   graph::Publisher<msgs::CompletedShape> publisher_;
   graph::Subscription subscription_;
 };
@@ -152,8 +180,9 @@ void run(graph::Node& node) {
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"shape_completion",
-     "Predicts the unseen side of each object by the vertical plane of symmetry that contradicts "
-     "the view least. Takes /objects, publishes one message per object on /shapes (latched, the "
+     "Predicts the unseen side of each object by the plane of symmetry that contradicts the view "
+     "least; where every plane does, by rotation, extrusion or the convex hull. Takes /objects, "
+     "publishes one message per object on /shapes (latched, the "
      "last 32). An object that cannot be completed is published as seen, with the reason."},
     run);
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "prehend/geometry/camera_model.h"
@@ -9,6 +11,7 @@
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/shape/confidence.h"
 
 namespace prehend::shape {
 
@@ -21,6 +24,8 @@ struct ObjectView {
   const geometry::Plane& table_W;        // normal towards the object
 };
 
+/// Whose viewpoint a point was "seen" from (CompletedShape::viewpoint_of). Points that a fall-back
+/// made count as kMirrored on the far side of its nominal plane and as kMirroredSecond on the near.
 enum class PointOrigin : std::uint8_t {
   kSeen = 0,
   kMirrored = 1,        // of a seen point, at the plane of symmetry
@@ -28,16 +33,25 @@ enum class PointOrigin : std::uint8_t {
   kMirroredBoth = 3,    // of a seen point, at both
 };
 
-/// One vertical plane of symmetry and how well it agrees with what was seen.
+/// What the view says about a point of the completed shape.
+enum class PointSupport : std::uint8_t {
+  kSeen = 0,       // it is a seen point
+  kSupported = 1,  // predicted, and coincides with the seen surface
+  kOccluded = 2,   // predicted into space that the seen surface hides: a guess
+  kUnseen = 3,     // predicted to where nobody looked, beside the image: a guess
+};
+
+/// One plane of symmetry, vertical or nearly so, and how well it agrees with what was seen.
 struct SymmetryHypothesis {
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();    // on the plane [m]
-  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitX();  // unit, parallel to the table
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitX();  // unit, along the table unless tilted
   double vote = 0;                                      // smaller is better
   // What the vote is made of, see symmetry.h; fractions are of the mirrored points.
   double outside = 0;       // E[(distance to the mask / reference length)^2]
   double in_front = 0;      // E[depth before the seen surface / reference length]
   double coincident = 0;    // fraction that lies on the seen surface
   double contradicted = 0;  // fraction that lies where the camera looked through
+  double unseen = 0;        // fraction of which the view says nothing: beside the image
 };
 
 /// `p` mirrored at the plane of `symmetry`.
@@ -45,12 +59,22 @@ inline Eigen::Vector3d mirrored(const SymmetryHypothesis& symmetry, const Eigen:
   return p_W - 2 * symmetry.normal_W.dot(p_W - symmetry.point_W) * symmetry.normal_W;
 }
 
-/// The seen points followed by their mirror images.
+/// The seen points followed by the predicted ones.
 struct CompletedShape {
   geometry::PointCloud cloud_W;
-  std::vector<PointOrigin> origin;             // one per point
-  SymmetryHypothesis symmetry;                 // the winner
+  std::vector<PointOrigin> origin;      // one per point
+  std::vector<PointSupport> support;    // one per point
+  std::vector<float> point_confidence;  // one per point: probability that the surface is there
+  /// The winner; for a fall-back a nominal vertical plane through its middle, facing the viewer.
+  SymmetryHypothesis symmetry;
+  std::vector<SymmetryHypothesis> planes;      // best distinct planes, best first
   std::vector<SymmetryHypothesis> hypotheses;  // the winner, then all that were tried, best first
+  CompletionMethod method = CompletionMethod::kMirror;
+  std::string refused;  // why better methods were not used, in words; empty for kMirror
+  Evidence evidence;
+  double confidence = 0;  // of the whole, see confidence.h
+  /// Mean of point_confidence over the points of each PointOrigin; 0 where there are none.
+  std::array<double, 4> region_confidence{};
   Eigen::Vector3d viewpoint_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d mirrored_viewpoint_W = Eigen::Vector3d::Zero();
   std::optional<SymmetryHypothesis> second_symmetry;  // perpendicular to `symmetry`, if any

@@ -180,6 +180,33 @@ void check_view(const ObjectView& view) {
   }
 }
 
+PointEvidence evidence_about(const SeenMap& map, const geometry::PinholeCamera& camera,
+                             const Eigen::Vector3d& p_C, double depth_tolerance) {
+  const auto ramp = [](double x) { return std::clamp(x - 0.5, 0.0, 1.0); };
+  PointEvidence evidence;
+  float value = 0;
+  if (p_C.z() > 0) {
+    const Eigen::Vector2d pixel = camera.project(p_C);
+    const double u =
+        std::clamp(std::floor(pixel.x() + 0.5), map.window.u0 - 1.0, map.window.u1 * 1.0);
+    const double v =
+        std::clamp(std::floor(pixel.y() + 0.5), map.window.v0 - 1.0, map.window.v1 * 1.0);
+    value = map.at(static_cast<int>(u), static_cast<int>(v));
+  }
+  if (value == 0) {
+    evidence.unseen = true;
+  } else if (value < 0) {
+    const double outside = -value * p_C.z() / (0.5 * (camera.fx + camera.fy));
+    evidence.contradicted = ramp(outside / (0.5 * depth_tolerance));
+  } else {
+    const double before = value - p_C.z();
+    evidence.contradicted = ramp(before / depth_tolerance);
+    evidence.coincident = std::max(0.0, 1 - std::abs(before) / depth_tolerance);
+    evidence.behind = std::max(0.0, -before);
+  }
+  return evidence;
+}
+
 PixelWindow window_of_mirrored(const ObjectView& view,
                                const std::vector<geometry::Plane>& planes_C) {
   PixelWindow window = window_of_mask_and_points(view);

@@ -41,6 +41,18 @@ struct SeenMap {
   }
 };
 
+/// What a view says about one point that was not itself seen.
+struct PointEvidence {
+  double coincident = 0;    // 1 on the seen surface, falling to 0 at the tolerance
+  double contradicted = 0;  // 0 agrees or hidden, 1 lies clearly where the camera looked through
+  double behind = 0;        // depth behind the seen surface [m], where hidden
+  bool unseen = false;      // behind the camera or beside its image
+};
+
+/// The terms of reference_tally (reference_vote.h) for one point, in the optical frame C [m]. O(1).
+PointEvidence evidence_about(const SeenMap& map, const geometry::PinholeCamera& camera,
+                             const Eigen::Vector3d& p_C, double depth_tolerance);
+
 /// The smallest window that holds the mask, the points and all of them mirrored at any of
 /// `planes_C` (optical frame C), within the image. O(points + planes).
 PixelWindow window_of_mirrored(const ObjectView& view,

@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <stdexcept>
 #include <string>
-#include <tuple>
+#include <utility>
 
-#include "prehend/geometry/errors.h"
-#include "prehend/shape/view_evidence.h"
-#include "prehend/shape/voting_points.h"
+#include "prehend/shape/fallbacks.h"
+#include "prehend/shape/hollows.h"
+#include "prehend/shape/mask_holes.h"
+#include "prehend/shape/plane_search.h"
 
 namespace prehend::shape {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kPriorEvidence = 0.02;  // k of the support, as a fraction of the points
+constexpr double kPi = std::numbers::pi;
 
 void check(const CompletionOptions& options) {
   const auto require = [](bool condition, const std::string& what) {
@@ -22,320 +24,356 @@ void check(const CompletionOptions& options) {
   };
   require(options.orientations >= 1 && options.orientations % 2 == 1,
           "orientations must be odd and >= 1");
-  require(options.max_angle > 0 && options.max_angle <= kPi / 4, "max_angle must be in (0, pi/4]");
+  require(options.max_angle > 0 && options.max_angle <= kPi / 2, "max_angle must be in (0, pi/2]");
   require(options.shifts >= 2, "shifts must be >= 2");
   require(std::isfinite(options.min_shift) && options.min_shift < options.max_shift &&
               std::isfinite(options.max_shift),
           "min_shift must be less than max_shift");
-  require(options.thinning > 0 && options.thinning <= 0.2, "thinning must be in (0, 0.2]");
+  require(options.thinning >= 0 && options.thinning <= 0.2, "thinning must be in [0, 0.2]");
+  require(options.planes >= 1, "planes must be >= 1");
+  require(options.max_tilt >= 0 && options.max_tilt <= kPi / 4, "max_tilt must be in [0, pi/4]");
   require(options.reference_fraction > 0 && std::isfinite(options.reference_fraction),
           "reference_fraction must be > 0");
   require(options.depth_tolerance > 0 && std::isfinite(options.depth_tolerance),
           "depth_tolerance must be > 0");
+  require(options.fill_holes >= 0 && options.fill_holes <= 1, "fill_holes must be in [0, 1]");
+  require(options.max_contradicted >= 0 && options.max_contradicted <= 1,
+          "max_contradicted must be in [0, 1]");
   for (const auto& [value, name] : {std::pair{options.outside_weight, "outside_weight"},
                                     {options.in_front_weight, "in_front_weight"},
                                     {options.support_weight, "support_weight"},
                                     {options.oblique_weight, "oblique_weight"},
                                     {options.depth_prior_weight, "depth_prior_weight"},
+                                    {options.tilt_gain, "tilt_gain"},
                                     {options.max_second_vote, "max_second_vote"}}) {
     require(value >= 0 && std::isfinite(value), std::string(name) + " must be >= 0");
   }
 }
 
-/// A vertical plane {p : n(angle) · p = offset} in the frame T.
-struct VerticalPlane {
-  double angle = 0;   // rad, of the normal from T's x axis
-  double offset = 0;  // m
-
-  Eigen::Vector2d normal() const { return {std::cos(angle), std::sin(angle)}; }
-};
-
-/// Votes for planes with one set of points.
-class Ballot {
+/// One completion in the making.
+class Completion {
  public:
-  Ballot(const VotingPoints& voting, std::vector<Eigen::Vector3d> points_T,
-         const ViewEvidence& evidence, const geometry::RigidTransform& X_CT,
-         const CompletionOptions& options)
-      : voting_(voting),
-        points_T_(std::move(points_T)),
-        evidence_(evidence),
-        X_CT_(X_CT),
+  Completion(const ObjectView& view, VotingPoints voting, const CompletionOptions& options,
+             const ConfidenceModel& model)
+      : view_(view),
         options_(options),
-        reference_(options.reference_fraction * voting.extent) {
-    points_C_.reserve(points_T_.size());
-    for (const Eigen::Vector3d& p_T : points_T_) points_C_.push_back(X_CT_ * p_T);
-  }
+        model_(model),
+        X_CW_(view.X_WC.inverse()),
+        voting_(std::move(voting)) {}
 
-  /// Extent of the points along n [m].
-  std::pair<double, double> range(const Eigen::Vector2d& n) const {
-    double least = n.dot(points_T_.front().head<2>());
-    double most = least;
-    for (const Eigen::Vector3d& p : points_T_) {
-      const double along = n.dot(p.head<2>());
-      least = std::min(least, along);
-      most = std::max(most, along);
+  CompletedShape run() {
+    SeenMap map = make_seen_map(view_, window());
+    const Ballot fine(voting_, voting_.points_T, map, view_, options_);
+    SearchResult found =
+        options_.published_start
+            ? search_planes(fine, fine, options_)
+            : search_planes(Ballot(voting_, voting_.coarse_points_T, map, view_, options_), fine,
+                            options_);
+    map_ = std::move(map);
+    shape_.cloud_W.points = view_.cloud_W.points;
+    shape_.cloud_W.colors = view_.cloud_W.colors;
+    shape_.viewpoint_W = view_.X_WC.translation();
+    shape_.hypotheses = std::move(found.tried);
+    for (const Candidate& plane : found.planes) shape_.planes.push_back(plane.hypothesis);
+    add_origin(shape_.cloud_W.size(), PointOrigin::kSeen);
+
+    Candidate best = primary(found.planes);
+    if (options_.refine) best = centered(fine, best);
+    set_evidence(fine, best, found.planes);
+    if (best.hypothesis.contradicted <= options_.max_contradicted) {
+      mirror(fine, best);
+    } else {
+      fall_back(best);
     }
-    return {least, most};
-  }
-
-  SymmetryHypothesis vote(const VerticalPlane& plane) const {
-    const Eigen::Vector2d n = plane.normal();
-    const Eigen::Vector3d n_C = X_CT_.linear() * Eigen::Vector3d(n.x(), n.y(), 0);
-    const double moved = std::max(2 * options_.depth_tolerance, reference_);
-    SymmetryHypothesis hypothesis;
-    for (std::size_t i = 0; i < points_T_.size(); ++i) {
-      const double shift = 2 * (plane.offset - n.dot(points_T_[i].head<2>()));
-      const PointEvidence q = evidence_.about(points_C_[i] + shift * n_C);
-      const double outside = q.outside / reference_;
-      hypothesis.outside += outside * outside;
-      hypothesis.in_front += q.in_front / reference_;
-      hypothesis.contradicted += q.contradicted;
-      if (std::abs(shift) > moved) hypothesis.coincident += q.coincident;
-    }
-    const double count = static_cast<double>(points_T_.size());
-    hypothesis.outside /= count;
-    hypothesis.in_front /= count;
-    hypothesis.contradicted /= count;
-    hypothesis.coincident /= count;
-    hypothesis.vote = contradiction(hypothesis);
-    if (options_.vote == VoteKind::kSupported) {
-      hypothesis.vote += support_term(hypothesis) + prior_terms(plane);
-    }
-    const Eigen::Vector2d on_plane =
-        voting_.center_T + (plane.offset - n.dot(voting_.center_T)) * n;
-    hypothesis.point_W = voting_.X_WT * Eigen::Vector3d(on_plane.x(), on_plane.y(), 0);
-    hypothesis.normal_W = voting_.X_WT.linear() * Eigen::Vector3d(n.x(), n.y(), 0);
-    return hypothesis;
-  }
-
-  double contradiction(const SymmetryHypothesis& h) const {
-    return options_.outside_weight * h.outside + options_.in_front_weight * h.in_front;
-  }
-
-  double support_term(const SymmetryHypothesis& h) const {
-    const double support =
-        (h.coincident + kPriorEvidence / 2) / (h.coincident + h.contradicted + kPriorEvidence);
-    return options_.support_weight * (1 - support);
+    shape_.hypotheses.insert(shape_.hypotheses.begin(), shape_.symmetry);
+    set_confidence();
+    return std::move(shape_);
   }
 
  private:
-  double prior_terms(const VerticalPlane& plane) const {
-    const Eigen::Vector2d n = plane.normal();
-    const auto [near, far] = range(n);
-    const auto [left, right] = range({-n.y(), n.x()});
-    const double depth = 2 * std::max(plane.offset - near, far - plane.offset);
-    const double width = std::max(right - left, 1e-9 * voting_.extent);
-    return options_.oblique_weight * (1 - std::abs(n.dot(voting_.away_T))) +
-           options_.depth_prior_weight * std::abs(depth / width - 1);
+  /// Holds every mirrored point of the grid.
+  PixelWindow window() const {
+    const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
+    std::vector<geometry::Plane> planes_C;
+    for (const Candidate& candidate : grid(voting_, options_)) {
+      const Eigen::Vector3d n_T = candidate.plane.normal_T();
+      const Eigen::Vector3d n_C = X_CT.linear() * n_T;
+      planes_C.push_back(
+          {n_C, n_C.dot(X_CT * Eigen::Vector3d(voting_.center_T + candidate.plane.shift * n_T))});
+    }
+    return window_of_mirrored(view_, planes_C);
   }
 
-  const VotingPoints& voting_;
-  std::vector<Eigen::Vector3d> points_T_;
-  std::vector<Eigen::Vector3d> points_C_;
-  const ViewEvidence& evidence_;
-  geometry::RigidTransform X_CT_;
-  const CompletionOptions& options_;
-  double reference_;  // m
-};
-
-struct Candidate {
-  VerticalPlane plane;
-  double turn = 0;  // rad, from the starting axis
-  SymmetryHypothesis hypothesis;
-};
-
-/// Fewest contradictions first; where the view decides nothing, the least turned, then the nearest.
-bool better(const Candidate& a, const Candidate& b) {
-  return std::tuple(a.hypothesis.vote, std::abs(a.turn), a.plane.offset, a.turn) <
-         std::tuple(b.hypothesis.vote, std::abs(b.turn), b.plane.offset, b.turn);
-}
-
-/// Pattern search in angle and offset from `best`, steps halved until they do not matter.
-Candidate refined(const Ballot& ballot, Candidate best, double angle_step, double offset_step,
-                  double least_offset_step) {
-  while (offset_step > least_offset_step) {
-    Candidate next = best;
-    for (const auto& [da, db] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-      Candidate tried = best;
-      tried.plane.angle += da * angle_step;
-      tried.turn += da * angle_step;
-      tried.plane.offset += db * offset_step;
-      tried.hypothesis = ballot.vote(tried.plane);
-      if (tried.hypothesis.vote < next.hypothesis.vote) next = tried;
-    }
-    if (next.hypothesis.vote < best.hypothesis.vote) {
-      best = next;
-    } else {
-      angle_step /= 2;
-      offset_step /= 2;
-    }
+  /// The best facing plane; one that is not facing when every facing one is refused and it is not.
+  Candidate primary(const std::vector<Candidate>& planes) const {
+    const auto acceptable = [&](const Candidate& c) {
+      return c.hypothesis.contradicted <= options_.max_contradicted;
+    };
+    const auto facing =
+        std::find_if(planes.begin(), planes.end(), [](const Candidate& c) { return c.facing(); });
+    if (facing != planes.end() && acceptable(*facing)) return *facing;
+    const auto other = std::find_if(planes.begin(), planes.end(), acceptable);
+    if (other != planes.end()) return *other;
+    return facing != planes.end() ? *facing : planes.front();
   }
-  return best;
-}
 
-/// The middle of the shifts round `best` whose vote is nearly as good. Round the true plane the
-/// vote is flat within the tolerance, with shallow dents where points cross pixels.
-Candidate centered(const Ballot& ballot, const Candidate& best, double extent) {
-  constexpr double kAsGood = 0.02;  // vote
-  constexpr int kReach = 25;        // steps
-  const double step = 0.002 * extent;
-  int ends[2] = {0, 0};
-  for (const int sign : {-1, 1}) {
-    for (int i = 1; i <= kReach; ++i) {
-      const VerticalPlane plane{best.plane.angle, best.plane.offset + sign * i * step};
-      if (ballot.vote(plane).vote > best.hypothesis.vote + kAsGood) break;
-      ends[sign > 0] = sign * i;
+  void set_evidence(const Ballot& ballot, const Candidate& best,
+                    const std::vector<Candidate>& planes) {
+    Evidence& e = shape_.evidence;
+    e.contradiction = ballot.contradiction(best.hypothesis);
+    e.contradicted = best.hypothesis.contradicted;
+    e.support = ballot.support(best.hypothesis);
+    e.coincident = best.hypothesis.coincident;
+    e.unseen = best.hypothesis.unseen;
+    for (const Candidate& other : planes) {
+      if (!other.facing() || std::abs(other.turn - best.turn) < 0.1) continue;
+      e.margin = std::clamp(other.hypothesis.vote - best.hypothesis.vote, 0.0, 1.0);
+      break;
     }
+    const Eigen::Vector3d viewpoint_T = voting_.X_WT.inverse() * view_.X_WC.translation();
+    const Hollows hollow = hollows(voting_.coarse_points_T, viewpoint_T, Eigen::Vector3d::UnitZ(),
+                                   std::max(3 * options_.depth_tolerance, 0.1 * voting_.extent));
+    e.concavity = std::min(1.0, hollow.depth / voting_.extent);
+    e.open_top = hollow.open_top;
+    e.cut_by_image = mask_reaches_border();
   }
-  Candidate middle = best;
-  middle.plane.offset += 0.5 * (ends[0] + ends[1]) * step;
-  middle.hypothesis = ballot.vote(middle.plane);
-  return middle;
-}
 
-/// All planes of the grid round one starting normal, and the refined best of them.
-std::vector<Candidate> search(const Ballot& ballot, const VotingPoints& voting,
-                              const Eigen::Vector2d& start, const CompletionOptions& options) {
-  const double half = (options.orientations - 1) / 2;
-  const double angle_step = half > 0 ? options.max_angle / half : options.max_angle;
-  const double shift_step =
-      voting.extent * (options.max_shift - options.min_shift) / (options.shifts - 1);
-  std::vector<Candidate> candidates;
-  for (int i = 0; i < options.orientations; ++i) {
+  bool mask_reaches_border() const {
+    const auto& mask = view_.mask;
+    for (int u = 0; u < mask.width; ++u) {
+      if (mask.at(u, 0) || mask.at(u, mask.height - 1)) return true;
+    }
+    for (int v = 0; v < mask.height; ++v) {
+      if (mask.at(0, v) || mask.at(mask.width - 1, v)) return true;
+    }
+    return false;
+  }
+
+  void mirror(const Ballot& ballot, const Candidate& best) {
+    shape_.symmetry = best.hypothesis;
+    shape_.mirrored_viewpoint_W = mirrored(shape_.symmetry, shape_.viewpoint_W);
+    if (options_.second_plane) shape_.second_symmetry = second_plane(ballot, best);
+    append_mirrored(shape_.symmetry, false);
+    if (shape_.second_symmetry) append_mirrored(*shape_.second_symmetry, true);
+  }
+
+  /// The plane perpendicular to `first` that the points completed at it contradict least, when that
+  /// is little and enough of them come to lie on what was seen.
+  std::optional<SymmetryHypothesis> second_plane(const Ballot& ballot, const Candidate& first) {
+    constexpr double kLeastCoincident = 0.1;
+    const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
+    const geometry::Plane plane_C = ballot.plane_C(first.plane);
+    const Eigen::Vector3d normal_T = first.plane.normal_T();
+    std::vector<Eigen::Vector3d> completed;
+    for (const Eigen::Vector3d& p_T : voting_.points_T) {
+      completed.push_back(p_T);
+      const Eigen::Vector3d q_T = p_T - 2 * plane_C.signed_distance(X_CT * p_T) * normal_T;
+      if (!options_.drop_contradicted ||
+          evidence_about(map_, view_.camera, X_CT * q_T, options_.depth_tolerance).contradicted <
+              0.5) {
+        completed.push_back(q_T);
+      }
+    }
+    CompletionOptions supported = options_;
+    supported.vote = VoteKind::kSupported;
+    supported.oblique_weight = 0;
+    supported.depth_prior_weight = 0;
+    const Ballot both(voting_, completed, map_, view_, supported);
+
     Candidate candidate;
-    candidate.turn = (i - half) * angle_step;
-    candidate.plane.angle = std::atan2(start.y(), start.x()) + candidate.turn;
-    const double center = candidate.plane.normal().dot(voting.center_T);
-    for (int j = 0; j < options.shifts; ++j) {
-      candidate.plane.offset = center + options.min_shift * voting.extent + j * shift_step;
-      candidate.hypothesis = ballot.vote(candidate.plane);
-      candidates.push_back(candidate);
+    candidate.plane.angle = first.plane.angle + kPi / 2;
+    const Eigen::Vector2d n = candidate.plane.normal_T().head<2>();
+    const auto [left, right] = both.range(n);
+    const double step = (right - left) / (2 * options_.shifts);
+    const double middle = (left + right) / 2 - n.dot(voting_.center_T.head<2>());
+    std::vector<Candidate> line;
+    for (int i = -options_.shifts / 2; i <= options_.shifts / 2; ++i) {
+      candidate.plane.shift = middle + i * step;
+      line.push_back(candidate);
+    }
+    both.vote(line);
+    const Candidate best = *std::min_element(line.begin(), line.end(), better);
+    // Two symmetries of one solid are perpendicular, so only the shift is refined.
+    const Candidate chosen = centered(both, refined(both, best, 0, step / 2, 0));
+    if (both.contradiction(chosen.hypothesis) > options_.max_second_vote ||
+        chosen.hypothesis.coincident < kLeastCoincident) {
+      return std::nullopt;
+    }
+    return chosen.hypothesis;
+  }
+
+  /// Appends all points so far mirrored at `plane`.
+  void append_mirrored(const SymmetryHypothesis& plane, bool is_second) {
+    auto& cloud = shape_.cloud_W;
+    const std::size_t count = cloud.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d q_W = mirrored(plane, cloud.points[i].cast<double>());
+      const PointOrigin origin = !is_second ? PointOrigin::kMirrored
+                                 : shape_.origin[i] == PointOrigin::kMirrored
+                                     ? PointOrigin::kMirroredBoth
+                                     : PointOrigin::kMirroredSecond;
+      if (append(q_W, origin) && !cloud.colors.empty()) {
+        cloud.colors.push_back(geometry::Rgb(cloud.colors[i]));
+      }
     }
   }
-  if (options.refine) {
-    const Candidate best = *std::min_element(candidates.begin(), candidates.end(), better);
-    candidates.push_back(
-        refined(ballot, best, angle_step / 2, shift_step / 2, 1e-3 * voting.extent));
+
+  /// Appends one predicted point, unless the view contradicts it.
+  bool append(const Eigen::Vector3d& p_W, PointOrigin origin) {
+    const PointEvidence e =
+        evidence_about(map_, view_.camera, X_CW_ * p_W, options_.depth_tolerance);
+    if (options_.drop_contradicted && e.contradicted >= 0.5) return false;
+    shape_.cloud_W.points.push_back(p_W.cast<float>());
+    shape_.origin.push_back(origin);
+    shape_.support.push_back(e.unseen           ? PointSupport::kUnseen
+                             : e.coincident > 0 ? PointSupport::kSupported
+                                                : PointSupport::kOccluded);
+    behind_.push_back(static_cast<float>(e.behind));
+    return true;
   }
-  return candidates;
-}
 
-Eigen::Vector3d mirrored_T(const VerticalPlane& plane, const Eigen::Vector3d& p_T) {
-  const Eigen::Vector2d n = plane.normal();
-  const double shift = 2 * (plane.offset - n.dot(p_T.head<2>()));
-  return p_T + shift * Eigen::Vector3d(n.x(), n.y(), 0);
-}
+  void add_origin(std::size_t count, PointOrigin origin) {
+    shape_.origin.assign(count, origin);
+    shape_.support.assign(count, PointSupport::kSeen);
+    behind_.assign(count, 0.f);
+  }
 
-/// The plane perpendicular to `first` that the points completed at it contradict least, when that
-/// is little and enough of them come to lie on what was seen.
-std::optional<SymmetryHypothesis> second_plane(const VotingPoints& voting,
-                                               const VerticalPlane& first,
-                                               const ViewEvidence& evidence,
-                                               const geometry::RigidTransform& X_CT,
-                                               const CompletionOptions& options) {
-  constexpr double kLeastCoincident = 0.1;
-  std::vector<Eigen::Vector3d> completed;
-  for (const Eigen::Vector3d& p_T : voting.points_T) {
-    completed.push_back(p_T);
-    const Eigen::Vector3d q_T = mirrored_T(first, p_T);
-    if (!options.drop_contradicted || evidence.about(X_CT * q_T).contradicted < 0.5) {
-      completed.push_back(q_T);
+  void fall_back(const Candidate& refused) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "mirror: %.0f %% of the best plane's points lie where the camera looked through",
+                  100 * refused.hypothesis.contradicted);
+    shape_.refused = text;
+    const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
+    const FallbackInput input{
+        voting_, map_, view_.camera, X_CT, options_.depth_tolerance, 0.015 * voting_.extent};
+    std::vector<Fallback> made;
+    for (const auto make : {revolved, extruded}) {
+      const std::optional<Fallback> fallback = make(input);
+      const char* tried = make == revolved ? "rotation" : "extrusion";
+      if (fallback && fallback->score() <= kGoodFallbackScore) return use(*fallback);
+      if (fallback) {
+        std::snprintf(text, sizeof text, "; %s: score %.2f", tried, fallback->score());
+        made.push_back(*fallback);
+      } else {
+        std::snprintf(text, sizeof text, "; %s: the seen points do not tell one", tried);
+      }
+      shape_.refused += text;
+    }
+    made.push_back(hulled(input));
+    use(*std::min_element(made.begin(), made.end(), [](const Fallback& a, const Fallback& b) {
+      return a.score() < b.score();
+    }));
+  }
+
+  void use(const Fallback& fallback) {
+    shape_.method = fallback.method;
+    Evidence& e = shape_.evidence;
+    e.method = fallback.method;
+    e.contradiction = fallback.score();
+    e.contradicted = fallback.contradicted;
+    e.coincident = fallback.coincident;
+    e.unseen = fallback.unseen;
+    e.support = fallback.coincident + fallback.contradicted > 0
+                    ? fallback.coincident / (fallback.coincident + fallback.contradicted)
+                    : 0.5;
+    // A nominal plane through the middle, so that far points have a viewpoint to be seen from.
+    const Eigen::Vector2d away = voting_.away_T;
+    shape_.symmetry = {};
+    shape_.symmetry.point_W =
+        voting_.X_WT * Eigen::Vector3d(fallback.center_T.x(), fallback.center_T.y(), 0);
+    shape_.symmetry.normal_W = voting_.X_WT.linear() * Eigen::Vector3d(away.x(), away.y(), 0);
+    shape_.symmetry.vote = fallback.score();
+    shape_.symmetry.contradicted = fallback.contradicted;
+    shape_.symmetry.coincident = fallback.coincident;
+    shape_.symmetry.unseen = fallback.unseen;
+    shape_.mirrored_viewpoint_W = mirrored(shape_.symmetry, shape_.viewpoint_W);
+    for (const Eigen::Vector3d& p_T : fallback.points_T) {
+      const bool far = (p_T.head<2>() - fallback.center_T).dot(away) > 0;
+      // Where something was seen the seen points tell more.
+      const PointEvidence about = evidence_about(map_, view_.camera, X_CW_ * (voting_.X_WT * p_T),
+                                                 options_.depth_tolerance);
+      if (about.coincident > 0) continue;
+      if (append(voting_.X_WT * p_T, far ? PointOrigin::kMirrored : PointOrigin::kMirroredSecond) &&
+          !shape_.cloud_W.colors.empty()) {
+        shape_.cloud_W.colors.push_back(shape_.cloud_W.colors.front());
+      }
     }
   }
-  CompletionOptions supported = options;
-  supported.vote = VoteKind::kSupported;
-  supported.oblique_weight = 0;
-  supported.depth_prior_weight = 0;
-  const Ballot ballot(voting, std::move(completed), evidence, X_CT, supported);
 
-  Candidate candidate;
-  candidate.plane.angle = first.angle + kPi / 2;
-  const auto [left, right] = ballot.range(candidate.plane.normal());
-  const double step = (right - left) / (2 * options.shifts);
-  const double middle = (left + right) / 2;
-  std::optional<Candidate> best;
-  for (int i = -options.shifts / 2; i <= options.shifts / 2; ++i) {
-    candidate.plane.offset = middle + i * step;
-    candidate.hypothesis = ballot.vote(candidate.plane);
-    if (!best || better(candidate, *best)) best = candidate;
+  void set_confidence() {
+    constexpr double kSeen = 0.95;  // of a seen point; noise and bad matches are the rest
+    shape_.confidence = confidence(shape_.evidence, model_);
+    std::array<double, 4> sums{}, counts{};
+    shape_.point_confidence.reserve(shape_.cloud_W.size());
+    for (std::size_t i = 0; i < shape_.cloud_W.size(); ++i) {
+      double sure = shape_.confidence;
+      switch (shape_.support[i]) {
+        case PointSupport::kSeen:
+          sure = kSeen;
+          break;
+        case PointSupport::kSupported:
+          sure = std::max(sure, 0.5 * (kSeen + sure));
+          break;
+        case PointSupport::kOccluded:
+          // Falls off to half with the depth behind what was seen, as in the authors' program.
+          sure *= 1 - 0.5 * std::min(1.0, behind_[i] / voting_.extent);
+          break;
+        case PointSupport::kUnseen:
+          sure *= 0.5;
+          break;
+      }
+      shape_.point_confidence.push_back(static_cast<float>(sure));
+      const auto region = static_cast<std::size_t>(shape_.origin[i]);
+      sums[region] += sure;
+      counts[region] += 1;
+    }
+    for (std::size_t r = 0; r < sums.size(); ++r) {
+      shape_.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
+    }
   }
-  // Two symmetries of one solid are perpendicular, so only the shift is refined.
-  const Candidate chosen =
-      centered(ballot, refined(ballot, *best, 0, step / 2, 1e-3 * voting.extent), voting.extent);
-  if (ballot.contradiction(chosen.hypothesis) > options.max_second_vote ||
-      chosen.hypothesis.coincident < kLeastCoincident) {
-    return std::nullopt;
-  }
-  return chosen.hypothesis;
-}
 
-/// Appends the points of `source` (of `shape` so far) mirrored at `plane`.
-void append_mirrored(CompletedShape& shape, std::size_t count, const SymmetryHypothesis& plane,
-                     bool is_second, const ViewEvidence& evidence,
-                     const geometry::RigidTransform& X_CW, bool drop_contradicted) {
-  auto& cloud = shape.cloud_W;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d q_W = mirrored(plane, cloud.points[i].cast<double>());
-    if (drop_contradicted && evidence.about(X_CW * q_W).contradicted >= 0.5) continue;
-    cloud.points.push_back(q_W.cast<float>());
-    if (!cloud.colors.empty()) cloud.colors.push_back(geometry::Rgb(cloud.colors[i]));
-    const bool of_mirrored = shape.origin[i] == PointOrigin::kMirrored;
-    shape.origin.push_back(!is_second    ? PointOrigin::kMirrored
-                           : of_mirrored ? PointOrigin::kMirroredBoth
-                                         : PointOrigin::kMirroredSecond);
-  }
-}
+  static constexpr double kGoodFallbackScore = 0.25;
+
+  const ObjectView& view_;
+  const CompletionOptions& options_;
+  const ConfidenceModel& model_;
+  geometry::RigidTransform X_CW_;
+  VotingPoints voting_;
+  SeenMap map_;
+  CompletedShape shape_;
+  std::vector<float> behind_;  // one per point: depth behind the seen surface [m]
+};
 
 }  // namespace
 
 CompletionOptions as_published() {
   CompletionOptions options;
-  options.vote = VoteKind::kContradiction;
-  options.footprint_axes = false;
+  options.vote = VoteKind::kPublished;
+  options.published_start = true;
+  options.orientations = 7;
+  options.shifts = 5;
+  options.max_angle = kPi / 9;
+  options.thinning = 0;
   options.refine = false;
+  options.max_tilt = 0;
+  options.planes = 1;
   options.second_plane = false;
   options.drop_contradicted = false;
+  options.fill_holes = 0;
+  options.max_contradicted = 1;
   return options;
 }
 
-CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOptions& options) {
+CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOptions& options,
+                                    const ConfidenceModel& model) {
   check(options);
-  const VotingPoints voting = make_voting_points(view, options.thinning);
-  const ViewEvidence evidence(view, options.depth_tolerance);
-  const geometry::RigidTransform X_CW = view.X_WC.inverse();
-  const geometry::RigidTransform X_CT = X_CW * voting.X_WT;
-  const Ballot ballot(voting, voting.points_T, evidence, X_CT, options);
-
-  const double half_step = options.max_angle / options.orientations;
-  std::vector<Candidate> candidates;
-  for (const Eigen::Vector2d& start : starting_normals(voting, options.footprint_axes, half_step)) {
-    const std::vector<Candidate> found = search(ballot, voting, start, options);
-    candidates.insert(candidates.end(), found.begin(), found.end());
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), better);
-  if (options.refine) {
-    candidates.insert(candidates.begin(), centered(ballot, candidates.front(), voting.extent));
-  }
-
-  CompletedShape shape;
-  for (const Candidate& candidate : candidates) shape.hypotheses.push_back(candidate.hypothesis);
-  shape.symmetry = shape.hypotheses.front();
-  shape.viewpoint_W = view.X_WC.translation();
-  shape.mirrored_viewpoint_W = mirrored(shape.symmetry, shape.viewpoint_W);
-  if (options.second_plane) {
-    shape.second_symmetry = second_plane(voting, candidates.front().plane, evidence, X_CT, options);
-  }
-
-  shape.cloud_W.points = view.cloud_W.points;
-  shape.cloud_W.colors = view.cloud_W.colors;
-  shape.origin.assign(shape.cloud_W.size(), PointOrigin::kSeen);
-  append_mirrored(shape, shape.cloud_W.size(), shape.symmetry, false, evidence, X_CW,
-                  options.drop_contradicted);
-  if (shape.second_symmetry) {
-    append_mirrored(shape, shape.cloud_W.size(), *shape.second_symmetry, true, evidence, X_CW,
-                    options.drop_contradicted);
-  }
-  return shape;
+  VotingPoints voting = make_voting_points(view, options.thinning);
+  check_view(view);
+  if (options.fill_holes == 0) return Completion(view, std::move(voting), options, model).run();
+  const geometry::MaskImage mask = with_holes_filled(view.mask, options.fill_holes);
+  const ObjectView filled{view.cloud_W, mask, view.camera, view.X_WC, view.table_W};
+  return Completion(filled, std::move(voting), options, model).run();
 }
 
 }  // namespace prehend::shape

@@ -1,7 +1,6 @@
 #include "prehend/shape/voting_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -46,28 +45,36 @@ bool less(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
+/// Means of the points in each voxel, in the voxels' order.
 std::vector<Eigen::Vector3d> one_per_voxel(const std::vector<Eigen::Vector3d>& points,
-                                           const Eigen::Vector3d& lower, double side) {
-  using Key = std::array<std::int64_t, 3>;
-  std::vector<std::pair<Key, Eigen::Vector3d>> keyed;
-  keyed.reserve(points.size());
-  for (const Eigen::Vector3d& p : points) {
-    const Eigen::Vector3d cell = ((p - lower) / side).array().floor();
-    keyed.push_back({{static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
-                      static_cast<std::int64_t>(cell.z())},
-                     p});
-  }
-  std::sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : less(a.second, b.second);
-  });
-  // The mean, not the first: it lies near the surface's middle within the voxel.
-  std::vector<Eigen::Vector3d> kept;
-  for (std::size_t begin = 0, end = 0; begin < keyed.size(); begin = end) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (end = begin; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) {
-      sum += keyed[end].second;
+                                           const Eigen::AlignedBox3d& box, double side) {
+  // 21 bits a coordinate: at most 1 / least thinning voxels a side, far below.
+  const auto key_of = [&](const Eigen::Vector3d& p) {
+    std::uint64_t key = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double cell = std::floor((p(k) - box.min()(k)) / side);
+      key = key << 21 | static_cast<std::uint64_t>(std::clamp(cell, 0.0, 2097151.0));
     }
-    kept.push_back(sum / static_cast<double>(end - begin));
+    return key;
+  };
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed;
+  keyed.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    keyed.emplace_back(key_of(points[i]), static_cast<std::uint32_t>(i));
+  }
+  std::sort(keyed.begin(), keyed.end());
+  // The mean, not the first: it lies near the surface's middle within the voxel. Summed in the
+  // order of the coordinates, so that the input's order does not matter.
+  std::vector<Eigen::Vector3d> kept, voxel;
+  for (std::size_t begin = 0, end = 0; begin < keyed.size(); begin = end) {
+    voxel.clear();
+    for (end = begin; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) {
+      voxel.push_back(points[keyed[end].second]);
+    }
+    std::sort(voxel.begin(), voxel.end(), less);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& p : voxel) sum += p;
+    kept.push_back(sum / static_cast<double>(voxel.size()));
   }
   return kept;
 }
@@ -114,24 +121,37 @@ VotingPoints make_voting_points(const ObjectView& view, double thinning) {
     points_T.push_back(X_TW * p_W.cast<double>());
     box.extend(points_T.back());
   }
-  std::sort(points_T.begin(), points_T.end(), less);
-  check_spread(points_T);
+  if (!(box.sizes().maxCoeff() > 0)) {
+    throw InputError("all seen points of the object coincide", "segment the object again");
+  }
   result.extent = box.sizes().head<2>().maxCoeff();
-  result.points_T = one_per_voxel(points_T, box.min(), thinning * box.sizes().maxCoeff());
+  const double side = box.sizes().maxCoeff();
+  if (thinning > 0) {
+    result.points_T = one_per_voxel(points_T, box, thinning * side);
+  } else {
+    result.points_T = points_T;
+    std::sort(result.points_T.begin(), result.points_T.end(), less);
+  }
+  result.coarse_points_T = one_per_voxel(points_T, box, std::max(3 * thinning, 0.03) * side);
+  check_spread(result.points_T);
+  if (box.contains(X_TW * view.X_WC.translation())) {
+    throw InputError("the viewpoint lies within the object's seen points",
+                     "check the camera's pose, or look from further away");
+  }
 
-  for (const Eigen::Vector3d& p : result.points_T) result.center_T += p.head<2>();
+  for (const Eigen::Vector3d& p : result.points_T) result.center_T += p;
   result.center_T /= static_cast<double>(result.points_T.size());
   // The camera's foot is T's origin; from straight above the camera's forward direction serves.
-  if (result.center_T.norm() > 0.05 * result.extent) result.away_T = result.center_T.normalized();
+  const Eigen::Vector2d center = result.center_T.head<2>();
+  if (center.norm() > 0.05 * result.extent) result.away_T = center.normalized();
   return result;
 }
 
-std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool footprint_axes,
-                                              double distinct) {
+std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool first_only) {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   std::vector<cv::Point2f> footprint;
   for (const Eigen::Vector3d& p : points.points_T) {
-    const Eigen::Vector2d r = p.head<2>() - points.center_T;
+    const Eigen::Vector2d r = (p - points.center_T).head<2>();
     covariance += r * r.transpose();
     footprint.emplace_back(static_cast<float>(r.x() / points.extent),
                            static_cast<float>(r.y() / points.extent));
@@ -141,20 +161,18 @@ std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool f
   const auto away = [&](const Eigen::Vector2d& n) -> Eigen::Vector2d {
     return n.dot(points.away_T) < 0 ? -n : n;
   };
-  const Eigen::Vector2d first = away(axes.col(0));
-  const Eigen::Vector2d second = away(axes.col(1));
-  const bool use_first = first.dot(points.away_T) >= second.dot(points.away_T);
-  std::vector<Eigen::Vector2d> normals{use_first ? first : second};
-  if (!footprint_axes) return normals;
-
-  constexpr double kCosine50Degrees = 0.6427876;
+  std::vector<Eigen::Vector2d> normals{away(axes.col(0)), away(axes.col(1))};
+  if (normals[0].dot(points.away_T) < normals[1].dot(points.away_T)) {
+    std::swap(normals[0], normals[1]);
+  }
+  if (first_only) {
+    normals.resize(1);
+    return normals;
+  }
   const double angle = cv::minAreaRect(footprint).angle * CV_PI / 180;
   const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
-  for (const Eigen::Vector2d& axis : {side, Eigen::Vector2d(-side.y(), side.x())}) {
-    const Eigen::Vector2d n = away(axis);
-    if (n.dot(points.away_T) < kCosine50Degrees) continue;
-    if (n.dot(normals.front()) < std::cos(distinct)) normals.push_back(n);
-  }
+  normals.push_back(away(side));
+  normals.push_back(away(Eigen::Vector2d(-side.y(), side.x())));
   return normals;
 }
 

@@ -112,9 +112,13 @@ TEST(HostileView, OptionsOutOfRangeAreNamed) {
   EXPECT_THAT(named([](auto& o) { o.max_angle = 3; }), HasSubstr("max_angle"));
   EXPECT_THAT(named([](auto& o) { o.shifts = 1; }), HasSubstr("shifts"));
   EXPECT_THAT(named([](auto& o) { o.max_shift = o.min_shift; }), HasSubstr("min_shift"));
-  EXPECT_THAT(named([](auto& o) { o.thinning = 0; }), HasSubstr("thinning"));
+  EXPECT_THAT(named([](auto& o) { o.thinning = -1; }), HasSubstr("thinning"));
   EXPECT_THAT(named([](auto& o) { o.depth_tolerance = NAN; }), HasSubstr("depth_tolerance"));
   EXPECT_THAT(named([](auto& o) { o.support_weight = -1; }), HasSubstr("support_weight"));
+  EXPECT_THAT(named([](auto& o) { o.planes = 0; }), HasSubstr("planes"));
+  EXPECT_THAT(named([](auto& o) { o.max_tilt = 2; }), HasSubstr("max_tilt"));
+  EXPECT_THAT(named([](auto& o) { o.fill_holes = 2; }), HasSubstr("fill_holes"));
+  EXPECT_THAT(named([](auto& o) { o.max_contradicted = NAN; }), HasSubstr("max_contradicted"));
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "prehend/shape/reference_vote.h"
 #include "tests/shape/synthetic_view.h"
 
 namespace prehend::shape {
@@ -188,6 +190,77 @@ TEST(Symmetry, PublishedVoteAloneStaysWithinAGridStep) {
     // Its shallow valley (third power of the shift) allows for several millimetres.
     EXPECT_LT(std::abs(shape.symmetry.normal_W.dot(center - shape.symmetry.point_W)), 0.012);
   }
+}
+
+TEST(Symmetry, AsPublishedIsTheReference) {
+  const SyntheticView view =
+      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 240});
+  const CompletionOptions options = as_published();
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  const auto planes_C = reference_hypotheses(view.view(), 7, 5, options.max_angle);
+  const SeenImages images = reference_images(view.view());
+  double extent = 0;  // of the bounds along the camera's forward direction on the table and across
+  for (int axis = 0; axis < 2; ++axis) {
+    double least = 1e9, most = -1e9;
+    for (const auto& p : view.cloud_W.points) {
+      least = std::min<double>(least, p(axis));
+      most = std::max<double>(most, p(axis));
+    }
+    extent = std::max(extent, most - least);
+  }
+  ASSERT_EQ(shape.hypotheses.size(), planes_C.size() + 1);  // the winner stands first once more
+  std::vector<std::pair<double, geometry::Plane>> votes;
+  for (const auto& plane_C : planes_C) {
+    const VoteTally tally = reference_tally(view.view(), images, plane_C, {});
+    votes.emplace_back(tally.published_vote() / (options.reference_fraction * extent), plane_C);
+  }
+  std::sort(votes.begin(), votes.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    EXPECT_NEAR(shape.hypotheses[i + 1].vote, votes[i].first, 2e-3 * votes[i].first);
+  }
+  const Eigen::Vector3d normal_W = view.X_WC.linear() * votes.front().second.normal;
+  EXPECT_GT(normal_W.dot(shape.symmetry.normal_W), 1 - 1e-9);
+  EXPECT_NEAR(votes.front().second.signed_distance(view.X_WC.inverse() * shape.symmetry.point_W), 0,
+              1e-9);
+}
+
+TEST(Symmetry, HandsBackDistinctPlanesBestFirst) {
+  const SyntheticView view = synthetic_view(standing(square_box().mesh, 0.5), {.width = 320});
+  CompletionOptions options;
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  ASSERT_GE(shape.planes.size(), 3u);
+  ASSERT_LE(shape.planes.size(), static_cast<std::size_t>(options.planes));
+  for (std::size_t i = 1; i < shape.planes.size(); ++i) {
+    EXPECT_LE(shape.planes[i - 1].vote, shape.planes[i].vote);
+  }
+  // Of its four vertical planes of symmetry at least three are among the five.
+  int found = 0;
+  for (int k = 0; k < 4; ++k) {
+    const double angle = 0.5 + k * std::numbers::pi / 4;
+    const Eigen::Vector3d n(std::cos(angle), std::sin(angle), 0);
+    found += std::any_of(shape.planes.begin(), shape.planes.end(), [&](const auto& plane) {
+      return std::abs(n.dot(plane.normal_W)) > std::cos(3 * kDegree) &&
+             std::abs(plane.normal_W.dot(plane.point_W)) < 0.004;
+    });
+  }
+  EXPECT_GE(found, 3);
+  options.planes = 1;
+  EXPECT_EQ(complete_by_symmetry(view.view(), options).planes.size(), 1u);
+}
+
+TEST(Symmetry, TiltIsFreedWhenTheViewAsksForIt) {
+  // A tall box that leans by 6 degrees away from the camera.
+  geometry::RigidTransform lean = geometry::RigidTransform::Identity();
+  lean.linear() = Eigen::AngleAxisd(-6 * kDegree, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  const geometry::TriangleMesh truth =
+      standing(geometry::transformed(geometry::make_box({0.05, 0.07, 0.2}), lean), 0);
+  const SyntheticView view = synthetic_view(truth, {.depth_noise = 0.0005});
+  const Eigen::Vector3d normal = complete_by_symmetry(view.view()).symmetry.normal_W;
+  EXPECT_NEAR(std::abs(normal.z()), std::sin(6 * kDegree), std::sin(2.5 * kDegree));
+  CompletionOptions upright;
+  upright.max_tilt = 0;
+  EXPECT_NEAR(complete_by_symmetry(view.view(), upright).symmetry.normal_W.z(), 0, 1e-12);
 }
 
 TEST(Symmetry, SameInputGivesTheSameBits) {

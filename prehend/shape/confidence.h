@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace prehend::shape {
+
+/// How the unseen side was made, from the most to the least trusted.
+enum class CompletionMethod : std::uint8_t {
+  kMirror = 0,      // at one or two planes of symmetry
+  kRotation = 1,    // about a vertical axis
+  kExtrusion = 2,   // of the seen outline down to the table
+  kConvexHull = 3,  // of the seen points and their shadow on the table
+};
+
+/// "mirror", "rotation", "extrusion", "convex_hull".
+inline const char* name(CompletionMethod method) {
+  switch (method) {
+    case CompletionMethod::kMirror:
+      return "mirror";
+    case CompletionMethod::kRotation:
+      return "rotation";
+    case CompletionMethod::kExtrusion:
+      return "extrusion";
+    case CompletionMethod::kConvexHull:
+      return "convex_hull";
+  }
+  return "unknown";
+}
+
+/// What is known of a completion without knowing the truth. All fractions are in [0, 1].
+struct Evidence {
+  CompletionMethod method = CompletionMethod::kMirror;
+  /// The visibility that is violated: the vote without support and priors (symmetry.h), >= 0.
+  double contradiction = 0;
+  /// Fraction of the predicted points where the camera looked through.
+  double contradicted = 0;
+  /// s of symmetry.h: of the points that say anything, how many say yes.
+  double support = 0;
+  /// Fraction of the predicted points that come to lie on the seen surface.
+  double coincident = 0;
+  /// Fraction of the predicted points of which the view says nothing: beside the image.
+  double unseen = 0;
+  /// Vote of the second best distinct facing plane less the best one's, in [0, 1]; 1 without one.
+  double margin = 1;
+  /// Mean depth of the seen points within their convex hull, along the view, over the extent:
+  /// 0 for what bulges, about 0.2 for a cup looked into.
+  double concavity = 0;
+  /// Fraction of the seen points that lie in a hollow open to above: a vessel's inside.
+  double open_top = 0;
+  bool cut_by_image = false;  // the mask reaches the image's border
+
+  /// The solid that encloses the completed points is not the object: an open vessel, whose inside
+  /// is air. Volume and mass from a closed mesh are then several times too large.
+  bool open_vessel() const { return open_top > 0.08; }
+};
+
+/// Coefficients of the map from evidence to confidence; every one >= 0, so that the map is monotone
+/// in each feature. The one place where they live: these defaults, or a file that replaces them.
+struct ConfidenceModel {
+  // of the log-odds that the completed points lie within 5 mm of the object, on average
+  double mirror = 4.0;         // to begin with, by method
+  double rotation = 1.5;       //
+  double extrusion = 0.5;      //
+  double convex_hull = -0.5;   //
+  double contradiction = 4.0;  // less, for each unit of Evidence::contradiction (at most 1)
+  double contradicted = 8.0;   // less, for each unit of the feature of the same name
+  double unsupported = 2.0;    // less, times 1 - support
+  double unseen = 2.0;         // less
+  double ambiguous = 0.0;      // less, times 1 - margin
+  double concavity = 6.0;      // less
+  double open_vessel = 3.0;    // less, when the object is an open vessel
+  double cut_by_image = 1.5;   // less, when it is
+
+  bool operator==(const ConfidenceModel&) const = default;
+};
+
+/// Probability that the completion is right: its predicted points lie within 5 mm of the object's
+/// surface on average, and the solid they enclose is the object.
+///
+///     confidence = 1 / (1 + exp(-x)),
+///     x = (method's coefficient) - contradiction min(1, e.contradiction)
+///         - contradicted e.contradicted - unsupported (1 - e.support) - unseen e.unseen
+///         - ambiguous (1 - e.margin) - concavity e.concavity
+///         - open_vessel [e.open_vessel()] - cut_by_image [e.cut_by_image]
+///
+/// In (0, 1); never rises when evidence gets worse.
+double confidence(const Evidence& evidence, const ConfidenceModel& model = {});
+
+/// A model from a YAML map of the names above; what is absent keeps its default.
+/// @throws geometry::InputError for a file that cannot be read, an unknown name, or a coefficient
+/// that is not a number or negative where it must not be.
+ConfidenceModel read_confidence_model(const std::filesystem::path& path);
+
+}  // namespace prehend::shape
