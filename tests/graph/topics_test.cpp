@@ -8,6 +8,9 @@
 namespace prehend::graph {
 namespace {
 
+// For at most 2 s a new publisher keeps what it publishes for subscribers that are just joining.
+constexpr auto kNobodyAwaited = 2200ms;
+
 std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
   std::vector<std::int64_t> result(static_cast<std::size_t>(to - from + 1));
   std::iota(result.begin(), result.end(), from);
@@ -80,7 +83,7 @@ TEST_P(Topics, TcpWorksLikeIpc) {
   Node talker(by_tcp), listener(options("listener"));
   Inbox inbox;
   auto publisher = talker.advertise<msgs::Clock>("/t", QoS::latched(3));
-  std::this_thread::sleep_for(200ms);  // nobody is awaited any more
+  std::this_thread::sleep_for(kNobodyAwaited);
   for (int i = 1; i <= 5; ++i) publisher.publish(clock_message(i));
   auto subscription = listener.subscribe<msgs::Clock>("/t", QoS::latched(10), inbox.taker());
   listener.spin_in_background();
@@ -118,7 +121,7 @@ TEST_P(Topics, LateSubscribersGetTheLatchedHistory) {
   Node talker(options("talker")), listener(options("listener"));
   auto publisher = talker.advertise<msgs::Clock>("/map", QoS::latched(4));
   auto plain = talker.advertise<msgs::Clock>("/plain", QoS::queue(4));
-  std::this_thread::sleep_for(200ms);  // nobody is awaited any more
+  std::this_thread::sleep_for(kNobodyAwaited);
   for (int i = 1; i <= 9; ++i) publisher.publish(clock_message(i));
   for (int i = 1; i <= 9; ++i) plain.publish(clock_message(i));
   Inbox all, few, newest, none;

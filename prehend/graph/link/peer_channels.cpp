@@ -13,6 +13,10 @@ constexpr int kHighWaterMark = 32;
 // Messages received in one turn of the loop from one socket, so that no peer starves the others.
 constexpr int kReceiveAtOnce = 64;
 
+// Waiting messages that are tried together: all that is prepared for a reader that is still full is
+// prepared in vain.
+constexpr std::size_t kTriedAtOnce = 256;
+
 // How long a closed socket tries to send what is left [ms].
 constexpr int kLinger = 1000;
 
@@ -228,6 +232,7 @@ SendResult PeerChannels::send_front(const std::string& client, Backlog& backlog)
   std::size_t bytes = 0;
   for (const Waiting& item : backlog.items) {
     bytes += item.head ? item.message.content->bytes() : 0;
+    if (run.size() == kTriedAtOnce) break;
     if (!run.empty() && (item.head != &head || bytes > kMaxBatchBytes)) break;
     run.push_back(item.message);
   }
