@@ -64,9 +64,13 @@ DeviationStatistics deviation(const std::vector<Eigen::Vector3d>& points,
     distances.push_back(nearest->distance);
     sum += nearest->distance;
   }
-  std::sort(distances.begin(), distances.end());
   DeviationStatistics result;
   result.mean = sum / static_cast<double>(distances.size());
+  for (const double distance : distances) {
+    result.variance += (distance - result.mean) * (distance - result.mean);
+  }
+  result.variance /= static_cast<double>(distances.size());
+  std::sort(distances.begin(), distances.end());
   result.percentile_95 = distances[(distances.size() - 1) * 95 / 100];
   result.max = distances.back();
   return result;

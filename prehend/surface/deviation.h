@@ -13,6 +13,7 @@ namespace prehend::surface {
 /// Distances of points to a surface [m].
 struct DeviationStatistics {
   double mean = 0;
+  double variance = 0;  // about the mean, of the sample [m^2]
   double percentile_95 = 0;
   double max = 0;
 };
@@ -36,8 +37,10 @@ std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, 
 DeviationStatistics deviation(const std::vector<Eigen::Vector3d>& points,
                               const geometry::MeshQuery& surface);
 
-/// Both directed deviations, as Metro measures them (Cignoni, Rocchini, Scopigno: "Metro: measuring
-/// error on simplified surfaces", 1998). @throws geometry::InputError for a mesh without area.
+/// Both directed deviations, as MeshDev measures them (Roy, Foufou, Truchetet: "Mesh comparison
+/// using attribute deviation metric", International Journal of Image and Graphics 2004): points
+/// spread uniformly over one mesh, and the distance of each to the other mesh. @throws
+/// geometry::InputError for a mesh without area.
 MeshDeviation mesh_deviation(const geometry::TriangleMesh& first,
                              const geometry::TriangleMesh& second,
                              const DeviationOptions& options = {});

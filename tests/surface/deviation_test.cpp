@@ -29,6 +29,30 @@ TEST(Deviation, IsDirected) {
   EXPECT_NEAR(d.from_second.max, 0.05, 1e-3);
 }
 
+TEST(Deviation, OfAWidenedBoxIsThatOfTheClosedForm) {
+  // A unit box, and one that reaches out by d on both sides of x. A point of the small box's two x
+  // faces, a third of its area, is min(d, its distance to the face's border) away, the others lie
+  // on the large one. Of the large one's area the two x faces are d away; the strips of its other
+  // faces are linearly between 0 and d away.
+  const double d = 0.1;
+  const auto deviation = mesh_deviation(geometry::make_box({1, 1, 1}),
+                                        geometry::make_box({1 + 2 * d, 1, 1}), {.samples = 50000});
+  const double inner = std::pow(1 - 2 * d, 3);
+  const double to_mean = (1 - inner) / 6 / 3;
+  const double to_mean_square = (d * d - 8 * d * d * d / 3 + 2 * d * d * d * d) / 3;
+  EXPECT_NEAR(deviation.to_second.mean, to_mean, 1e-4);
+  EXPECT_NEAR(deviation.to_second.variance, to_mean_square - to_mean * to_mean, 1e-5);
+  EXPECT_NEAR(deviation.to_second.percentile_95, d, 1e-6);
+  EXPECT_NEAR(deviation.to_second.max, d, 1e-6);
+  const double strips = 4 * 2 * d;
+  const double area = 6 + strips;
+  const double mean = (2 * d + strips * d / 2) / area;
+  const double mean_square = (2 * d * d + strips * d * d / 3) / area;
+  EXPECT_NEAR(deviation.from_second.mean, mean, 1e-4);
+  EXPECT_NEAR(deviation.from_second.variance, mean_square - mean * mean, 1e-5);
+  EXPECT_NEAR(deviation.from_second.max, d, 1e-6);
+}
+
 TEST(Deviation, ToItselfIsZero) {
   const auto mesh = make_l_shape(0.05);
   EXPECT_LT(mesh_deviation(mesh, mesh).to_second.max, 1e-7);
