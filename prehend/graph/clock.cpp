@@ -42,7 +42,10 @@ bool Clock::State::set(std::int64_t stamp) {
   if (stamp < -kFurthestTime || stamp > kFurthestTime) return false;
   {
     const std::lock_guard lock(mutex_);
-    if (!started_ || stamp < simulated_) ++restarts_;
+    if (!started_ || stamp < simulated_) {
+      ++restarts_;
+      restarted_at_ = stamp;
+    }
     simulated_ = stamp;
     started_ = true;
   }
@@ -102,7 +105,7 @@ bool Clock::State::sleep_for(std::int64_t duration,
   while (!stopped_ && !(interrupted && interrupted())) {
     if (restarts != restarts_) {
       restarts = restarts_;
-      begin = simulated_;
+      begin = restarted_at_;  // the clock may have gone on since
     }
     if (started_ && simulated_ - begin >= duration) return true;
     changed_.wait(lock);

@@ -45,6 +45,7 @@ struct Clock::State {
   mutable std::condition_variable changed_;
   std::int64_t simulated_ = 0;
   std::uint64_t restarts_ = 0;
+  std::int64_t restarted_at_ = 0;
   bool started_ = false;
   bool stopped_ = false;
 };
