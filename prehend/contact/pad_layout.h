@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "prehend/contact/pad_grid.h"
 #include "prehend/geometry/triangle_mesh.h"
 
 namespace prehend::contact {
@@ -13,15 +14,6 @@ namespace prehend::contact {
 /// DSA 9205. A texel of another area has its forces scaled by the ratio, so that a pad's total
 /// stiffness does not depend on how finely it is divided.
 constexpr double kReferenceTexelArea = 0.0034 * 0.0034;
-
-/// A rectangular field of texels on a flat face.
-struct PadGrid {
-  int rows = 14;
-  int columns = 6;
-  double width = 6 * 0.0034;    // m, along x: across the columns
-  double length = 14 * 0.0034;  // m, along y: across the rows, row 0 at +y
-  double thickness = 0.003;     // m, of the foam: the deepest penetration
-};
 
 /// The same pad with each texel divided into factor x factor.
 PadGrid refined(const PadGrid& grid, int factor);

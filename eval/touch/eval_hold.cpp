@@ -1,0 +1,97 @@
+// The hold test: which engines keep a cube between two light jaws, at which masses and steps.
+
+#include <cstdio>
+
+#include "eval/touch/experiment.h"
+#include "eval/touch/hold.h"
+#include "prehend/simulation/engines/registry.h"
+
+namespace {
+
+using namespace prehend;
+using namespace prehend::eval::touch;
+
+struct Contender {
+  std::string engine, solver;
+  bool pads;
+};
+
+Row table_row(const Contender& contender, const HoldTest& test, const HoldResult& result) {
+  return {{"engine", contender.engine},
+          {"solver", contender.solver},
+          {"pads", contender.pads},
+          {"mass_kg", test.mass},
+          {"step_ms", 1e3 * test.step},
+          {"held", result.held},
+          {"slip_um", 1e6 * result.slip},
+          {"creep_um_s", 1e6 * result.creep},
+          {"jitter_um_s", 1e6 * result.jitter},
+          {"us_per_step", 1e6 * result.step_time}};
+}
+
+Findings hold(const ExperimentOptions& options, report::Page& page) {
+  const simulation::engines::EngineRegistry registry;
+  std::vector<Contender> contenders;
+  for (const std::string& name : registry.names()) {
+    for (const std::string& solver : registry.create(name)->solvers()) {
+      contenders.push_back({name, solver, name == "native"});
+    }
+  }
+  const std::vector<double> masses{0.01, 0.05, 0.3, 1, 3, 10};
+  const std::vector<double> steps = options.quick
+                                        ? std::vector<double>{1e-2, 1e-3}
+                                        : std::vector<double>{1e-2, 5e-3, 1e-3, 5e-4, 1e-4};
+  Findings findings;
+  findings.title = "hold test";
+  std::vector<Row> cells, sums;
+  for (const Contender& contender : contenders) {
+    int held = 0, still = 0;
+    double worst_slip = 0, time = 0;
+    for (const double mass : masses) {
+      for (const double step : steps) {
+        HoldTest test;
+        test.mass = mass;
+        test.step = step;
+        test.solver = contender.solver;
+        test.pads = contender.pads;
+        const auto engine = registry.create(contender.engine);
+        const HoldResult result = run_hold(*engine, test);
+        held += result.held;
+        still += result.held && std::abs(result.slip) < 1e-6;
+        if (result.held) worst_slip = std::max(worst_slip, std::abs(result.slip));
+        time += result.step_time;
+        cells.push_back(table_row(contender, test, result));
+      }
+    }
+    const auto count = static_cast<double>(masses.size() * steps.size());
+    sums.push_back({{"engine", contender.engine},
+                    {"solver", contender.solver},
+                    {"pads", contender.pads},
+                    {"cells", count},
+                    {"held", static_cast<double>(held)},
+                    {"held_within_1_um", static_cast<double>(still)},
+                    {"worst_slip_of_held_um", 1e6 * worst_slip},
+                    {"mean_us_per_step", 1e6 * time / count}});
+    findings.summary.push_back(
+        {contender.engine + " " + contender.solver + (contender.pads ? " with pads" : ""),
+         std::to_string(held) + " of " + std::to_string(static_cast<int>(count)) + " held, " +
+             std::to_string(still) + " within 1 um"});
+  }
+  for (const auto& problem : registry.problems()) {
+    findings.summary.push_back({problem.file.filename().string(), problem.reason});
+  }
+  page.add_paragraph(
+      "A 50 mm cube between two 50 g jaws, friction 0.8, pressed with 1.2 m g / (2 mu), for 10 s. "
+      "Slip is measured over the last 5 s.");
+  add_table(page, sums);
+  page.add_heading("Each cell");
+  add_table(page, cells);
+  findings.tables = {{"engines", sums}, {"runs", cells}};
+  return findings;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_experiment(argc, argv, "Hold test of physics engines", hold);
+}

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "prehend/simulation/engines/engine.h"
+
+namespace prehend::eval::touch {
+
+/// A 50 mm cube between two jaws of 50 g on prismatic joints, each pressed with
+/// F = 1.2 m g / (2 mu), mu = 0.8. The jaws press on the weightless cube, with their whole force
+/// from 0.25 s on; its weight comes on between 0.5 and 1 s.
+struct HoldTest {
+  double mass = 0.3;       // kg, of the cube
+  double jaw_mass = 0.05;  // kg, of each jaw
+  double step = 1e-3;      // s
+  double duration = 10;    // s
+  std::string solver;      // of the engine; empty: its first
+  bool pads = false;       // 6 x 14 texels on each jaw; otherwise the jaws are rigid plates
+};
+
+struct HoldResult {
+  bool held = false;     // sank by less than 5 mm from 1 s to the end
+  double slip = 0;       // m, sinking from the middle of the test to its end
+  double creep = 0;      // m/s, slip over that time
+  double jitter = 0;     // m/s, root mean square of the cube's speed in that time
+  double step_time = 0;  // s of wall clock for each step
+};
+
+/// Scene of the test: bodies 0 cube, 1 and 2 jaws; joints 0 and 1, positive forces close.
+simulation::engines::EngineScene hold_scene(const HoldTest& test);
+
+/// Runs the test. @throws simulation::engines::UnsupportedScene.
+HoldResult run_hold(simulation::engines::Engine& engine, const HoldTest& test);
+
+}  // namespace prehend::eval::touch

@@ -1,0 +1,66 @@
+#include <cmath>
+
+#include "prehend/contact/require.h"
+#include "prehend/contact/texel.h"
+#include "prehend/simulation/engines/engine.h"
+
+namespace prehend::simulation::engines {
+namespace {
+
+using contact::require;
+using contact::require_not_negative;
+using contact::require_positive;
+
+void validate_shape(const EngineShape& shape, const std::string& owner) {
+  switch (shape.kind) {
+    case EngineShape::Kind::kBox:
+      for (int axis = 0; axis < 3; ++axis) require_positive(shape.size[axis], owner + "size");
+      return;
+    case EngineShape::Kind::kCylinder:
+    case EngineShape::Kind::kCapsule:
+      require_positive(shape.length, owner + "length");
+      [[fallthrough]];
+    case EngineShape::Kind::kSphere:
+      require_positive(shape.radius, owner + "radius");
+  }
+}
+
+}  // namespace
+
+void validate(const EngineScene& scene) {
+  require_positive(scene.step, "EngineScene::step");
+  require(scene.gravity.allFinite(), "EngineScene::gravity", "finite");
+  require_not_negative(scene.ground_friction, "EngineScene::ground_friction");
+  for (const EngineBody& body : scene.bodies) {
+    const std::string owner = "body '" + body.name + "'.";
+    require_positive(body.mass, owner + "mass");
+    require_not_negative(body.friction, owner + "friction");
+    require(body.X_WB.matrix().allFinite(), owner + "X_WB", "finite");
+    require(body.velocity.allFinite(), owner + "velocity", "finite");
+    require(body.angular_velocity.allFinite(), owner + "angular_velocity", "finite");
+    validate_shape(body.shape, owner);
+  }
+  const int count = static_cast<int>(scene.bodies.size());
+  std::vector<bool> joined(scene.bodies.size(), false);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const EngineJoint& joint = scene.joints[j];
+    const std::string owner = "joint " + std::to_string(j) + ".";
+    require(joint.body >= 0 && joint.body < count, owner + "body", "the index of a body");
+    require(joint.parent >= -1 && joint.parent < joint.body, owner + "parent",
+            "-1 or the index of a body before the joint's");
+    require(!joined[joint.body], owner + "body", "joined once only");
+    joined[joint.body] = true;
+    require(joint.axis_W.allFinite() && std::abs(joint.axis_W.norm() - 1) < 1e-9, owner + "axis_W",
+            "a unit vector");
+    require(joint.anchor_W.allFinite(), owner + "anchor_W", "finite");
+  }
+  for (std::size_t p = 0; p < scene.pads.size(); ++p) {
+    const std::string owner = "pad " + std::to_string(p) + ".";
+    require(scene.pads[p].body >= 0 && scene.pads[p].body < count, owner + "body",
+            "the index of a body");
+    require(scene.pads[p].X_BP.matrix().allFinite(), owner + "X_BP", "finite");
+    contact::validate(scene.pads[p].law);
+  }
+}
+
+}  // namespace prehend::simulation::engines

@@ -1,0 +1,282 @@
+// One suite for every engine that is installed. A case that an engine cannot do must be refused by
+// UnsupportedScene and stand in kCannotDo.
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "prehend/simulation/engines/native_engine.h"
+#include "prehend/simulation/engines/registry.h"
+
+namespace prehend::simulation::engines {
+namespace {
+
+const std::map<std::string, std::set<std::string>> kCannotDo{
+    {"native", {"pair", "pendulum", "ball"}},
+    {"bullet", {"pads"}},
+    {"dart", {"pads"}},
+    {"mujoco", {}},
+    {"ode", {"pads"}},
+};
+
+class EachEngine : public ::testing::TestWithParam<std::string> {
+ protected:
+  // False when the engine says that it cannot do the scene and that is known.
+  bool load(const EngineScene& scene, const std::string& what) {
+    validate(scene);
+    engine_ = EngineRegistry().create(GetParam());
+    const auto known = kCannotDo.find(GetParam());
+    const bool expected = known != kCannotDo.end() && known->second.count(what) > 0;
+    try {
+      engine_->load(scene);
+    } catch (const UnsupportedScene& reason) {
+      EXPECT_TRUE(expected) << reason.what();
+      RecordProperty("cannot_do_" + what, reason.what());
+      return false;
+    }
+    EXPECT_FALSE(expected) << what << " is said to be impossible";
+    step_ = scene.step;
+    return true;
+  }
+  void run(double seconds) {
+    const int steps = static_cast<int>(std::lround(seconds / step_));
+    for (int i = 0; i < steps; ++i) engine_->step();
+  }
+
+  std::unique_ptr<Engine> engine_;
+  double step_ = 0;
+};
+
+EngineBody box(double mass, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
+  EngineBody body;
+  body.name = "box";
+  body.mass = mass;
+  body.shape.size = size;
+  body.X_WB.translation() = p;
+  return body;
+}
+
+TEST_P(EachEngine, FallsFreely) {
+  EngineScene scene;
+  scene.bodies = {box(0.3, {0.05, 0.06, 0.07}, {0, 0, 1})};
+  scene.bodies[0].velocity = {0.4, 0, 0};
+  if (!load(scene, "fall")) return;
+  run(0.3);
+  const BodyMotion motion = engine_->body(0);
+  EXPECT_NEAR(motion.velocity.z(), -9.81 * 0.3, 1e-6);
+  EXPECT_NEAR(motion.X_WB.translation().x(), 0.12, 1e-6);
+  // First order: half a step of the last speed at most.
+  EXPECT_NEAR(motion.X_WB.translation().z(), 1 - 0.5 * 9.81 * 0.09,
+              0.5 * step_ * 9.81 * 0.3 + 1e-6);
+}
+
+TEST_P(EachEngine, ForceAcceleratesASlidingJoint) {
+  EngineScene scene;
+  scene.gravity.setZero();
+  scene.bodies = {box(0.05, {0.02, 0.02, 0.02}, {0, 0.5, 0}),
+                  box(0.3, {0.05, 0.05, 0.05}, {0, 0, 5})};
+  EngineJoint slide;
+  slide.axis_W = Eigen::Vector3d(1, 2, 2) / 3;
+  scene.joints = {slide};
+  if (!load(scene, "slide")) return;
+  engine_->set_joint_force(0, 0.1);
+  run(0.2);
+  EXPECT_NEAR(engine_->joint_position(0), 0.5 * 2 * 0.04, 0.5 * step_ * 0.4 + 1e-5);
+  const Eigen::Vector3d moved = engine_->body(0).X_WB.translation() - Eigen::Vector3d(0, 0.5, 0);
+  EXPECT_NEAR(moved.dot(slide.axis_W), engine_->joint_position(0), 1e-6);
+  EXPECT_LT(moved.cross(slide.axis_W).norm(), 1e-6);
+}
+
+TEST_P(EachEngine, CollidingBallsKeepTheirMomentum) {
+  EngineScene scene;
+  scene.gravity.setZero();
+  for (const int side : {-1, 1}) {
+    EngineBody ball;
+    ball.name = side > 0 ? "right" : "left";
+    ball.shape.kind = EngineShape::Kind::kSphere;
+    ball.shape.radius = 0.03;
+    ball.mass = side > 0 ? 0.1 : 0.5;
+    ball.X_WB.translation().x() = 0.05 * side;
+    ball.velocity.x() = side > 0 ? -0.5 : 0.2;
+    scene.bodies.push_back(ball);
+  }
+  if (!load(scene, "pair")) return;
+  run(0.3);
+  const double left = engine_->body(0).velocity.x(), right = engine_->body(1).velocity.x();
+  EXPECT_NEAR(0.5 * left + 0.1 * right, 0.05, 1e-6);
+  EXPECT_GE(right, left - 1e-6) << "they do not pass through one another";
+}
+
+TEST_P(EachEngine, PendulumSwings) {
+  EngineScene scene;
+  EngineBody bob = box(0.2, {0.02, 0.02, 0.02}, {0.5 * std::sin(0.1), 0, -0.5 * std::cos(0.1)});
+  scene.bodies = {bob};
+  EngineJoint hinge;
+  hinge.kind = EngineJoint::Kind::kRevolute;
+  hinge.axis_W = Eigen::Vector3d::UnitY();
+  scene.joints = {hinge};
+  if (!load(scene, "pendulum")) return;
+  const double inertia = 0.2 * 0.25 + 0.2 / 6 * 4e-4;
+  const double period = 2 * M_PI * std::sqrt(inertia / (0.2 * 9.81 * 0.5)) * (1 + 0.01 / 16);
+  run(period);
+  const Eigen::Vector3d p = engine_->body(0).X_WB.translation();
+  EXPECT_NEAR(p.norm(), 0.5, 1e-3);
+  EXPECT_NEAR(p.x(), 0.5 * std::sin(0.1), 0.002);
+  run(0.5 * period);
+  EXPECT_NEAR(engine_->body(0).X_WB.translation().x(), -0.5 * std::sin(0.1), 0.003);
+}
+
+TEST_P(EachEngine, ABoxRestsOnTheGround) {
+  EngineScene scene;
+  scene.ground = true;
+  scene.bodies = {box(0.4, {0.06, 0.06, 0.04}, {0, 0, 0.0205})};
+  if (!load(scene, "rest")) return;
+  run(1);
+  const BodyMotion motion = engine_->body(0);
+  EXPECT_NEAR(motion.X_WB.translation().z(), 0.02, 1e-3);
+  EXPECT_LT(motion.velocity.norm(), 2e-3);
+  EXPECT_GT(motion.X_WB.linear()(2, 2), 0.9999);
+}
+
+TEST_P(EachEngine, ABallComesToRestOnTheGround) {
+  EngineScene scene;
+  scene.ground = true;
+  scene.bodies = {box(0.2, {}, {0, 0, 0.05})};
+  scene.bodies[0].shape.kind = EngineShape::Kind::kSphere;
+  scene.bodies[0].shape.radius = 0.03;
+  if (!load(scene, "ball")) return;
+  run(2);
+  EXPECT_NEAR(engine_->body(0).X_WB.translation().z(), 0.03, 1.5e-3);
+}
+
+// Gravity is tilted instead of the ground.
+TEST_P(EachEngine, SlidesBeyondTheFrictionAngle) {
+  for (const double angle : {0.35, 0.65}) {
+    EngineScene scene;
+    scene.ground = true;
+    scene.ground_friction = 0.5;
+    scene.gravity = 9.81 * Eigen::Vector3d(std::sin(angle), 0, -std::cos(angle));
+    scene.bodies = {box(0.4, {0.1, 0.1, 0.02}, {0, 0, 0.01})};
+    if (!load(scene, "slope")) return;
+    run(0.2);
+    const double before = engine_->body(0).velocity.x();
+    run(0.3);
+    const double gained = (engine_->body(0).velocity.x() - before) / 0.3;
+    if (angle < std::atan(0.5)) {
+      EXPECT_NEAR(gained, 0, 0.02);
+      EXPECT_LT(engine_->body(0).X_WB.translation().x(), 0.01);
+    } else {
+      EXPECT_NEAR(gained, 9.81 * (std::sin(angle) - 0.5 * std::cos(angle)), 0.1);
+    }
+  }
+}
+
+EngineScene pressed_cube(bool pads) {
+  EngineScene scene;
+  scene.bodies = {box(0.05, {0.05, 0.05, 0.05}, {0, 0, 0})};
+  for (const int side : {1, -1}) {
+    scene.bodies.push_back(box(0.05, {0.024, 0.012, 0.05}, {0, side * (0.031 - 1e-6), 0}));
+    EngineJoint slide;
+    slide.body = side > 0 ? 1 : 2;
+    slide.axis_W = Eigen::Vector3d(0, -side, 0);
+    scene.joints.push_back(slide);
+    if (!pads) continue;
+    EnginePad pad;
+    pad.body = slide.body;
+    pad.X_BP.linear() << -side, 0, 0, 0, 0, -side, 0, 1, 0;
+    pad.X_BP.linear().col(0) = pad.X_BP.linear().col(1).cross(pad.X_BP.linear().col(2));
+    pad.X_BP.translation().y() = -side * 0.006;
+    scene.pads.push_back(pad);
+  }
+  return scene;
+}
+
+TEST_P(EachEngine, PadsFeelThePress) {
+  EngineScene scene = pressed_cube(true);
+  scene.gravity.setZero();
+  if (!load(scene, "pads")) return;
+  for (const int joint : {0, 1}) engine_->set_joint_force(joint, 3);
+  run(1);
+  for (const int pad : {0, 1}) {
+    const auto forces = engine_->pad_forces(pad);
+    ASSERT_EQ(forces.size(), 84u);
+    double sum = 0;
+    for (const double force : forces) sum += force;
+    EXPECT_NEAR(sum, 3, 0.03);
+  }
+}
+
+// Light objects between light jaws are within reach of every solver; eval_hold has the hard cases.
+TEST_P(EachEngine, SavedStateContinues) {
+  EngineScene scene = pressed_cube(GetParam() == "native");
+  if (!load(scene, "hold")) return;
+  for (const int joint : {0, 1}) engine_->set_joint_force(joint, 3);
+  run(0.2);
+  const std::vector<double> saved = engine_->save();
+  run(0.2);
+  const Eigen::Matrix4d first = engine_->body(0).X_WB.matrix();
+  engine_->restore(saved);
+  run(0.2);
+  EXPECT_LT((engine_->body(0).X_WB.matrix() - first).norm(), 1e-9);
+  EXPECT_LT(engine_->body(0).X_WB.translation().norm(), 0.02) << "held, or nearly";
+  EXPECT_THROW(engine_->restore({1, 2, 3}), std::invalid_argument);
+}
+
+TEST_P(EachEngine, RefusesAnUnknownSolver) {
+  EngineScene scene = pressed_cube(GetParam() == "native");
+  scene.solver = "magic";
+  const auto engine = EngineRegistry().create(GetParam());
+  EXPECT_ANY_THROW(engine->load(scene));
+}
+
+INSTANTIATE_TEST_SUITE_P(Installed, EachEngine, ::testing::ValuesIn(EngineRegistry().names()),
+                         [](const auto& engine) { return engine.param; });
+
+TEST(EngineRegistry, NamesWhatIsThereAndWhatCannotBeUsed) {
+  EXPECT_TRUE(EngineRegistry().has("native"));
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "engines";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "broken.so") << "no library";
+  const EngineRegistry registry({folder, "/nowhere"});
+  EXPECT_EQ(registry.names(), std::vector<std::string>{"native"});
+  ASSERT_EQ(registry.problems().size(), 1u);
+  EXPECT_EQ(registry.problems()[0].file.filename(), "broken.so");
+  try {
+    registry.create("mujoko");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("mujoko"), std::string::npos);
+    EXPECT_NE(what.find("native"), std::string::npos);
+    EXPECT_NE(what.find("broken.so"), std::string::npos);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(EngineScene, RefusesBadValuesByName) {
+  const auto refused = [](auto change, const std::string& name) {
+    EngineScene scene = pressed_cube(true);
+    change(scene);
+    try {
+      validate(scene);
+      FAIL() << name << " was accepted";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  };
+  refused([](EngineScene& s) { s.step = 0; }, "step");
+  refused([](EngineScene& s) { s.bodies[0].mass = 0; }, "mass");
+  refused([](EngineScene& s) { s.bodies[1].friction = -1; }, "friction");
+  refused([](EngineScene& s) { s.bodies[1].shape.size.x() = std::nan(""); }, "size");
+  refused([](EngineScene& s) { s.joints[0].body = 7; }, "joint 0.body");
+  refused([](EngineScene& s) { s.joints[1].body = 1; }, "joined once");
+  refused([](EngineScene& s) { s.joints[0].axis_W *= 2; }, "axis_W");
+  refused([](EngineScene& s) { s.pads[0].law.stiffness = -1; }, "stiffness");
+}
+
+}  // namespace
+}  // namespace prehend::simulation::engines
