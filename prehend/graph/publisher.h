@@ -23,12 +23,14 @@ struct Schema;
 
 /// What became of a publisher's messages.
 struct PublisherStatistics {
-  std::uint64_t published = 0;   ///< calls of publish
-  std::uint64_t dropped = 0;     ///< messages a slow reader never got, summed over readers
-  std::uint64_t superseded = 0;  ///< the same with QoS::latest, where it is meant to be
-  std::uint64_t bytes = 0;       ///< of the messages published
-  std::size_t subscribers = 0;   ///< that have joined
-  std::size_t slab_bytes = 0;    ///< shared memory that the node holds now
+  std::uint64_t published = 0;         ///< calls of publish
+  std::uint64_t dropped = 0;           ///< messages a slow reader never got, summed over readers
+  std::uint64_t superseded = 0;        ///< the same with QoS::latest, where it is meant to be
+  std::uint64_t bytes = 0;             ///< of the messages published
+  std::uint64_t queue_high_water = 0;  ///< most messages that ever waited for one slow reader
+  std::uint64_t queue_high_water_bytes = 0;
+  std::size_t subscribers = 0;  ///< that have joined
+  std::size_t slab_bytes = 0;   ///< shared memory that the node holds now
 };
 
 /// Memory for a payload, to be filled in place: shared memory where subscribers of other processes

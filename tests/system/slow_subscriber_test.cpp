@@ -135,6 +135,10 @@ TEST_P(SlowSubscriber, HoldsNobodyUpAndLosesNothingInSilence) {
   EXPECT_EQ(graph_.state("listener").reordered, 0u);
   const std::size_t queue =
       std::min(GetParam().qos.max_bytes, GetParam().qos.depth * kPayloadBytes[kLarge]);
+  const auto high_water = publisher_.statistics();
+  EXPECT_GT(high_water.queue_high_water, 0u);
+  EXPECT_LE(high_water.queue_high_water, GetParam().qos.depth);
+  EXPECT_LE(high_water.queue_high_water_bytes, queue + kPayloadBytes[kLarge]);
   // Shared memory comes in sizes up to half as large again.
   EXPECT_LT(held, queue + kMessagesOnTheWay * kPayloadBytes[kLarge] * 3 / 2);
   std::printf(

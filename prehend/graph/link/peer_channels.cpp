@@ -145,6 +145,7 @@ bool PeerChannels::publish_to_client(const std::string& client, std::uint32_t sl
     auto& share = backlog.topics[publication.head.topic];
     ++share.count;
     share.bytes += message.content->bytes();
+    publication.drops->count_waiting(share.count, share.bytes);
     wait(client, {{}, &publication.head, publication.drops, message, slab_reader});
   }
   return true;

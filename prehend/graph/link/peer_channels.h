@@ -23,6 +23,8 @@ class DropCounter {
  public:
   virtual ~DropCounter() = default;
   virtual void count_dropped(std::uint64_t messages) = 0;
+  /// So many messages wait for one reader now.
+  virtual void count_waiting(std::uint64_t messages, std::uint64_t bytes) = 0;
 };
 
 /// The connections between this node and its peers. Each node has one ROUTER socket, where peers'

@@ -211,6 +211,12 @@ void PublisherCore::count_dropped(std::uint64_t messages) {
   (qos_.policy == QoS::Policy::kLatest ? statistics_.superseded : statistics_.dropped) += messages;
 }
 
+void PublisherCore::count_waiting(std::uint64_t messages, std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  statistics_.queue_high_water = std::max(statistics_.queue_high_water, messages);
+  statistics_.queue_high_water_bytes = std::max(statistics_.queue_high_water_bytes, bytes);
+}
+
 void PublisherCore::set_drain(std::function<void()> drain) {
   const std::lock_guard lock(mutex_);
   drain_ = std::move(drain);

@@ -48,6 +48,7 @@ class PublisherCore : public DropCounter {
   PublisherStatistics statistics() const;
 
   void count_dropped(std::uint64_t messages) override;
+  void count_waiting(std::uint64_t messages, std::uint64_t bytes) override;
 
   // For the loop's thread:
   void set_drain(std::function<void()> drain);

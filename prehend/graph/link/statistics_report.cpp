@@ -77,6 +77,8 @@ void PublisherSide::fill(NodeStatistics& report) const {
     topic.set_is_publisher(true);
     topic.set_messages(statistics.published);
     topic.set_bytes(statistics.bytes);
+    topic.set_queue_high_water(statistics.queue_high_water);
+    topic.set_queue_high_water_bytes(statistics.queue_high_water_bytes);
     topic.set_slab_bytes(statistics.slab_bytes);
     topic.set_dropped(statistics.dropped);
     topic.set_superseded(statistics.superseded);
