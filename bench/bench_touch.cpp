@@ -1,0 +1,209 @@
+// Soft contact: texels, steps, the whole work cycle on a box and on a mesh of 100,000 triangles, and
+// MuJoCo's pad of 168 contacts in the same run. Times are of the processor, one core.
+
+#include <ctime>
+#include <map>
+#include <optional>
+
+#include <benchmark/benchmark.h>
+
+#include "prehend/contact/pad_kernel.h"
+#include "prehend/simulation/engines/registry.h"
+#include "prehend/simulation/work_cycle.h"
+
+namespace {
+
+using namespace prehend;
+using namespace prehend::contact;
+
+TexelLaw law() {
+  TexelLaw law;
+  law.viscous_friction = 0.1;
+  law.bristle_law = BristleLaw::kElastoPlastic;
+  law.return_map = true;
+  return law;
+}
+
+// One iteration of a pad's texels: linearisation, sums, new bristles.
+void BM_Texels(benchmark::State& state) {
+  PadGrid grid;
+  grid.rows = static_cast<int>(state.range(0));
+  grid.columns = static_cast<int>(state.range(1));
+  const PadLayout pad = PadLayout::flat(grid);
+  PadState texels(pad);
+  std::fill(texels.depth.begin(), texels.depth.end(), 5e-4);
+  PadScratch scratch(pad);
+  PadResponse response;
+  const Vector6 twist = (Vector6() << 1e-4, -2e-4, 0, 0, 0, 1e-3).finished();
+  for (auto _ : state) {
+    respond(pad, law(), 1e-3, twist, texels, scratch, response);
+    advance(pad, law(), 1e-3, twist, texels, scratch);
+    benchmark::DoNotOptimize(response.constant);
+  }
+  state.counters["ns_per_texel"] =
+      benchmark::Counter(1e-9 * static_cast<double>(pad.size()),
+                         benchmark::Counter::kIsIterationInvariantRate |
+                             benchmark::Counter::kInvert);
+  state.SetLabel(vector_target());
+}
+BENCHMARK(BM_Texels)->Args({14, 6})->Args({40, 25})->Args({100, 100});
+
+// A 300 g cube held between two 6 x 14 pads, one step of 1 ms.
+std::unique_ptr<GraspStepper> held_cube(Integration integration) {
+  ParallelGraspOptions options;
+  options.opening = 0.0501;
+  options.law = law();
+  StepOptions step;
+  step.integration = integration;
+  auto stepper = std::make_unique<GraspStepper>(parallel_grasp(options), step);
+  for (const int slide : {0, 1}) stepper->system().set_command(slide, {.force = 6}, 0);
+  stepper->advance(1);
+  return stepper;
+}
+
+void BM_HeldStep(benchmark::State& state) {
+  const auto stepper = held_cube(static_cast<Integration>(state.range(0)));
+  for (auto _ : state) stepper->step(1e9);
+  state.SetLabel(state.range(0) == static_cast<int>(Integration::kFirstOrder) ? "first order"
+                                                                             : "second order");
+}
+BENCHMARK(BM_HeldStep)
+    ->Arg(static_cast<int>(Integration::kFirstOrder))
+    ->Arg(static_cast<int>(Integration::kSecondOrder))
+    ->Unit(benchmark::kMicrosecond);
+
+// The faces of a cube in a grid, about 100,000 triangles.
+geometry::TriangleMesh fine_cube(double size) {
+  constexpr int kParts = 91;
+  geometry::TriangleMesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2, first = static_cast<int>(mesh.vertices.size());
+    const double side = face % 2 ? 1 : -1;
+    const Eigen::Vector3d n = side * Eigen::Vector3d::Unit(axis);
+    const Eigen::Vector3d u = Eigen::Vector3d::Unit((axis + 1) % 3), v = n.cross(u);
+    for (int i = 0; i <= kParts; ++i) {
+      for (int j = 0; j <= kParts; ++j) {
+        mesh.vertices.push_back(0.5 * size * n + size * (1.0 * i / kParts - 0.5) * u +
+                                size * (1.0 * j / kParts - 0.5) * v);
+      }
+    }
+    for (int i = 0; i < kParts; ++i) {
+      for (int j = 0; j < kParts; ++j) {
+        const int a = first + i * (kParts + 1) + j, b = a + kParts + 1;
+        mesh.triangles.emplace_back(a, b, b + 1);
+        mesh.triangles.emplace_back(a, b + 1, a + 1);
+      }
+    }
+  }
+  return mesh;
+}
+
+simulation::WorkCycleOptions cycle_options(double mass) {
+  simulation::WorkCycleOptions options;
+  options.grasp.mass = mass;
+  options.grasp.law = law();
+  return options;
+}
+
+// A second-order run of 0.05 ms steps.
+const simulation::WorkCycleResult& reference(double mass) {
+  static std::map<double, simulation::WorkCycleResult> known;
+  if (!known.count(mass)) {
+    simulation::WorkCycleOptions options = cycle_options(mass);
+    options.step.integration = Integration::kSecondOrder;
+    options.step.step = 5e-5;
+    options.sample_period = 0.1;
+    known[mass] = run_work_cycle(options);
+  }
+  return known[mass];
+}
+
+// Arguments: integration, 1 for the mesh, grams.
+void BM_WorkCycle(benchmark::State& state) {
+  const double mass = 1e-3 * static_cast<double>(state.range(2));
+  simulation::WorkCycleOptions options = cycle_options(mass);
+  options.step.integration = static_cast<Integration>(state.range(0));
+  const bool adaptive = options.step.integration == Integration::kAdaptive;
+  options.step.step = adaptive ? 1e-4 : 1e-3;
+  options.step.tolerance = 1e-6;
+  options.step.most_step = 0.5;
+  const bool mesh = state.range(1) == 1;
+  if (mesh) options.shape = Shape::mesh(fine_cube(0.05));
+  double spent = 0, simulated = 0;
+  for (auto _ : state) {
+    const auto result = run_work_cycle(options);
+    spent += result.cpu_time;
+    simulated += result.duration;
+  }
+  options.sample_period = 0.1;
+  state.counters["real_time_factor"] = simulated / spent;
+  state.counters["error_um"] =
+      1e6 * largest_difference(run_work_cycle(options), reference(mass));
+  state.SetLabel(std::string(adaptive ? "adaptive" : "1 ms") + (mesh ? ", mesh" : ", box"));
+}
+BENCHMARK(BM_WorkCycle)
+    ->ArgsProduct({{static_cast<int>(Integration::kFirstOrder),
+                    static_cast<int>(Integration::kAdaptive)},
+                   {0, 1},
+                   {100, 300, 1000}})
+    ->Unit(benchmark::kMillisecond);
+
+// The same held cube on MuJoCo, each texel a contact; and ours in turn with it.
+void BM_HeldStepBesideMujoco(benchmark::State& state) {
+  const simulation::engines::EngineRegistry registry;
+  if (!registry.has("mujoco")) {
+    state.SkipWithError("the plug-in for MuJoCo is not installed");
+    return;
+  }
+  const auto mujoco = registry.create("mujoco");
+  const auto native = registry.create("native");
+  simulation::engines::EngineScene scene;
+  scene.bodies.resize(3);
+  scene.bodies[0].name = "cube";
+  scene.bodies[0].mass = 0.3;
+  for (const int side : {1, -1}) {
+    auto& jaw = scene.bodies[side > 0 ? 1 : 2];
+    jaw.name = "jaw";
+    jaw.mass = 0.05;
+    jaw.shape.size = {0.024, 0.012, 0.05};
+    jaw.X_WB.translation().y() = side * (0.031 - 1e-5);
+    scene.joints.push_back({simulation::engines::EngineJoint::Kind::kPrismatic, -1,
+                            side > 0 ? 1 : 2, Eigen::Vector3d(0, -side, 0), {0, 0, 0}});
+    simulation::engines::EnginePad pad;
+    pad.body = side > 0 ? 1 : 2;
+    pad.X_BP.linear().col(1) = Eigen::Vector3d::UnitZ();
+    pad.X_BP.linear().col(2) = Eigen::Vector3d(0, -side, 0);
+    pad.X_BP.linear().col(0) = pad.X_BP.linear().col(1).cross(pad.X_BP.linear().col(2));
+    pad.X_BP.translation().y() = -side * 0.006;
+    pad.law = law();
+    scene.pads.push_back(pad);
+  }
+  for (auto* engine : {mujoco.get(), native.get()}) {
+    engine->load(scene);
+    for (const int joint : {0, 1}) engine->set_joint_force(joint, 6);
+    for (int i = 0; i < 200; ++i) engine->step();
+  }
+  double mujoco_time = 0, native_time = 0;
+  constexpr int kSteps = 200;
+  const auto time = [&](simulation::engines::Engine& engine) {
+    const std::clock_t begin = std::clock();
+    for (int i = 0; i < kSteps; ++i) engine.step();
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kSteps;
+  };
+  for (auto _ : state) {
+    mujoco_time += time(*mujoco);
+    for (int k = 0; k < 10; ++k) native_time += 0.1 * time(*native);
+  }
+  const auto runs = static_cast<double>(state.iterations());
+  int touched = 0;
+  for (const int pad : {0, 1}) {
+    for (const double force : mujoco->pad_forces(pad)) touched += force > 0;
+  }
+  state.counters["mujoco_us_per_step"] = 1e6 * mujoco_time / runs;
+  state.counters["native_us_per_step"] = 1e6 * native_time / runs;
+  state.counters["times_faster"] = mujoco_time / native_time;
+  state.counters["mujoco_texels_pressed"] = touched;
+}
+BENCHMARK(BM_HeldStepBesideMujoco)->Unit(benchmark::kMillisecond);
+
+}  // namespace
