@@ -1,5 +1,5 @@
-// Soft contact: texels, steps, the whole work cycle on a box and on a mesh of 100,000 triangles, and
-// MuJoCo's pad of 168 contacts in the same run. Times are of the processor, one core.
+// Soft contact: texels, steps, the whole work cycle on a box and on a mesh of 100,000 triangles,
+// and MuJoCo's pad of 168 contacts in the same run. Times are of the processor, one core.
 
 #include <ctime>
 #include <map>
@@ -40,10 +40,9 @@ void BM_Texels(benchmark::State& state) {
     advance(pad, law(), 1e-3, twist, texels, scratch);
     benchmark::DoNotOptimize(response.constant);
   }
-  state.counters["ns_per_texel"] =
-      benchmark::Counter(1e-9 * static_cast<double>(pad.size()),
-                         benchmark::Counter::kIsIterationInvariantRate |
-                             benchmark::Counter::kInvert);
+  state.counters["ns_per_texel"] = benchmark::Counter(
+      1e-9 * static_cast<double>(pad.size()),
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.SetLabel(vector_target());
 }
 BENCHMARK(BM_Texels)->Args({14, 6})->Args({40, 25})->Args({100, 100});
@@ -65,7 +64,7 @@ void BM_HeldStep(benchmark::State& state) {
   const auto stepper = held_cube(static_cast<Integration>(state.range(0)));
   for (auto _ : state) stepper->step(1e9);
   state.SetLabel(state.range(0) == static_cast<int>(Integration::kFirstOrder) ? "first order"
-                                                                             : "second order");
+                                                                              : "second order");
 }
 BENCHMARK(BM_HeldStep)
     ->Arg(static_cast<int>(Integration::kFirstOrder))
@@ -137,8 +136,7 @@ void BM_WorkCycle(benchmark::State& state) {
   }
   options.sample_period = 0.1;
   state.counters["real_time_factor"] = simulated / spent;
-  state.counters["error_um"] =
-      1e6 * largest_difference(run_work_cycle(options), reference(mass));
+  state.counters["error_um"] = 1e6 * largest_difference(run_work_cycle(options), reference(mass));
   state.SetLabel(std::string(adaptive ? "adaptive" : "1 ms") + (mesh ? ", mesh" : ", box"));
 }
 BENCHMARK(BM_WorkCycle)
@@ -167,8 +165,11 @@ void BM_HeldStepBesideMujoco(benchmark::State& state) {
     jaw.mass = 0.05;
     jaw.shape.size = {0.024, 0.012, 0.05};
     jaw.X_WB.translation().y() = side * (0.031 - 1e-5);
-    scene.joints.push_back({simulation::engines::EngineJoint::Kind::kPrismatic, -1,
-                            side > 0 ? 1 : 2, Eigen::Vector3d(0, -side, 0), {0, 0, 0}});
+    scene.joints.push_back({simulation::engines::EngineJoint::Kind::kPrismatic,
+                            -1,
+                            side > 0 ? 1 : 2,
+                            Eigen::Vector3d(0, -side, 0),
+                            {0, 0, 0}});
     simulation::engines::EnginePad pad;
     pad.body = side > 0 ? 1 : 2;
     pad.X_BP.linear().col(1) = Eigen::Vector3d::UnitZ();

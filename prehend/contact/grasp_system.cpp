@@ -33,8 +33,7 @@ GraspSystem::GraspSystem(GraspModel model, const SolveOptions& options)
     : model_(std::move(model)), options_(options) {
   validate(model_);
   for (const PadMount& pad : model_.pads) {
-    pad_work_.push_back(
-        {PadReach(pad.layout), PadScratch(pad.layout), {}, false, {}, {}, {}, {}, {}});
+    pad_work_.emplace_back(pad.layout);
     gap_states_.emplace_back(pad.layout);
   }
   commands_.resize(model_.slides.size());
@@ -163,12 +162,13 @@ void GraspSystem::find_all_depths(const GraspState& base, double h, const Guess&
     const double look_ahead = 2 * h *
                               (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_ +
                                h * model_.gravity.norm());
-    work.near = find_depths(mount.layout, work.reach, model_.shape, X_PW * X_WB, look_ahead,
-                            end.pads[k], options_.gated);
+    work.near =
+        find_depths(mount.layout, work.reach, model_.shape, X_PW * X_WB, look_ahead, end.pads[k],
+                    options_.gated, options_.reuse_triangles ? &work.hits : nullptr);
   }
 }
 
-bool GraspSystem::moves_too_far(double h, const Guess& guess) const {
+bool GraspSystem::moves_too_far(double h, double t_end, const Guess& guess) const {
   const double turn = h * (guess.angular_velocity - motion_.angular_velocity).norm();
   double beyond = turn * turn * body_radius_;
   double radius = std::numeric_limits<double>::infinity();  // of curvature
@@ -182,7 +182,7 @@ bool GraspSystem::moves_too_far(double h, const Guess& guess) const {
     default:
       radius = model_.shape.radius();
   }
-  const double shift = h * (guess.velocity - motion_.velocity).norm();
+  const double shift = h * (guess.velocity - motion_.velocity_at(t_end)).norm();
   beyond += shift * shift / radius;
   return beyond > options_.geometry_tolerance;
 }
@@ -206,7 +206,8 @@ void GraspSystem::correct_depths(const GraspState& base, double h, double t_end,
     const double look_ahead =
         2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_);
     work.near = find_depths(mount.layout, work.reach, model_.shape,
-                            X_WP.inverse(Eigen::Isometry) * X_WB, look_ahead, pad, options_.gated);
+                            X_WP.inverse(Eigen::Isometry) * X_WB, look_ahead, pad, options_.gated,
+                            options_.reuse_triangles ? &work.end_hits : nullptr);
     const PadLayout& layout = mount.layout;
     for (std::size_t i = 0; work.near && i < layout.padded_size(); ++i) {
       const double vx = twist[0] + twist[4] * layout.z[i] - twist[5] * layout.y[i];
@@ -304,7 +305,7 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
   prepare_ground(base, h, guess);
   bool corrected = false;
   for (iterations_ = 1;; ++iterations_) {
-    if (corrected || moves_too_far(h, guess)) {
+    if (corrected || moves_too_far(h, t_end, guess)) {
       correct_depths(base, h, t_end, guess, end);
       corrected = true;
     }

@@ -43,8 +43,9 @@ struct SolveOptions {
   /// Depths are found again at the step's end when turning within the step moves a texel's
   /// penetration by more than this beyond the linear term [m]; infinity: never.
   double geometry_tolerance = 1e-10;
-  /// See find_depths.
+  /// See find_depths and MeshHits.
   bool gated = true;
+  bool reuse_triangles = true;
 };
 
 /// Equations of motion of a GraspModel and the implicit step. Allocates in the constructor only.
@@ -93,9 +94,11 @@ class GraspSystem {
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
 
   struct PadWork {
+    explicit PadWork(const PadLayout& layout) : reach(layout), scratch(layout) {}
     PadReach reach;
     PadScratch scratch;
     PadResponse response;
+    MeshHits hits, end_hits;         // at the step's start, at its end
     bool near = false;               // some ray meets the body
     Eigen::Matrix3d R_WP;            // at the step's start
     Eigen::Vector3d p_WP;            // m
@@ -125,7 +128,7 @@ class GraspSystem {
   void find_all_depths(const GraspState& base, double h, const Guess& guess, GraspState& end);
   void correct_depths(const GraspState& base, double h, double t_end, const Guess& guess,
                       GraspState& end);
-  bool moves_too_far(double h, const Guess& guess) const;
+  bool moves_too_far(double h, double t_end, const Guess& guess) const;
   Vector6 twist_on(const PadWork& work, int slide, const Guess& guess,
                    const Eigen::Vector3d& p_WB) const;
   void prepare_ground(const GraspState& base, double h, const Guess& guess);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <string>
+#include <vector>
 
 #include <embree3/rtcore.h>
 #include <Eigen/Geometry>
@@ -32,18 +32,9 @@ struct MeshRays::Implementation {
     if (device) rtcReleaseDevice(device);
   }
 
-  double distance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                  unsigned triangle, double limit) const {
-    const Eigen::Vector3i& t = mesh.triangles[triangle];
-    const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
-                          &c = mesh.vertices[t[2]];
-    const Eigen::Vector3d normal = (b - a).cross(c - a);
-    const double facing = normal.dot(direction);
-    if (facing >= 0) return 0;
-    const double result = normal.dot(a - origin) / facing;
-    if (result > limit) return kInfinity;
-    return std::max(0.0, result);
-  }
+  // n (p - a) = 0 of each triangle; n is not unit.
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<double> offsets;
 };
 
 MeshRays::MeshRays(geometry::TriangleMesh mesh)
@@ -85,6 +76,9 @@ MeshRays::MeshRays(geometry::TriangleMesh mesh)
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                               3 * sizeof(unsigned), m.triangles.size()));
   for (const Eigen::Vector3i& t : m.triangles) {
+    const Eigen::Vector3d &a = m.vertices[t[0]], &b = m.vertices[t[1]], &c = m.vertices[t[2]];
+    implementation_->normals.push_back((b - a).cross(c - a));
+    implementation_->offsets.push_back(implementation_->normals.back().dot(a));
     for (int k = 0; k < 3; ++k) *indices++ = static_cast<unsigned>(t[k]);
   }
   rtcCommitGeometry(geometry);
@@ -94,6 +88,16 @@ MeshRays::MeshRays(geometry::TriangleMesh mesh)
 }
 
 MeshRays::~MeshRays() = default;
+
+double MeshRays::plane_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                int triangle, double limit) const {
+  const Eigen::Vector3d& normal = implementation_->normals[triangle];
+  const double facing = normal.dot(direction);
+  if (facing >= 0) return 0;
+  const double result = (implementation_->offsets[triangle] - normal.dot(origin)) / facing;
+  if (result > limit) return kInfinity;
+  return std::max(0.0, result);
+}
 
 const geometry::TriangleMesh& MeshRays::mesh() const { return implementation_->mesh; }
 
@@ -141,15 +145,20 @@ void MeshRays::first_hits(Packet& packet, double limit) const {
   rtcIntersect8(valid, implementation_->scene, &context, &rays);
   for (int i = 0; i < kPacket; ++i) {
     packet.distance[i] = kInfinity;
+    packet.triangle[i] = kNone;
     if (!packet.active[i] || rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const double seen = rays.ray.tfar[i];
-    packet.distance[i] = implementation_->distance({packet.ox[i], packet.oy[i], packet.oz[i]},
-                                                   {packet.dx[i], packet.dy[i], packet.dz[i]},
-                                                   rays.hit.primID[i], limit);
+    const int triangle = static_cast<int>(rays.hit.primID[i]);
+    const double distance =
+        plane_distance({packet.ox[i], packet.oy[i], packet.oz[i]},
+                       {packet.dx[i], packet.dy[i], packet.dz[i]}, triangle, limit);
+    packet.distance[i] = distance;
+    if (distance < kInfinity) packet.triangle[i] = triangle;
     // Seen edge-on, a plane says nothing; then the single-precision distance is the better one.
-    if (std::abs(packet.distance[i] - seen) > kSinglePrecision * (1 + implementation_->extent) &&
-        packet.distance[i] != 0 && packet.distance[i] != kInfinity) {
+    if (std::abs(distance - seen) > kSinglePrecision * (1 + implementation_->extent) &&
+        distance != 0 && distance != kInfinity) {
       packet.distance[i] = seen <= limit ? seen : kInfinity;
+      packet.triangle[i] = kEdgeOn;
     }
   }
 }

@@ -31,8 +31,15 @@ class MeshRays {
     double dx[kPacket], dy[kPacket], dz[kPacket];  // unit
     bool active[kPacket];
     double distance[kPacket];  // result [m]
+    int triangle[kPacket];     // result: met first, or kNone; kEdgeOn: `distance` counts
   };
+  static constexpr int kNone = -1;    // nothing within the limit
+  static constexpr int kEdgeOn = -2;  // a triangle whose plane says nothing about the distance
   void first_hits(Packet& packet, double limit) const;
+
+  /// Distance to the plane of a triangle that such a ray met, as first_hits() gives it.
+  double plane_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        int triangle, double limit) const;
 
  private:
   struct Implementation;

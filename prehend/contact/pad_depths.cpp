@@ -61,16 +61,29 @@ HWY_EXPORT(FlatPadOnBox);
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool mesh_depths(const PadLayout& pad, const MeshRays& mesh, const geometry::RigidTransform& X_BP,
-                 double limit, PadState& state) {
-  bool any = false;
+Eigen::Matrix<double, 3, 4> rounded(const geometry::RigidTransform& X) {
+  const auto to_grid = [](double value, double grid) { return grid * std::round(value / grid); };
+  Eigen::Matrix<double, 3, 4> result;
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) result(row, k) = to_grid(X.linear()(row, k), 10 * MeshHits::kGrid);
+    result(row, 3) = to_grid(X.translation()[row], MeshHits::kGrid);
+  }
+  return result;
+}
+
+// The triangles that rays meet at the rounded pose.
+void cast_rays(const PadLayout& pad, const MeshRays& mesh, MeshHits& hits) {
+  const Eigen::Matrix3d R_BP = hits.rounded_X_PB.leftCols<3>().transpose();
+  const Eigen::Vector3d p_BP = -(R_BP * hits.rounded_X_PB.col(3));
+  hits.triangles.resize(pad.padded_size());
+  hits.edge_on.resize(pad.padded_size());
   MeshRays::Packet packet;
   static_assert(PadLayout::kLanes == MeshRays::kPacket);
   for (std::size_t i = 0; i < pad.padded_size(); i += MeshRays::kPacket) {
     for (int k = 0; k < MeshRays::kPacket; ++k) {
       const Eigen::Vector3d n = pad.normal(i + k);
-      const Eigen::Vector3d origin = X_BP * (pad.position(i + k) - pad.thickness() * n);
-      const Eigen::Vector3d direction = X_BP.linear() * n;
+      const Eigen::Vector3d origin = p_BP + R_BP * (pad.position(i + k) - pad.thickness() * n);
+      const Eigen::Vector3d direction = R_BP * n;
       packet.ox[k] = origin.x();
       packet.oy[k] = origin.y();
       packet.oz[k] = origin.z();
@@ -79,12 +92,39 @@ bool mesh_depths(const PadLayout& pad, const MeshRays& mesh, const geometry::Rig
       packet.dz[k] = direction.z();
       packet.active[k] = i + k < pad.size();
     }
-    mesh.first_hits(packet, limit);
+    mesh.first_hits(packet, hits.limit);
     for (int k = 0; k < MeshRays::kPacket; ++k) {
-      const bool hit = packet.distance[k] < kInfinity;
-      state.depth[i + k] = hit ? pad.thickness() - packet.distance[k] : PadState::kFar;
-      any = any || hit;
+      hits.triangles[i + k] = packet.triangle[k];
+      hits.edge_on[i + k] = packet.distance[k];
     }
+  }
+}
+
+bool mesh_depths(const PadLayout& pad, const MeshRays& mesh, const geometry::RigidTransform& X_PB,
+                 double limit, MeshHits& hits, PadState& state) {
+  const Eigen::Matrix<double, 3, 4> key = rounded(X_PB);
+  if (hits.limit < limit || key != hits.rounded_X_PB) {
+    hits.rounded_X_PB = key;
+    // Further than asked for, so that a next query that looks further finds it here; what is beyond
+    // its limit is left out below.
+    hits.limit = 2 * limit;
+    cast_rays(pad, mesh, hits);
+  }
+  const geometry::RigidTransform X_BP = X_PB.inverse(Eigen::Isometry);
+  bool any = false;
+  std::fill(state.depth.begin(), state.depth.end(), PadState::kFar);
+  for (std::size_t i = 0; i < pad.size(); ++i) {
+    const int triangle = hits.triangles[i];
+    if (triangle == MeshRays::kNone) continue;
+    double distance = hits.edge_on[i];
+    if (triangle != MeshRays::kEdgeOn) {
+      const Eigen::Vector3d n = pad.normal(i);
+      distance = mesh.plane_distance(X_BP * (pad.position(i) - pad.thickness() * n),
+                                     X_BP.linear() * n, triangle, limit);
+    }
+    if (!(distance <= limit)) continue;
+    state.depth[i] = pad.thickness() - distance;
+    any = true;
   }
   return any;
 }
@@ -108,7 +148,7 @@ PadReach::PadReach(const PadLayout& pad) {
 
 bool find_depths(const PadLayout& pad, const PadReach& reach, const Shape& shape,
                  const geometry::RigidTransform& X_PB, double look_ahead, PadState& state,
-                 bool gated) {
+                 bool gated, MeshHits* hits) {
   const double limit = pad.thickness() + look_ahead;
   if (gated && !shape.bounds().isEmpty()) {
     // Rounding in either of the two ways to compute a point cannot exceed this.
@@ -122,10 +162,11 @@ bool find_depths(const PadLayout& pad, const PadReach& reach, const Shape& shape
       return false;
     }
   }
-  const geometry::RigidTransform X_BP = X_PB.inverse(Eigen::Isometry);
   if (shape.kind() == Shape::Kind::kMesh) {
-    return mesh_depths(pad, shape.mesh_rays(), X_BP, limit, state);
+    MeshHits unremembered;
+    return mesh_depths(pad, shape.mesh_rays(), X_PB, limit, hits ? *hits : unremembered, state);
   }
+  const geometry::RigidTransform X_BP = X_PB.inverse(Eigen::Isometry);
   if (pad.is_flat() && shape.kind() == Shape::Kind::kBox) {
     const Eigen::Vector3d origin = X_BP * Eigen::Vector3d(0, 0, -pad.thickness());
     const Eigen::Matrix3d R = X_BP.linear();

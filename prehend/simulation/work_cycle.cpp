@@ -13,9 +13,9 @@ using contact::GraspState;
 using contact::GraspStepper;
 
 constexpr std::array<double, kCyclePhases> kPhaseEnds{5, 9, 12, 17, 27, 32, 34, 39, 45};  // s
-constexpr double kClearance = 0.08;        // m, of the gripper over its grasping height at first
-constexpr double kVelocityGain = 2000;     // N s/m of the velocity servo
-constexpr double kRampSteps = 40;          // of the force, until it is whole
+constexpr double kClearance = 0.08;     // m, of the gripper over its grasping height at first
+constexpr double kVelocityGain = 2000;  // N s/m of the velocity servo
+constexpr double kRampSteps = 40;       // of the force, until it is whole
 
 double thread_time() {
   timespec time{};

@@ -13,7 +13,17 @@ namespace prehend::simulation {
 /// The soft-contact paper's work cycle: a gripper comes down on a box on a table, closes under
 /// velocity control until both pads feel it, presses under force control, lifts, holds, puts down,
 /// opens and goes. Both jaws have one drive. Phases end at fixed times, so that runs compare.
-enum class CyclePhase { kApproach, kClose, kPress, kLift, kHold, kLower, kRest, kRelease, kRetreat };
+enum class CyclePhase {
+  kApproach,
+  kClose,
+  kPress,
+  kLift,
+  kHold,
+  kLower,
+  kRest,
+  kRelease,
+  kRetreat
+};
 constexpr int kCyclePhases = 9;
 const char* to_string(CyclePhase phase);
 
@@ -36,9 +46,9 @@ struct WorkCycleOptions {
 struct CycleSample {
   double time = 0;  // s
   CyclePhase phase = CyclePhase::kApproach;
-  double left = 0, right = 0;  // N, sums of the pads
-  double opening = 0;          // m
-  double speed = 0;            // m/s of the opening, negative closes
+  double left = 0, right = 0;                     // N, sums of the pads
+  double opening = 0;                             // m
+  double speed = 0;                               // m/s of the opening, negative closes
   Eigen::Vector3d box = Eigen::Vector3d::Zero();  // m, its centre
 };
 
@@ -61,8 +71,8 @@ struct WorkCycleResult {
 /// @throws std::invalid_argument for values out of range (naming the field).
 WorkCycleResult run_work_cycle(const WorkCycleOptions& options);
 
-/// Largest distance between the box's centres of two runs [m], at the phases' ends and at samples of
-/// one time.
+/// Largest distance between the box's centres of two runs [m], at the phases' ends and at samples
+/// of one time.
 double largest_difference(const WorkCycleResult& a, const WorkCycleResult& b);
 
 }  // namespace prehend::simulation

@@ -224,5 +224,28 @@ TEST(FindDepths, GatedIsBitwiseTheUngated) {
   EXPECT_GT(left_out, kPoses / 20);
 }
 
+// Remembered triangles must not show: a body that creeps, stops and jumps.
+TEST(FindDepths, RememberedTrianglesAreBitwiseTheCastOnes) {
+  std::mt19937 random(6);
+  const Shape ball = Shape::mesh(geometry::make_sphere(0.02, 24));
+  const PadLayout pad = PadLayout::flat({});
+  const PadReach reach(pad);
+  PadState with(pad), without(pad);
+  MeshHits hits;
+  RigidTransform X = RigidTransform::Identity();
+  int touched = 0;
+  for (int i = 0; i < 3000; ++i) {
+    if (i % 100 == 0) X = random_pose(random, 0.004);
+    X.translation() += random_vector(random, i % 3 == 0 ? 1e-8 : i % 3 == 1 ? 1e-10 : 0);
+    if (i % 100 == 0) X.translation().z() = 0.018;
+    const double look_ahead = i % 7 == 0 ? 1e-3 : 1e-5;
+    find_depths(pad, reach, ball, X, look_ahead, with, true, &hits);
+    find_depths(pad, reach, ball, X, look_ahead, without);
+    ASSERT_EQ(with.depth, without.depth);
+    touched += with.depth[40] > 0;
+  }
+  EXPECT_GT(touched, 1000);
+}
+
 }  // namespace
 }  // namespace prehend::contact
