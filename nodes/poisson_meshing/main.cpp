@@ -86,10 +86,11 @@ void declare_parameters(graph::Node& node) {
                                   .description = "standard deviations beyond which points go"});
   node.declare_parameter<double>({.name = "concavity",
                                   .default_value = o.convex_pieces.concavity,
-                                  .minimum = 0.001,
+                                  .unit = "m",
+                                  .minimum = 0.0001,
                                   .maximum = 1.0,
-                                  .description = "dent that a convex piece may fill, of the "
-                                                 "diagonal"});
+                                  .description = "how far a convex piece may reach beyond the "
+                                                 "solid"});
 }
 
 surface::ModelOptions model_options(const graph::Node& node) {

@@ -49,7 +49,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   model.defects = geometry::find_defects(model.mesh_W);
   spent.poisson = stopwatch.lap();
 
-  model.convex_pieces_W = convex_pieces(model.mesh_W, options.convex_pieces);
+  model.convex_pieces_W = convex_pieces(model.mesh_W, options.convex_pieces).pieces;
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
