@@ -49,7 +49,7 @@ struct CompletionOptions {
   /// Depth differences below this are noise of the sensor [m], > 0.
   double depth_tolerance = 0.003;
   double support_weight = 1;         // kSupported, >= 0
-  double oblique_weight = 0.05;      // kSupported: of 1 - cos(angle between normal and view), >= 0
+  double oblique_weight = 0.1;      // kSupported: of 1 - cos(angle between normal and view), >= 0
   double depth_prior_weight = 0.01;  // kSupported: of |depth / width - 1| when completed, >= 0
 
   /// Mirror the completed cloud once more at a plane perpendicular to the first, when one exists
@@ -63,9 +63,12 @@ struct CompletionOptions {
   /// is mirrored into one contradicts nothing. In [0, 1].
   double fill_holes = 0.05;
 
-  /// A plane of which more than this fraction of the mirrored points lie where the camera looked
-  /// through is refused ("two heads"), and a fall-back completes the shape. In [0, 1]; 1: never.
+  /// A plane is refused ("two heads"), and a fall-back completes the shape, when more than
+  /// `max_contradicted` of the mirrored points lie where the camera looked through, or its support
+  /// s (symmetry.h) is below `min_support`: much more of what can be judged says no than says yes.
+  /// Both in [0, 1]; 1 and 0: never refuse. docs/shape.md tells on what they were learnt.
   double max_contradicted = 0.3;
+  double min_support = 0.4;
 };
 
 }  // namespace prehend::shape

@@ -54,7 +54,8 @@ double confidence(const Evidence& e, const ConfidenceModel& model) {
       x = model.convex_hull;
       break;
   }
-  x -= model.contradiction * std::min(1.0, e.contradiction) + model.contradicted * e.contradicted +
+  x -= model.contradiction * std::sqrt(std::clamp(e.contradiction, 0.0, 1.0)) +
+       model.contradicted * std::sqrt(std::clamp(e.contradicted, 0.0, 1.0)) +
        model.unsupported * (1 - e.support) + model.unseen * e.unseen +
        model.ambiguous * (1 - e.margin) + model.concavity * e.concavity;
   if (e.open_vessel()) x -= model.open_vessel;

@@ -39,6 +39,7 @@ void check(const CompletionOptions& options) {
   require(options.fill_holes >= 0 && options.fill_holes <= 1, "fill_holes must be in [0, 1]");
   require(options.max_contradicted >= 0 && options.max_contradicted <= 1,
           "max_contradicted must be in [0, 1]");
+  require(options.min_support >= 0 && options.min_support <= 1, "min_support must be in [0, 1]");
   for (const auto& [value, name] : {std::pair{options.outside_weight, "outside_weight"},
                                     {options.in_front_weight, "in_front_weight"},
                                     {options.support_weight, "support_weight"},
@@ -77,10 +78,10 @@ class Completion {
     for (const Candidate& plane : found.planes) shape_.planes.push_back(plane.hypothesis);
     add_origin(shape_.cloud_W.size(), PointOrigin::kSeen);
 
-    Candidate best = primary(found.planes);
+    Candidate best = primary(fine, found.planes);
     if (options_.refine) best = centered(fine, best);
     set_evidence(fine, best, found.planes);
-    if (best.hypothesis.contradicted <= options_.max_contradicted) {
+    if (acceptable(fine, best)) {
       mirror(fine, best);
     } else {
       fall_back(best);
@@ -104,15 +105,18 @@ class Completion {
     return window_of_mirrored(view_, planes_C);
   }
 
+  bool acceptable(const Ballot& ballot, const Candidate& candidate) const {
+    return candidate.hypothesis.contradicted <= options_.max_contradicted &&
+           ballot.support(candidate.hypothesis) >= options_.min_support;
+  }
+
   /// The best facing plane; one that is not facing when every facing one is refused and it is not.
-  Candidate primary(const std::vector<Candidate>& planes) const {
-    const auto acceptable = [&](const Candidate& c) {
-      return c.hypothesis.contradicted <= options_.max_contradicted;
-    };
+  Candidate primary(const Ballot& ballot, const std::vector<Candidate>& planes) const {
     const auto facing =
         std::find_if(planes.begin(), planes.end(), [](const Candidate& c) { return c.facing(); });
-    if (facing != planes.end() && acceptable(*facing)) return *facing;
-    const auto other = std::find_if(planes.begin(), planes.end(), acceptable);
+    if (facing != planes.end() && acceptable(ballot, *facing)) return *facing;
+    const auto other = std::find_if(planes.begin(), planes.end(),
+                                    [&](const Candidate& c) { return acceptable(ballot, c); });
     if (other != planes.end()) return *other;
     return facing != planes.end() ? *facing : planes.front();
   }
@@ -241,8 +245,8 @@ class Completion {
   void fall_back(const Candidate& refused) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "mirror: %.0f %% of the best plane's points lie where the camera looked through",
-                  100 * refused.hypothesis.contradicted);
+                  "mirror: the view speaks against %.0f %% of the best plane's points, for %.0f %%",
+                  100 * refused.hypothesis.contradicted, 100 * refused.hypothesis.coincident);
     shape_.refused = text;
     const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
     const FallbackInput input{
@@ -362,6 +366,7 @@ CompletionOptions as_published() {
   options.drop_contradicted = false;
   options.fill_holes = 0;
   options.max_contradicted = 1;
+  options.min_support = 0;
   return options;
 }
 

@@ -132,7 +132,7 @@ VotingPoints make_voting_points(const ObjectView& view, double thinning) {
     result.points_T = points_T;
     std::sort(result.points_T.begin(), result.points_T.end(), less);
   }
-  result.coarse_points_T = one_per_voxel(points_T, box, std::max(3 * thinning, 0.03) * side);
+  result.coarse_points_T = one_per_voxel(result.points_T, box, std::max(3 * thinning, 0.03) * side);
   check_spread(result.points_T);
   if (box.contains(X_TW * view.X_WC.translation())) {
     throw InputError("the viewpoint lies within the object's seen points",

@@ -141,6 +141,7 @@ TEST(Fallbacks, TwoHeadsAreRefusedAndTheResultSaysSo) {
   // Never refused when told so.
   CompletionOptions lenient;
   lenient.max_contradicted = 1;
+  lenient.min_support = 0;
   EXPECT_EQ(complete_by_symmetry(view.view(), lenient).method, CompletionMethod::kMirror);
 }
 
