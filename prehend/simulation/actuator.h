@@ -1,0 +1,98 @@
+#pragma once
+
+#include "prehend/contact/grasp_system.h"
+
+namespace prehend::simulation {
+
+enum class ControlMode { kPosition, kVelocity, kVoltage, kCurrent };
+
+/// What drives one prismatic coordinate q of a grasp (its slide), e.g. the closing of both jaws.
+/// Positive closes. A step is: command() when there is a new one, drive() before the step,
+/// observe() after it. State is the object's value: copy to save.
+class Actuator {
+ public:
+  virtual ~Actuator() = default;
+  /// `target`: m, m/s, V or A by mode. @throws std::invalid_argument when not finite.
+  virtual void command(ControlMode mode, double target) = 0;
+  /// The force on the slide over the coming step of `h` [s], affine in its velocity at the end,
+  /// from position [m] and velocity [m/s] at the start.
+  virtual contact::SlideCommand drive(double h, double position, double velocity) = 0;
+  /// What the solved velocity [m/s] did to current, temperature and integrators.
+  virtual void observe(double h, double position, double velocity) = 0;
+  /// Mass, friction and stiction of the slide with this drive.
+  virtual contact::SlideModel slide() const = 0;
+  virtual double current() const = 0;  // A, positive closes
+};
+
+/// A DC motor with gear and spindle. Everything is in the coordinate of the slide.
+struct SpindleDriveModel {
+  double supply = 24;             // V
+  double resistance = 1.5;        // Ohm of the winding at 25 degrees
+  double rotor_inertia = 2.0e-6;  // kg m^2; estimate
+  double torque_constant = 0.03;  // N m/A, and V s of back-EMF
+  double gear_ratio = 4;
+  double spindle_lead = 0.018;  // m of the opening for each turn of the spindle
+  double efficiency = 0.7;      // of gear and spindle, from motor to jaws; estimate
+  double jaw_mass = 0.1;        // kg, of each of two jaws; estimate
+
+  // Friction of gear, spindle and guides, at the jaws.
+  double static_friction = 10;       // N, stiction
+  double coulomb_friction = 8;       // N
+  double viscous_friction = 20;      // N s/m
+  double stribeck_velocity = 0.002;  // m/s
+
+  double nominal_current = 2.0;    // A
+  double peak_current = 6.5;       // A
+  double max_speed = 0.083;        // m/s, of the opening
+  double max_acceleration = 0.32;  // m/s^2
+
+  // Winding: C dT/dt = R i^2 - (T - ambient) / thermal_resistance.
+  double ambient = 25;            // degrees Celsius
+  double thermal_resistance = 6;  // K/W
+  double thermal_capacity = 20;   // J/K
+  double hottest = 100;           // degrees: from here on the nominal current is the limit
+
+  double position_gain = 20;    // 1/s, speed asked for by distance
+  double velocity_gain = 2000;  // N s/m
+
+  double ratio() const;              // rad of the rotor for each metre of the opening
+  double force_per_current() const;  // N of each jaw for each A
+  double reflected_mass() const;     // kg of the coordinate: rotor and jaws
+  /// Least force on the jaws that turns the motor by itself [N]; infinity when the transmission
+  /// locks itself (efficiency of 1/2 or less).
+  double back_drive_force() const;
+};
+
+/// The Schunk PG70's: speed, acceleration, supply and currents as in its driver and data sheet, the
+/// rest estimated so that 30 N/A and 8 N of friction come out, as in config/robots/pg70_dsa.yaml.
+SpindleDriveModel pg70_drive();
+
+/// @throws std::invalid_argument naming the field.
+void validate(const SpindleDriveModel& model);
+
+/// The drive: a velocity servo under a position servo, current and voltage limits, back-EMF, heat.
+/// Motor inductance is left out (its time constant is below a millisecond).
+class SpindleDrive : public Actuator {
+ public:
+  explicit SpindleDrive(const SpindleDriveModel& model);
+  void command(ControlMode mode, double target) override;
+  contact::SlideCommand drive(double h, double position, double velocity) override;
+  void observe(double h, double position, double velocity) override;
+  contact::SlideModel slide() const override;
+  double current() const override { return current_; }
+  double temperature() const { return temperature_; }  // degrees Celsius
+  double current_limit() const;                        // A, now
+
+ private:
+  double resistance() const;  // Ohm at the present temperature
+
+  SpindleDriveModel model_;
+  ControlMode mode_ = ControlMode::kCurrent;
+  double target_ = 0;
+  double speed_reference_ = 0;  // m/s
+  double current_ = 0;          // A
+  double temperature_;          // degrees Celsius
+  contact::SlideCommand last_;
+};
+
+}  // namespace prehend::simulation

@@ -1,0 +1,253 @@
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "prehend/contact/grasp_stepper.h"
+#include "prehend/contact/parallel_grasp.h"
+#include "prehend/simulation/actuator.h"
+#include "prehend/simulation/tactile_sensor.h"
+
+namespace prehend::simulation {
+namespace {
+
+// Two jaws of one drive round a fixed box; `opening` of the pads at the start.
+struct Driven {
+  SpindleDrive drive;
+  contact::GraspStepper stepper;
+  explicit Driven(const SpindleDriveModel& model, double opening)
+      : drive(model), stepper(make(drive, opening), {}) {}
+
+  static contact::GraspModel make(const SpindleDrive& drive, double opening) {
+    contact::ParallelGraspOptions options;
+    options.coupled = true;
+    options.opening = opening;
+    contact::GraspModel model = parallel_grasp(options);
+    model.slides[0] = drive.slide();
+    model.body_is_fixed = true;
+    return model;
+  }
+  double position() const { return stepper.state().slide_position[0]; }
+  double speed() const { return stepper.state().slide_velocity[0]; }
+  void run(double seconds, double push = 0) {
+    const double end = stepper.state().time + seconds;
+    while (stepper.state().time < end - 1e-9) {
+      contact::SlideCommand command = drive.drive(1e-3, position(), speed());
+      command.force += push;
+      stepper.system().set_command(0, command, stepper.state().time);
+      stepper.step(end);
+      drive.observe(1e-3, position(), speed());
+    }
+  }
+  double felt() const { return stepper.system().pad_force(stepper.state(), 0); }
+};
+
+TEST(SpindleDrive, Pg70PressesWithThirtyNewtonsForEachAmpere) {
+  const SpindleDriveModel model = pg70_drive();
+  EXPECT_NEAR(model.force_per_current(), 30, 1e-9);
+  for (const double current : {1.0, 2.0, 5.0}) {
+    Driven grip(model, 0.0502);
+    // Touch gently, then raise the current: the last creep of the jaws is against stiction.
+    grip.drive.command(ControlMode::kVelocity, 0.005);
+    grip.run(0.1);
+    for (int i = 1; i <= 200; ++i) {
+      grip.drive.command(ControlMode::kCurrent, current * i / 200);
+      grip.run(0.01);
+    }
+    EXPECT_NEAR(grip.felt(), 30 * current - 10, 0.5) << current;
+    EXPECT_NEAR(grip.drive.current(), current, 1e-9);
+    // Lowered again, stiction keeps the jaws where they are until it is overcome backwards.
+    const double pressed = grip.felt();
+    grip.drive.command(ControlMode::kCurrent, current - 15.0 / 30);
+    grip.run(0.5);
+    EXPECT_NEAR(grip.felt(), pressed, 0.05 * pressed);
+  }
+}
+
+TEST(SpindleDrive, StictionHoldsBelowItsLimit) {
+  Driven grip(pg70_drive(), 0.06);
+  grip.drive.command(ControlMode::kCurrent, 9.5 / 30);
+  grip.run(1);
+  EXPECT_LT(std::abs(grip.position()), 2e-5) << "stiction is 10 N";
+  grip.drive.command(ControlMode::kCurrent, 10.5 / 30);
+  grip.run(0.3);
+  EXPECT_GT(grip.position(), 1e-3);
+}
+
+TEST(SpindleDrive, KeepsSpeedAndAccelerationLimits) {
+  Driven grip(pg70_drive(), 0.4);
+  grip.drive.command(ControlMode::kVelocity, 1.0);
+  for (int i = 1; i <= 600; ++i) {
+    grip.run(1e-3);
+    EXPECT_LT(grip.speed(), 0.0831);
+    EXPECT_LT(grip.speed(), 0.32e-3 * i + 1e-4);
+  }
+  EXPECT_NEAR(grip.speed(), 0.083, 0.01) << "the servo's droop under friction";
+}
+
+TEST(SpindleDrive, ReachesAPositionWithoutOvershoot) {
+  Driven grip(pg70_drive(), 0.4);
+  grip.drive.command(ControlMode::kPosition, 0.03);
+  double farthest = 0;
+  for (int i = 0; i < 200; ++i) {
+    grip.run(0.01);
+    farthest = std::max(farthest, grip.position());
+  }
+  EXPECT_NEAR(grip.position(), 0.03, 5e-4);
+  EXPECT_LT(farthest, 0.0305);
+}
+
+TEST(SpindleDrive, VoltageGivesTheSpeedOfBackEmf) {
+  SpindleDriveModel model = pg70_drive();
+  model.static_friction = model.coulomb_friction = model.viscous_friction = 0;
+  Driven grip(model, 0.9);
+  grip.drive.command(ControlMode::kVoltage, 12);
+  grip.run(1);
+  EXPECT_NEAR(grip.speed(), 12 / (model.torque_constant * model.ratio()), 1e-6);
+  EXPECT_NEAR(grip.drive.current(), 0, 1e-5);
+}
+
+TEST(SpindleDrive, HeatsUpAndFallsBackToNominalCurrent) {
+  Driven grip(pg70_drive(), 0.0502);
+  grip.drive.command(ControlMode::kCurrent, 20);
+  grip.run(1);
+  EXPECT_NEAR(grip.drive.current(), 6.5, 1e-9) << "cut to the peak";
+  const double first = grip.drive.temperature();
+  EXPECT_NEAR(first - 25, 1.5 * 6.5 * 6.5 / 20, 0.2) << "R i^2 / C";
+  grip.run(59);
+  EXPECT_GE(grip.drive.temperature(), 40);
+  EXPECT_LE(grip.drive.temperature(), 101);
+  EXPECT_NEAR(grip.drive.current_limit(), 2, 5) << "toggles round the hottest";
+  grip.drive.command(ControlMode::kCurrent, 0);
+  grip.run(300);
+  EXPECT_LT(grip.drive.temperature(), 40);
+}
+
+TEST(SpindleDrive, IsBackDrivenAboveItsFrictionOnly) {
+  Driven grip(pg70_drive(), 0.2);
+  grip.drive.command(ControlMode::kCurrent, 0);
+  grip.run(0.5, 8);
+  EXPECT_LT(std::abs(grip.position()), 2e-5);
+  grip.run(0.5, 14);
+  EXPECT_GT(grip.position(), 1e-3);
+  SpindleDriveModel locked = pg70_drive();
+  locked.efficiency = 0.4;
+  EXPECT_EQ(locked.back_drive_force(), std::numeric_limits<double>::infinity());
+  EXPECT_GT(pg70_drive().back_drive_force(), 10);
+}
+
+TEST(SpindleDrive, RefusesBadConstantsByName) {
+  const auto refused = [](auto change, const std::string& name) {
+    SpindleDriveModel model;
+    change(model);
+    try {
+      SpindleDrive drive(model);
+      FAIL() << name << " was accepted";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  };
+  refused([](SpindleDriveModel& m) { m.resistance = 0; }, "resistance");
+  refused([](SpindleDriveModel& m) { m.efficiency = 1.2; }, "efficiency");
+  refused([](SpindleDriveModel& m) { m.static_friction = 1; }, "static_friction");
+  refused([](SpindleDriveModel& m) { m.peak_current = 1; }, "peak_current");
+  refused([](SpindleDriveModel& m) { m.spindle_lead = std::nan(""); }, "spindle_lead");
+  SpindleDrive drive(pg70_drive());
+  EXPECT_THROW(drive.command(ControlMode::kCurrent, std::nan("")), std::invalid_argument);
+}
+
+TEST(TactileSensor, IdealPadRoundsCutsAndThresholds) {
+  TactileSensor sensor({});
+  std::vector<double> forces(84, 0.0);
+  forces[0] = 0.14;
+  forces[1] = 0.0133;
+  forces[2] = 0.0126;
+  forces[3] = 100;
+  const TactileFrameReading frame = sensor.sample(forces, 0.03);
+  EXPECT_EQ(frame.counts[0], 100);
+  EXPECT_EQ(frame.counts[1], 10) << "9.5 rounds to the threshold";
+  EXPECT_EQ(frame.counts[2], 0) << "9 is below it";
+  EXPECT_EQ(frame.counts[3], 4095);
+  EXPECT_NEAR(frame.sum, 0.0014 * (100 + 10 + 4095), 1e-12);
+}
+
+TEST(TactileSensor, ImperfectionsAreOfTheirSize) {
+  TactileSensorOptions options;
+  options.gain_spread = 0.1;
+  TactileSensor spread(options);
+  const std::vector<double> one(84, 1.4);  // 1000 counts
+  const auto counts = spread.sample(one, 1).counts;
+  const double mean = std::accumulate(counts.begin(), counts.end(), 0.0) / 84;
+  double variance = 0;
+  for (const auto c : counts) variance += (c - mean) * (c - mean) / 84;
+  EXPECT_NEAR(mean, 1000, 40);
+  EXPECT_NEAR(std::sqrt(variance), 100, 30);
+
+  options = {};
+  options.low_pass_time = 0.05;
+  TactileSensor slow(options);
+  EXPECT_NEAR(slow.sample(one, 0.05).counts[0], 1000 * (1 - std::exp(-1.0)), 1);
+
+  options = {};
+  options.creep = 0.1;
+  TactileSensor creeps(options);
+  creeps.sample(one, 0);
+  EXPECT_NEAR(creeps.sample(one, 1000).counts[0], 1100, 1);
+
+  options = {};
+  options.hysteresis = 0.08;
+  TactileSensor hysteretic(options);
+  EXPECT_EQ(hysteretic.sample(one, 1).counts[5], 1000) << "loading is exact";
+  EXPECT_NEAR(hysteretic.sample(std::vector<double>(84, 0.7), 1).counts[5], 580, 1);
+  EXPECT_EQ(hysteretic.sample(std::vector<double>(84, 0.0), 1).counts[5], 0);
+
+  options = {};
+  options.noise = 5;
+  options.dead = {7};
+  TactileSensor noisy(options), same(options);
+  double squares = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto frame = noisy.sample(one, 0.03);
+    EXPECT_EQ(frame.counts, same.sample(one, 0.03).counts) << "same seed";
+    EXPECT_EQ(frame.counts[7], 0);
+    squares += std::pow(frame.counts[0] - 1000.0, 2) / 200;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 5, 1);
+}
+
+TEST(TactileSensor, RefusesBadInput) {
+  TactileSensorOptions options;
+  options.dead = {84};
+  EXPECT_THROW(TactileSensor{options}, std::invalid_argument);
+  options = {};
+  options.newton_per_count = 0;
+  EXPECT_THROW(TactileSensor{options}, std::invalid_argument);
+  TactileSensor sensor({});
+  EXPECT_THROW(sensor.sample({1, 2}, 0.1), std::invalid_argument);
+  EXPECT_THROW(sensor.sample(std::vector<double>(84, 1.0), -1), std::invalid_argument);
+}
+
+TEST(WrenchSensor, RoundsCutsAndIsBiased) {
+  WrenchSensorOptions options;
+  options.bias[2] = 0.5;
+  WrenchSensor sensor(options);
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << 1.234, -1000, 2, 0.12345, 0, 99;
+  const auto shown = sensor.sample(wrench);
+  EXPECT_NEAR(shown[0], 1.23, 1e-12);
+  EXPECT_EQ(shown[1], -300);
+  EXPECT_NEAR(shown[2], 2.5, 1e-12);
+  EXPECT_NEAR(shown[3], 0.123, 1e-12);
+  EXPECT_EQ(shown[5], 30);
+  options.force_noise = 0.1;
+  WrenchSensor noisy(options);
+  double squares = 0;
+  for (int i = 0; i < 2000; ++i) squares += std::pow(noisy.sample(wrench)[0] - 1.234, 2) / 2000;
+  EXPECT_NEAR(std::sqrt(squares), 0.1, 0.01);
+  options.force_range = -1;
+  EXPECT_THROW(WrenchSensor{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prehend::simulation
