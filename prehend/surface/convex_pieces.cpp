@@ -104,16 +104,17 @@ void add_points(const TriangleMesh& mesh, const VoxelSolid& solid, const VoxelBo
   const Eigen::AlignedBox3d bounds(
       Eigen::Vector3d(box.low.cast<double>() - Eigen::Vector3d::Constant(0.5)),
       Eigen::Vector3d(box.high.cast<double>() + Eigen::Vector3d::Constant(0.5)));
+  for (const Eigen::Vector3d& p : mesh.vertices) {
+    if (bounds.contains(p)) points.push_back(p);
+  }
   for (const Eigen::Vector3i& t : mesh.triangles) {
     Eigen::AlignedBox3d of_triangle;
     for (const int i : t) of_triangle.extend(mesh.vertices[i]);
-    if (!bounds.intersects(of_triangle)) continue;
+    if (!bounds.intersects(of_triangle) || bounds.contains(of_triangle)) continue;
     Polygon polygon{mesh.vertices[t.x()], mesh.vertices[t.y()], mesh.vertices[t.z()]};
-    if (!bounds.contains(of_triangle)) {
-      for (int axis = 0; axis < 3 && !polygon.empty(); ++axis) {
-        clip(polygon, axis, bounds.min()[axis], -1);
-        clip(polygon, axis, bounds.max()[axis], 1);
-      }
+    for (int axis = 0; axis < 3 && !polygon.empty(); ++axis) {
+      clip(polygon, axis, bounds.min()[axis], -1);
+      clip(polygon, axis, bounds.max()[axis], 1);
     }
     points.insert(points.end(), polygon.begin(), polygon.end());
   }

@@ -12,6 +12,7 @@
 #include <flann/flann.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/surface/point_order.h"
 
 namespace prehend::surface {
 namespace {
@@ -48,95 +49,155 @@ void check_finite(const Points& points) {
   }
 }
 
-/// Means of the points in each cubic voxel, in the order of the voxels.
-Points voxel_means(Points points, double side) {
-  using Key = std::array<std::int64_t, 3>;
-  std::vector<std::pair<Key, Eigen::Vector3f>> keyed;
-  keyed.reserve(points.size());
-  for (const Eigen::Vector3f& p : points) {
-    const Eigen::Array3d cell = (p.cast<double>().array() / side).floor();
-    keyed.push_back({{static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
-                      static_cast<std::int64_t>(cell.z())},
-                     p});
+/// True for the points whose mean distance to their nearest `options.neighbors` is not far over the
+/// average. @pre nearest.count > options.neighbors.
+std::vector<bool> inliers(const Neighbors& nearest, const OutlierOptions& options) {
+  const std::size_t n = nearest.indices.size() / nearest.count;
+  std::vector<double> mean_distance(n, 0);
+  double sum = 0;
+  double sum_of_squares = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (int j = 1; j <= options.neighbors; ++j) {
+      mean_distance[i] += std::sqrt(nearest.distances[i * nearest.count + j]);
+    }
+    mean_distance[i] /= options.neighbors;
+    sum += mean_distance[i];
+    sum_of_squares += mean_distance[i] * mean_distance[i];
+  }
+  const double mean = sum / static_cast<double>(n);
+  const double variance = sum_of_squares / static_cast<double>(n) - mean * mean;
+  const double limit = mean + options.deviations * std::sqrt(std::max(0.0, variance));
+  std::vector<bool> kept(n);
+  for (std::size_t i = 0; i < n; ++i) kept[i] = mean_distance[i] <= limit;
+  return kept;
+}
+
+/// The normal of the plane that fits point `i` and its nearest `count` - 1 neighbours best, of
+/// those that are `used`.
+Eigen::Vector3d plane_normal(const Points& points, const Neighbors& nearest, std::size_t i,
+                             int count, const std::vector<bool>& used) {
+  const int* indices = &nearest.indices[i * nearest.count];
+  const Eigen::Vector3f& origin = points[i];
+  // About the point itself, in single precision: neighbours are near, and their differences exact.
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  int n = 0;
+  const float scale = nearest.distances[(i + 1) * nearest.count - 1] > 0
+                          ? 1 / std::sqrt(nearest.distances[(i + 1) * nearest.count - 1])
+                          : 1;
+  for (int j = 0; j < count; ++j) {
+    if (!used[indices[j]]) continue;
+    const Eigen::Vector3f r = scale * (points[indices[j]] - origin);
+    sum += r;
+    xx += r.x() * r.x();
+    xy += r.x() * r.y();
+    xz += r.x() * r.z();
+    yy += r.y() * r.y();
+    yz += r.y() * r.z();
+    zz += r.z() * r.z();
+    ++n;
+  }
+  const Eigen::Vector3d mean = sum.cast<double>() / n;
+  Eigen::Matrix3d covariance;
+  covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  covariance = covariance / n - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  return solver.eigenvectors().col(0);
+}
+
+Eigen::Vector3f towards(const Eigen::Vector3d& normal, const Eigen::Vector3f& point,
+                        const Eigen::Vector3d& viewpoint) {
+  return (normal.dot(viewpoint - point.cast<double>()) < 0 ? Eigen::Vector3d(-normal) : normal)
+      .cast<float>();
+}
+
+void check(const NormalOptions& options) {
+  if (options.neighbors < 3) throw std::invalid_argument("NormalOptions.neighbors must be >= 3");
+}
+
+void check(const OutlierOptions& options) {
+  if (options.neighbors < 1 || !(options.deviations > 0)) {
+    throw std::invalid_argument("OutlierOptions: neighbors must be >= 1 and deviations > 0");
+  }
+}
+
+void check_enough(std::size_t points, int neighbors) {
+  if (points > static_cast<std::size_t>(neighbors)) return;
+  throw InputError("the cloud has " + std::to_string(points) + " points, too few for " +
+                       std::to_string(neighbors) + " neighbours each",
+                   "give more points or fewer neighbours");
+}
+
+/// Means of the points in each cubic voxel, in the order of the voxels. The order of the points
+/// does not matter.
+Points voxel_means(const Points& unordered, double side) {
+  struct Keyed {
+    std::array<int, 3> cell;
+    Eigen::Vector3f point;
+  };
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : unordered) box.extend(p);
+  // Cells are counted from the origin, so that two clouds have the same ones.
+  const Eigen::Array3d first = (box.min().cast<double>().array() / side).floor();
+  const Eigen::Array3d count = (box.max().cast<double>().array() / side).floor() - first + 1;
+  std::vector<Keyed> keyed;
+  keyed.reserve(unordered.size());
+  if (!unordered.empty() && !(count.maxCoeff() < 1e9)) {
+    throw std::invalid_argument("OrientedCloudOptions.spacing is far too small for the cloud");
+  }
+  for (const int i : canonical_order(unordered)) {
+    const Eigen::Array3d cell = (unordered[i].cast<double>().array() / side).floor() - first;
+    keyed.push_back(
+        {{static_cast<int>(cell.z()), static_cast<int>(cell.y()), static_cast<int>(cell.x())},
+         unordered[i]});
   }
   std::stable_sort(keyed.begin(), keyed.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  points.clear();
+                   [](const Keyed& a, const Keyed& b) { return a.cell < b.cell; });
+  Points means;
   for (std::size_t begin = 0, end = 0; begin < keyed.size(); begin = end) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (end = begin; end < keyed.size() && keyed[end].first == keyed[begin].first; ++end) {
-      sum += keyed[end].second.cast<double>();
+    for (end = begin; end < keyed.size() && keyed[end].cell == keyed[begin].cell; ++end) {
+      sum += keyed[end].point.cast<double>();
     }
-    points.push_back((sum / static_cast<double>(end - begin)).cast<float>());
+    means.push_back((sum / static_cast<double>(end - begin)).cast<float>());
   }
-  return points;
+  return means;
 }
 
 }  // namespace
 
 std::vector<int> without_outliers(const Points& points, const OutlierOptions& options) {
-  if (options.neighbors < 1 || !(options.deviations > 0)) {
-    throw std::invalid_argument("OutlierOptions: neighbors must be >= 1 and deviations > 0");
-  }
+  check(options);
   check_finite(points);
-  std::vector<int> kept;
-  const int count = options.neighbors + 1;
-  if (points.size() < static_cast<std::size_t>(count)) {
-    for (std::size_t i = 0; i < points.size(); ++i) kept.push_back(static_cast<int>(i));
-    return kept;
+  std::vector<bool> kept(points.size(), true);
+  if (points.size() > static_cast<std::size_t>(options.neighbors)) {
+    kept = inliers(nearest_neighbors(points, options.neighbors + 1), options);
   }
-  const Neighbors nearest = nearest_neighbors(points, count);
-  std::vector<double> mean_distance(points.size(), 0);
-  double sum = 0;
-  double sum_of_squares = 0;
+  std::vector<int> indices;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    for (int j = 1; j < count; ++j) mean_distance[i] += std::sqrt(nearest.distances[i * count + j]);
-    mean_distance[i] /= options.neighbors;
-    sum += mean_distance[i];
-    sum_of_squares += mean_distance[i] * mean_distance[i];
+    if (kept[i]) indices.push_back(static_cast<int>(i));
   }
-  const double mean = sum / static_cast<double>(points.size());
-  const double variance = sum_of_squares / static_cast<double>(points.size()) - mean * mean;
-  const double limit = mean + options.deviations * std::sqrt(std::max(0.0, variance));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (mean_distance[i] <= limit) kept.push_back(static_cast<int>(i));
-  }
-  return kept;
+  return indices;
 }
 
 std::vector<Eigen::Vector3f> estimate_normals(const Points& points,
                                               const std::vector<Eigen::Vector3d>& viewpoints,
                                               const NormalOptions& options) {
-  if (options.neighbors < 3) throw std::invalid_argument("NormalOptions.neighbors must be >= 3");
+  check(options);
   if (viewpoints.size() != points.size()) {
     throw std::invalid_argument("estimate_normals: one viewpoint per point is needed");
   }
   check_finite(points);
+  check_enough(points.size(), options.neighbors);
   const int count = options.neighbors + 1;
-  if (points.size() < static_cast<std::size_t>(count)) {
-    throw InputError("the cloud has " + std::to_string(points.size()) + " points, too few for " +
-                         std::to_string(options.neighbors) + " neighbours each",
-                     "give more points or fewer neighbours");
-  }
   const Neighbors nearest = nearest_neighbors(points, count);
-  std::vector<Eigen::Vector3f> normals(points.size());
+  const std::vector<bool> all(points.size(), true);
+  std::vector<Eigen::Vector3f> normals;
+  normals.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const int* indices = &nearest.indices[i * count];
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (int j = 0; j < count; ++j) mean += points[indices[j]].cast<double>();
-    mean /= count;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (int j = 0; j < count; ++j) {
-      const Eigen::Vector3d r = points[indices[j]].cast<double>() - mean;
-      covariance += r * r.transpose();
-    }
-    // Scaled, so that tiny clouds do not underflow in the solver's tolerance.
-    const double scale = covariance.trace();
-    if (scale > 0) covariance /= scale;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-    Eigen::Vector3d n = solver.eigenvectors().col(0);
-    if (n.dot(viewpoints[i] - points[i].cast<double>()) < 0) n = -n;
-    normals[i] = n.cast<float>();
+    normals.push_back(
+        towards(plane_normal(points, nearest, i, count, all), points[i], viewpoints[i]));
   }
   return normals;
 }
@@ -151,6 +212,8 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
     throw InputError("the completed shape has no points, or not one origin per point",
                      "complete the shape again");
   }
+  check(options.outliers);
+  check(options.normals);
   check_finite(points);
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : points) box.extend(p);
@@ -173,13 +236,21 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
     viewpoints.resize(thinned.size(), shape.viewpoint_of(origin));
   }
 
+  // One search serves the filter and the planes.
+  check_enough(thinned.size(), options.normals.neighbors);
+  const int count = options.normals.neighbors + 1;
+  const int searched =
+      std::max(count, std::min(options.outliers.neighbors + 1, static_cast<int>(thinned.size())));
+  const Neighbors nearest = nearest_neighbors(thinned, searched);
+  std::vector<bool> kept(thinned.size(), true);
+  if (searched > options.outliers.neighbors) kept = inliers(nearest, options.outliers);
   geometry::PointCloud cloud;
-  std::vector<Eigen::Vector3d> kept_viewpoints;
-  for (const int i : without_outliers(thinned, options.outliers)) {
+  for (std::size_t i = 0; i < thinned.size(); ++i) {
+    if (!kept[i]) continue;
+    const Eigen::Vector3d normal = plane_normal(thinned, nearest, i, count, kept);
     cloud.points.push_back(thinned[i]);
-    kept_viewpoints.push_back(viewpoints[i]);
+    cloud.normals.push_back(towards(normal, thinned[i], viewpoints[i]));
   }
-  cloud.normals = estimate_normals(cloud.points, kept_viewpoints, options.normals);
   return cloud;
 }
 

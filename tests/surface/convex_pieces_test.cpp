@@ -95,25 +95,6 @@ geometry::TriangleMesh make_cup() {
       {{0, 0}, {0.04, 0}, {0.04, 0.1}, {0.037, 0.1}, {0.037, 0.004}, {0, 0.004}}, 96);
 }
 
-geometry::TriangleMesh make_torus(double major, double minor, int around, int across) {
-  geometry::TriangleMesh mesh;
-  for (int i = 0; i < around; ++i) {
-    for (int j = 0; j < across; ++j) {
-      const double u = 2 * EIGEN_PI * i / around;
-      const double v = 2 * EIGEN_PI * j / across;
-      const double r = major + minor * std::cos(v);
-      mesh.vertices.emplace_back(r * std::cos(u), r * std::sin(u), minor * std::sin(v));
-      const int a = i * across + j;
-      const int b = i * across + (j + 1) % across;
-      const int c = (i + 1) % around * across + j;
-      const int d = (i + 1) % around * across + (j + 1) % across;
-      mesh.triangles.emplace_back(a, c, d);
-      mesh.triangles.emplace_back(a, d, b);
-    }
-  }
-  return mesh;
-}
-
 std::vector<Named> dented() {
   return {{"L", subdivided(make_l_shape(0.05), 3), 0.004},
           {"ring", subdivided(make_ring(0.05, 0.035, 0.03), 1), 0.004},

@@ -56,6 +56,26 @@ inline geometry::TriangleMesh make_ring(double outer, double inner, double heigh
   return mesh;
 }
 
+/// A torus about z of 2 * around * across triangles; radii of its circle and of its tube [m].
+inline geometry::TriangleMesh make_torus(double major, double minor, int around, int across) {
+  geometry::TriangleMesh mesh;
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < across; ++j) {
+      const double u = 2 * EIGEN_PI * i / around;
+      const double v = 2 * EIGEN_PI * j / across;
+      const double r = major + minor * std::cos(v);
+      mesh.vertices.emplace_back(r * std::cos(u), r * std::sin(u), minor * std::sin(v));
+      const int a = i * across + j;
+      const int b = i * across + (j + 1) % across;
+      const int c = (i + 1) % around * across + j;
+      const int d = (i + 1) % around * across + (j + 1) % across;
+      mesh.triangles.emplace_back(a, c, d);
+      mesh.triangles.emplace_back(a, d, b);
+    }
+  }
+  return mesh;
+}
+
 /// An L: the unit profile (0,0) (2,0) (2,1) (1,1) (1,2) (0,2) times `side` [m], extruded by `side`.
 inline geometry::TriangleMesh make_l_shape(double side) {
   const std::vector<Eigen::Vector2d> profile{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
