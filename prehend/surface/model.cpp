@@ -6,9 +6,14 @@
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/surface/closing.h"
 #include "prehend/surface/deviation.h"
+#include "prehend/surface/point_order.h"
+#include "prehend/surface/vertex_origin.h"
 
 namespace prehend::surface {
 namespace {
+
+constexpr double kPointsAcross = 90;         // of the closing and of what a point stands for
+constexpr std::size_t kMostMeasured = 4000;  // seen points
 
 class Stopwatch {
  public:
@@ -30,6 +35,21 @@ double extent(const geometry::PointCloud& cloud) {
   return box.sizes().maxCoeff();
 }
 
+/// Up to about kMostMeasured seen points, the same for any order of the shape's.
+std::vector<Eigen::Vector3d> seen_sample(const shape::CompletedShape& shape) {
+  std::vector<Eigen::Vector3f> seen;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (shape.origin[i] == shape::PointOrigin::kSeen) seen.push_back(shape.cloud_W.points[i]);
+  }
+  const std::vector<int> order = canonical_order(seen);
+  const std::size_t step = 1 + seen.size() / kMostMeasured;
+  std::vector<Eigen::Vector3d> sample;
+  for (std::size_t i = 0; i < order.size(); i += step) {
+    sample.push_back(seen[order[i]].cast<double>());
+  }
+  return sample;
+}
+
 }  // namespace
 
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -38,7 +58,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   Stopwatch stopwatch;
   geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
   if (options.close_sides) {
-    const geometry::PointCloud sides = side_points(shape, table_W, extent(cloud) / 90);
+    const geometry::PointCloud sides = side_points(shape, table_W, extent(cloud) / kPointsAcross);
     cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
   }
@@ -53,13 +73,9 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
-  std::vector<Eigen::Vector3d> seen;
-  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
-    if (shape.origin[i] == shape::PointOrigin::kSeen) {
-      seen.push_back(shape.cloud_W.points[i].cast<double>());
-    }
-  }
-  model.seen_deviation = deviation(seen, geometry::MeshQuery(model.mesh_W)).mean;
+  model.vertex_origin = vertex_origins(model.mesh_W, shape, extent(shape.cloud_W) / kPointsAcross);
+  model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);
+  model.seen_deviation = deviation(seen_sample(shape), geometry::MeshQuery(model.mesh_W)).mean;
   spent.properties = stopwatch.lap();
   if (times) *times = spent;
   return model;

@@ -1,18 +1,30 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "prehend/geometry/triangle_mesh.h"
 
 namespace prehend::surface {
 
+/// What a place of the surface rests on.
+enum class SurfaceOrigin : std::uint8_t {
+  kSeen = 0,       // a point that was seen is near
+  kPredicted = 1,  // only a point that the completion predicts is near
+  kAssumed = 2,    // no point is near: the bottom on the table, closed sides, bridged gaps
+};
+
 /// The predicted solid.
 struct ObjectModel {
   geometry::TriangleMesh mesh_W;
+  std::vector<SurfaceOrigin> vertex_origin;  // one per vertex of mesh_W
+  double guessed_area = 0;                   // part of the area that is not kSeen, 0..1
   geometry::MeshDefects defects;
   std::vector<geometry::TriangleMesh> convex_pieces_W;
   geometry::MassProperties mass_properties;  // in W
-  double seen_deviation = 0;                 // mean distance of the seen points to the mesh [m]
+  // Mean distance of the seen points (of 4000 of them, spread evenly, if there are more) to the
+  // mesh [m].
+  double seen_deviation = 0;
 };
 
 }  // namespace prehend::surface
