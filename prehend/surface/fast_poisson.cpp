@@ -30,8 +30,9 @@ constexpr double kNodesPerRootPoint = 4;
 // Of a plane of points, splatted and gathered by the quadratic B-spline, over their density: the
 // square of the spline at its nodes, averaged over the plane's place and direction.
 constexpr float kPlaneFactor = 0.55f;
-constexpr float kCutSlope = 0.5f;    // of the field at a cut, about that of u at a surface
-constexpr float kHullMargin = 1.5f;  // nodes
+constexpr float kCutSlope = 0.5f;       // of the field at a cut, about that of u at a surface
+constexpr double kClosedBalance = 0.1;  // mean normal of a surface that is nearly closed
+constexpr float kHullMargin = 1.5f;     // nodes
 
 void check(const FastPoissonOptions& o) {
   const auto require = [](bool condition, const std::string& what) {
@@ -152,7 +153,9 @@ class Density {
   float at(const Eigen::Vector3f& p) {
     float density = 0;
     for (int level = 1; level < std::max(2, lattice_.levels); ++level) {
-      const float sum = gather(grid(level), at_level(p, level));
+      // A vertex may be nearer to the border than any point.
+      const Eigen::Vector3f last = size_at(lattice_, level).cast<float>().array() - 2.01f;
+      const float sum = gather(grid(level), at_level(p, level).cwiseMax(1.f).cwiseMin(last));
       density = sum / (kPlaneFactor * static_cast<float>(1 << 2 * level));
       if (sum >= kEnoughPoints) break;
     }
@@ -218,6 +221,26 @@ void add_linear(ScalarGrid& grid, const Eigen::Vector3f& gradient) {
       for (int x = 0; x < grid.size().x(); ++x) row[x] += start + gradient.x() * x;
     }
   }
+}
+
+/// True when the normals point all ways, as those of a closed surface do, but towards its inside:
+/// the volume by the divergence theorem, Σ area normal · p / 3, is negative.
+bool is_inside_out(const std::vector<Sample>& samples) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (const Sample& sample : samples) {
+    center += static_cast<double>(sample.area) * sample.position.cast<double>();
+    sum += static_cast<double>(sample.area) * sample.normal.cast<double>();
+    area += sample.area;
+  }
+  center /= area;
+  double volume = 0;
+  for (const Sample& sample : samples) {
+    volume +=
+        sample.area * sample.normal.cast<double>().dot(sample.position.cast<double>() - center);
+  }
+  return volume < 0 && sum.norm() < kClosedBalance * area;
 }
 
 /// u on the finest grid. It is solved on one of at most kMostSpectralNodes and interpolated: what
@@ -324,6 +347,7 @@ PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
     return (p.array() < 1).any() || (p.array() > lattice.size.cast<double>().array() - 2).any();
   };
   const auto& vertices = surface.mesh.vertices;
+  surface.inside_out = is_inside_out(samples);
   surface.is_open = std::any_of(vertices.begin(), vertices.end(), at_border);
   if (surface.is_open && options.close_by_hull) {
     std::vector<Eigen::Vector3f> positions;
@@ -334,10 +358,9 @@ PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
   }
   if (options.vertex_density) {
     const double per_square_metre = 1 / (lattice.spacing * lattice.spacing);
-    const Eigen::Vector3f last = lattice.size.cast<float>() - Eigen::Vector3f::Constant(5);
     for (const Eigen::Vector3d& vertex : surface.mesh.vertices) {
-      const Eigen::Vector3f inner = vertex.cast<float>().cwiseMax(3.f).cwiseMin(last);
-      surface.density.push_back(static_cast<float>(density.at(inner) * per_square_metre));
+      surface.density.push_back(
+          static_cast<float>(density.at(vertex.cast<float>()) * per_square_metre));
     }
   }
   for (Eigen::Vector3d& vertex : surface.mesh.vertices) vertex = lattice.to_world(vertex);

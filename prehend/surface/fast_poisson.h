@@ -32,6 +32,7 @@ struct PoissonSurface {
   geometry::TriangleMesh mesh;
   std::vector<float> density;   // per vertex, if asked for: points per m^2 about it
   bool is_open = false;         // the inside has no end; the mesh is closed by the grid's border
+  bool inside_out = false;      // the normals point into what the points enclose
   bool closed_by_hull = false;  // it had none, and is closed by the points' convex hull
 };
 

@@ -81,6 +81,11 @@ TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
                              const std::optional<geometry::Plane>& table,
                              const FastPoissonOptions& options) {
   PoissonSurface surface = fast_poisson(cloud, table, options);
+  if (surface.inside_out) {
+    throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
+                         " points: their normals point inward",
+                     "turn the normals round");
+  }
   if (surface.is_open) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
                          " points: their surface is open, what is behind it has no end",

@@ -32,7 +32,7 @@ struct SurfaceOptions {
 /// its head as a second closed part.
 /// @throws geometry::InputError when the cloud has no normals, has fewer than 30 points or a
 /// non-finite one, or when no watertight mesh came out: the message says which defects were left,
-/// or that the surface is open.
+/// that the surface is open or that its normals point inward.
 /// @throws std::invalid_argument naming an option out of range.
 geometry::TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                                    const std::optional<geometry::Plane>& table,
