@@ -45,6 +45,8 @@ report::LineChart chart(const WorkCycleResult& result, const std::string& title)
   }
   chart.markers.push_back({result.touch_time, "force control"});
   for (const PhaseEnd& end : result.ends) {
+    // Where force control begins has its own mark; close to it there is no room.
+    if (end.sample.phase <= CyclePhase::kClose) continue;
     chart.markers.push_back({end.sample.time, to_string(end.sample.phase)});
   }
   return chart;
@@ -65,6 +67,9 @@ void add_images(report::Page& page, const WorkCycleResult& result, bool realisti
   TactileSensor right(options);
   std::vector<geometry::ColorImage> pictures;
   std::vector<std::string> captions;
+  const PhaseEnd& press = result.ends[static_cast<int>(CyclePhase::kPress)];
+  const double full =
+      1.3 / 0.0014 * *std::max_element(press.left_image.begin(), press.left_image.end());
   for (const PhaseEnd& end : result.ends) {
     const bool last = end.sample.phase == CyclePhase::kRelease;
     const bool shown = end.sample.phase == CyclePhase::kClose ||
@@ -72,7 +77,6 @@ void add_images(report::Page& page, const WorkCycleResult& result, bool realisti
                        end.sample.phase == CyclePhase::kHold || last;
     const auto l = counts_of(left, end.left_image), r = counts_of(right, end.right_image);
     if (!shown) continue;
-    const double full = std::max(50.0, 1.2 * kGrip / 84 / 0.0014);
     pictures.push_back(report::draw_tactile(l, 14, 6, full, 10));
     captions.push_back(std::string(to_string(end.sample.phase)) + ", left");
     pictures.push_back(report::draw_tactile(r, 14, 6, full, 10));

@@ -27,6 +27,9 @@ TexelLaw slide_friction_law(const SlideModel& slide) {
   return law;
 }
 
+// A drive's force goes from one limit to the other and back in this many solutions at most.
+constexpr int kMostCutChanges = 4;
+
 }  // namespace
 
 GraspSystem::GraspSystem(GraspModel model, const SolveOptions& options)
@@ -156,12 +159,19 @@ void GraspSystem::find_all_depths(const GraspState& base, double h, const Guess&
     geometry::RigidTransform X_PW = geometry::RigidTransform::Identity();
     X_PW.linear() = work.R_WP.transpose();
     X_PW.translation() = -(X_PW.linear() * work.p_WP);
-    // What gravity, drives and one another's touch can add within the step is at most of the order
-    // of the speeds; a gap that closes nevertheless is met in the next step.
+    // As far as speeds, gravity and the drive can bring it within the step. What one pad's touch
+    // adds to the approach to another is met in the next step.
     const Vector6 twist = twist_on(work, mount.slide, guess, base.p_WB);
-    const double look_ahead = 2 * h *
-                              (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_ +
-                               h * model_.gravity.norm());
+    double acceleration = model_.gravity.norm();
+    if (mount.slide >= 0) {
+      const SlideCommand& command = commands_[mount.slide];
+      const double servo = servo_force(mount.slide, base.time, base.slide_position[mount.slide],
+                                       guess.slides[mount.slide]);
+      acceleration += (std::abs(command.force) + std::min(command.limit, std::abs(servo))) /
+                      model_.slides[mount.slide].mass * work.direction_W.norm();
+    }
+    const double look_ahead =
+        2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_ + h * acceleration);
     work.near =
         find_depths(mount.layout, work.reach, model_.shape, X_PW * X_WB, look_ahead, end.pads[k],
                     options_.gated, options_.reuse_triangles ? &work.hits : nullptr);
@@ -265,6 +275,23 @@ double GraspSystem::servo_force(int slide, double t, double q, double v) const {
   return command.stiffness * (reference - q) + command.damping * (command.speed - v);
 }
 
+// Whether the servos' forces are cut, judged at `guess`; true when that has changed. The force of a
+// servo falls with the velocity and the solution without cut tells on which side the cut is; so
+// from one limit to the other it goes by way of no cut, and settles.
+bool GraspSystem::update_saturation(const GraspState& base, double h, double t_end,
+                                    const Guess& guess, bool first) {
+  bool changed = false;
+  for (std::size_t i = 0; i < slide_work_.size(); ++i) {
+    const double v = guess.slides[i];
+    const double servo = servo_force(static_cast<int>(i), t_end, base.slide_position[i] + h * v, v);
+    int next = servo > commands_[i].limit ? 1 : servo < -commands_[i].limit ? -1 : 0;
+    if (!first && next * slide_work_[i].saturation < 0) next = 0;
+    changed = changed || next != slide_work_[i].saturation;
+    slide_work_[i].saturation = next;
+  }
+  return changed;
+}
+
 void GraspSystem::linearise_slides(const GraspState& base, double h, double t_end,
                                    const Guess& guess) {
   for (std::size_t i = 0; i < slide_work_.size(); ++i) {
@@ -272,11 +299,10 @@ void GraspSystem::linearise_slides(const GraspState& base, double h, double t_en
     const SlideCommand& command = commands_[i];
     SlideWork& work = slide_work_[i];
     const double v = guess.slides[i], q = base.slide_position[i];
-    const double servo = servo_force(slide, t_end, q + h * v, v);
     work.slope = 0;
     work.offset = command.force;
-    if (std::abs(servo) > command.limit) {
-      work.offset += std::copysign(command.limit, servo);
+    if (work.saturation != 0) {
+      work.offset += work.saturation * command.limit;
     } else {
       work.offset += servo_force(slide, t_end, q, 0);
       work.slope = h * command.stiffness + command.damping;
@@ -304,6 +330,7 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
   find_all_depths(base, h, guess, end);
   prepare_ground(base, h, guess);
   bool corrected = false;
+  update_saturation(base, h, t_end, guess, true);
   for (iterations_ = 1;; ++iterations_) {
     if (corrected || moves_too_far(h, t_end, guess)) {
       correct_depths(base, h, t_end, guess, end);
@@ -325,6 +352,8 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
     const Guess solved = guess_from(solution_);
     const double moved = change(solved, guess);
     guess = solved;
+    const bool cut_changed = update_saturation(base, h, t_end, guess, false);
+    if (cut_changed && iterations_ < options_.most_iterations + kMostCutChanges) continue;
     if (moved < options_.velocity_tolerance || iterations_ >= options_.most_iterations) break;
   }
   finish(base, h, t_end, guess, end);

@@ -114,6 +114,7 @@ class GraspSystem {
   struct SlideWork {
     double offset = 0, slope = 0;  // N, N s/m: force = offset - slope v
     double inverse_decay = 0;
+    int saturation = 0;  // of the servo's part: 0 not cut, +1 or -1 at the limit
   };
 
   struct Guess {
@@ -133,6 +134,8 @@ class GraspSystem {
                    const Eigen::Vector3d& p_WB) const;
   void prepare_ground(const GraspState& base, double h, const Guess& guess);
   void linearise_ground(const GraspState& base, double h, const Guess& guess);
+  bool update_saturation(const GraspState& base, double h, double t_end, const Guess& guess,
+                         bool first);
   void linearise_slides(const GraspState& base, double h, double t_end, const Guess& guess);
   void start_equations(const GraspState& base, double h, const Guess& guess);
   void add_pad(const PadWork& work, int slide, double h, const Eigen::Vector3d& p_WB);

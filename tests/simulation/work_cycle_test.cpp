@@ -44,6 +44,28 @@ TEST(WorkCycle, LiftsHoldsAndPutsDownAtEachCoverage) {
   }
 }
 
+// Opening once drove the jaws through the box: the servo's force flipped between its limits.
+TEST(WorkCycle, NeverPressesHarderThanAskedAndOpensOutward) {
+  for (const Integration integration :
+       {Integration::kFirstOrder, Integration::kSecondOrder, Integration::kAdaptive}) {
+    for (const double coverage : {0.15, 1.0}) {
+      WorkCycleOptions options = cycle(integration);
+      options.coverage = coverage;
+      options.sample_period = 0.01;
+      const WorkCycleResult result = run_work_cycle(options);
+      double opening = 0;
+      for (const CycleSample& sample : result.samples) {
+        ASSERT_LT(sample.left, 10.01) << sample.time;
+        ASSERT_GT(sample.opening, 0.04) << sample.time;
+        if (sample.phase != CyclePhase::kRelease) continue;
+        ASSERT_GE(sample.opening, opening - 1e-9);
+        opening = sample.opening;
+      }
+      EXPECT_NEAR(opening, 0.058, 0.002);
+    }
+  }
+}
+
 TEST(WorkCycle, StictionKeepsForceFromThePads) {
   WorkCycleOptions options = cycle();
   options.stiction = 3;
