@@ -56,7 +56,7 @@ struct CompletionOptions {
   /// whose contradiction stays below `max_second_vote`. One plane leaves the far side of a box
   /// that was seen over its edge open.
   bool second_plane = true;
-  double max_second_vote = 0.02;  // >= 0, in the vote's unit
+  double max_second_vote = 0.1;  // >= 0, in the vote's unit
   /// Leave out mirrored points that lie where the camera looked through, beyond the tolerance.
   bool drop_contradicted = true;
   /// Holes of the mask up to this fraction of its area count as seen: stereo leaves some, and what

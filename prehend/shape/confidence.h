@@ -59,17 +59,17 @@ struct Evidence {
 /// in each feature. The one place where they live: these defaults, or a file that replaces them.
 struct ConfidenceModel {
   // To begin with, by method: log-odds of evidence that is perfect otherwise.
-  double mirror = 3.8;
-  double rotation = 3.6;
-  double extrusion = 3.4;
-  double convex_hull = 3.2;
+  double mirror = 4.0;
+  double rotation = 3.8;
+  double extrusion = 3.7;
+  double convex_hull = 3.6;
   // Taken off.
-  double contradiction = 0.0;  // times the root of Evidence::contradiction, at most 1
-  double contradicted = 7.2;   // times the root of Evidence::contradicted
+  double contradiction = 2.9;  // times the root of Evidence::contradiction, at most 1
+  double contradicted = 3.4;   // times the root of Evidence::contradicted
   double unsupported = 0.0;    // times 1 - support
   double unseen = 1.0;         // times Evidence::unseen
   double ambiguous = 0.0;      // times 1 - margin
-  double concavity = 25.0;     // times Evidence::concavity
+  double concavity = 26.0;     // times Evidence::concavity
   double open_vessel = 1.0;    // when the object is an open vessel
   double cut_by_image = 3.0;   // when it is
 

@@ -81,7 +81,7 @@ class Completion {
     Candidate best = primary(fine, found.planes);
     if (options_.refine) best = centered(fine, best);
     set_evidence(fine, best, found.planes);
-    if (acceptable(fine, best)) {
+    if (acceptable(fine, best, options_.max_contradicted)) {
       mirror(fine, best);
     } else {
       fall_back(best);
@@ -105,20 +105,24 @@ class Completion {
     return window_of_mirrored(view_, planes_C);
   }
 
-  bool acceptable(const Ballot& ballot, const Candidate& candidate) const {
-    return candidate.hypothesis.contradicted <= options_.max_contradicted &&
+  bool acceptable(const Ballot& ballot, const Candidate& candidate, double most) const {
+    return candidate.hypothesis.contradicted <= most &&
            ballot.support(candidate.hypothesis) >= options_.min_support;
   }
 
-  /// The best facing plane; one that is not facing when every facing one is refused and it is not.
+  /// The best facing plane; when every facing one is refused, one that is not facing and
+  /// contradicts the view much less. It predicts little, so it must be better than a fall-back at
+  /// that.
   Candidate primary(const Ballot& ballot, const std::vector<Candidate>& planes) const {
     const auto facing =
         std::find_if(planes.begin(), planes.end(), [](const Candidate& c) { return c.facing(); });
-    if (facing != planes.end() && acceptable(ballot, *facing)) return *facing;
-    const auto other = std::find_if(planes.begin(), planes.end(),
-                                    [&](const Candidate& c) { return acceptable(ballot, c); });
+    const bool found = facing != planes.end();
+    if (found && acceptable(ballot, *facing, options_.max_contradicted)) return *facing;
+    const auto other = std::find_if(planes.begin(), planes.end(), [&](const Candidate& c) {
+      return acceptable(ballot, c, options_.max_contradicted / 3);
+    });
     if (other != planes.end()) return *other;
-    return facing != planes.end() ? *facing : planes.front();
+    return found ? *facing : planes.front();
   }
 
   void set_evidence(const Ballot& ballot, const Candidate& best,
