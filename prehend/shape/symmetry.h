@@ -36,7 +36,8 @@ CompletionOptions as_published();
 /// seen, only the two priors are left: as deep as wide, mirrored straight away from the viewer.
 ///
 /// When every plane would put more than `max_contradicted` of its points where the camera looked
-/// through, the first of these that does not completes the shape instead (fallbacks.h): a surface
+/// through, or has a support s below `min_support`, the first of these that does not contradict the
+/// view much completes the shape instead (fallbacks.h): a surface
 /// of revolution about a vertical axis, an extrusion to the table, the convex hull of what was seen
 /// and its shadow. When none of the three is good, the least bad of them; `method` and `refused`
 /// say what was used and why.
