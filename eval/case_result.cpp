@@ -30,6 +30,38 @@ constexpr Figure kFigures[] = {{"mean", &MethodResult::mean},
                                {"confidence", &MethodResult::confidence},
                                {"seconds", &MethodResult::seconds}};
 
+struct EvidenceFigure {
+  const char* name;
+  double shape::Evidence::*value;
+};
+constexpr EvidenceFigure kEvidence[] = {{"contradiction", &shape::Evidence::contradiction},
+                                        {"contradicted", &shape::Evidence::contradicted},
+                                        {"support", &shape::Evidence::support},
+                                        {"coincident", &shape::Evidence::coincident},
+                                        {"unseen", &shape::Evidence::unseen},
+                                        {"margin", &shape::Evidence::margin},
+                                        {"concavity", &shape::Evidence::concavity},
+                                        {"open_top", &shape::Evidence::open_top}};
+
+void write_evidence(YAML::Emitter& out, const shape::Evidence& evidence) {
+  out << YAML::Key << "evidence" << YAML::Value << YAML::BeginMap << YAML::Key << "method"
+      << YAML::Value << static_cast<int>(evidence.method);
+  for (const EvidenceFigure& figure : kEvidence) {
+    out << YAML::Key << figure.name << YAML::Value << evidence.*figure.value;
+  }
+  out << YAML::Key << "cut_by_image" << YAML::Value << evidence.cut_by_image << YAML::EndMap;
+}
+
+shape::Evidence read_evidence(const YAML::Node& node) {
+  shape::Evidence evidence;
+  evidence.method = static_cast<shape::CompletionMethod>(node["method"].as<int>());
+  for (const EvidenceFigure& figure : kEvidence) {
+    evidence.*figure.value = node[figure.name].as<double>();
+  }
+  evidence.cut_by_image = node["cut_by_image"].as<bool>();
+  return evidence;
+}
+
 }  // namespace
 
 void write_case_result(const std::filesystem::path& file, const CaseResult& result) {
@@ -50,7 +82,9 @@ void write_case_result(const std::filesystem::path& file, const CaseResult& resu
     for (const Figure& figure : kFigures) {
       out << YAML::Key << figure.name << YAML::Value << method.*figure.value;
     }
-    out << YAML::Key << "watertight" << YAML::Value << method.watertight << YAML::EndMap;
+    out << YAML::Key << "watertight" << YAML::Value << method.watertight;
+    if (method.evidence) write_evidence(out, *method.evidence);
+    out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
 
@@ -87,6 +121,7 @@ CaseResult read_case_result(const std::filesystem::path& file) {
         method.*figure.value = node[figure.name].as<double>();
       }
       method.watertight = node["watertight"].as<bool>();
+      if (node["evidence"]) method.evidence = read_evidence(node["evidence"]);
       result.methods.push_back(method);
     }
     return result;

@@ -2,8 +2,11 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "prehend/shape/confidence.h"
 
 namespace prehend::eval {
 
@@ -26,6 +29,7 @@ struct MethodResult {
   double confidence = kUnknown;  // 0..1
   double seconds = kUnknown;     // from segmented cloud to mesh, one thread
   bool watertight = false;
+  std::optional<shape::Evidence> evidence;  // what the confidence is made of
 };
 
 /// One stereo pair: what was seen and what each method made of it.

@@ -130,6 +130,7 @@ CaseResult run_case(const Case& one, const std::vector<Method>& methods) {
           measured(geometry::transformed(made.mesh_W, X_BW), *one.data_set->mesh_B, one.seed);
       measures.vote = made.vote;
       measures.confidence = made.confidence;
+      measures.evidence = made.evidence;
       measures.seconds = spent.count();
     } catch (const std::exception& error) {
       measures.problem = error.what();

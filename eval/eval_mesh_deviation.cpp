@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -19,9 +21,11 @@
 #include <opencv2/core.hpp>
 
 #include "eval/case_runner.h"
+#include "eval/confidence_fit.h"
 #include "eval/mesh_deviation_report.h"
 #include "eval/process_pool.h"
 #include "eval/text_files.h"
+#include "prehend/geometry/errors.h"
 
 namespace {
 
@@ -30,6 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr int kOrientations = 8;
 constexpr int kQuickOrientations = 2;
+constexpr double kRightDeviation = 0.005;  // m, of a completion that is right
 
 struct Options {
   fs::path out = "out/mesh_deviation";
@@ -39,6 +44,7 @@ struct Options {
   bool fresh = false;
   std::uint64_t seed = 1;
   int processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  fs::path fit_confidence;
   std::vector<std::string> only;
   std::vector<std::string> methods;
 };
@@ -124,6 +130,33 @@ void show_progress(const eval::PoolProgress& progress, std::size_t known) {
   std::fflush(stdout);
 }
 
+// Learns what the confidence is made of from one group and tries it on the others.
+void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path& file) {
+  std::map<std::string, std::vector<eval::JudgedEvidence>> judged;
+  for (const eval::CaseResult& result : results) {
+    for (const eval::MethodResult& method : result.methods) {
+      if (!method.evidence || std::isnan(method.mean)) continue;
+      judged[result.group].push_back({*method.evidence, method.mean <= kRightDeviation});
+    }
+  }
+  if (judged["household"].empty()) {
+    throw geometry::InputError("There is no evidence on the household objects to learn from",
+                               "Evaluate them, by the method Ours");
+  }
+  const shape::ConfidenceModel model = eval::fitted_confidence(judged["household"]);
+  eval::write_text(file, eval::to_yaml(model));
+  std::printf("\nConfidence learnt on the household objects, to '%s':\n%s", file.c_str(),
+              eval::to_yaml(model).c_str());
+  for (const auto& [group, evidence] : judged) {
+    for (const auto& [name, tried] :
+         {std::pair{"present", shape::ConfidenceModel()}, std::pair{"learnt", model}}) {
+      const eval::Calibration c = eval::calibration_of(evidence, tried, 0.9);
+      std::printf("  %-10s %-8s >= 90 %% sure: %d of %zu, of which right: %d\n", group.c_str(),
+                  name, c.sure, evidence.size(), c.right);
+    }
+  }
+}
+
 int run(const Options& options) {
   const std::vector<eval::DataSet> sets = data_sets_of(options);
   std::vector<eval::Case> cases;
@@ -179,6 +212,7 @@ int run(const Options& options) {
     eval::write_text(options.json, eval::mesh_deviation_json(results, methods));
   }
   eval::write_mesh_deviation_report(options.out, results, methods);
+  if (!options.fit_confidence.empty()) fit_confidence(results, options.fit_confidence);
   std::printf("\n%s\n", (options.out / "index.html").c_str());
   return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
@@ -204,6 +238,8 @@ int main(int argc, char** argv) {
   for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
   app.add_option("--methods", options.methods, "the methods to compare; default: all")
       ->check(CLI::IsMember(names));
+  app.add_option("--fit-confidence", options.fit_confidence,
+                 "learn the confidence model on the household objects and write it to this file");
   app.add_flag("--quick", options.quick, "two orientations instead of eight");
   app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
   app.add_option("--seed", options.seed, "of texture, noise and sampling")->capture_default_str();

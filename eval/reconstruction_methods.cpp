@@ -2,12 +2,10 @@
 
 #include <vector>
 
-#include <pcl/point_types.h>
-#include <pcl/surface/poisson.h>
-
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/model.h"
 #include "prehend/surface/normals.h"
+#include "prehend/surface/pcl_poisson.h"
 
 namespace prehend::eval {
 namespace {
@@ -33,36 +31,13 @@ Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& obj
 }
 
 // As the paper used it: whatever pcl::Poisson gives, with holes if it has any.
-geometry::TriangleMesh plain_poisson(const geometry::PointCloud& cloud, int depth) {
-  const auto points = pcl::make_shared<pcl::PointCloud<pcl::PointNormal>>();
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3f &p = cloud.points[i], &n = cloud.normals[i];
-    points->emplace_back(p.x(), p.y(), p.z(), n.x(), n.y(), n.z());
-  }
-  pcl::Poisson<pcl::PointNormal> poisson;
-  poisson.setDepth(depth);
-  poisson.setThreads(1);
-  poisson.setInputCloud(points);
-  pcl::PointCloud<pcl::PointNormal> vertices;
-  std::vector<pcl::Vertices> polygons;
-  poisson.reconstruct(vertices, polygons);
-  geometry::TriangleMesh mesh;
-  for (const pcl::PointNormal& v : vertices) mesh.vertices.emplace_back(v.x, v.y, v.z);
-  for (const pcl::Vertices& polygon : polygons) {
-    const auto& v = polygon.vertices;
-    for (std::size_t k = 2; k < v.size(); ++k) {
-      mesh.triangles.emplace_back(static_cast<int>(v[0]), static_cast<int>(v[k - 1]),
-                                  static_cast<int>(v[k]));
-    }
-  }
-  return mesh;
-}
-
 Reconstruction published(const SegmentedScene& scene, const ObjectHypothesis& object, int depth) {
   const shape::CompletedShape shape = completed(scene, object, shape::as_published());
+  surface::PclPoissonOptions options;
+  options.depth = depth;
   Reconstruction result;
   result.vote = shape.symmetry.vote;
-  result.mesh_W = plain_poisson(surface::oriented_cloud(shape), depth);
+  result.mesh_W = surface::pcl_poisson(surface::oriented_cloud(shape), options);
   return result;
 }
 
@@ -70,6 +45,8 @@ Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object)
   const shape::CompletedShape shape = completed(scene, object, {});
   Reconstruction result;
   result.vote = shape.symmetry.vote;
+  result.confidence = shape.confidence;
+  result.evidence = shape.evidence;
   result.mesh_W = surface::make_object_model(shape, scene.table_W).mesh_W;
   return result;
 }

@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/perception/segmented_scene.h"
+#include "prehend/shape/confidence.h"
 
 namespace prehend::eval {
 
@@ -15,6 +17,7 @@ struct Reconstruction {
   geometry::TriangleMesh mesh_W;
   double vote = std::numeric_limits<double>::quiet_NaN();        // of the chosen plane, if any
   double confidence = std::numeric_limits<double>::quiet_NaN();  // 0..1, P(deviation < 5 mm)
+  std::optional<shape::Evidence> evidence;                       // what the confidence is made of
 };
 
 /// A way from a seen object to its whole surface.

@@ -38,6 +38,15 @@ struct StereoCalibration {
 /// baseline over 10 m (millimetres?).
 StereoCalibration read_stereo_calibration(const std::filesystem::path& path);
 
+/// Reads the two camera_info files of a ROS stereo camera, as camera_calibration writes them
+/// (camera_matrix, distortion_coefficients, rectification_matrix, projection_matrix) or as
+/// `rostopic echo` prints them (K, D, R, P). The cameras' relative pose follows from the
+/// rectification, p_rectified = R p, and the right projection's fx * baseline: P[3] = -fx * B.
+/// @throws geometry::InputError as read_stereo_calibration; also for sizes that differ, a fisheye
+/// (`equidistant`) model, or files whose projections are no stereo pair (swapped: says so).
+StereoCalibration read_ros_stereo_calibration(const std::filesystem::path& left,
+                                              const std::filesystem::path& right);
+
 /// The camera of a rectified calibration for images of the given size [pixels].
 /// @throws geometry::InputError when the calibration is not rectified or states another size.
 geometry::StereoCamera rectified_camera(const StereoCalibration& calibration, int width,

@@ -116,4 +116,38 @@ bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area,
   return false;
 }
 
+std::vector<double> occluded_shares(const std::vector<geometry::MaskImage>& masks,
+                                    const geometry::DepthImage& depth, int reach, double step) {
+  geometry::Image<int> owner(depth.width, depth.height, -1);
+  for (std::size_t k = 0; k < masks.size(); ++k) {
+    for (std::size_t i = 0; i < owner.data.size(); ++i) {
+      if (masks[k].data[i] != 0) owner.data[i] = static_cast<int>(k);
+    }
+  }
+  std::vector<double> outline(masks.size(), 0), hidden(masks.size(), 0);
+  for (int v = 0; v < depth.height; ++v) {
+    for (int u = 0; u < depth.width; ++u) {
+      const int own = owner.at(u, v);
+      if (own < 0) continue;
+      const auto is_other = [&](int du, int dv) {
+        return !owner.contains(u + du, v + dv) || owner.at(u + du, v + dv) != own;
+      };
+      if (!is_other(1, 0) && !is_other(-1, 0) && !is_other(0, 1) && !is_other(0, -1)) continue;
+      outline[own] += 1;
+      bool behind = false;
+      for (int dv = -reach; dv <= reach && !behind; ++dv) {
+        for (int du = -reach; du <= reach && !behind; ++du) {
+          if (!owner.contains(u + du, v + dv)) continue;
+          const int other = owner.at(u + du, v + dv);
+          behind = other >= 0 && other != own &&
+                   static_cast<double>(depth.at(u, v) - depth.at(u + du, v + dv)) > step;
+        }
+      }
+      hidden[own] += behind;
+    }
+  }
+  for (std::size_t k = 0; k < hidden.size(); ++k) hidden[k] /= std::max(outline[k], 1.0);
+  return hidden;
+}
+
 }  // namespace prehend::perception

@@ -37,4 +37,9 @@ PixelRectangle measured_area(const geometry::DepthImage& depth);
 /// Whether any of the mask's pixels is within `margin` pixels of the area's border or beyond it.
 bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area, int margin);
 
+/// Of each mask's outline pixels the share that has, within `reach` pixels, a pixel of another mask
+/// whose depth is smaller by more than `step` [m]: there the object goes on behind the other.
+std::vector<double> occluded_shares(const std::vector<geometry::MaskImage>& masks,
+                                    const geometry::DepthImage& depth, int reach, double step);
+
 }  // namespace prehend::perception

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
+#include "prehend/perception/organized_components.h"
 
 namespace prehend::perception {
 namespace {
@@ -15,7 +17,8 @@ using geometry::Plane;
 using geometry::PointCloud;
 using geometry::RigidTransform;
 
-constexpr int kMinClusterVoxels = 5;  // smaller ones are noise
+constexpr int kMinClusterVoxels = 5;     // smaller ones are noise
+constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
 
 void require(bool condition, const char* what) {
   if (!condition) throw std::invalid_argument(std::string("SegmentationOptions: ") + what);
@@ -30,6 +33,7 @@ void check_options(const SegmentationOptions& o) {
   require(o.leaf_size >= 0 && o.leaf_size < o.cluster_tolerance,
           "leaf_size must be 0 or more and under cluster_tolerance");
   require(o.min_points > 0, "min_points must be positive");
+  require(o.pixel_reach >= 1 && o.pixel_reach <= 20, "pixel_reach must be 1..20");
   require(o.min_object_height >= 0, "min_object_height must not be negative");
   require(std::isfinite(o.hull_margin), "hull_margin must be finite");
   require(o.close_radius >= 0 && o.close_radius <= 50, "close_radius must be 0..50");
@@ -57,28 +61,70 @@ std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table
   return indices;
 }
 
+// Clusters of the points over the table: voxels and which of them are together.
+struct ClusteredVoxels {
+  VoxelGrid grid;
+  std::vector<std::vector<int>> clusters;  // indices of voxels
+};
+
+ClusteredVoxels cluster(const PointCloud& cloud_C, const std::vector<int>& indices,
+                        const SegmentationOptions& options) {
+  ClusteredVoxels result;
+  if (options.clustering == Clustering::kEuclidean || !cloud_C.organized()) {
+    result.grid = make_voxel_grid(cloud_C.points, indices, options.leaf_size);
+    result.clusters =
+        euclidean_clusters(result.grid.centroids, options.cluster_tolerance, kMinClusterVoxels);
+    return result;
+  }
+  for (const std::vector<int>& component : organized_components(
+           cloud_C, indices, options.cluster_tolerance, options.pixel_reach, kMinClusterVoxels)) {
+    VoxelGrid grid = make_voxel_grid(cloud_C.points, component, options.leaf_size);
+    const auto first = static_cast<int>(result.grid.centroids.size());
+    std::vector<int>& voxels = result.clusters.emplace_back(grid.centroids.size());
+    std::iota(voxels.begin(), voxels.end(), first);
+    result.grid.centroids.insert(result.grid.centroids.end(), grid.centroids.begin(),
+                                 grid.centroids.end());
+    std::move(grid.members.begin(), grid.members.end(), std::back_inserter(result.grid.members));
+  }
+  return result;
+}
+
+bool is_object(const PointCloud& cloud_C, const std::vector<int>& members, const Table& table,
+               const SegmentationOptions& options) {
+  if (static_cast<int>(members.size()) < options.min_points) return false;
+  // A stray point is no height.
+  std::vector<double> heights;
+  for (const int i : members) {
+    heights.push_back(table.plane_C.signed_distance(cloud_C.points[i].cast<double>()));
+  }
+  const auto high = heights.end() - 1 - static_cast<std::ptrdiff_t>(heights.size() / 200);
+  std::nth_element(heights.begin(), high, heights.end());
+  return *high >= options.min_object_height;
+}
+
 // Point indices of each object, largest first.
-std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C, const Table& table,
-                                           const SegmentationOptions& options) {
-  const VoxelGrid grid = make_voxel_grid(cloud_C.points, points_over_table(cloud_C, table, options),
-                                         options.leaf_size);
+std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C,
+                                           const geometry::PinholeCamera& camera,
+                                           const Table& table, const SegmentationOptions& options) {
+  const ClusteredVoxels voxels =
+      cluster(cloud_C, points_over_table(cloud_C, table, options), options);
   std::vector<std::vector<int>> objects;
-  const std::vector<std::vector<int>> clusters =
-      euclidean_clusters(grid.centroids, options.cluster_tolerance, kMinClusterVoxels);
-  for (const auto& cluster : joined_parts(grid.centroids, clusters, table.plane_C, options.parts)) {
+  for (const auto& part :
+       joined_parts(voxels.grid.centroids, voxels.clusters, table.plane_C, options.parts)) {
     std::vector<int> members;
-    double height = 0;
-    for (const int voxel : cluster) {
-      members.insert(members.end(), grid.members[voxel].begin(), grid.members[voxel].end());
-      height =
-          std::max(height, table.plane_C.signed_distance(grid.centroids[voxel].cast<double>()));
-    }
-    if (static_cast<int>(members.size()) < options.min_points ||
-        height < options.min_object_height) {
-      continue;
+    for (const int voxel : part) {
+      const std::vector<int>& points = voxels.grid.members[voxel];
+      members.insert(members.end(), points.begin(), points.end());
     }
     std::sort(members.begin(), members.end());
-    objects.push_back(std::move(members));
+    if (!is_object(cloud_C, members, table, options)) continue;
+    if (!options.split || !cloud_C.organized()) {
+      objects.push_back(std::move(members));
+      continue;
+    }
+    for (auto& piece : split_touching(cloud_C, camera, members, options.splitting)) {
+      if (is_object(cloud_C, piece, table, options)) objects.push_back(std::move(piece));
+    }
   }
   std::sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) {
     return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
@@ -133,7 +179,7 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
       (cloud_C.organized() && (cloud_C.width != camera.width || cloud_C.height != camera.height))) {
     throw std::invalid_argument("segment_on_table: the camera's size is not the cloud's");
   }
-  const std::vector<std::vector<int>> members = find_objects(cloud_C, table, options);
+  const std::vector<std::vector<int>> members = find_objects(cloud_C, camera, table, options);
   ObjectImages images = draw_objects(cloud_C, camera, members, options.close_radius);
 
   SegmentedScene scene;
@@ -146,10 +192,13 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
                                   ? measured_area(scene.depth)
                                   : PixelRectangle{0, 0, camera.width - 1, camera.height - 1};
   const int margin = cloud_C.organized() ? options.close_radius + 1 : 0;
+  const std::vector<double> occluded =
+      occluded_shares(images.masks, scene.depth, options.close_radius + 2, kOccludingStep);
   for (std::size_t k = 0; k < members.size(); ++k) {
     ObjectHypothesis object;
     object.id = static_cast<int>(k);
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
+    object.occluded_share = occluded[k];
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin);
     scene.objects.push_back(std::move(object));

@@ -7,29 +7,42 @@
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/perception/object_parts.h"
 #include "prehend/perception/segmented_scene.h"
+#include "prehend/perception/splitting.h"
 #include "prehend/perception/table.h"
 
 namespace prehend::perception {
 
+/// How points become clusters.
+enum class Clustering {
+  kEuclidean,  // PCL, on voxels: any cloud
+  kOrganized,  // organized_components(), on pixels: organized clouds; others get kEuclidean
+};
+
 struct SegmentationOptions {
+  Clustering clustering = Clustering::kEuclidean;
   /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond.
   double min_height = 0.008;
   double max_height = 0.45;         // m over the table: higher points are dropped
   double max_distance = 2.5;        // m from the camera
   double cluster_tolerance = 0.02;  // m, gap that separates two objects
   double leaf_size = 0.005;         // m, voxels that are clustered; 0 clusters every point
-  int min_points = 200;             // of the cloud, for one object
+  int pixel_reach = 4;   // kOrganized: pixels without a point that do not separate, 1..20
+  int min_points = 200;  // of the cloud, for one object
   double min_object_height = 0.02;  // m, lower clusters are dropped (paper, cables)
   double hull_margin = 0.02;        // m, the table's outline is widened by this much
   int close_radius = 2;             // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
   PartOptions parts;  // which clusters are one object
+  /// Split objects that touch each other, in organized clouds; see splitting.h.
+  bool split = false;
+  SplitOptions splitting;
 };
 
 /// The objects that stand on `table`: points over its convex outline, voxel grid,
 /// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by
 /// pixel membership, others by projecting splats with a depth test; small holes are closed. Largest
-/// object (points) first, ids 0, 1, ... in that order. No object is not an error: `objects` is
+/// object (points) first, ids 0, 1, ... in that order. Objects cut by the image or hidden in part
+/// by another one are marked so. No object is not an error: `objects` is
 /// empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
 /// @param X_WC pose of the camera in the world. Without it the world is made from the table:

@@ -16,6 +16,9 @@ struct ObjectHypothesis {
   geometry::PointCloud cloud_W;  // seen points, world frame, finite only
   geometry::MaskImage mask;      // of the whole camera image; 255 where the object is seen
   bool touches_image_border = false;
+  /// Share of the mask's outline along which another object stands right before this one, 0..1: it
+  /// goes on behind that.
+  double occluded_share = 0;
 };
 
 /// What segmentation makes of one view: a table and the objects on it.

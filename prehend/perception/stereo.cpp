@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/stereo_confidence.h"
 
 namespace prehend::perception {
 namespace {
@@ -37,6 +38,7 @@ void check_options(const StereoOptions& o) {
   require(o.speckle_size >= 0, "speckle_size must not be negative");
   require(o.speckle_range >= 1 && o.speckle_range <= 100, "speckle_range must be 1..100");
   require(o.left_right_tolerance >= -1, "left_right_tolerance must be -1 or more");
+  require(o.min_confidence >= 0 && o.min_confidence <= 1, "min_confidence must be 0..1");
 }
 
 void check_camera(const geometry::StereoCamera& camera) {
@@ -70,27 +72,45 @@ void check_images(const geometry::Image<T>& left, const geometry::Image<T>& righ
                    "Pass a pair and the calibration of the same camera");
 }
 
-DisparityImage match(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
-                     const StereoOptions& o) {
-  // Without padding OpenCV gives no disparity to the left (minimum + count) columns.
-  const int padding = range.minimum + range.count;
-  cv::Mat padded_left;
-  cv::Mat padded_right;
-  cv::copyMakeBorder(left, padded_left, 0, 0, padding, 0, cv::BORDER_REPLICATE);
-  cv::copyMakeBorder(right, padded_right, 0, 0, padding, 0, cv::BORDER_REPLICATE);
-  const int area = left.channels() * o.block_size * o.block_size;
-  const auto matcher = cv::StereoSGBM::create(
+cv::Ptr<cv::StereoMatcher> matcher_of(const DisparityRange& range, const StereoOptions& o,
+                                      int channels) {
+  if (o.method == StereoMethod::kBlockMatching) {
+    const auto matcher = cv::StereoBM::create(range.count, std::max(o.block_size + 4, 5));
+    matcher->setMinDisparity(range.minimum);
+    matcher->setPreFilterCap(std::min(o.gradient_cap, 63));
+    matcher->setUniquenessRatio(o.uniqueness_percent);
+    matcher->setSpeckleWindowSize(o.speckle_size);
+    matcher->setSpeckleRange(o.speckle_range);
+    matcher->setDisp12MaxDiff(o.left_right_tolerance);
+    return matcher;
+  }
+  const int area = channels * o.block_size * o.block_size;
+  return cv::StereoSGBM::create(
       range.minimum, range.count, o.block_size, o.small_step_penalty * area,
       o.large_step_penalty * area, o.left_right_tolerance, o.gradient_cap, o.uniqueness_percent,
       o.speckle_size, o.speckle_range,
       o.eight_directions ? cv::StereoSGBM::MODE_HH : cv::StereoSGBM::MODE_SGBM);
+}
+
+DisparityImage match(const cv::Mat& left, const cv::Mat& right, const DisparityRange& range,
+                     const StereoOptions& o) {
+  // Without padding OpenCV gives no disparity to the left (minimum + count) columns; block
+  // matching also needs half a block on every side.
+  const int padding = range.minimum + range.count;
+  const int margin = o.method == StereoMethod::kBlockMatching ? o.block_size / 2 + 2 : 0;
+  cv::Mat padded_left;
+  cv::Mat padded_right;
+  cv::copyMakeBorder(left, padded_left, margin, margin, padding + margin, margin,
+                     cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(right, padded_right, margin, margin, padding + margin, margin,
+                     cv::BORDER_REPLICATE);
   cv::Mat sixteenths;
-  matcher->compute(padded_left, padded_right, sixteenths);
+  matcher_of(range, o, left.channels())->compute(padded_left, padded_right, sixteenths);
 
   DisparityImage disparity(left.cols, left.rows, kUnknown);
   const int first_unknown = range.minimum * 16;  // OpenCV marks unknown by (minimum - 1) * 16
   for (int v = 0; v < left.rows; ++v) {
-    const auto* row = sixteenths.ptr<std::int16_t>(v) + padding;
+    const auto* row = sixteenths.ptr<std::int16_t>(v + margin) + padding + margin;
     for (int u = 0; u < left.cols; ++u) {
       const float d = static_cast<float>(row[u]) / 16.0F;
       // A match left of the right image is a match with the padding.
@@ -101,16 +121,64 @@ DisparityImage match(const cv::Mat& left, const cv::Mat& right, const DisparityR
 }
 
 template <typename T>
+cv::Mat matrix_of(const geometry::Image<T>& image, int type) {
+  return cv::Mat(image.height, image.width, type,
+                 const_cast<void*>(static_cast<const void*>(image.data.data())));
+}
+
+template <typename T>
 DisparityImage disparity_of(const geometry::Image<T>& left, const geometry::Image<T>& right,
                             const geometry::StereoCamera& camera, const StereoOptions& options,
                             int type) {
   const DisparityRange range = disparity_range(camera, options);
   check_images(left, right, camera.left);
-  const auto view = [type](const geometry::Image<T>& image) {
-    return cv::Mat(image.height, image.width, type,
-                   const_cast<void*>(static_cast<const void*>(image.data.data())));
-  };
-  return match(view(left), view(right), range, options);
+  return match(matrix_of(left, type), matrix_of(right, type), range, options);
+}
+
+// The right image's disparities: in the mirror it is the left one.
+DisparityImage right_disparity_of(const cv::Mat& left, const cv::Mat& right,
+                                  const DisparityRange& range, const StereoOptions& options) {
+  cv::Mat mirrored_left, mirrored_right;
+  cv::flip(left, mirrored_left, 1);
+  cv::flip(right, mirrored_right, 1);
+  DisparityImage disparity = match(mirrored_right, mirrored_left, range, options);
+  for (int v = 0; v < disparity.height; ++v) {
+    const auto row = disparity.data.begin() + static_cast<std::ptrdiff_t>(v) * disparity.width;
+    std::reverse(row, row + disparity.width);
+  }
+  return disparity;
+}
+
+// `left` and `right` are what is matched, `grey` guides filter and confidence.
+StereoMatch match_both(const cv::Mat& left, const cv::Mat& right, const GreyImage& grey,
+                       const DisparityRange& range, const StereoOptions& options) {
+  StereoMatch result;
+  result.disparity = match(left, right, range, options);
+  DisparityImage right_disparity;
+  if (options.match_both_ways) right_disparity = right_disparity_of(left, right, range, options);
+  result.confidence = stereo_confidence(grey, result.disparity, right_disparity);
+  if (options.filter) {
+    result.disparity =
+        filtered_disparity(result.disparity, result.confidence, grey, options.filter_options);
+    const geometry::Image<float> again = stereo_confidence(grey, result.disparity, {});
+    for (std::size_t i = 0; i < again.data.size(); ++i) {
+      // What the filter filled in is at best half sure.
+      result.confidence.data[i] = std::isnan(result.disparity.data[i])
+                                      ? 0.0F
+                                      : std::max(result.confidence.data[i], 0.5F * again.data[i]);
+    }
+  }
+  for (std::size_t i = 0; i < result.confidence.data.size(); ++i) {
+    if (static_cast<double>(result.confidence.data[i]) >= options.min_confidence) continue;
+    result.disparity.data[i] = kUnknown;
+    result.confidence.data[i] = 0;
+  }
+  return result;
+}
+
+StereoOptions semi_global(StereoOptions options) {
+  options.method = StereoMethod::kSemiGlobal;
+  return options;
 }
 
 }  // namespace
@@ -140,17 +208,45 @@ DisparityRange disparity_range(const geometry::StereoCamera& camera, const Stere
   return range;
 }
 
+GreyImage grey_of(const geometry::ColorImage& image) {
+  GreyImage grey(image.width, image.height);
+  for (std::size_t i = 0; i < grey.data.size(); ++i) {
+    const geometry::Rgb& c = image.data[i];
+    grey.data[i] = static_cast<std::uint8_t>((299 * c[0] + 587 * c[1] + 114 * c[2] + 500) / 1000);
+  }
+  return grey;
+}
+
+StereoMatch match_stereo(const geometry::ColorImage& left, const geometry::ColorImage& right,
+                         const geometry::StereoCamera& camera, const StereoOptions& options) {
+  const DisparityRange range = disparity_range(camera, options);
+  check_images(left, right, camera.left);
+  const GreyImage grey = grey_of(left);
+  if (options.method == StereoMethod::kSemiGlobal) {
+    return match_both(matrix_of(left, CV_8UC3), matrix_of(right, CV_8UC3), grey, range, options);
+  }
+  const GreyImage right_grey = grey_of(right);  // StereoBM knows no colour
+  return match_both(matrix_of(grey, CV_8UC1), matrix_of(right_grey, CV_8UC1), grey, range, options);
+}
+
+StereoMatch match_stereo(const GreyImage& left, const GreyImage& right,
+                         const geometry::StereoCamera& camera, const StereoOptions& options) {
+  const DisparityRange range = disparity_range(camera, options);
+  check_images(left, right, camera.left);
+  return match_both(matrix_of(left, CV_8UC1), matrix_of(right, CV_8UC1), left, range, options);
+}
+
 DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,
                                  const geometry::ColorImage& right,
                                  const geometry::StereoCamera& camera,
                                  const StereoOptions& options) {
-  return disparity_of(left, right, camera, options, CV_8UC3);
+  return disparity_of(left, right, camera, semi_global(options), CV_8UC3);
 }
 
 DisparityImage disparity_by_sgbm(const GreyImage& left, const GreyImage& right,
                                  const geometry::StereoCamera& camera,
                                  const StereoOptions& options) {
-  return disparity_of(left, right, camera, options, CV_8UC1);
+  return disparity_of(left, right, camera, semi_global(options), CV_8UC1);
 }
 
 geometry::DepthImage depth_from_disparity(const DisparityImage& disparity,

@@ -5,6 +5,7 @@
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/image.h"
 #include "prehend/geometry/point_cloud.h"
+#include "prehend/perception/disparity_filter.h"
 
 namespace prehend::perception {
 
@@ -12,13 +13,21 @@ namespace prehend::perception {
 using DisparityImage = geometry::Image<float>;
 using GreyImage = geometry::Image<std::uint8_t>;
 
-/// Knobs of semi-global matching. What greatly influences the run time: the image size and the
+enum class StereoMethod {
+  kSemiGlobal,     // smooth surfaces and less texture, see disparity_by_sgbm
+  kBlockMatching,  // OpenCV's StereoBM: about ten times faster, needs texture everywhere
+};
+
+/// Knobs of stereo matching. What greatly influences the run time: the image size and the
 /// number of disparities, fx * baseline * (1 / min_depth - 1 / max_depth).
 struct StereoOptions {
+  StereoMethod method = StereoMethod::kSemiGlobal;
   double min_depth = 0.35;  // m, > 0; nearer points get a wrong or no disparity
   double max_depth = 2.5;   // m, > min_depth
-  int block_size = 5;       // pixels, odd, 1..21: side of the matched window
-  /// Penalties of a disparity change by 1 pixel and by more, per channel and pixel of the block.
+  int block_size = 5;       // pixels, odd, 1..21: side of the matched window; kBlockMatching
+                            // takes 4 more, as it has nothing else to go by
+  /// kSemiGlobal: penalties of a disparity change by 1 pixel and by more, per channel and pixel of
+  /// the block.
   int small_step_penalty = 8;     // > 0
   int large_step_penalty = 32;    // > small_step_penalty
   int gradient_cap = 63;          // 1..127, clips the horizontal derivative the cost is made of
@@ -27,6 +36,20 @@ struct StereoOptions {
   int speckle_range = 2;          // pixels of disparity within one patch
   int left_right_tolerance = 1;   // pixels; -1 switches the left-right check off
   bool eight_directions = false;  // full two-pass algorithm: better, 1.6 times slower, more memory
+  /// Match from the right image as well (doubles the time): the confidence then knows of
+  /// occlusions.
+  bool match_both_ways = false;
+  /// Edge-preserving filter guided by the left image: fills small holes, smoothes noise; see
+  /// disparity_filter.h.
+  bool filter = false;
+  DisparityFilterOptions filter_options;
+  double min_confidence = 0;  // 0..1: pixels below become unknown
+};
+
+/// What matching makes of a pair.
+struct StereoMatch {
+  DisparityImage disparity;
+  geometry::Image<float> confidence;  // 0..1, see stereo_confidence.h
 };
 
 /// Disparities that are searched: minimum, minimum + 1, ..., minimum + count - 1 [pixels].
@@ -39,10 +62,22 @@ struct DisparityRange {
 /// option, geometry::InputError for a camera with non-positive focal length, size or baseline.
 DisparityRange disparity_range(const geometry::StereoCamera& camera, const StereoOptions& options);
 
+/// Disparity of a rectified pair with a confidence for each pixel, as the options say. Images are
+/// padded, so the left margin that other uses of OpenCV lose is matched too. Deterministic.
+/// @throws std::invalid_argument for a bad option, geometry::InputError when the images' sizes
+/// differ from each other or from the camera's.
+StereoMatch match_stereo(const geometry::ColorImage& left, const geometry::ColorImage& right,
+                         const geometry::StereoCamera& camera, const StereoOptions& options = {});
+StereoMatch match_stereo(const GreyImage& left, const GreyImage& right,
+                         const geometry::StereoCamera& camera, const StereoOptions& options = {});
+
+/// Luminance (ITU-R BT.601) of each pixel, rounded.
+GreyImage grey_of(const geometry::ColorImage& image);
+
 /// Disparity of a rectified pair by OpenCV's StereoSGBM (Hirschmueller, "Stereo Processing by
-/// Semiglobal Matching and Mutual Information", PAMI 2008, with Birchfield-Tomasi costs). Images
-/// are padded, so the left margin that other uses of OpenCV lose is matched too.
-/// Deterministic. Cost: about 0.15 s for 640 x 480 x 128 disparities on one core.
+/// Semiglobal Matching and Mutual Information", PAMI 2008, with Birchfield-Tomasi costs),
+/// without confidence and filter whatever the options say. Cost: about 0.15 s for 640 x 480 x 128
+/// disparities on one core.
 /// @throws std::invalid_argument for a bad option, geometry::InputError when the images' sizes
 /// differ from each other or from the camera's.
 DisparityImage disparity_by_sgbm(const geometry::ColorImage& left,

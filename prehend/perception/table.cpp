@@ -274,33 +274,13 @@ Table make_table(const Candidate& best, const geometry::PointCloud& cloud,
   return table;
 }
 
-}  // namespace
-
-Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& options,
-                 const std::optional<Eigen::Vector3d>& up_C) {
-  check_options(options);
-  if (up_C && (!up_C->allFinite() || up_C->norm() < 1e-9)) {
-    throw std::invalid_argument("find_table: up_C must be a direction");
-  }
-  const std::vector<int> indices = near_and_finite(cloud_C, options.max_distance);
-  if (indices.size() < 3) {
-    throw InputError("No table: the cloud has " + std::to_string(indices.size()) +
-                         " valid points within " + std::to_string(options.max_distance) +
-                         " m of the camera",
-                     "Look at a table, or raise max_distance");
-  }
-  VoxelGrid grid = make_voxel_grid(cloud_C.points, indices, options.leaf_size);
-  // PCL draws with a fixed seed; the order of the points makes ours count.
-  std::mt19937_64 random(options.seed);
-  for (std::size_t i = grid.centroids.size(); i > 1; --i) {
-    const std::size_t j = random() % i;
-    std::swap(grid.centroids[i - 1], grid.centroids[j]);
-  }
-  const std::vector<Eigen::Vector3f>& voxels = grid.centroids;
+// Every plane that may be a table, in the order in which RANSAC met them.
+std::vector<Candidate> find_candidates(const std::vector<Eigen::Vector3f>& voxels,
+                                       const TableOptions& options,
+                                       const std::optional<Eigen::Vector3d>& up_C) {
   std::vector<int> remaining(voxels.size());
   for (std::size_t i = 0; i < remaining.size(); ++i) remaining[i] = static_cast<int>(i);
-
-  std::optional<Candidate> best;
+  std::vector<Candidate> candidates;
   const std::size_t fewest = std::max<std::size_t>(
       kMinVoxels,
       static_cast<std::size_t>(options.min_support * static_cast<double>(voxels.size())));
@@ -323,7 +303,7 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
         const double share = things / (things + kManyThings * static_cast<double>(members.size()));
         candidate->score = support * (up_C ? 1.0 : tilt_factor(candidate->plane)) *
                            (kBareTable + (1 - kBareTable) * share);
-        if (!best || candidate->score > best->score) best = candidate;
+        candidates.push_back(std::move(*candidate));
       }
     }
     const std::vector<int> taken = inliers_of(*plane, voxels, remaining, options, 1.5);
@@ -333,13 +313,50 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
     if (rest.size() == remaining.size()) break;
     remaining = std::move(rest);
   }
-  if (!best) {
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<Table> find_tables(const geometry::PointCloud& cloud_C, const TableOptions& options,
+                               const std::optional<Eigen::Vector3d>& up_C) {
+  check_options(options);
+  if (up_C && (!up_C->allFinite() || up_C->norm() < 1e-9)) {
+    throw std::invalid_argument("find_table: up_C must be a direction");
+  }
+  const std::vector<int> indices = near_and_finite(cloud_C, options.max_distance);
+  if (indices.size() < 3) {
+    throw InputError("No table: the cloud has " + std::to_string(indices.size()) +
+                         " valid points within " + std::to_string(options.max_distance) +
+                         " m of the camera",
+                     "Look at a table, or raise max_distance");
+  }
+  VoxelGrid grid = make_voxel_grid(cloud_C.points, indices, options.leaf_size);
+  // PCL draws with a fixed seed; the order of the points makes ours count.
+  std::mt19937_64 random(options.seed);
+  for (std::size_t i = grid.centroids.size(); i > 1; --i) {
+    const std::size_t j = random() % i;
+    std::swap(grid.centroids[i - 1], grid.centroids[j]);
+  }
+  std::vector<Candidate> candidates = find_candidates(grid.centroids, options, up_C);
+  if (candidates.empty()) {
     throw InputError("No table: none of the planes in the cloud of " +
                          std::to_string(indices.size()) +
                          " points is large enough, upright and stands out from its surroundings",
                      "Look at a table, give the up direction, or lower min_support and min_extent");
   }
-  return make_table(*best, cloud_C, indices, voxels, options);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  std::vector<Table> tables;
+  for (const Candidate& candidate : candidates) {
+    tables.push_back(make_table(candidate, cloud_C, indices, grid.centroids, options));
+  }
+  return tables;
+}
+
+Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& options,
+                 const std::optional<Eigen::Vector3d>& up_C) {
+  return find_tables(cloud_C, options, up_C).front();
 }
 
 }  // namespace prehend::perception

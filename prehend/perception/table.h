@@ -51,4 +51,10 @@ struct Table {
 Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& options = {},
                  const std::optional<Eigen::Vector3d>& up_C = std::nullopt);
 
+/// As find_table, but every plane that may carry objects (a table, a shelf's boards, a box's lid),
+/// best first; find_table's answer is the first. At least one. @throws as find_table.
+std::vector<Table> find_tables(const geometry::PointCloud& cloud_C,
+                               const TableOptions& options = {},
+                               const std::optional<Eigen::Vector3d>& up_C = std::nullopt);
+
 }  // namespace prehend::perception

@@ -27,6 +27,10 @@ TEST(CaseResult, ComesBackAsItWasWritten) {
   good.max = 1e-9;
   good.seconds = 0.25;
   good.watertight = true;
+  good.evidence.emplace();
+  good.evidence->method = shape::CompletionMethod::kExtrusion;
+  good.evidence->support = 0.125;
+  good.evidence->cut_by_image = true;
   MethodResult failed;
   failed.method = "Del";
   failed.problem = "it says: \"no\" \n- {odd} # text";
@@ -44,6 +48,11 @@ TEST(CaseResult, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.methods[0].max, good.max);
   EXPECT_TRUE(std::isnan(back.methods[0].vote));
   EXPECT_TRUE(back.methods[0].watertight);
+  ASSERT_TRUE(back.methods[0].evidence);
+  EXPECT_EQ(back.methods[0].evidence->method, shape::CompletionMethod::kExtrusion);
+  EXPECT_EQ(back.methods[0].evidence->support, 0.125);
+  EXPECT_TRUE(back.methods[0].evidence->cut_by_image);
+  EXPECT_FALSE(back.methods[1].evidence);
   EXPECT_EQ(back.methods[1].problem, failed.problem);
   // Nothing unfinished is left.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 1);

@@ -9,7 +9,7 @@ namespace {
 
 CaseResult made(const std::string& data_set, int orientation, double ours, double mir7) {
   CaseResult result;
-  result.group = "g";
+  result.group = "some";
   result.data_set = data_set;
   result.orientation = orientation;
   result.methods.resize(2);
