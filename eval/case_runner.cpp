@@ -39,19 +39,6 @@ perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                              camera.left, rendered.scene.camera.X_WC());
 }
 
-std::optional<std::size_t> best_object(const perception::SegmentedScene& scene,
-                                       const simulation::StereoImages& images) {
-  std::optional<std::size_t> best;
-  double most = kLeastOverlap;
-  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
-    const double overlap = mask_iou(scene.objects[k].mask, images.labels, 0);
-    if (overlap <= most) continue;
-    most = overlap;
-    best = k;
-  }
-  return best;
-}
-
 }  // namespace
 
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
@@ -65,25 +52,29 @@ double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int1
   return either > 0 ? both / either : 0;
 }
 
+std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
+                                     const geometry::Image<std::int16_t>& labels) {
+  std::optional<std::size_t> best;
+  double most = kLeastOverlap;
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const double overlap = mask_iou(scene.objects[k].mask, labels, 0);
+    if (overlap <= most) continue;
+    most = overlap;
+    best = k;
+  }
+  return best;
+}
+
 MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::TriangleMesh& truth_B,
                       std::uint64_t seed) {
-  const geometry::MeshQuery mesh(mesh_B);
-  const std::vector<Eigen::Vector3d> on_truth = surface::sample_surface(truth_B, kSamples, seed);
-  const surface::DeviationStatistics there = surface::deviation(on_truth, mesh);
-  const surface::DeviationStatistics back = surface::deviation(
-      surface::sample_surface(mesh_B, kSamples, seed), geometry::MeshQuery(truth_B));
+  const auto [there, back] = surface::mesh_deviation(truth_B, mesh_B, {kSamples, seed});
   MethodResult result;
   result.mean = there.mean;
   result.percentile_95 = there.percentile_95;
   result.max = there.max;
   result.back_mean = back.mean;
   result.back_max = back.max;
-  double squares = 0;
-  for (const Eigen::Vector3d& p : on_truth) {
-    const double d = mesh.nearest(p)->distance - there.mean;
-    squares += d * d;
-  }
-  result.variance = squares / static_cast<double>(on_truth.size());
+  result.variance = there.variance;
   result.centroid_error = (area_centroid(mesh_B) - area_centroid(truth_B)).norm() /
                           geometry::bounds(truth_B).sizes().norm();
   result.watertight = geometry::find_defects(mesh_B).watertight();
@@ -110,7 +101,7 @@ CaseResult run_case(const Case& one, const std::vector<Method>& methods) {
     result.problem = error.what();
     return result;
   }
-  const std::optional<std::size_t> object = best_object(scene, images);
+  const std::optional<std::size_t> object = object_of(scene, images.labels);
   if (!object) {
     result.problem = "The object was not found on the table";
     return result;

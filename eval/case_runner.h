@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace prehend::eval {
 /// Intersection over union of a mask with the pixels whose label is `label`; 0 when both are empty.
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
                 std::int16_t label);
+
+/// The object whose mask has the largest overlap with body 0's pixels; none when all have little.
+std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
+                                     const geometry::Image<std::int16_t>& labels);
 
 /// Renders the case's stereo pair, matches it, segments it and lets each method complete the object
 /// at the table's centre; then measures each mesh against the truth in its known pose.

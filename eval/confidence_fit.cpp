@@ -17,7 +17,7 @@ using shape::Evidence;
 
 constexpr int kMethods = 4;
 constexpr int kCoefficients = 12;
-constexpr int kMostSteps = 20000;
+constexpr int kMostSteps = 5000;
 
 // In the order of shape::CompletionMethod, then the others; features() has the same order.
 constexpr std::array<std::pair<const char*, double ConfidenceModel::*>, kCoefficients> kNames = {
@@ -70,7 +70,11 @@ ConfidenceModel fitted_confidence(const std::vector<JudgedEvidence>& judged,
   Eigen::Matrix<double, kCoefficients, kCoefficients> curvature =
       stiffness * Eigen::Matrix<double, kCoefficients, kCoefficients>::Identity();
   for (const Vector& row : rows) curvature += 0.25 * row * row.transpose();
-  const double step = 1 / curvature.trace();
+  const double step =
+      1 /
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kCoefficients, kCoefficients>>(curvature)
+          .eigenvalues()
+          .maxCoeff();
   Vector w = prior;
   for (int i = 0; i < kMostSteps; ++i) {
     Vector gradient = stiffness * (w - prior);
@@ -82,7 +86,7 @@ ConfidenceModel fitted_confidence(const std::vector<JudgedEvidence>& judged,
     next.tail<kCoefficients - kMethods>() = next.tail<kCoefficients - kMethods>().cwiseMax(0);
     const double change = (next - w).norm();
     w = next;
-    if (change < 1e-9) break;
+    if (change < 1e-7) break;
   }
   ConfidenceModel model;
   // Two digits after the point are more than the data can tell.

@@ -14,9 +14,9 @@ struct JudgedEvidence {
 };
 
 /// The confidence model under which the judged completions are most likely: logistic regression
-/// (iteratively reweighted least squares in its projected-gradient form, since every coefficient
-/// but the methods' is >= 0) with a weak Gaussian prior, of standard deviation `prior_width`,
-/// about `start`, so that what the data say nothing of stays as it was. Deterministic.
+/// (by projected gradient steps, since every coefficient but the methods' is >= 0) with a weak
+/// Gaussian prior, of standard deviation `prior_width`, about `start`, so that what the data say
+/// nothing of stays as it was. Deterministic.
 /// @throws std::invalid_argument without any judged completion.
 shape::ConfidenceModel fitted_confidence(const std::vector<JudgedEvidence>& judged,
                                          const shape::ConfidenceModel& start = {},

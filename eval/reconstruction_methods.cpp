@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "prehend/shape/symmetry.h"
+#include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
 #include "prehend/surface/normals.h"
 #include "prehend/surface/pcl_poisson.h"
@@ -27,6 +28,12 @@ Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& obj
   }
   Reconstruction result;
   result.mesh_W = geometry::convex_hull(points);
+  return result;
+}
+
+Reconstruction delaunay(const SegmentedScene& scene, const ObjectHypothesis& object) {
+  Reconstruction result;
+  result.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
   return result;
 }
 
@@ -60,6 +67,8 @@ std::vector<Method> compared_methods() {
     };
   };
   return {{"Ext", "fall-back: hull of the seen points and their feet on the table", extruded},
+          {"Del", "the paper's baseline: Delaunay triangles of what was seen, contour closed",
+           delaunay},
           {"Mir5", "published completion, pcl::Poisson of depth 5", at_depth(5)},
           {"Mir7", "published completion, pcl::Poisson of depth 7", at_depth(7)},
           {"Ours", "this library's defaults", ours}};

@@ -37,18 +37,18 @@ TEST(ConfidenceFit, FindsTheModelThatDrewTheData) {
   truth.contradicted = 6;
   truth.unsupported = 1;
   truth.concavity = 4;
-  const shape::ConfidenceModel found = fitted_confidence(drawn(truth, 20000, 1), {}, 10);
-  EXPECT_NEAR(found.mirror, 3, 0.2);
-  EXPECT_NEAR(found.rotation, 1, 0.2);
-  EXPECT_NEAR(found.contradicted, 6, 0.4);
-  EXPECT_NEAR(found.unsupported, 1, 0.2);
-  EXPECT_NEAR(found.concavity, 4, 0.6);
+  const shape::ConfidenceModel found = fitted_confidence(drawn(truth, 4000, 1), {}, 10);
+  EXPECT_NEAR(found.mirror, 3, 0.5);
+  EXPECT_NEAR(found.rotation, 1, 0.5);
+  EXPECT_NEAR(found.contradicted, 6, 0.8);
+  EXPECT_NEAR(found.unsupported, 1, 0.4);
+  EXPECT_NEAR(found.concavity, 4, 1.5);
   // What the data do not say stays.
   EXPECT_EQ(found.cut_by_image, shape::ConfidenceModel().cut_by_image);
 
   const Calibration sure = calibration_of(drawn(truth, 5000, 2), found, 0.9);
-  ASSERT_GT(sure.sure, 200);
-  EXPECT_GT(sure.right, 0.9 * sure.sure);
+  ASSERT_GT(sure.sure, 20);
+  EXPECT_GT(sure.right, 0.85 * sure.sure);
 }
 
 TEST(ConfidenceFit, CoefficientsAreNeverNegativeAndCanBeReadBack) {

@@ -1,0 +1,201 @@
+#include "prehend/fidelity/front.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <initializer_list>
+#include <stdexcept>
+
+#include <yaml-cpp/yaml.h>
+
+namespace prehend::fidelity {
+namespace {
+
+using geometry::InputError;
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+  throw InputError("The front '" + file.string() + "' " + what,
+                   "Measure it again with eval_tradeoff");
+}
+
+void check_not_empty(const Front& front) {
+  if (front.settings.empty()) {
+    throw std::invalid_argument("The front of '" + front.subject + "' has no setting");
+  }
+}
+
+double parse_quantity(const std::string& text, const char* what,
+                      std::initializer_list<std::pair<const char*, double>> units) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  std::string unit(end);
+  unit.erase(0, unit.find_first_not_of(' '));
+  std::string known;
+  for (const auto& [name, factor] : units) {
+    if (unit == name && number > 0 && std::isfinite(number)) return number * factor;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw InputError("'" + text + "' is no " + what, "Write a positive number and one of " + known);
+}
+
+std::string described(const Setting& setting, const std::string& unit) {
+  const bool length = unit == "m";
+  return fmt::format("{:.4g} ms, {:.4g} {}", 1e3 * setting.seconds,
+                     length ? 1e3 * setting.error : setting.error, length ? "mm" : unit);
+}
+
+double number_of(const YAML::Node& node, const char* key, const std::filesystem::path& file) {
+  double value = 0;
+  if (!node[key] || !YAML::convert<double>::decode(node[key], value) || !std::isfinite(value) ||
+      value < 0) {
+    fail(file, std::string("has no number '") + key + "' that is 0 or more");
+  }
+  return value;
+}
+
+void check_keys(const YAML::Node& node, std::initializer_list<const char*> known,
+                const std::filesystem::path& file) {
+  if (!node.IsMap()) fail(file, "is no map of keys");
+  for (const auto& entry : node) {
+    const auto key = entry.first.as<std::string>();
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      fail(file, "has an unknown key '" + key + "'");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Setting> pareto_front(std::vector<Setting> measured) {
+  for (const Setting& s : measured) {
+    if (!std::isfinite(s.seconds) || !std::isfinite(s.error) || s.seconds < 0 || s.error < 0) {
+      throw std::invalid_argument("pareto_front: a time or error is not finite and >= 0");
+    }
+  }
+  std::stable_sort(measured.begin(), measured.end(), [](const Setting& a, const Setting& b) {
+    return a.seconds != b.seconds ? a.seconds < b.seconds : a.error < b.error;
+  });
+  std::vector<Setting> front;
+  for (Setting& setting : measured) {
+    if (front.empty() || setting.error < front.back().error) front.push_back(std::move(setting));
+  }
+  return front;
+}
+
+const Setting& within_budget(const Front& front, double seconds) {
+  check_not_empty(front);
+  if (!(seconds > 0)) throw std::invalid_argument("within_budget: the budget must be positive");
+  const Setting* best = nullptr;
+  for (const Setting& s : front.settings) {
+    if (s.seconds <= seconds && (best == nullptr || s.error < best->error)) best = &s;
+  }
+  if (best != nullptr) return *best;
+  const auto fastest =
+      std::min_element(front.settings.begin(), front.settings.end(),
+                       [](const Setting& a, const Setting& b) { return a.seconds < b.seconds; });
+  throw UnreachableError(
+      fmt::format("No setting of '{}' takes at most {:.4g} ms", front.subject, 1e3 * seconds),
+      "Allow as much as the fastest one: " + described(*fastest, front.error_unit), *fastest);
+}
+
+const Setting& within_tolerance(const Front& front, double error) {
+  check_not_empty(front);
+  if (!(error > 0)) throw std::invalid_argument("within_tolerance: it must be positive");
+  const Setting* best = nullptr;
+  for (const Setting& s : front.settings) {
+    if (s.error <= error && (best == nullptr || s.seconds < best->seconds)) best = &s;
+  }
+  if (best != nullptr) return *best;
+  const auto closest =
+      std::min_element(front.settings.begin(), front.settings.end(),
+                       [](const Setting& a, const Setting& b) { return a.error < b.error; });
+  throw UnreachableError(
+      fmt::format("No setting of '{}' has an error of at most {:.4g} {}", front.subject, error,
+                  front.error_unit),
+      "Allow as much as the most accurate one: " + described(*closest, front.error_unit), *closest);
+}
+
+Front read_front(const std::filesystem::path& file) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(file.string());
+    check_keys(root, {"subject", "error_name", "error_unit", "machine", "settings"}, file);
+    Front front;
+    for (const auto& [key, value] :
+         {std::pair{"subject", &front.subject}, std::pair{"error_name", &front.error_name},
+          std::pair{"error_unit", &front.error_unit}, std::pair{"machine", &front.machine}}) {
+      if (!root[key]) fail(file, std::string("has no key '") + key + "'");
+      *value = root[key].as<std::string>();
+    }
+    if (!root["settings"] || !root["settings"].IsSequence() || root["settings"].size() == 0) {
+      fail(file, "has no list 'settings'");
+    }
+    for (const YAML::Node& node : root["settings"]) {
+      check_keys(node, {"milliseconds", "error", "knobs"}, file);
+      Setting setting;
+      setting.seconds = number_of(node, "milliseconds", file) / 1000;
+      setting.error = number_of(node, "error", file);
+      if (!node["knobs"] || !node["knobs"].IsMap()) fail(file, "has a setting without 'knobs'");
+      for (const auto& knob : node["knobs"]) {
+        setting.knobs.emplace_back(knob.first.as<std::string>(), knob.second.as<std::string>());
+      }
+      front.settings.push_back(std::move(setting));
+    }
+    for (std::size_t i = 1; i < front.settings.size(); ++i) {
+      if (front.settings[i].seconds < front.settings[i - 1].seconds ||
+          front.settings[i].error >= front.settings[i - 1].error) {
+        fail(file, "has settings that are no front: slower ones must be more accurate");
+      }
+    }
+    return front;
+  } catch (const YAML::Exception& error) {
+    fail(file, std::string("cannot be read: ") + error.what());
+  }
+}
+
+void write_front(const std::filesystem::path& file, const Front& front) {
+  YAML::Emitter out;
+  out << YAML::Comment("Measured by build/bin/eval_tradeoff " + front.subject + "; fastest first.")
+      << YAML::BeginMap;
+  out << YAML::Key << "subject" << YAML::Value << front.subject;
+  out << YAML::Key << "error_name" << YAML::Value << front.error_name;
+  out << YAML::Key << "error_unit" << YAML::Value << front.error_unit;
+  out << YAML::Key << "machine" << YAML::Value << front.machine;
+  out << YAML::Key << "settings" << YAML::Value << YAML::BeginSeq;
+  for (const Setting& setting : front.settings) {
+    out << YAML::BeginMap;
+    out << YAML::Key << "milliseconds" << YAML::Value
+        << fmt::format("{:.6g}", 1e3 * setting.seconds);
+    out << YAML::Key << "error" << YAML::Value << fmt::format("{:.6g}", setting.error);
+    out << YAML::Key << "knobs" << YAML::Value << YAML::Flow << YAML::BeginMap;
+    for (const auto& [name, value] : setting.knobs)
+      out << YAML::Key << name << YAML::Value << value;
+    out << YAML::EndMap << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
+  {
+    std::ofstream stream(unfinished);
+    stream << out.c_str() << '\n';
+    stream.flush();
+    if (!stream) {
+      throw InputError("The front '" + file.string() + "' cannot be written",
+                       "Check the folder and the space on the disk");
+    }
+  }
+  std::filesystem::rename(unfinished, file);
+}
+
+double parse_seconds(const std::string& text) {
+  return parse_quantity(text, "duration", {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
+}
+
+double parse_metres(const std::string& text) {
+  return parse_quantity(text, "length", {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}});
+}
+
+}  // namespace prehend::fidelity

@@ -1,0 +1,172 @@
+#include "prehend/fidelity/front.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/fidelity/shape_settings.h"
+
+namespace prehend::fidelity {
+namespace {
+
+using geometry::InputError;
+using ::testing::HasSubstr;
+
+Setting setting(double milliseconds, double millimetres) {
+  return {{{"name", std::to_string(milliseconds)}}, milliseconds / 1000, millimetres / 1000};
+}
+
+Front three() {
+  Front front;
+  front.subject = "shape";
+  front.error_name = "mean deviation";
+  front.machine = "a test";
+  front.settings = {setting(5, 4), setting(20, 3), setting(90, 2.5)};
+  return front;
+}
+
+TEST(ParetoFront, KeepsWhatNothingBeats) {
+  std::mt19937_64 random(1);
+  std::vector<Setting> measured;
+  for (int i = 0; i < 300; ++i) {
+    measured.push_back(
+        setting(static_cast<double>(random() % 50), static_cast<double>(random() % 50)));
+  }
+  const std::vector<Setting> front = pareto_front(measured);
+  ASSERT_FALSE(front.empty());
+  for (std::size_t i = 1; i < front.size(); ++i) {
+    EXPECT_GT(front[i].seconds, front[i - 1].seconds);
+    EXPECT_LT(front[i].error, front[i - 1].error);
+  }
+  for (const Setting& m : measured) {
+    bool covered = false;
+    for (const Setting& f : front) covered |= f.seconds <= m.seconds && f.error <= m.error;
+    EXPECT_TRUE(covered);
+  }
+  EXPECT_TRUE(pareto_front({}).empty());
+  EXPECT_THROW(pareto_front({setting(NAN, 1)}), std::invalid_argument);
+  EXPECT_THROW(pareto_front({setting(-1, 1)}), std::invalid_argument);
+}
+
+TEST(Choice, BestWithinBudgetAndFastestWithinTolerance) {
+  const Front front = three();
+  EXPECT_EQ(within_budget(front, 0.020).error, 0.003);
+  EXPECT_EQ(within_budget(front, 0.0199).error, 0.004);
+  EXPECT_EQ(within_budget(front, 10).error, 0.0025);
+  EXPECT_EQ(within_tolerance(front, 0.003).seconds, 0.020);
+  EXPECT_EQ(within_tolerance(front, 1).seconds, 0.005);
+}
+
+TEST(Choice, NamesTheNearestWhenThereIsNone) {
+  try {
+    within_budget(three(), 0.001);
+    FAIL();
+  } catch (const UnreachableError& error) {
+    EXPECT_EQ(error.nearest().seconds, 0.005);
+    EXPECT_THAT(error.what(), HasSubstr("5 ms, 4 mm"));
+  }
+  try {
+    within_tolerance(three(), 0.001);
+    FAIL();
+  } catch (const UnreachableError& error) {
+    EXPECT_EQ(error.nearest().error, 0.0025);
+    EXPECT_THAT(error.what(), HasSubstr("90 ms, 2.5 mm"));
+  }
+  EXPECT_THROW(within_budget({}, 1), std::invalid_argument);
+  EXPECT_THROW(within_budget(three(), NAN), std::invalid_argument);
+  EXPECT_THROW(within_tolerance(three(), 0), std::invalid_argument);
+}
+
+TEST(Quantities, NeedTheirUnit) {
+  EXPECT_DOUBLE_EQ(parse_seconds("20ms"), 0.02);
+  EXPECT_DOUBLE_EQ(parse_seconds("0.5 s"), 0.5);
+  EXPECT_DOUBLE_EQ(parse_metres("3mm"), 0.003);
+  EXPECT_DOUBLE_EQ(parse_metres("0.2 cm"), 0.002);
+  for (const char* bad : {"", "20", "ms", "-1ms", "0ms", "3mm", "nanms", "infs", "1 ms x"}) {
+    EXPECT_THROW(parse_seconds(bad), InputError) << bad;
+  }
+  EXPECT_THROW(parse_metres("3ms"), InputError);
+}
+
+class FrontFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = std::filesystem::temp_directory_path() / "prehend-front-XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(FrontFile, ComesBackAsItWasWritten) {
+  const std::filesystem::path file = folder_ / "shape.yaml";
+  write_front(file, three());
+  const Front back = read_front(file);
+  EXPECT_EQ(back.subject, "shape");
+  EXPECT_EQ(back.machine, "a test");
+  ASSERT_EQ(back.settings.size(), 3U);
+  EXPECT_DOUBLE_EQ(back.settings[1].seconds, 0.02);
+  EXPECT_DOUBLE_EQ(back.settings[2].error, 0.0025);
+  EXPECT_EQ(back.settings[0].knobs, three().settings[0].knobs);
+  EXPECT_THROW(write_front(folder_ / "no" / "x.yaml", three()), InputError);
+}
+
+TEST_F(FrontFile, BadFilesAreRefused) {
+  const std::string head = "subject: shape\nerror_name: x\nerror_unit: m\nmachine: y\n";
+  const std::string first = "settings:\n  - {milliseconds: 5, error: 0.1, knobs: {a: b}}\n";
+  const std::filesystem::path file = folder_ / "front.yaml";
+  EXPECT_THROW(read_front(file), InputError);
+  std::ofstream(file) << head << first;
+  EXPECT_EQ(read_front(file).settings.size(), 1U);
+  for (const std::string& text :
+       {std::string(), std::string("[1, 2]"), std::string("a: ["), head, head + "settings: []\n",
+        head + first + "speed: 3\n",
+        head + "settings:\n  - {milliseconds: x, error: 1, knobs: {}}\n",
+        head + "settings:\n  - {milliseconds: 1, error: .nan, knobs: {}}\n",
+        head + first + "  - {milliseconds: 6, error: 0.2, knobs: {a: b}}\n"}) {
+    std::ofstream(file) << text;
+    EXPECT_THROW(read_front(file), InputError) << text;
+  }
+}
+
+TEST(ShapeSettings, SetTheOptionsTheyName) {
+  const ShapeOptions options = shape_options({{{"thinning", "0.05"},
+                                               {"orientations", "31"},
+                                               {"shifts", "21"},
+                                               {"refine", "no"},
+                                               {"spacing", "0.003"},
+                                               {"surface", "pcl"},
+                                               {"resolution", "6"}},
+                                              0,
+                                              0});
+  EXPECT_EQ(options.completion.thinning, 0.05);
+  EXPECT_EQ(options.completion.orientations, 31);
+  EXPECT_EQ(options.completion.shifts, 21);
+  EXPECT_FALSE(options.completion.refine);
+  EXPECT_EQ(options.model.cloud.spacing, 0.003);
+  EXPECT_EQ(options.model.surface.method, surface::SurfaceMethod::kPclPoisson);
+  EXPECT_EQ(options.model.surface.pcl_poisson.depth, 6);
+  EXPECT_EQ(shape_options({{{"resolution", "64"}}, 0, 0}).model.surface.fast_poisson.resolution,
+            64);
+  for (const auto& [knob, value] :
+       {std::pair{"thinning", "much"}, std::pair{"shifts", "3.5"}, std::pair{"refine", "perhaps"},
+        std::pair{"surface", "slow"}, std::pair{"colour", "red"}, std::pair{"resolution", ""}}) {
+    EXPECT_THROW(shape_options({{{knob, value}}, 0, 0}), InputError) << knob;
+  }
+}
+
+// The shipped front can be read and every setting of it is understood.
+TEST(ShippedFront, IsWhole) {
+  const Front front = read_front("config/fidelity/shape.yaml");
+  EXPECT_EQ(front.subject, "shape");
+  for (const Setting& one : front.settings) EXPECT_NO_THROW(shape_options(one));
+}
+
+}  // namespace
+}  // namespace prehend::fidelity
