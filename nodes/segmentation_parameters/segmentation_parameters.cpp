@@ -73,6 +73,16 @@ void declare_segmentation_parameters(graph::Node& node) {
   declare_count(node, "close_radius", o.close_radius, 0, 50, "px",
                 "of the closing that fills small holes of the masks");
   declare_count(node, "max_objects", o.max_objects, 1, 200, "", "the largest are kept");
+  node.declare_parameter<std::string>(
+      {.name = "clustering",
+       .default_value = "euclidean",
+       .choices = {"euclidean", "organized"},
+       .description =
+           "how points become objects; organized is faster, for clouds that are images"});
+  node.declare_parameter<bool>({.name = "split_touching",
+                                .default_value = o.split,
+                                .description = "split objects that touch where surface and colour "
+                                               "say so, in clouds that are images"});
   declare_length(node, "join_gap", o.parts.join_gap,
                  "within which a floating part belongs to a larger object");
 }
@@ -104,6 +114,10 @@ perception::SegmentationOptions segmentation_options(const graph::Node& node) {
   o.close_radius = node.parameter<int>("close_radius");
   o.max_objects = node.parameter<int>("max_objects");
   o.parts.join_gap = node.parameter<double>("join_gap");
+  if (node.parameter<std::string>("clustering") == "organized") {
+    o.clustering = perception::Clustering::kOrganized;
+  }
+  o.split = node.parameter<bool>("split_touching");
   return o;
 }
 

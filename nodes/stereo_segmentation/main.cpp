@@ -10,6 +10,7 @@
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/perception/refinement.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/perception/table.h"
@@ -20,6 +21,32 @@ using namespace prehend;
 
 constexpr const char* kNoObjects =
     "The table is empty: nothing of a graspable size stands on it within max_distance";
+
+void declare_method_parameters(graph::Node& node) {
+  const perception::StereoOptions o;
+  node.declare_parameter<std::string>(
+      {.name = "method",
+       .default_value = "semi_global",
+       .choices = {"semi_global", "block_matching"},
+       .description = "of stereo matching; block matching is faster and needs more texture"});
+  node.declare_parameter<bool>({.name = "match_both_ways",
+                                .default_value = o.match_both_ways,
+                                .description = "match from the right image, too, for a confidence "
+                                               "that knows of occlusions; doubles the time"});
+  node.declare_parameter<bool>({.name = "filter",
+                                .default_value = o.filter,
+                                .description = "fill small holes and smooth, up to edges of the "
+                                               "left image"});
+  node.declare_parameter<double>({.name = "minimum_confidence",
+                                  .default_value = o.min_confidence,
+                                  .minimum = 0.0,
+                                  .maximum = 1.0,
+                                  .description = "less sure disparities are dropped"});
+  node.declare_parameter<bool>({.name = "refine_masks",
+                                .default_value = false,
+                                .description = "move the masks' outlines to edges of the image by "
+                                               "a graph cut"});
+}
 
 void declare_stereo_parameters(graph::Node& node) {
   const perception::StereoOptions o;
@@ -84,6 +111,12 @@ perception::StereoOptions stereo_options(const graph::Node& node) {
   o.speckle_range = node.parameter<int>("speckle_range");
   o.left_right_tolerance = node.parameter<int>("left_right_tolerance");
   o.eight_directions = node.parameter<bool>("eight_directions");
+  if (node.parameter<std::string>("method") == "block_matching") {
+    o.method = perception::StereoMethod::kBlockMatching;
+  }
+  o.match_both_ways = node.parameter<bool>("match_both_ways");
+  o.filter = node.parameter<bool>("filter");
+  o.min_confidence = node.parameter<double>("minimum_confidence");
   return o;
 }
 
@@ -91,6 +124,7 @@ class StereoSegmentation {
  public:
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
     declare_stereo_parameters(node);
+    declare_method_parameters(node);
     nodes::declare_segmentation_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
@@ -146,7 +180,8 @@ class StereoSegmentation {
     const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
     const convert::StereoImages images = convert::from_message(pair);
     const perception::DisparityImage disparity =
-        perception::disparity_by_sgbm(images.left, images.right, camera, stereo_options(node_));
+        perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
+            .disparity;
     clock.end_stage(times, "disparity");
     const geometry::PointCloud cloud_C =
         perception::cloud_from_disparity(disparity, camera, images.left);
@@ -156,8 +191,9 @@ class StereoSegmentation {
     const perception::Table table =
         perception::find_table(cloud_C, nodes::table_options(node_), up_C);
     clock.end_stage(times, "table");
-    const perception::SegmentedScene scene = perception::segment_on_table(
+    perception::SegmentedScene scene = perception::segment_on_table(
         cloud_C, camera.left, table, X_WC, nodes::segmentation_options(node_));
+    if (node_.parameter<bool>("refine_masks")) perception::refine_masks(scene, images.left);
     clock.end_stage(times, "segmentation");
 
     msgs::ObjectHypotheses message = convert::to_message(scene);
