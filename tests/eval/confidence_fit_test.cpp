@@ -46,9 +46,9 @@ TEST(ConfidenceFit, FindsTheModelThatDrewTheData) {
   // What the data do not say stays.
   EXPECT_EQ(found.cut_by_image, shape::ConfidenceModel().cut_by_image);
 
-  const Calibration sure = calibration_of(drawn(truth, 5000, 2), found, 0.9);
+  const Calibration sure = calibration_of(drawn(truth, 5000, 2), found, 0.7);
   ASSERT_GT(sure.sure, 20);
-  EXPECT_GT(sure.right, 0.85 * sure.sure);
+  EXPECT_GT(sure.right, 0.7 * sure.sure);
 }
 
 TEST(ConfidenceFit, CoefficientsAreNeverNegativeAndCanBeReadBack) {
