@@ -18,10 +18,13 @@ namespace {
 const std::map<std::string, std::set<std::string>> kCannotDo{
     {"native", {"pair", "pendulum", "ball"}},
     {"bullet", {"pads"}},
-    {"dart", {"pads"}},
     {"mujoco", {}},
     {"ode", {"pads"}},
 };
+
+// Rounding of positions and speeds of the order of 1; Debian's Bullet is built for single
+// precision.
+double precision(const std::string& engine) { return engine == "bullet" ? 2e-4 : 1e-6; }
 
 class EachEngine : public ::testing::TestWithParam<std::string> {
  protected:
@@ -67,11 +70,11 @@ TEST_P(EachEngine, FallsFreely) {
   if (!load(scene, "fall")) return;
   run(0.3);
   const BodyMotion motion = engine_->body(0);
-  EXPECT_NEAR(motion.velocity.z(), -9.81 * 0.3, 1e-6);
-  EXPECT_NEAR(motion.X_WB.translation().x(), 0.12, 1e-6);
+  EXPECT_NEAR(motion.velocity.z(), -9.81 * 0.3, precision(GetParam()));
+  EXPECT_NEAR(motion.X_WB.translation().x(), 0.12, precision(GetParam()));
   // First order: half a step of the last speed at most.
   EXPECT_NEAR(motion.X_WB.translation().z(), 1 - 0.5 * 9.81 * 0.09,
-              0.5 * step_ * 9.81 * 0.3 + 1e-6);
+              0.5 * step_ * 9.81 * 0.3 + precision(GetParam()));
 }
 
 TEST_P(EachEngine, ForceAcceleratesASlidingJoint) {
@@ -85,10 +88,11 @@ TEST_P(EachEngine, ForceAcceleratesASlidingJoint) {
   if (!load(scene, "slide")) return;
   engine_->set_joint_force(0, 0.1);
   run(0.2);
-  EXPECT_NEAR(engine_->joint_position(0), 0.5 * 2 * 0.04, 0.5 * step_ * 0.4 + 1e-5);
+  EXPECT_NEAR(engine_->joint_position(0), 0.5 * 2 * 0.04,
+              0.5 * step_ * 0.4 + 10 * precision(GetParam()));
   const Eigen::Vector3d moved = engine_->body(0).X_WB.translation() - Eigen::Vector3d(0, 0.5, 0);
-  EXPECT_NEAR(moved.dot(slide.axis_W), engine_->joint_position(0), 1e-6);
-  EXPECT_LT(moved.cross(slide.axis_W).norm(), 1e-6);
+  EXPECT_NEAR(moved.dot(slide.axis_W), engine_->joint_position(0), precision(GetParam()));
+  EXPECT_LT(moved.cross(slide.axis_W).norm(), precision(GetParam()));
 }
 
 TEST_P(EachEngine, CollidingBallsKeepTheirMomentum) {
@@ -107,8 +111,8 @@ TEST_P(EachEngine, CollidingBallsKeepTheirMomentum) {
   if (!load(scene, "pair")) return;
   run(0.3);
   const double left = engine_->body(0).velocity.x(), right = engine_->body(1).velocity.x();
-  EXPECT_NEAR(0.5 * left + 0.1 * right, 0.05, 1e-6);
-  EXPECT_GE(right, left - 1e-6) << "they do not pass through one another";
+  EXPECT_NEAR(0.5 * left + 0.1 * right, 0.05, precision(GetParam()));
+  EXPECT_GE(right, left - precision(GetParam())) << "they do not pass through one another";
 }
 
 TEST_P(EachEngine, PendulumSwings) {
@@ -170,7 +174,8 @@ TEST_P(EachEngine, SlidesBeyondTheFrictionAngle) {
       EXPECT_NEAR(gained, 0, 0.02);
       EXPECT_LT(engine_->body(0).X_WB.translation().x(), 0.01);
     } else {
-      EXPECT_NEAR(gained, 9.81 * (std::sin(angle) - 0.5 * std::cos(angle)), 0.1);
+      EXPECT_NEAR(gained, 9.81 * (std::sin(angle) - 0.5 * std::cos(angle)),
+                  GetParam() == "bullet" ? 0.15 : 0.1);
     }
   }
 }
@@ -221,7 +226,8 @@ TEST_P(EachEngine, SavedStateContinues) {
   const Eigen::Matrix4d first = engine_->body(0).X_WB.matrix();
   engine_->restore(saved);
   run(0.2);
-  EXPECT_LT((engine_->body(0).X_WB.matrix() - first).norm(), 1e-9);
+  EXPECT_LT((engine_->body(0).X_WB.matrix() - first).norm(), GetParam() == "bullet" ? 1e-3 : 1e-9)
+      << "Bullet does not give away the impulses it starts from";
   EXPECT_LT(engine_->body(0).X_WB.translation().norm(), 0.02) << "held, or nearly";
   EXPECT_THROW(engine_->restore({1, 2, 3}), std::invalid_argument);
 }
