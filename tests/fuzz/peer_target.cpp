@@ -4,6 +4,7 @@
 // of the control byte: as server or as client; bits 1 to 3: how many frames, each a run, follow.
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <memory>
 #include <stdexcept>
@@ -170,7 +171,11 @@ class Fuzzer {
 
   static Frames wait(zmq::socket_t& socket) {
     std::array<zmq::pollitem_t, 1> items{{{socket.handle(), 0, ZMQ_POLLIN, 0}}};
-    FUZZ_CHECK(zmq::poll(items.data(), 1, 15s) == 1);
+    int ready = 0;
+    do {  // libFuzzer's own timer interrupts it
+      ready = zmq_poll(items.data(), 1, 15000);
+    } while (ready < 0 && zmq_errno() == EINTR);
+    FUZZ_CHECK(ready == 1);
     return receive(socket);
   }
 
