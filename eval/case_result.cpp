@@ -1,13 +1,11 @@
 #include "eval/case_result.h"
 
-#include <unistd.h>
-
 #include <cstdint>
-#include <fstream>
 
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/whole_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -88,17 +86,7 @@ void write_case_result(const std::filesystem::path& file, const CaseResult& resu
   }
   out << YAML::EndSeq << YAML::EndMap;
 
-  const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
-  {
-    std::ofstream stream(unfinished);
-    stream << out.c_str() << '\n';
-    stream.flush();
-    if (!stream) {
-      throw InputError("The result '" + file.string() + "' cannot be written",
-                       "Check the folder and the space on the disk");
-    }
-  }
-  std::filesystem::rename(unfinished, file);
+  geometry::write_whole_file(file, out.c_str(), "The result");
 }
 
 CaseResult read_case_result(const std::filesystem::path& file) {

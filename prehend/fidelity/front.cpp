@@ -1,16 +1,16 @@
 #include "prehend/fidelity/front.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <initializer_list>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
+
+#include "prehend/geometry/whole_file.h"
 
 namespace prehend::fidelity {
 namespace {
@@ -177,17 +177,7 @@ void write_front(const std::filesystem::path& file, const Front& front) {
     out << YAML::EndMap << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
-  const std::filesystem::path unfinished = file.string() + "." + std::to_string(getpid());
-  {
-    std::ofstream stream(unfinished);
-    stream << out.c_str() << '\n';
-    stream.flush();
-    if (!stream) {
-      throw InputError("The front '" + file.string() + "' cannot be written",
-                       "Check the folder and the space on the disk");
-    }
-  }
-  std::filesystem::rename(unfinished, file);
+  geometry::write_whole_file(file, out.c_str(), "The front");
 }
 
 double parse_seconds(const std::string& text) {
