@@ -9,12 +9,13 @@
 #include <utility>
 
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/surface/extremes.h"
 #include "prehend/surface/hull_faces.h"
 
 namespace prehend::surface {
 namespace {
 
-constexpr int kDirections = 64;  // in which extremes are looked for
+constexpr std::size_t kDirections = 64;  // in which extremes are looked for
 // Weight of the halves' difference in size. The first cuts of a ring leave what the hulls fill as
 // it is; without it, slices would be cut off the rim.
 constexpr double kBalance = 0.3;
@@ -27,13 +28,8 @@ const std::vector<Eigen::Vector3f>& directions() {
       result.push_back(Eigen::Vector3f::Unit(axis));
       result.push_back(-Eigen::Vector3f::Unit(axis));
     }
-    const double golden = 2.399963229728653;  // rad
-    for (int i = 0; i < kDirections; ++i) {
-      const double z = 1 - (2 * i + 1.0) / kDirections;
-      const double r = std::sqrt(1 - z * z);
-      result.push_back(
-          Eigen::Vector3d(r * std::cos(golden * i), r * std::sin(golden * i), z).cast<float>());
-    }
+    const auto spread = spread_directions<float>(kDirections);
+    result.insert(result.end(), spread.begin(), spread.end());
     return result;
   }();
   return all;
@@ -50,19 +46,7 @@ struct Hull {
 Hull hull_of(const std::vector<Eigen::Vector3f>& candidates) {
   Hull hull;
   if (candidates.empty()) return hull;
-  std::set<std::size_t> chosen;
-  for (const Eigen::Vector3f& direction : directions()) {
-    std::size_t best = 0;
-    float most = direction.dot(candidates[0]);
-    for (std::size_t i = 1; i < candidates.size(); ++i) {
-      const float along = direction.dot(candidates[i]);
-      if (along > most) {
-        most = along;
-        best = i;
-      }
-    }
-    chosen.insert(best);
-  }
+  const std::set<std::size_t> chosen = extremes_of(candidates, directions());
   // A small octahedron about each keeps hulls of flat sets from being flat.
   std::vector<Eigen::Vector3d> widened;
   hull.low = hull.high = candidates[*chosen.begin()].cast<int>();

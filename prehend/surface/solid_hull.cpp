@@ -1,9 +1,9 @@
 #include "prehend/surface/solid_hull.h"
 
 #include <cmath>
-#include <set>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/surface/extremes.h"
 #include "prehend/surface/hull_faces.h"
 
 namespace prehend::surface {
@@ -17,28 +17,12 @@ constexpr std::size_t kFewPoints = 500;
 constexpr std::size_t kFewDirections = 48;
 
 /// The points farthest along `count` directions spread over the sphere.
-std::vector<Eigen::Vector3d> extremes_of(const std::vector<Eigen::Vector3d>& points,
-                                         std::size_t count) {
-  std::set<std::size_t> chosen;
-  const double golden = 2.399963229728653;  // rad, golden angle
-  for (std::size_t i = 0; i < count; ++i) {
-    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
-    const double r = std::sqrt(1 - z * z);
-    const double angle = golden * static_cast<double>(i);
-    const Eigen::Vector3d direction(r * std::cos(angle), r * std::sin(angle), z);
-    std::size_t best = 0;
-    double most = direction.dot(points[0]);
-    for (std::size_t j = 1; j < points.size(); ++j) {
-      const double along = direction.dot(points[j]);
-      if (along > most) {
-        most = along;
-        best = j;
-      }
-    }
-    chosen.insert(best);
-  }
+std::vector<Eigen::Vector3d> outermost(const std::vector<Eigen::Vector3d>& points,
+                                       std::size_t count) {
   std::vector<Eigen::Vector3d> extremes;
-  for (const std::size_t i : chosen) extremes.push_back(points[i]);
+  for (const std::size_t i : extremes_of(points, spread_directions<double>(count))) {
+    extremes.push_back(points[i]);
+  }
   return extremes;
 }
 
@@ -58,7 +42,7 @@ std::optional<TriangleMesh> solid_hull(const std::vector<Eigen::Vector3d>& point
   // Most points lie within the hull of a few extreme ones and need not be looked at again.
   std::vector<Eigen::Vector3d> outer = points;
   if (points.size() > kFewPoints) {
-    const TriangleMesh inner = geometry::convex_hull(extremes_of(points, kFewDirections));
+    const TriangleMesh inner = geometry::convex_hull(outermost(points, kFewDirections));
     const double scale = 1 / std::sqrt(largest / static_cast<double>(points.size()));
     TriangleMesh scaled = inner;
     for (Eigen::Vector3d& p : scaled.vertices) p = scale * (p - mean);
@@ -70,7 +54,7 @@ std::optional<TriangleMesh> solid_hull(const std::vector<Eigen::Vector3d>& point
   }
   TriangleMesh hull = geometry::convex_hull(outer);
   if (hull.vertices.size() <= max_vertices) return hull;
-  return geometry::convex_hull(extremes_of(hull.vertices, max_vertices));
+  return geometry::convex_hull(outermost(hull.vertices, max_vertices));
 }
 
 void check_indices_and_vertices(const TriangleMesh& mesh) {

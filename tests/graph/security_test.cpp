@@ -205,52 +205,54 @@ TEST(Loopback, NothingGoesBeyondItWithoutKeys) {
   EXPECT_EQ(message_of([&] { Node node(far); }), "nothing was thrown");
 }
 
+/// A registry that was told of a node on another host, and somebody who reads the graph's log.
+class ForeignRecord {
+ public:
+  explicit ForeignRecord(msgs::graph::NodeRecord record) {
+    record.set_instance(record.name() + "-1-0");
+    record.set_version(1);
+    link_.set(zmq::sockopt::linger, 0);
+    link_.connect(registry_.endpoint());
+    msgs::graph::RegistryRequest request;
+    *request.mutable_update() = std::move(record);
+    link_.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::none);
+  }
+  NodeOptions options(const std::string& name) const {
+    NodeOptions options;
+    options.registry = registry_.endpoint();
+    options.name = name;
+    return options;
+  }
+
+ private:
+  Registry registry_{{.endpoint = "tcp://127.0.0.1:*"}};
+  zmq::context_t context_;
+  zmq::socket_t link_{context_, zmq::socket_type::dealer};
+};
+
 TEST(Loopback, NodesOfAnotherRegistryRecordAreNotReachedWithoutKeys) {
-  Registry registry({.endpoint = "tcp://127.0.0.1:*"});
-  zmq::context_t context;
-  zmq::socket_t link(context, zmq::socket_type::dealer);
-  link.set(zmq::sockopt::linger, 0);
-  link.connect(registry.endpoint());
-  msgs::graph::RegistryRequest request;
-  auto& record = *request.mutable_update();
+  msgs::graph::NodeRecord record;
   record.set_name("far");
-  record.set_instance("far-1-0");
   record.set_endpoint("tcp://192.0.2.7:99");
-  record.set_version(1);
   auto& end = *record.add_publishers();
   end.set_topic("/t");
   end.set_id(1);
   end.set_schema_hash(schema_of(*msgs::Clock::descriptor())->hash);
-  link.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::none);
-  NodeOptions options;
-  options.registry = registry.endpoint();
-  options.name = "log_reader";
-  LogReader log(options);
-  options.name = "node";
-  Node node(options);
+  const ForeignRecord graph(record);
+  LogReader log(graph.options("log_reader"));
+  Node node(graph.options("node"));
   Inbox inbox;
   auto subscription = node.subscribe<msgs::Clock>("/t", QoS::queue(10), inbox.taker());
   EXPECT_TRUE(eventually([&] { return log.has("beyond this host's loopback"); }));
 }
 
 TEST(Loopback, NodeOfAnotherHostThatHearsOnlyItselfIsNamed) {
-  Registry registry({.endpoint = "tcp://127.0.0.1:*"});
-  zmq::context_t context;
-  zmq::socket_t link(context, zmq::socket_type::dealer);
-  link.set(zmq::sockopt::linger, 0);
-  link.connect(registry.endpoint());
-  msgs::graph::RegistryRequest request;
-  auto& record = *request.mutable_update();
+  msgs::graph::NodeRecord record;
   record.set_name("deaf");
-  record.set_instance("deaf-1-0");
   record.set_process_space("another machine");
   record.set_endpoint("ipc:///tmp/prehend-no-such-folder/deaf-1-0");
-  record.set_version(1);
-  link.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::none);
-  NodeOptions options;
-  options.registry = registry.endpoint();
-  options.name = "log_reader";
-  LogReader log(options);
+  const ForeignRecord graph(record);
+  LogReader log(graph.options("log_reader"));
   EXPECT_TRUE(eventually([&] { return log.has("node 'deaf' is on another host"); }));
 }
 
