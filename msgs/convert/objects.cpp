@@ -146,6 +146,18 @@ shape::Evidence read_evidence(const msgs::CompletionEvidence& message,
           message.cut_by_image()};
 }
 
+/// Numbers in 0..1 as bytes.
+std::string pack_shares(const std::vector<float>& shares) {
+  std::string bytes;
+  bytes.reserve(shares.size());
+  for (const float share : shares) {
+    bytes.push_back(static_cast<char>(std::lround(255 * std::clamp(share, 0.f, 1.f))));
+  }
+  return bytes;
+}
+
+float unpack_share(char byte) { return static_cast<float>(static_cast<std::uint8_t>(byte) / 255.0); }
+
 shape::CompletionMethod method_named(const std::string& name) {
   using shape::CompletionMethod;
   for (const auto method : {CompletionMethod::kMirror, CompletionMethod::kRotation,
@@ -169,14 +181,42 @@ void read_points(const msgs::CompletedShape& message, shape::CompletedShape& sha
       throw InputError("A completed shape with a point of unknown support", kSenderMend);
     }
     shape.support.push_back(static_cast<shape::PointSupport>(support));
-    const double sure = static_cast<std::uint8_t>(message.point_confidence()[i]) / 255.0;
-    shape.point_confidence.push_back(static_cast<float>(sure));
+    const float sure = unpack_share(message.point_confidence()[i]);
+    shape.point_confidence.push_back(sure);
     const auto region = static_cast<std::size_t>(shape.origin[i]);
     sums[region] += sure;
     counts[region] += 1;
   }
   for (std::size_t r = 0; r < sums.size(); ++r) {
     shape.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
+  }
+}
+
+/// What senders that say nothing of single points leave open: predicted ones count as unseen, and
+/// nothing is sure.
+void assume_points(shape::CompletedShape& shape) {
+  for (const shape::PointOrigin origin : shape.origin) {
+    shape.support.push_back(origin == shape::PointOrigin::kSeen ? shape::PointSupport::kSeen
+                                                                : shape::PointSupport::kUnseen);
+  }
+  shape.point_confidence.assign(shape.origin.size(), 0.f);
+}
+
+/// What the vertices rest on; nothing when the sender said nothing.
+void read_vertices(const msgs::ObjectModel& message, surface::ObjectModel& model) {
+  const std::size_t count = model.mesh_W.vertices.size();
+  if (message.vertex_origin().empty() && message.vertex_confidence().empty()) return;
+  if (message.vertex_origin().size() != count || message.vertex_confidence().size() != count) {
+    throw InputError("An object model whose vertices and their origins differ in number",
+                     kSenderMend);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const char origin = message.vertex_origin()[i];
+    if (origin < 0 || origin > static_cast<char>(surface::SurfaceOrigin::kAssumed)) {
+      throw InputError("An object model with a vertex of unknown origin", kSenderMend);
+    }
+    model.vertex_origin.push_back(static_cast<surface::SurfaceOrigin>(origin));
+    model.vertex_confidence.push_back(unpack_share(message.vertex_confidence()[i]));
   }
 }
 
@@ -263,6 +303,7 @@ msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene) {
     *out.mutable_cloud() = to_message(object.cloud_W);
     write_mask(object.mask, out);
     out.set_touches_image_border(object.touches_image_border);
+    out.set_occluded_share(object.occluded_share);
   }
   message.set_depth(pack_depth(scene.depth));
   return message;
@@ -279,7 +320,7 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
   for (const auto& object : message.objects()) {
     scene.objects.push_back({static_cast<int>(object.id()), from_message(object.cloud()),
                              read_mask(object, scene.camera.width, scene.camera.height),
-                             object.touches_image_border()});
+                             object.touches_image_border(), object.occluded_share()});
   }
   return scene;
 }
@@ -309,10 +350,7 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   for (const auto support : shape.support) {
     message.mutable_support()->push_back(static_cast<char>(support));
   }
-  for (const float sure : shape.point_confidence) {
-    message.mutable_point_confidence()->push_back(
-        static_cast<char>(std::lround(255 * std::clamp(sure, 0.f, 1.f))));
-  }
+  message.set_point_confidence(pack_shares(shape.point_confidence));
   return message;
 }
 
@@ -342,7 +380,11 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
   if (message.has_evidence()) shape.evidence = read_evidence(message.evidence(), shape.method);
   shape.refused = message.refused();
   shape.confidence = message.confidence();
-  if (!message.support().empty()) read_points(message, shape);
+  if (message.support().empty()) {
+    assume_points(shape);
+  } else {
+    read_points(message, shape);
+  }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
   return shape;
@@ -363,6 +405,11 @@ msgs::ObjectModel to_message(const surface::ObjectModel& model) {
     message.add_unit_density_inertia(value);
   }
   message.set_seen_deviation(model.seen_deviation);
+  for (const auto origin : model.vertex_origin) {
+    message.mutable_vertex_origin()->push_back(static_cast<char>(origin));
+  }
+  message.set_vertex_confidence(pack_shares(model.vertex_confidence));
+  message.set_guessed_area(model.guessed_area);
   return message;
 }
 
@@ -383,6 +430,8 @@ surface::ObjectModel from_message(const msgs::ObjectModel& message) {
       value(3), value(1), value(5),                                            //
       value(4), value(5), value(2);
   model.seen_deviation = message.seen_deviation();
+  read_vertices(message, model);
+  model.guessed_area = message.guessed_area();
   return model;
 }
 

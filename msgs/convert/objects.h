@@ -37,12 +37,14 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message);
 
 /// Fills cloud, what is known of each point, planes, viewpoints, method, evidence and confidence.
 msgs::CompletedShape to_message(const shape::CompletedShape& shape);
+/// Without `support`, predicted points count as unseen and as not sure at all.
 /// @throws InputError when `origin`, or a `support` or `point_confidence` that is there, does not
 /// have one byte for each point.
 shape::CompletedShape from_message(const msgs::CompletedShape& message);
 
-/// Fills mesh, pieces, mass properties, deviation and defects.
+/// Fills mesh, pieces, mass properties, deviation, defects and what the vertices rest on.
 msgs::ObjectModel to_message(const surface::ObjectModel& model);
+/// @throws InputError when the inertia or what is said of the vertices does not have its size.
 surface::ObjectModel from_message(const msgs::ObjectModel& message);
 
 }  // namespace prehend::convert

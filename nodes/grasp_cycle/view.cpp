@@ -11,6 +11,8 @@ namespace prehend::nodes {
 namespace {
 
 constexpr std::size_t kViewsKept = 4;
+constexpr double kLeastConfidence = 0.05;  // so that scores count among doubtful shapes too
+constexpr double kMostOccluded = 0.25;     // of the outline, before an object counts as seen in part
 constexpr const char* kUngraspable = "cannot be grasped";
 
 bool says_ungraspable(const msgs::GraspPlan& plan) {
@@ -23,15 +25,17 @@ std::vector<grasp::Grasp> grasps_of(const msgs::GraspPlan& plan) {
   return grasps;
 }
 
-// The best grasp's score, less for a shape whose prediction contradicts what was seen. What was
-// only partly in view comes after everything else, by a negative value.
+// The best grasp's score, less for a prediction that is not sure or contradicts what was seen. What
+// was only partly in view comes after everything else, by a negative value.
 double promise(const View& view, const msgs::GraspPlan& plan) {
   const double score = plan.grasps(0).score();
   const auto found = view.models.find(plan.id());
   if (found == view.models.end()) return score;
   const auto& model = *found->second;
-  const double weighted = score / (1 + std::max(0.0, model.vote()));
-  return model.touches_image_border() ? weighted - 1 : weighted;
+  const double sure = std::clamp(model.confidence(), kLeastConfidence, 1.0);
+  const double weighted = score * sure / (1 + std::max(0.0, model.vote()));
+  const bool in_part = model.touches_image_border() || model.occluded_share() > kMostOccluded;
+  return in_part ? weighted - 1 : weighted;
 }
 
 // "cannot be grasped: object 0: too wide; object 1: too heavy".

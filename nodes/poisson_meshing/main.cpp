@@ -161,14 +161,18 @@ class PoissonMeshing {
     model.set_id(shape.id());
     model.set_object_count(shape.object_count());
     model.set_touches_image_border(shape.touches_image_border());
+    model.set_occluded_share(shape.occluded_share());
+    model.set_confidence(shape.confidence());
+    model.set_method(shape.method());
     model.set_vote(shape.vote());
     *model.mutable_table() = shape.table();
     if (model.valid()) {
       const std::string text = fmt::format(
           "object {}: {} triangles, {}, {} convex pieces, {:.0f} cm^3, {:.2f} mm from what was "
-          "seen",
+          "seen, {:.0f} % of the surface guessed",
           shape.id(), model.mesh().triangle_count(), model.mesh_defects(),
-          model.convex_pieces_size(), model.volume() * 1e6, model.seen_deviation() * 1e3);
+          model.convex_pieces_size(), model.volume() * 1e6, model.seen_deviation() * 1e3,
+          100 * model.guessed_area());
       node_.log_info("{}", text);
       node_.report(graph::Health::kOk, text);
     } else {

@@ -25,6 +25,7 @@ constexpr int kPictureWidth = 420;
 constexpr int kPictureHeight = 360;
 constexpr Rgb kSeenColor{40, 110, 190};
 constexpr Rgb kMirroredColor{235, 130, 40};
+constexpr Rgb kAssumedColor{170, 170, 175};
 constexpr Rgb kGripperColor{150, 155, 165};
 constexpr Rgb kPadColor{60, 60, 65};
 
@@ -111,6 +112,24 @@ double azimuth_of(const Eigen::Vector3d& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
+std::string completion_text(const msgs::CompletedShape& message) {
+  std::string text = fmt::format("Completed by {}, {:.0f} % sure to be within 5 mm.",
+                                 message.method(), 100 * message.confidence());
+  if (!message.refused().empty()) text += " Refused: " + message.refused() + ".";
+  text += fmt::format(" Visibility vote {:.4g}, best of {} symmetry planes: {:.0f} % of the points "
+                      "contradict the view, {:.0f} % coincide with what was seen.",
+                      message.vote(), message.hypotheses_tried(),
+                      100 * message.evidence().contradicted(),
+                      100 * message.evidence().coincident());
+  if (message.evidence().open_vessel()) text += " It is an open vessel: the volume is too large.";
+  if (message.touches_image_border()) text += " The image's border cuts it.";
+  if (message.occluded_share() > 0) {
+    text += fmt::format(" Other objects hide it along {:.0f} % of its outline.",
+                        100 * message.occluded_share());
+  }
+  return text;
+}
+
 void add_shape(Page& page, const msgs::CompletedShape& message) {
   if (!message.completed()) page.add_verdict("Not completed: " + message.problem(), false);
   if (message.cloud().count() == 0) return;
@@ -125,10 +144,24 @@ void add_shape(Page& page, const msgs::CompletedShape& message) {
   const auto views = two_views(box, azimuth_of(shape.viewpoint_W - box.center()));
   page.add_pictures({report::draw_cloud(shape.cloud_W, colors, camera, views[0]),
                      report::draw_cloud(shape.cloud_W, colors, camera, views[1])},
-                    {"Completed cloud from the camera's side (blue seen, orange mirrored)",
+                    {"Completed cloud from the camera's side (blue seen, orange predicted)",
                      "The same from behind"});
-  page.add_paragraph(fmt::format("Visibility vote {:.4g}, best of {} symmetry planes.",
-                                 message.vote(), message.hypotheses_tried()));
+  if (message.completed()) page.add_paragraph(completion_text(message));
+}
+
+// The mesh in the colours of what its parts rest on; in one colour when the sender did not say.
+std::vector<report::ColoredMesh> by_origin(const surface::ObjectModel& model) {
+  if (model.vertex_origin.empty()) return {{model.mesh_W, {215, 190, 150}}};
+  std::vector<report::ColoredMesh> parts;
+  for (const Rgb& color : {kSeenColor, kMirroredColor, kAssumedColor}) {
+    parts.push_back({{model.mesh_W.vertices, {}}, color});
+  }
+  for (const Eigen::Vector3i& t : model.mesh_W.triangles) {
+    auto least = surface::SurfaceOrigin::kSeen;
+    for (const int i : t) least = std::max(least, model.vertex_origin[static_cast<std::size_t>(i)]);
+    parts[static_cast<std::size_t>(least)].mesh_W.triangles.push_back(t);
+  }
+  return parts;
 }
 
 void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& message,
@@ -145,11 +178,13 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   for (std::size_t i = 0; i < model.convex_pieces_W.size(); ++i) {
     pieces.push_back({model.convex_pieces_W[i], report::category_color(static_cast<int>(i))});
   }
+  const std::vector<report::ColoredMesh> parts = by_origin(model);
   page.add_pictures(
-      {report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[0]),
-       report::draw_meshes({{model.mesh_W, {215, 190, 150}}}, camera, views[1]),
+      {report::draw_meshes(parts, camera, views[0]), report::draw_meshes(parts, camera, views[1]),
        report::draw_meshes(pieces, camera, views[0])},
-      {fmt::format("Mesh: {} triangles, {}", model.mesh_W.triangles.size(), message.mesh_defects()),
+      {fmt::format("Mesh: {} triangles, {}; blue rests on seen points, orange on predicted ones, "
+                   "grey on none; {:.0f} % of the area is guessed",
+                   model.mesh_W.triangles.size(), message.mesh_defects(), 100 * model.guessed_area),
        "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
 
   const auto plan = collected.plans.find(message.id());
@@ -318,7 +353,9 @@ std::vector<Row> summarize(const Collected& collected) {
     const std::string name = fmt::format("object {}", id);
     std::vector<std::string> parts;
     parts.push_back(shape.completed()
-                        ? fmt::format("{} points, vote {:.3g}", shape.cloud().count(), shape.vote())
+                        ? fmt::format("{} points by {}, vote {:.3g}, {:.0f} % sure",
+                                      shape.cloud().count(), shape.method(), shape.vote(),
+                                      100 * shape.confidence())
                         : "not completed: " + shape.problem());
     if (const auto model = collected.models.find(id); model != collected.models.end()) {
       parts.push_back(model->second.valid()

@@ -160,6 +160,7 @@ class ShapeCompletion {
     message.set_id(static_cast<std::uint32_t>(object.id));
     *message.mutable_table() = convert::to_message(scene.table_W);
     message.set_touches_image_border(object.touches_image_border);
+    message.set_occluded_share(object.occluded_share);
     msgs::StageTime* time = message.add_times();
     time->set_stage("completion");
     time->set_seconds(

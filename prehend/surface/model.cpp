@@ -1,6 +1,7 @@
 #include "prehend/surface/model.h"
 
 #include <chrono>
+#include <utility>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
@@ -73,7 +74,9 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
-  model.vertex_origin = vertex_origins(model.mesh_W, shape, extent(shape.cloud_W) / kPointsAcross);
+  VertexBasis basis = vertex_basis(model.mesh_W, shape, extent(shape.cloud_W) / kPointsAcross);
+  model.vertex_origin = std::move(basis.origin);
+  model.vertex_confidence = std::move(basis.confidence);
   model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);
   model.seen_deviation = deviation(seen_sample(shape), geometry::MeshQuery(model.mesh_W)).mean;
   spent.properties = stopwatch.lap();

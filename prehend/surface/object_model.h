@@ -18,6 +18,7 @@ enum class SurfaceOrigin : std::uint8_t {
 struct ObjectModel {
   geometry::TriangleMesh mesh_W;
   std::vector<SurfaceOrigin> vertex_origin;  // one per vertex of mesh_W
+  std::vector<float> vertex_confidence;      // one per vertex: probability that it is there, 0..1
   double guessed_area = 0;                   // part of the area that is not kSeen, 0..1
   geometry::MeshDefects defects;
   std::vector<geometry::TriangleMesh> convex_pieces_W;

@@ -13,39 +13,60 @@ namespace {
 
 constexpr int kReach = 2;           // cells
 constexpr double kMostCells = 1e4;  // along an axis
-constexpr std::uint8_t kHasSeen = 1;
-constexpr std::uint8_t kHasPredicted = 2;
+constexpr float kNone = -1;  // confidence where there is no point
+
+/// The surest seen and the surest predicted point of some cells.
+struct Surest {
+  float seen = kNone;
+  float predicted = kNone;
+
+  void add(const Surest& other) {
+    seen = std::max(seen, other.seen);
+    predicted = std::max(predicted, other.predicted);
+  }
+  bool empty() const { return seen == kNone && predicted == kNone; }
+};
+
+struct Basis {
+  SurfaceOrigin origin;
+  float confidence;
+};
 
 /// Which kinds of points each cell holds.
 class Cells {
  public:
-  Cells(const shape::CompletedShape& shape, double side) : side_(side) {
+  Cells(const shape::CompletedShape& shape, double side)
+      : side_(side), assumed_(static_cast<float>(shape.confidence / 2)) {
+    if (shape.point_confidence.size() != shape.cloud_W.size()) {
+      throw std::invalid_argument("vertex_basis: the shape needs a confidence for each point");
+    }
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3f& p : shape.cloud_W.points) box.extend(p.cast<double>());
     if (!(side > 0) || !(box.sizes().maxCoeff() < kMostCells * side)) {
-      throw std::invalid_argument("vertex_origins: spacing must be > 0 and fit the shape");
+      throw std::invalid_argument("vertex_basis: spacing must be > 0 and fit the shape");
     }
     low_ = box.min();
     for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
       const bool seen = shape.origin[i] == shape::PointOrigin::kSeen;
-      kinds_[key(cell_of(shape.cloud_W.points[i].cast<double>()))] |=
-          seen ? kHasSeen : kHasPredicted;
+      const float sure = shape.point_confidence[i];
+      cells_[key(cell_of(shape.cloud_W.points[i].cast<double>()))].add(
+          seen ? Surest{sure, kNone} : Surest{kNone, sure});
     }
   }
 
-  SurfaceOrigin at(const Eigen::Vector3d& p) const {
+  Basis at(const Eigen::Vector3d& p) const {
+    const Basis assumed{SurfaceOrigin::kAssumed, assumed_};
     const Eigen::Vector3i center = cell_of(p);
     if ((center.array() < -kReach).any() || (center.array() > kMostCells + kReach).any()) {
-      return SurfaceOrigin::kAssumed;
+      return assumed;
     }
     // Seen points may be two cells apart where the surface is oblique, predicted ones between them.
-    const std::uint8_t near = in_ring(center, 0) | in_ring(center, 1);
-    if (near & kHasSeen) return SurfaceOrigin::kSeen;
-    if (near != 0) return SurfaceOrigin::kPredicted;
-    const std::uint8_t around = in_ring(center, kReach);
-    if (around & kHasSeen) return SurfaceOrigin::kSeen;
-    if (around != 0) return SurfaceOrigin::kPredicted;
-    return SurfaceOrigin::kAssumed;
+    Surest near = in_ring(center, 0);
+    near.add(in_ring(center, 1));
+    if (near.empty()) near = in_ring(center, kReach);
+    if (near.seen != kNone) return {SurfaceOrigin::kSeen, near.seen};
+    if (near.predicted != kNone) return {SurfaceOrigin::kPredicted, near.predicted};
+    return assumed;
   }
 
  private:
@@ -60,35 +81,41 @@ class Cells {
     }
     return result;
   }
-  /// The kinds in the cells that are `ring` away along some axis and no farther along the others.
-  std::uint8_t in_ring(const Eigen::Vector3i& center, int ring) const {
-    std::uint8_t kinds = 0;
+  /// Of the cells that are `ring` away along some axis and no farther along the others.
+  Surest in_ring(const Eigen::Vector3i& center, int ring) const {
+    Surest surest;
     for (int z = -ring; z <= ring; ++z) {
       for (int y = -ring; y <= ring; ++y) {
         const bool on_side = std::abs(z) == ring || std::abs(y) == ring;
         for (int x = -ring; x <= ring; x += on_side ? 1 : 2 * ring) {
-          const auto found = kinds_.find(key(center + Eigen::Vector3i(x, y, z)));
-          if (found != kinds_.end()) kinds |= found->second;
+          const auto found = cells_.find(key(center + Eigen::Vector3i(x, y, z)));
+          if (found != cells_.end()) surest.add(found->second);
         }
       }
     }
-    return kinds;
+    return surest;
   }
 
   double side_;
+  float assumed_;
   Eigen::Vector3d low_;
-  std::unordered_map<std::uint64_t, std::uint8_t> kinds_;
+  std::unordered_map<std::uint64_t, Surest> cells_;
 };
 
 }  // namespace
 
-std::vector<SurfaceOrigin> vertex_origins(const geometry::TriangleMesh& mesh_W,
-                                          const shape::CompletedShape& shape, double spacing) {
+VertexBasis vertex_basis(const geometry::TriangleMesh& mesh_W, const shape::CompletedShape& shape,
+                         double spacing) {
   const Cells cells(shape, spacing);
-  std::vector<SurfaceOrigin> origins;
-  origins.reserve(mesh_W.vertices.size());
-  for (const Eigen::Vector3d& vertex : mesh_W.vertices) origins.push_back(cells.at(vertex));
-  return origins;
+  VertexBasis basis;
+  basis.origin.reserve(mesh_W.vertices.size());
+  basis.confidence.reserve(mesh_W.vertices.size());
+  for (const Eigen::Vector3d& vertex : mesh_W.vertices) {
+    const Basis at = cells.at(vertex);
+    basis.origin.push_back(at.origin);
+    basis.confidence.push_back(at.confidence);
+  }
+  return basis;
 }
 
 double guessed_area(const geometry::TriangleMesh& mesh, const std::vector<SurfaceOrigin>& origins) {

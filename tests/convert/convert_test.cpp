@@ -114,11 +114,15 @@ TEST(Convert, HypothesesKeepMasksAndDepth) {
   object.cloud_W.points = {{1, 2, 3}};
   object.mask = geometry::MaskImage(8, 6, 0);
   object.mask.at(3, 2) = object.mask.at(5, 4) = 255;
+  object.touches_image_border = true;
+  object.occluded_share = 0.25;
   scene.objects = {object};
   auto message = to_message(scene);
   EXPECT_EQ(message.objects(0).mask().size(), 9u);  // only the window
   const auto back = from_message(message);
   EXPECT_EQ(back.objects[0].mask.data, object.mask.data);
+  EXPECT_TRUE(back.objects[0].touches_image_border);
+  EXPECT_EQ(back.objects[0].occluded_share, 0.25);
   EXPECT_NEAR(back.depth.at(3, 2), 0.73215, 1e-4);
   EXPECT_TRUE(std::isnan(back.depth.at(0, 0)));
   message.mutable_objects(0)->set_mask_x(7);
@@ -150,6 +154,12 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   EXPECT_TRUE(received.evidence.open_vessel());
   EXPECT_EQ(received.planes.front().vote, 0.25);
   auto odd = message;
+  odd.clear_support();  // as from a sender that does not know it
+  odd.clear_point_confidence();
+  const shape::CompletedShape bare = from_message(odd);
+  EXPECT_EQ(bare.support[1], shape::PointSupport::kUnseen);
+  EXPECT_EQ(bare.point_confidence, (std::vector<float>{0, 0}));
+  odd = message;
   odd.mutable_support()->pop_back();
   EXPECT_THROW(from_message(odd), InputError);
   odd = message;
@@ -167,6 +177,21 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
       model.mass_properties.unit_density_inertia));
   EXPECT_EQ(back.convex_pieces_W.size(), 1u);
   EXPECT_TRUE(back.defects.watertight());
+  EXPECT_TRUE(back.vertex_origin.empty());
+
+  model.vertex_origin.assign(model.mesh_W.vertices.size(), surface::SurfaceOrigin::kSeen);
+  model.vertex_origin.back() = surface::SurfaceOrigin::kAssumed;
+  model.vertex_confidence.assign(model.mesh_W.vertices.size(), 0.8f);
+  model.guessed_area = 0.3;
+  auto whole = to_message(model);
+  EXPECT_EQ(from_message(whole).vertex_origin, model.vertex_origin);
+  EXPECT_NEAR(from_message(whole).vertex_confidence[2], 0.8, 0.5 / 255);
+  EXPECT_EQ(from_message(whole).guessed_area, 0.3);
+  whole.mutable_vertex_confidence()->pop_back();
+  EXPECT_THROW(from_message(whole), InputError);
+  whole = to_message(model);
+  whole.mutable_vertex_origin()->back() = 17;
+  EXPECT_THROW(from_message(whole), InputError);
 }
 
 }  // namespace

@@ -29,10 +29,13 @@ std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint3
   return message;
 }
 
-std::shared_ptr<msgs::ObjectModel> model(std::uint32_t id, double vote) {
+std::shared_ptr<msgs::ObjectModel> model(std::uint32_t id, double vote, double confidence = 0,
+                                         double occluded_share = 0) {
   auto message = std::make_shared<msgs::ObjectModel>();
   message->set_id(id);
   message->set_vote(vote);
+  message->set_confidence(confidence);
+  message->set_occluded_share(occluded_share);
   message->mutable_header()->set_stamp(7);
   return message;
 }
@@ -65,6 +68,12 @@ TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
   view.models[0] = model(0, 1.5);
   EXPECT_EQ(choose_target(view, -1).id, 1u);
   EXPECT_EQ(choose_target(view, 0).id, 0u);  // asked for by name
+  view.models = {{0, model(0, 0.1, 0.9)}, {1, model(1, 0.1, 0.95)}};
+  EXPECT_EQ(choose_target(view, -1).id, 0u);
+  view.models[0] = model(0, 0.1, 0.3);
+  EXPECT_EQ(choose_target(view, -1).id, 1u);
+  view.models[1] = model(1, 0.1, 0.95, 0.4);
+  EXPECT_EQ(choose_target(view, -1).id, 0u);  // 1 goes on behind another object
   auto cut = model(1, 0.0);
   cut->set_touches_image_border(true);
   view.models[1] = cut;

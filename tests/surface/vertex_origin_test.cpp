@@ -15,14 +15,20 @@ TEST(VertexOrigin, NearestPointDecides) {
   shape::CompletedShape shape;
   shape.cloud_W.points = {{0, 0, 0}, {0.1f, 0, 0}};
   shape.origin = {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored};
+  shape.point_confidence = {0.95f, 0.7f};
+  shape.confidence = 0.8;
   geometry::TriangleMesh mesh;
   mesh.vertices = {{0.001, 0, 0}, {0.0985, 0, 0}, {0.05, 0, 0}, {1e9, 0, 0}, {-1e9, 0, 0}};
   const std::vector<SurfaceOrigin> expected{SurfaceOrigin::kSeen, SurfaceOrigin::kPredicted,
                                             SurfaceOrigin::kAssumed, SurfaceOrigin::kAssumed,
                                             SurfaceOrigin::kAssumed};
-  EXPECT_EQ(vertex_origins(mesh, shape, 0.005), expected);
-  EXPECT_THROW(vertex_origins(mesh, shape, 0), std::invalid_argument);
-  EXPECT_THROW(vertex_origins(mesh, shape, 1e-9), std::invalid_argument);
+  const VertexBasis basis = vertex_basis(mesh, shape, 0.005);
+  EXPECT_EQ(basis.origin, expected);
+  EXPECT_EQ(basis.confidence, (std::vector<float>{0.95f, 0.7f, 0.4f, 0.4f, 0.4f}));
+  EXPECT_THROW(vertex_basis(mesh, shape, 0), std::invalid_argument);
+  EXPECT_THROW(vertex_basis(mesh, shape, 1e-9), std::invalid_argument);
+  shape.point_confidence.clear();
+  EXPECT_THROW(vertex_basis(mesh, shape, 0.005), std::invalid_argument);
 }
 
 TEST(VertexOrigin, OfAPredictedBoxTellsFrontFromBackFromBottom) {
@@ -31,6 +37,7 @@ TEST(VertexOrigin, OfAPredictedBoxTellsFrontFromBackFromBottom) {
   const ObjectModel model =
       make_object_model(shape::complete_by_symmetry(view.view()), view.table_W);
   ASSERT_EQ(model.vertex_origin.size(), model.mesh_W.vertices.size());
+  ASSERT_EQ(model.vertex_confidence.size(), model.mesh_W.vertices.size());
   // By rays from the camera: what it sees of the mesh is seen, the rest is not, but for the rims.
   const geometry::MeshQuery query(model.mesh_W);
   const Eigen::Vector3d eye = view.X_WC.translation();
