@@ -4,6 +4,7 @@
 #include <ctime>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -164,6 +165,56 @@ void BM_CloudToMesh(benchmark::State& state) {
   state.counters["points"] = static_cast<double>(object.shape.cloud_W.size());
 }
 BENCHMARK(BM_CloudToMesh)->ArgName("box")->Arg(kCylinder)->Arg(kBox)->Unit(benchmark::kMillisecond);
+
+/// A view of 40 000 points.
+const shape::SyntheticView& segmented(int which) {
+  static const auto make = [](const TriangleMesh& mesh) {
+    shape::SyntheticView view = shape::synthetic_view(shape::standing(mesh, 0.5),
+                                                      {.distance = 0.4, .depth_noise = 0.0005});
+    const std::vector<Eigen::Vector3f> all = std::move(view.cloud_W.points);
+    view.cloud_W.points.clear();
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      view.cloud_W.points.push_back(all.at(i * all.size() / kPoints));
+    }
+    return view;
+  };
+  static const shape::SyntheticView views[] = {
+      make(geometry::make_revolution({{0.04, 0}, {0.04, 0.1}}, 256)),
+      make(geometry::make_box({0.06, 0.08, 0.1}))};
+  return views[which];
+}
+
+enum Way : int { kDefault, kThinned, kFinest };
+
+/// From a segmented cloud to a watertight mesh; the finest is the most accurate of eval_tradeoff.
+void BM_WholeChain(benchmark::State& state) {
+  const int which = static_cast<int>(state.range(0));
+  const shape::SyntheticView& view = segmented(which);
+  surface::ModelOptions options;
+  if (state.range(1) == kThinned) {
+    options.cloud.spacing = 0.003;
+    options.surface.fast_poisson.resolution = 80;
+  } else if (state.range(1) == kFinest) {
+    options.surface.method = surface::SurfaceMethod::kPclPoisson;
+    options.surface.pcl_poisson.depth = 7;
+  }
+  TriangleMesh mesh;
+  double completion = 0;
+  for (auto _ : state) {
+    shape::CompletedShape completed;
+    completion += seconds_of([&] {
+      completed = shape::complete_by_symmetry(view.view());
+      return completed.cloud_W.size();
+    });
+    mesh = surface::mesh_of(completed, view.table_W, options);
+  }
+  state.counters["completion_ms"] = 1e3 * completion / static_cast<double>(state.iterations());
+  report_errors(state, mesh, completed(which).truth);
+}
+BENCHMARK(BM_WholeChain)
+    ->ArgNames({"box", "way"})
+    ->ArgsProduct({{kCylinder, kBox}, {kDefault, kThinned, kFinest}})
+    ->Unit(benchmark::kMillisecond);
 
 void BM_ObjectModel(benchmark::State& state) {
   const Completed& object = completed(static_cast<int>(state.range(0)));

@@ -14,8 +14,7 @@
 #include "prehend/perception/stereo.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/simulation/stereo_renderer.h"
-#include "prehend/surface/closing.h"
-#include "prehend/surface/reconstruct.h"
+#include "prehend/surface/model.h"
 
 namespace prehend::eval {
 namespace {
@@ -82,17 +81,7 @@ geometry::TriangleMesh mesh_by(const Seen& seen, const fidelity::ShapeOptions& o
   const shape::CompletedShape shape = shape::complete_by_symmetry(
       {object.cloud_W, object.mask, seen.scene.camera, seen.scene.X_WC, seen.scene.table_W},
       options.completion);
-  // make_object_model() without convex pieces and mass, which are no part of what is measured.
-  geometry::PointCloud cloud = surface::oriented_cloud(shape, options.model.cloud);
-  if (options.model.close_sides) {
-    Eigen::AlignedBox3f box;
-    for (const Eigen::Vector3f& p : cloud.points) box.extend(p);
-    const geometry::PointCloud sides = surface::side_points(
-        shape, seen.scene.table_W, static_cast<double>(box.sizes().maxCoeff()) / 90);
-    cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
-    cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
-  }
-  return surface::reconstruct(cloud, seen.scene.table_W, options.model.surface);
+  return surface::mesh_of(shape, seen.scene.table_W, options.model);
 }
 
 Measured measured_by(const Setting& setting, const std::vector<Seen>& objects, int repetitions) {
@@ -143,6 +132,7 @@ std::vector<Setting> swept_settings(bool quick) {
   const Knobs surfaces[] = {{{"spacing", "0.006"}, {"surface", "fast"}, {"resolution", "32"}},
                             {{"spacing", "0.004"}, {"surface", "fast"}, {"resolution", "32"}},
                             {{"spacing", "0.004"}, {"surface", "fast"}, {"resolution", "64"}},
+                            {{"spacing", "0.003"}, {"surface", "fast"}, {"resolution", "80"}},
                             {{"spacing", "0"}, {"surface", "fast"}, {"resolution", "64"}},
                             {{"spacing", "0"}, {"surface", "fast"}, {"resolution", "128"}},
                             {{"spacing", "0"}, {"surface", "pcl"}, {"resolution", "5"}},

@@ -53,9 +53,8 @@ std::vector<Eigen::Vector3d> seen_sample(const shape::CompletedShape& shape) {
 
 }  // namespace
 
-ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
-                              const ModelOptions& options, ModelTimes* times) {
-  ModelTimes spent;
+geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                               const ModelOptions& options, double* normals_seconds) {
   Stopwatch stopwatch;
   geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
   if (options.close_sides) {
@@ -63,12 +62,18 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
     cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
   }
-  spent.normals = stopwatch.lap();
+  if (normals_seconds) *normals_seconds = stopwatch.lap();
+  return reconstruct(cloud, table_W, options.surface);
+}
 
+ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                              const ModelOptions& options, ModelTimes* times) {
+  ModelTimes spent;
+  Stopwatch stopwatch;
   ObjectModel model;
-  model.mesh_W = reconstruct(cloud, table_W, options.surface);
+  model.mesh_W = mesh_of(shape, table_W, options, &spent.normals);
   model.defects = geometry::find_defects(model.mesh_W);
-  spent.poisson = stopwatch.lap();
+  spent.poisson = stopwatch.lap() - spent.normals;
 
   model.convex_pieces_W = convex_pieces(model.mesh_W, options.convex_pieces).pieces;
   spent.convex_pieces = stopwatch.lap();

@@ -24,10 +24,15 @@ struct ModelTimes {
   double properties = 0;  // mass properties and deviation
 };
 
+/// The watertight mesh of a completed shape that stands on `table_W` (normal towards the object):
+/// oriented_cloud(), side_points() where asked for, reconstruct(). `normals_seconds` is filled when
+/// given. @throws geometry::InputError when the shape has too few points or gives no such mesh.
+geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                               const ModelOptions& options = {}, double* normals_seconds = nullptr);
+
 /// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
-/// oriented_cloud(), side_points(), reconstruct(), convex_pieces(), mass properties and the mean
-/// distance of the seen points to the mesh. `times` is filled when given.
-/// @throws geometry::InputError when the shape has too few points or gives no watertight mesh.
+/// mesh_of(), convex_pieces(), mass properties, what the vertices rest on and the mean distance of
+/// the seen points to the mesh. `times` is filled when given. @throws as mesh_of().
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);
 

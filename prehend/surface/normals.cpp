@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -12,13 +13,15 @@
 #include <flann/flann.hpp>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/surface/point_order.h"
 
 namespace prehend::surface {
 namespace {
 
 using geometry::InputError;
 using Points = std::vector<Eigen::Vector3f>;
+
+constexpr double kUnitsAcross = 6.9e10;  // of the fixed point of sums, about 2^36
+constexpr double kLeastExtent = 1e-30;   // m: a voxel may hold all points, and they coincide
 
 struct Neighbors {
   int count = 0;                 // per point, the point itself first
@@ -129,38 +132,74 @@ void check_enough(std::size_t points, int neighbors) {
                    "give more points or fewer neighbours");
 }
 
+/// A voxel's sum, in fixed point: exact, so that the order of the points does not matter.
+struct VoxelSum {
+  std::array<int, 3> cell;  // z, y, x
+  std::array<std::int64_t, 3> sum{};
+  int count = 0;
+};
+
+/// The voxels that were added to, found by hashing.
+class VoxelSums {
+ public:
+  explicit VoxelSums(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), -1) {}
+
+  VoxelSum& at(const std::array<int, 3>& cell) {
+    std::uint64_t hash = 0;
+    for (const int index : cell) {
+      hash = (hash ^ static_cast<std::uint32_t>(index)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    for (std::size_t slot = hash & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1)) {
+      if (slots_[slot] < 0) {
+        slots_[slot] = static_cast<int>(voxels_.size());
+        return voxels_.emplace_back(VoxelSum{cell});
+      }
+      VoxelSum& voxel = voxels_[static_cast<std::size_t>(slots_[slot])];
+      if (voxel.cell == cell) return voxel;
+    }
+  }
+  std::vector<VoxelSum> sorted() && {
+    std::sort(voxels_.begin(), voxels_.end(),
+              [](const VoxelSum& a, const VoxelSum& b) { return a.cell < b.cell; });
+    return std::move(voxels_);
+  }
+
+ private:
+  std::vector<int> slots_;
+  std::vector<VoxelSum> voxels_;
+};
+
 /// Means of the points in each cubic voxel, in the order of the voxels. The order of the points
 /// does not matter.
-Points voxel_means(const Points& unordered, double side) {
-  struct Keyed {
-    std::array<int, 3> cell;
-    Eigen::Vector3f point;
-  };
+Points voxel_means(const Points& points, double side) {
+  if (points.empty()) return {};
   Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& p : unordered) box.extend(p);
+  for (const Eigen::Vector3f& p : points) box.extend(p);
   // Cells are counted from the origin, so that two clouds have the same ones.
   const Eigen::Array3d first = (box.min().cast<double>().array() / side).floor();
   const Eigen::Array3d count = (box.max().cast<double>().array() / side).floor() - first + 1;
-  std::vector<Keyed> keyed;
-  keyed.reserve(unordered.size());
-  if (!unordered.empty() && !(count.maxCoeff() < 1e9)) {
+  if (!(count.maxCoeff() < 1e9)) {
     throw std::invalid_argument("OrientedCloudOptions.spacing is far too small for the cloud");
   }
-  for (const int i : canonical_order(unordered)) {
-    const Eigen::Array3d cell = (unordered[i].cast<double>().array() / side).floor() - first;
-    keyed.push_back(
-        {{static_cast<int>(cell.z()), static_cast<int>(cell.y()), static_cast<int>(cell.x())},
-         unordered[i]});
+  // 36 bits for the extent leave room for 2^27 points in a voxel.
+  const Eigen::Array3d least = box.min().cast<double>().array();
+  const double unit = std::max<double>(box.sizes().maxCoeff(), kLeastExtent) / kUnitsAcross;
+  VoxelSums sums(points.size());
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Array3d p = point.cast<double>().array();
+    const Eigen::Array3d cell = (p / side).floor() - first;
+    VoxelSum& voxel = sums.at(
+        {static_cast<int>(cell.z()), static_cast<int>(cell.y()), static_cast<int>(cell.x())});
+    const Eigen::Array3d units = (p - least) / unit;
+    for (int axis = 0; axis < 3; ++axis) voxel.sum[axis] += std::llrint(units[axis]);
+    ++voxel.count;
   }
-  std::stable_sort(keyed.begin(), keyed.end(),
-                   [](const Keyed& a, const Keyed& b) { return a.cell < b.cell; });
   Points means;
-  for (std::size_t begin = 0, end = 0; begin < keyed.size(); begin = end) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (end = begin; end < keyed.size() && keyed[end].cell == keyed[begin].cell; ++end) {
-      sum += keyed[end].point.cast<double>();
-    }
-    means.push_back((sum / static_cast<double>(end - begin)).cast<float>());
+  for (const VoxelSum& voxel : std::move(sums).sorted()) {
+    const Eigen::Array3d sum(static_cast<double>(voxel.sum[0]), static_cast<double>(voxel.sum[1]),
+                             static_cast<double>(voxel.sum[2]));
+    means.push_back((least + sum / voxel.count * unit).matrix().cast<float>());
   }
   return means;
 }

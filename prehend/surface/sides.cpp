@@ -41,10 +41,25 @@ bool is_mirrored(shape::PointOrigin origin) {
   return origin == shape::PointOrigin::kMirrored || origin == shape::PointOrigin::kMirroredBoth;
 }
 
-bool is_near_any(const Slice& slice, const Eigen::Vector2d& p, double distance) {
-  return std::any_of(slice.points.begin(), slice.points.end(), [&](const Eigen::Vector2d& q) {
-    return (p - q).squaredNorm() < distance * distance;
-  });
+/// Which of the points from + k edge / steps, 0 <= k <= steps, have one of `points` within
+/// `distance`.
+std::vector<bool> near_points(const std::vector<Eigen::Vector2d>& points,
+                              const Eigen::Vector2d& from, const Eigen::Vector2d& edge, int steps,
+                              double distance) {
+  std::vector<bool> near(static_cast<std::size_t>(steps) + 1);
+  const double length = edge.norm();
+  const Eigen::Vector2d along = edge / length;
+  for (const Eigen::Vector2d& q : points) {
+    const double beside = along.x() * (q - from).y() - along.y() * (q - from).x();
+    const double reach = distance * distance - beside * beside;
+    if (!(reach > 0)) continue;
+    const double center = along.dot(q - from);
+    const double half = std::sqrt(reach);
+    const double first = std::max(0.0, std::ceil((center - half) / length * steps));
+    const double last = std::min<double>(steps, std::floor((center + half) / length * steps));
+    for (double k = first; k <= last; ++k) near[static_cast<std::size_t>(k)] = true;
+  }
+  return near;
 }
 
 }  // namespace
@@ -56,13 +71,15 @@ geometry::PointCloud side_points(const shape::CompletedShape& shape, const geome
   const Eigen::Vector3d x = shape.symmetry.normal_W;
   const Eigen::Vector3d y = up.cross(x);
   std::map<int, Slice> slices;
+  auto last = slices.end();  // neighbours in the cloud are mostly in one slice
   for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
     const Eigen::Vector3d p_W = shape.cloud_W.points[i].cast<double>();
     const double height = table_W.signed_distance(p_W);
     if (!(std::abs(height) < 1e6 * spacing)) continue;
-    Slice& slice = slices[static_cast<int>(std::floor(height / spacing))];
-    slice.points.emplace_back(x.dot(p_W), y.dot(p_W));
-    slice.mirrored.push_back(is_mirrored(shape.origin[i]));
+    const int level = static_cast<int>(std::floor(height / spacing));
+    if (last == slices.end() || last->first != level) last = slices.try_emplace(level).first;
+    last->second.points.emplace_back(x.dot(p_W), y.dot(p_W));
+    last->second.mirrored.push_back(is_mirrored(shape.origin[i]));
   }
 
   geometry::PointCloud sides;
@@ -81,9 +98,11 @@ geometry::PointCloud side_points(const shape::CompletedShape& shape, const geome
       if (!is_upright(slices, level, edge.x() > 0, spacing)) continue;
       const Eigen::Vector2d out = Eigen::Vector2d(edge.y(), -edge.x()) / length;
       const int steps = static_cast<int>(length / spacing);
+      const std::vector<bool> near =
+          near_points(slice.points, slice.points[from], edge, steps, kNear * spacing);
       for (int step = 1; step < steps; ++step) {
         const Eigen::Vector2d p = slice.points[from] + edge * step / steps;
-        if (is_near_any(slice, p, kNear * spacing)) continue;
+        if (near[static_cast<std::size_t>(step)]) continue;
         sides.points.push_back(
             (p.x() * x + p.y() * y + (table_W.offset + height) * up).cast<float>());
         sides.normals.push_back((out.x() * x + out.y() * y).cast<float>());
