@@ -180,6 +180,8 @@ void BM_HeldStepBesideMujoco(benchmark::State& state) {
     scene.pads.push_back(pad);
   }
   for (auto* engine : {mujoco.get(), native.get()}) {
+    scene.pad_method = engine == mujoco.get() ? simulation::engines::PadMethod::kOwnContacts
+                                              : simulation::engines::PadMethod::kTexelLaw;
     engine->load(scene);
     for (const int joint : {0, 1}) engine->set_joint_force(joint, 6);
     for (int i = 0; i < 200; ++i) engine->step();

@@ -18,6 +18,7 @@ namespace {
 const std::map<std::string, std::set<std::string>> kCannotDo{
     {"native", {"pair", "pendulum", "ball"}},
     {"bullet", {"pads"}},
+    {"dart", {"pads"}},
     {"mujoco", {}},
     {"ode", {"pads"}},
 };
@@ -203,6 +204,7 @@ EngineScene pressed_cube(bool pads) {
 TEST_P(EachEngine, PadsFeelThePress) {
   EngineScene scene = pressed_cube(true);
   scene.gravity.setZero();
+  if (GetParam() == "mujoco") scene.pad_method = PadMethod::kOwnContacts;
   if (!load(scene, "pads")) return;
   for (const int joint : {0, 1}) engine_->set_joint_force(joint, 3);
   run(1);
@@ -277,6 +279,11 @@ TEST(EngineScene, RefusesBadValuesByName) {
   refused([](EngineScene& s) { s.step = 0; }, "step");
   refused([](EngineScene& s) { s.bodies[0].mass = 0; }, "mass");
   refused([](EngineScene& s) { s.bodies[1].friction = -1; }, "friction");
+  refused([](EngineScene& s) { s.bodies[1].moments = {1, 0, 1}; }, "moments");
+  refused([](EngineScene& s) { s.bodies[0].X_BS.translation().x() = 1; }, "moments");
+  refused([](EngineScene& s) { s.joints[0].follows = 0; }, "follows");
+  refused([](EngineScene& s) { s.joints[1].ratio = std::nan(""); }, "ratio");
+  refused([](EngineScene& s) { s.bodies[1].is_fixed = true; }, "joint 0.body");
   refused([](EngineScene& s) { s.bodies[1].shape.size.x() = std::nan(""); }, "size");
   refused([](EngineScene& s) { s.joints[0].body = 7; }, "joint 0.body");
   refused([](EngineScene& s) { s.joints[1].body = 1; }, "joined once");

@@ -1,4 +1,4 @@
-// The plug-in for Bullet: sequential impulses. It has no pads.
+// The plug-in for Bullet: sequential impulses.
 
 #include <algorithm>
 #include <array>
@@ -44,7 +44,7 @@ class BulletEngine : public Engine {
   std::vector<std::string> solvers() const override { return {"sequential_impulse"}; }
 
   void load(const EngineScene& scene) override {
-    if (!scene.pads.empty()) throw UnsupportedScene("bullet: has no pads");
+    refuse_pads_and_couplings(scene, "bullet");
     if (!scene.solver.empty() && scene.solver != solvers().front()) {
       throw UnsupportedScene("bullet: solver '" + scene.solver + "' is not sequential_impulse");
     }
@@ -59,7 +59,14 @@ class BulletEngine : public Engine {
       ground_ = make_body(ground, std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
     }
     for (const EngineBody& body : scene.bodies) {
-      bodies_.push_back(make_body(body, make_shape(body.shape)));
+      std::unique_ptr<btCollisionShape> shape = make_shape(body.shape);
+      if (!body.X_BS.matrix().isIdentity(0)) {
+        auto placed = std::make_unique<btCompoundShape>();
+        placed->addChildShape(to_bullet(body.X_BS), shape.get());
+        shapes_.push_back(std::move(shape));
+        shape = std::move(placed);
+      }
+      bodies_.push_back(make_body(body, std::move(shape)));
     }
     for (const EngineJoint& joint : scene.joints) add_joint(joint);
     forces_.assign(scene.joints.size(), 0.0);
@@ -105,10 +112,6 @@ class BulletEngine : public Engine {
     }
     const Eigen::AngleAxisd turn(moved.linear());
     return turn.angle() * turn.axis().dot(joint.axis_W);
-  }
-
-  std::vector<double> pad_forces(int) const override {
-    throw UnsupportedScene("bullet: has no pads");
   }
 
   std::vector<double> save() const override {
@@ -192,8 +195,8 @@ class BulletEngine : public Engine {
   std::unique_ptr<btRigidBody> make_body(const EngineBody& body,
                                          std::unique_ptr<btCollisionShape> shape) {
     const double mass = body.is_fixed ? 0.0 : body.mass;
-    const Eigen::Vector3d inertia = body.is_fixed ? Eigen::Vector3d(Eigen::Vector3d::Zero())
-                                                  : principal_inertia(body.shape, body.mass);
+    const Eigen::Vector3d inertia =
+        body.is_fixed ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : principal_inertia(body);
     btRigidBody::btRigidBodyConstructionInfo info(to_bullet(mass), nullptr, shape.get(),
                                                   to_bullet(inertia));
     info.m_startWorldTransform = to_bullet(body.X_WB);
@@ -204,7 +207,8 @@ class BulletEngine : public Engine {
       made->setLinearVelocity(to_bullet(body.velocity));
       made->setAngularVelocity(to_bullet(body.angular_velocity));
     }
-    world_->world.addRigidBody(made.get());
+    const int group = btBroadphaseProxy::DefaultFilter;
+    world_->world.addRigidBody(made.get(), group, body.collides ? group : 0);
     shapes_.push_back(std::move(shape));
     return made;
   }

@@ -25,13 +25,17 @@ struct EngineShape {
   double length = 0.05;                                    // m, along z; capsule: between centres
 };
 
-/// A homogeneous rigid body; frame B has the centre of mass as origin.
+/// A rigid body; frame B has the centre of mass as origin.
 struct EngineBody {
   std::string name;
   EngineShape shape;
-  double mass = 0.1;      // kg
+  geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();  // where the shape is
+  double mass = 0.1;                                                     // kg
+  /// Principal moments along B's axes [kg m^2]; zero: those of the homogeneous shape.
+  Eigen::Vector3d moments = Eigen::Vector3d::Zero();
   double friction = 0.8;  // Coulomb, with every other body; of two the smaller counts
   bool is_fixed = false;
+  bool collides = true;  // otherwise it passes through everything
   geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();  // at the start
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                    // m/s, at the start
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();            // rad/s, world
@@ -46,6 +50,9 @@ struct EngineJoint {
   int body = 0;
   Eigen::Vector3d axis_W = Eigen::Vector3d::UnitX();   // unit, at the start
   Eigen::Vector3d anchor_W = Eigen::Vector3d::Zero();  // m, at the start; of kRevolute
+  /// Moves by `ratio` times an earlier joint (-1: moves by itself), as coupled jaws do.
+  int follows = -1;
+  double ratio = 1;
 };
 
 /// A tactile pad on a body. X_BP: see contact::PadLayout for frame P. Bodies with pads touch others
@@ -55,6 +62,11 @@ struct EnginePad {
   geometry::RigidTransform X_BP = geometry::RigidTransform::Identity();
   contact::PadGrid grid;
   contact::TexelLaw law;
+};
+
+enum class PadMethod {
+  kTexelLaw,    // EnginePad::law: coupled implicitly by `native`, by sub-steps on other engines
+  kOwnContacts  // the engine's own contact at each texel; the law is left aside
 };
 
 struct EngineScene {
@@ -67,6 +79,7 @@ struct EngineScene {
   std::vector<EngineBody> bodies;
   std::vector<EngineJoint> joints;
   std::vector<EnginePad> pads;
+  PadMethod pad_method = PadMethod::kTexelLaw;
 };
 
 struct BodyMotion {
@@ -89,7 +102,8 @@ class Engine {
   virtual std::string version() const = 0;  // of the engine
   virtual std::vector<std::string> solvers() const = 0;
 
-  /// Takes a checked scene; a former one is dropped. @throws UnsupportedScene.
+  /// Takes a checked scene; a former one is dropped. Pads by the texel law need not be done by a
+  /// plug-in: EngineRegistry adds them (substepped_pads.h). @throws UnsupportedScene.
   virtual void load(const EngineScene& scene) = 0;
   /// Advances by scene.step.
   virtual void step() = 0;
@@ -99,19 +113,32 @@ class Engine {
 
   virtual BodyMotion body(int index) const = 0;
   virtual double joint_position(int joint) const = 0;  // m or rad
-  /// Normal forces of a pad's texels in the last step [N], row by row. @pre the scene has pads.
-  virtual std::vector<double> pad_forces(int pad) const = 0;
+  /// Normal forces of a pad's texels in the last step [N], row by row. @throws UnsupportedScene
+  /// where the engine has no pads of its own.
+  virtual std::vector<double> pad_forces(int pad) const;
 
   /// The state as numbers; restoring it in an engine of the same scene continues the same way.
   virtual std::vector<double> save() const = 0;
   virtual void restore(const std::vector<double>& state) = 0;
 };
 
+inline std::vector<double> Engine::pad_forces(int) const {
+  throw UnsupportedScene(name() + ": has no pads of its own");
+}
+
+/// Refuses what only few engines can do. @throws UnsupportedScene for pads and joints that follow.
+inline void refuse_pads_and_couplings(const EngineScene& scene, const std::string& engine) {
+  if (!scene.pads.empty()) throw UnsupportedScene(engine + ": has no pads of its own");
+  for (const EngineJoint& joint : scene.joints) {
+    if (joint.follows >= 0) throw UnsupportedScene(engine + ": joints cannot follow others");
+  }
+}
+
 /// Checks a scene. @throws std::invalid_argument naming body or joint and field.
 void validate(const EngineScene& scene);
 
 // What a plug-in exports, extern "C": prehend_engine_interface() returns kEngineInterface, and
 // prehend_create_engine() a new Engine.
-constexpr int kEngineInterface = 1;
+constexpr int kEngineInterface = 2;
 
 }  // namespace prehend::simulation::engines

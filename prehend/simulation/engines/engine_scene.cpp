@@ -39,6 +39,12 @@ void validate(const EngineScene& scene) {
     require(body.velocity.allFinite(), owner + "velocity", "finite");
     require(body.angular_velocity.allFinite(), owner + "angular_velocity", "finite");
     validate_shape(body.shape, owner);
+    require(body.X_BS.matrix().allFinite(), owner + "X_BS", "finite");
+    require(body.moments.allFinite() && body.moments.minCoeff() >= 0 &&
+                (body.moments.isZero(0) || body.moments.minCoeff() > 0),
+            owner + "moments", "three positive numbers, or zero for those of the shape");
+    require(!body.moments.isZero(0) || body.X_BS.matrix().isIdentity(1e-12), owner + "moments",
+            "given when the shape is not centred at the body's origin");
   }
   const int count = static_cast<int>(scene.bodies.size());
   std::vector<bool> joined(scene.bodies.size(), false);
@@ -53,6 +59,12 @@ void validate(const EngineScene& scene) {
     require(joint.axis_W.allFinite() && std::abs(joint.axis_W.norm() - 1) < 1e-9, owner + "axis_W",
             "a unit vector");
     require(joint.anchor_W.allFinite(), owner + "anchor_W", "finite");
+    require(!scene.bodies[joint.body].is_fixed, owner + "body", "a body that is not fixed");
+    require(joint.follows >= -1 && joint.follows < static_cast<int>(j), owner + "follows",
+            "-1 or an earlier joint");
+    require(joint.follows < 0 || scene.joints[joint.follows].follows < 0, owner + "follows",
+            "a joint that follows none");
+    require(std::isfinite(joint.ratio), owner + "ratio", "finite");
   }
   for (std::size_t p = 0; p < scene.pads.size(); ++p) {
     const std::string owner = "pad " + std::to_string(p) + ".";

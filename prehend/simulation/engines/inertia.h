@@ -32,4 +32,9 @@ inline Eigen::Vector3d principal_inertia(const EngineShape& shape, double mass) 
   return Eigen::Vector3d::Zero();
 }
 
+/// That of a body: as given, or of its shape.
+inline Eigen::Vector3d principal_inertia(const EngineBody& body) {
+  return body.moments.isZero(0) ? principal_inertia(body.shape, body.mass) : body.moments;
+}
+
 }  // namespace prehend::simulation::engines

@@ -1,6 +1,6 @@
 // The plug-in for MuJoCo. Solvers: `default`, and `noslip` with elliptic cones and post-processing
 // of friction.
-// A pad becomes one small ball for each texel, with MuJoCo's own softness.
+// A pad by PadMethod::kOwnContacts becomes one small ball for each texel, with MuJoCo's softness.
 
 #include <algorithm>
 #include <cstring>
@@ -58,6 +58,9 @@ class MujocoEngine : public Engine {
   std::vector<std::string> solvers() const override { return {"default", "noslip"}; }
 
   void load(const EngineScene& scene) override {
+    if (scene.pad_method == PadMethod::kTexelLaw || scene.pads.empty()) {
+      refuse_pads_and_couplings(scene, "mujoco");
+    }
     clear();
     scene_ = scene;
     const std::string xml = document();
@@ -227,8 +230,8 @@ class MujocoEngine : public Engine {
         xml << "<freejoint/>";
       }
       xml << "<inertial pos=\"0 0 0\" mass=\"" << body.mass << "\" diaginertia=\""
-          << text(principal_inertia(body.shape, body.mass)) << "\"/><geom name=\"geom" << i << "\" "
-          << geometry_of(body.shape) << "/>";
+          << text(principal_inertia(body)) << "\"/><geom name=\"geom" << i << "\" "
+          << pose(body.X_BS) << ' ' << geometry_of(body.shape) << "/>";
       write_texels(i, xml);
       write_children(i, xml);
       xml << "</body>";
@@ -263,7 +266,9 @@ class MujocoEngine : public Engine {
       int joint = -1;
       return !scene_.bodies[i].is_fixed || joint_of(i, joint);
     };
+    const auto passes = [&](int i) { return !scene_.bodies[i].collides; };
     for (int a = 0; a < count; ++a) {
+      if (passes(a)) continue;
       if (scene_.ground && moves(a) && !has_pads(a)) {
         write_pair("ground", "geom" + std::to_string(a),
                    std::min(scene_.ground_friction, scene_.bodies[a].friction), xml);
@@ -271,6 +276,7 @@ class MujocoEngine : public Engine {
       for (int b = a + 1; b < count; ++b) {
         int joint = -1;
         const EngineJoint* to_parent = joint_of(b, joint);
+        if (passes(b)) continue;
         if ((!moves(a) && !moves(b)) || (to_parent && to_parent->parent == a)) continue;
         if (has_pads(a) && has_pads(b)) continue;
         const double friction = std::min(scene_.bodies[a].friction, scene_.bodies[b].friction);

@@ -67,13 +67,16 @@ void visit_state(State& state, Visit visit) {
 std::string NativeEngine::version() const { return "prehend, " + contact::vector_target(); }
 
 void NativeEngine::load(const EngineScene& scene) {
+  if (scene.pad_method != PadMethod::kTexelLaw) {
+    throw UnsupportedScene("native: its pads follow the texel law");
+  }
   scene_ = scene;
   free_body_ = -1;
   std::vector<int> joint_of(scene.bodies.size(), -1);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const EngineJoint& joint = scene.joints[j];
-    if (joint.kind != EngineJoint::Kind::kPrismatic || joint.parent != -1) {
-      throw UnsupportedScene("native: only prismatic joints to the world");
+    if (joint.kind != EngineJoint::Kind::kPrismatic || joint.parent != -1 || joint.follows >= 0) {
+      throw UnsupportedScene("native: only prismatic joints to the world that follow none");
     }
     joint_of[joint.body] = static_cast<int>(j);
   }
@@ -94,10 +97,13 @@ void NativeEngine::load(const EngineScene& scene) {
   if (free_body_ < 0) throw UnsupportedScene("native: needs a free body");
 
   const EngineBody& body = scene.bodies[free_body_];
+  if (!body.X_BS.matrix().isIdentity(0) || !body.collides) {
+    throw UnsupportedScene("native: the free body's shape must be centred at it and collide");
+  }
   GraspModel model;
   model.gravity = scene.gravity;
   model.mass = body.mass;
-  model.inertia = principal_inertia(body.shape, body.mass).asDiagonal();
+  model.inertia = principal_inertia(body).asDiagonal();
   model.shape = shape_of(body.shape);
   model.X_WB = body.X_WB;
   if (scene.ground) {

@@ -1,5 +1,4 @@
 // The plug-in for the Open Dynamics Engine. Solvers: `quickstep` (iterative) and `step` (direct).
-// It has no pads.
 
 #include <algorithm>
 #include <array>
@@ -30,7 +29,7 @@ class OdeEngine : public Engine {
   std::vector<std::string> solvers() const override { return {"quickstep", "step"}; }
 
   void load(const EngineScene& scene) override {
-    if (!scene.pads.empty()) throw UnsupportedScene("ode: has no pads");
+    refuse_pads_and_couplings(scene, "ode");
     direct_ = scene.solver == "step";
     if (!scene.solver.empty() && !direct_ && scene.solver != "quickstep") {
       throw UnsupportedScene("ode: solver '" + scene.solver + "' is none of quickstep, step");
@@ -101,8 +100,6 @@ class OdeEngine : public Engine {
                ? dJointGetSliderPosition(joints_[joint])
                : dJointGetHingeAngle(joints_[joint]);
   }
-
-  std::vector<double> pad_forces(int) const override { throw UnsupportedScene("ode: has no pads"); }
 
   std::vector<double> save() const override {
     std::vector<double> state(forces_);
@@ -176,7 +173,7 @@ class OdeEngine : public Engine {
     dBodyID id = nullptr;
     if (!body.is_fixed) {
       id = dBodyCreate(world_);
-      const Eigen::Vector3d inertia = principal_inertia(shape, body.mass);
+      const Eigen::Vector3d inertia = principal_inertia(body);
       dMass mass;
       dMassSetParameters(&mass, body.mass, 0, 0, 0, inertia.x(), inertia.y(), inertia.z(), 0, 0, 0);
       dBodySetMass(id, &mass);
@@ -185,9 +182,24 @@ class OdeEngine : public Engine {
       dBodySetAngularVel(id, body.angular_velocity.x(), body.angular_velocity.y(),
                          body.angular_velocity.z());
     }
-    dGeomSetPosition(geom, p.x(), p.y(), p.z());
-    dGeomSetQuaternion(geom, quaternion);
+    if (id) {
+      dBodySetPosition(id, p.x(), p.y(), p.z());
+      dBodySetQuaternion(id, quaternion);
+      place(geom, body.X_BS, dGeomSetOffsetPosition, dGeomSetOffsetQuaternion);
+    } else {
+      place(geom, body.X_WB * body.X_BS, dGeomSetPosition, dGeomSetQuaternion);
+    }
+    if (!body.collides) dGeomDisable(geom);
     bodies_.push_back(id);
+  }
+
+  template <class SetPosition, class SetQuaternion>
+  static void place(dGeomID geom, const geometry::RigidTransform& X, SetPosition set_position,
+                    SetQuaternion set_quaternion) {
+    const Eigen::Quaterniond q(X.linear());
+    const dQuaternion quaternion{q.w(), q.x(), q.y(), q.z()};
+    set_position(geom, X.translation().x(), X.translation().y(), X.translation().z());
+    set_quaternion(geom, quaternion);
   }
 
   void add_joint(const EngineJoint& joint) {
