@@ -36,19 +36,24 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
     for (const std::string& solver : registry.create(name)->solvers()) {
       contenders.push_back({name, solver, name == "native"});
     }
+    // With pads in sub-steps the engine's contact solver has nothing to do: one will do.
+    if (name != "native") contenders.push_back({name, registry.create(name)->solvers()[0], true});
   }
   const std::vector<double> masses{0.01, 0.05, 0.3, 1, 3, 10};
   const std::vector<double> steps = options.quick
                                         ? std::vector<double>{1e-2, 1e-3}
                                         : std::vector<double>{1e-2, 5e-3, 1e-3, 5e-4, 1e-4};
+  // Sub-steps are of one length whatever the step, and take long.
+  const std::vector<double> substepped_steps{1e-2, 1e-3};
   Findings findings;
   findings.title = "hold test";
   std::vector<Row> cells, sums;
   for (const Contender& contender : contenders) {
-    int held = 0, still = 0;
+    int held = 0, still = 0, cell_count = 0;
+    const bool substepped = contender.pads && contender.engine != "native";
     double worst_slip = 0, time = 0;
     for (const double mass : masses) {
-      for (const double step : steps) {
+      for (const double step : substepped ? substepped_steps : steps) {
         HoldTest test;
         test.mass = mass;
         test.step = step;
@@ -56,6 +61,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
         test.pads = contender.pads;
         const auto engine = registry.create(contender.engine);
         const HoldResult result = run_hold(*engine, test);
+        ++cell_count;
         held += result.held;
         still += result.held && std::abs(result.slip) < 1e-6;
         if (result.held) worst_slip = std::max(worst_slip, std::abs(result.slip));
@@ -63,7 +69,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
         cells.push_back(table_row(contender, test, result));
       }
     }
-    const auto count = static_cast<double>(masses.size() * steps.size());
+    const auto count = static_cast<double>(cell_count);
     sums.push_back({{"engine", contender.engine},
                     {"solver", contender.solver},
                     {"pads", contender.pads},
@@ -74,7 +80,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
                     {"mean_us_per_step", 1e6 * time / count}});
     findings.summary.push_back(
         {contender.engine + " " + contender.solver + (contender.pads ? " with pads" : ""),
-         std::to_string(held) + " of " + std::to_string(static_cast<int>(count)) + " held, " +
+         std::to_string(held) + " of " + std::to_string(cell_count) + " held, " +
              std::to_string(still) + " within 1 um"});
   }
   for (const auto& problem : registry.problems()) {

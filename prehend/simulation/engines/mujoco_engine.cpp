@@ -195,7 +195,7 @@ class MujocoEngine : public Engine {
       throw UnsupportedScene("mujoco: solver '" + solver + "' is none of default, noslip");
     }
     xml << "<mujoco><compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\"/>"
-        << "<size nconmax=\"2000\" njmax=\"8000\"/>"
+        << (scene_.pads.empty() ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
         << "<option timestep=\"" << scene_.step << "\" gravity=\"" << text(scene_.gravity) << '"'
         << (solver == "noslip"
                 ? " noslip_iterations=\"50\" noslip_tolerance=\"1e-12\" cone=\"elliptic\""

@@ -4,26 +4,13 @@
 
 #include "prehend/contact/pad_kernel.h"
 #include "prehend/simulation/engines/inertia.h"
+#include "prehend/simulation/engines/pad_contact.h"
 
 namespace prehend::simulation::engines {
 namespace {
 
 using contact::GraspModel;
 using contact::GraspState;
-
-contact::Shape shape_of(const EngineShape& shape) {
-  switch (shape.kind) {
-    case EngineShape::Kind::kBox:
-      return contact::Shape::box(shape.size);
-    case EngineShape::Kind::kSphere:
-      return contact::Shape::sphere(shape.radius);
-    case EngineShape::Kind::kCylinder:
-      return contact::Shape::cylinder(shape.radius, shape.length);
-    case EngineShape::Kind::kCapsule:
-      return contact::Shape::capsule(shape.radius, shape.length);
-  }
-  throw std::logic_error("an EngineShape of no kind");
-}
 
 // Points by which a box stands on the ground.
 std::vector<Eigen::Vector3d> support_points(const EngineShape& shape) {
@@ -104,7 +91,7 @@ void NativeEngine::load(const EngineScene& scene) {
   model.gravity = scene.gravity;
   model.mass = body.mass;
   model.inertia = principal_inertia(body).asDiagonal();
-  model.shape = shape_of(body.shape);
+  model.shape = felt_shape(body.shape);
   model.X_WB = body.X_WB;
   if (scene.ground) {
     model.ground = contact::stiff_ground(body.mass, std::min(body.friction, scene.ground_friction),
@@ -117,13 +104,8 @@ void NativeEngine::load(const EngineScene& scene) {
   }
   for (const EnginePad& pad : scene.pads) {
     const EngineBody& carrier = scene.bodies[pad.body];
-    contact::PadMount mount{contact::PadLayout::flat(pad.grid), pad.law, carrier.X_WB * pad.X_BP,
-                            joint_of[pad.body], Eigen::Vector3d::Zero()};
-    const double friction = std::min(body.friction, carrier.friction);
-    const double ratio =
-        pad.law.static_friction > 0 ? pad.law.dynamic_friction / pad.law.static_friction : 1.0;
-    mount.law.static_friction = friction;
-    mount.law.dynamic_friction = ratio * friction;
+    contact::PadMount mount{contact::PadLayout::flat(pad.grid), mounted_law(pad, carrier, body),
+                            carrier.X_WB * pad.X_BP, joint_of[pad.body], Eigen::Vector3d::Zero()};
     if (mount.slide >= 0) mount.direction_G = scene.joints[mount.slide].axis_W;
     model.pads.push_back(std::move(mount));
   }

@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 
 #include "prehend/simulation/engines/native_engine.h"
+#include "prehend/simulation/engines/substepped_pads.h"
 
 namespace prehend::simulation::engines {
 namespace {
@@ -85,7 +86,11 @@ bool EngineRegistry::has(const std::string& name) const {
 
 std::unique_ptr<Engine> EngineRegistry::create(const std::string& name) const {
   for (const Entry& entry : entries_) {
-    if (entry.name == name) return std::unique_ptr<Engine>(entry.create());
+    if (entry.name != name) continue;
+    std::unique_ptr<Engine> engine(entry.create());
+    // `native` couples pads itself.
+    if (entry.create == create_native) return engine;
+    return std::make_unique<SubsteppedPads>(std::move(engine));
   }
   std::string known;
   for (const Entry& entry : entries_) known += (known.empty() ? "" : ", ") + entry.name;
