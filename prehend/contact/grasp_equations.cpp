@@ -6,15 +6,6 @@
 #include "prehend/contact/rotation.h"
 
 namespace prehend::contact {
-namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 // Momentum at the start, gravity, drives. Angular momentum is what is conserved: the inertia at the
 // end multiplies the solved angular velocity.
@@ -36,47 +27,24 @@ void GraspSystem::start_equations(const GraspState& base, double h, const Guess&
   }
   for (std::size_t i = 0; i < slide_work_.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(6 + i);
-    matrix_(row, row) = model_.slides[i].mass + h * slide_work_[i].slope;
-    right_[row] = model_.slides[i].mass * base.slide_velocity[i] + h * slide_work_[i].offset;
+    matrix_(row, row) = model_.slides[i].mass + h * slide_work_[i].slope();
+    right_[row] = model_.slides[i].mass * base.slide_velocity[i] + h * slide_work_[i].offset();
   }
 }
 
 void GraspSystem::add_pad(const PadWork& work, int slide, double h, const Eigen::Vector3d& p_WB) {
-  // Into the world's axes, still about P's origin.
-  const Eigen::Matrix3d& R = work.R_WP;
-  Matrix6 A;
-  A.topLeftCorner<3, 3>() = R * work.response.resistance.topLeftCorner<3, 3>() * R.transpose();
-  A.topRightCorner<3, 3>() = R * work.response.resistance.topRightCorner<3, 3>() * R.transpose();
-  A.bottomRightCorner<3, 3>() =
-      R * work.response.resistance.bottomRightCorner<3, 3>() * R.transpose();
-  A.bottomLeftCorner<3, 3>() = A.topRightCorner<3, 3>().transpose();
-  Vector6 wrench;
-  wrench.head<3>() = R * work.response.constant.head<3>();
-  wrench.tail<3>() = R * work.response.constant.tail<3>();
-  Vector6 carrier;
-  carrier << work.carrier_linear, work.angular_W;
-  wrench += A * carrier;
-
-  // T moves a twist from the centre of mass to P's origin.
-  const Eigen::Matrix3d S = cross_matrix(work.p_WP - p_WB);
-  Matrix6 AT = A;
-  AT.rightCols<3>() -= A.leftCols<3>() * S;
+  const PadBlocks blocks = pad_blocks(work.place, work.response, h, p_WB);
   if (!model_.body_is_fixed) {
-    Matrix6 TAT = AT;
-    TAT.bottomRows<3>() += S * AT.topRows<3>();
-    matrix_.topLeftCorner<6, 6>() += h * TAT;
-    right_.segment<3>(0) += h * wrench.head<3>();
-    right_.segment<3>(3) += h * (wrench.tail<3>() + S * wrench.head<3>());
+    matrix_.topLeftCorner<6, 6>() += blocks.body_body;
+    right_.head<6>() += blocks.body_right;
   }
   if (slide < 0) return;
   const Eigen::Index row = 6 + slide;
-  const Eigen::Vector3d& d = work.direction_W;
-  matrix_(row, row) += h * d.dot(A.topLeftCorner<3, 3>() * d);
-  right_[row] -= h * d.dot(wrench.head<3>());
+  matrix_(row, row) += blocks.slide_slide;
+  right_[row] -= blocks.slide_right;
   if (model_.body_is_fixed) return;
-  const Eigen::Matrix<double, 1, 6> coupling = h * d.transpose() * AT.topRows<3>();
-  matrix_.block<1, 6>(row, 0) -= coupling;
-  matrix_.block<6, 1>(0, row) -= coupling.transpose();
+  matrix_.block<1, 6>(row, 0) -= blocks.slide_body;
+  matrix_.block<6, 1>(0, row) -= blocks.slide_body.transpose();
 }
 
 void GraspSystem::add_ground(double h) {

@@ -75,13 +75,10 @@ void GraspSystem::explicit_euler(const GraspState& base, double h, GraspState& e
   wrench.head<3>() += model_.mass * model_.gravity;
   const Guess now = guess_from(base);
   for (std::size_t i = 0; i < slide_work_.size(); ++i) {
-    const int slide = static_cast<int>(i);
-    const double servo =
-        servo_force(slide, base.time, base.slide_position[i], base.slide_velocity[i]);
     end.slide_force[i] =
-        commands_[i].force + std::clamp(servo, -commands_[i].limit, commands_[i].limit);
+        slide_work_[i].drive_force(base.time, base.slide_position[i], base.slide_velocity[i]);
     const Eigen::Vector2d z(base.slide_bristle[i], 0), v(base.slide_velocity[i], 0);
-    const TexelLaw& law = slide_friction_[i];
+    const TexelLaw& law = slide_work_[i].friction();
     double friction = law.viscous_friction * v.x();
     if (law.static_friction > 0) {
       const Eigen::Vector2d rate = bristle_rate(law, z, v, 1);
@@ -94,19 +91,16 @@ void GraspSystem::explicit_euler(const GraspState& base, double h, GraspState& e
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     const PadMount& mount = model_.pads[k];
     PadWork& work = pad_work_[k];
-    geometry::RigidTransform X_WP = geometry::RigidTransform::Identity();
-    X_WP.linear() = work.R_WP;
-    X_WP.translation() = work.p_WP;
-    find_depths(mount.layout, work.reach, model_.shape, X_WP.inverse(Eigen::Isometry) * base.X_WB(),
-                0, end.pads[k], options_.gated);
-    const Vector6 felt = explicit_step(mount.layout, mount.law, h,
-                                       twist_on(work, mount.slide, now, base.p_WB), end.pads[k]);
-    const Eigen::Vector3d force = work.R_WP * felt.head<3>();
+    find_depths(mount.layout, work.reach, model_.shape, work.place.X_PW() * base.X_WB(), 0,
+                end.pads[k], options_.gated);
+    const Vector6 felt = explicit_step(mount.layout, mount.law, h, twist_on(k, now, base.p_WB),
+                                       end.pads[k]);
+    const Eigen::Vector3d force = work.place.R_WP * felt.head<3>();
     wrench.head<3>() += force;
-    wrench.tail<3>() += work.R_WP * felt.tail<3>() + (work.p_WP - base.p_WB).cross(force);
+    wrench.tail<3>() += work.place.R_WP * felt.tail<3>() + (work.place.p_WP - base.p_WB).cross(force);
     if (mount.slide >= 0) {
       end.slide_velocity[mount.slide] -=
-          h * work.direction_W.dot(force) / model_.slides[mount.slide].mass;
+          h * work.place.direction_W.dot(force) / model_.slides[mount.slide].mass;
     }
   }
   const Eigen::Matrix3d R = base.q_WB.toRotationMatrix();

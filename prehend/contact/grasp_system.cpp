@@ -11,27 +11,6 @@
 #include "prehend/contact/texel.h"
 
 namespace prehend::contact {
-namespace {
-
-// Friction of a slide as a bristle under a normal force of 1 N.
-TexelLaw slide_friction_law(const SlideModel& slide) {
-  TexelLaw law;
-  law.static_friction = slide.static_friction;
-  law.dynamic_friction = slide.dynamic_friction;
-  law.viscous_friction = slide.viscous_friction;
-  law.stribeck_velocity = slide.stribeck_velocity;
-  law.bristle_stiffness = slide.bristle_stiffness;
-  law.bristle_damping = 2 * std::sqrt(slide.bristle_stiffness * slide.mass);
-  law.bristle_law = BristleLaw::kElastoPlastic;
-  law.return_map = true;
-  return law;
-}
-
-// A drive's force goes from one limit to the other and back in this many solutions at most.
-constexpr int kMostCutChanges = 4;
-
-}  // namespace
-
 GraspSystem::GraspSystem(GraspModel model, const SolveOptions& options)
     : model_(std::move(model)), options_(options) {
   validate(model_);
@@ -39,12 +18,7 @@ GraspSystem::GraspSystem(GraspModel model, const SolveOptions& options)
     pad_work_.emplace_back(pad.layout);
     gap_states_.emplace_back(pad.layout);
   }
-  commands_.resize(model_.slides.size());
-  command_times_.resize(model_.slides.size(), 0.0);
-  slide_work_.resize(model_.slides.size());
-  for (const SlideModel& slide : model_.slides) {
-    slide_friction_.push_back(slide_friction_law(slide));
-  }
+  for (const SlideModel& slide : model_.slides) slide_work_.emplace_back(slide);
   if (!model_.shape.bounds().isEmpty()) {
     body_radius_ = model_.shape.bounds()
                        .min()
@@ -81,9 +55,7 @@ void GraspSystem::set_command(int slide, const SlideCommand& command, double tim
   if (slide < 0 || slide >= static_cast<int>(model_.slides.size())) {
     throw std::invalid_argument("GraspSystem: there is no slide " + std::to_string(slide));
   }
-  validate(command);
-  commands_[slide] = command;
-  command_times_[slide] = time;
+  slide_work_[slide].set_command(command, time);
 }
 
 void GraspSystem::set_gripper_motion(const GripperMotion& motion) {
@@ -121,22 +93,13 @@ double GraspSystem::change(const Guess& a, const Guess& b) const {
   return most;
 }
 
-// The gripper at the step's start is where its velocity at the end would have it come from, so that
-// the end is exact.
 void GraspSystem::place_pads(const GraspState& base, double h, double t_end) {
   const geometry::RigidTransform X_WG = motion_.pose_at(t_end);
   const Eigen::Vector3d velocity = motion_.velocity_at(t_end);
-  const Eigen::Matrix3d back = rotation_by(-h * motion_.angular_velocity).toRotationMatrix();
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     const PadMount& mount = model_.pads[k];
-    PadWork& work = pad_work_[k];
-    const double q = mount.slide >= 0 ? base.slide_position[mount.slide] : 0.0;
-    const Eigen::Vector3d arm = X_WG.linear() * (mount.X_GP.translation() + q * mount.direction_G);
-    work.carrier_linear = velocity + motion_.angular_velocity.cross(arm);
-    work.angular_W = motion_.angular_velocity;
-    work.p_WP = X_WG.translation() + arm - h * work.carrier_linear;
-    work.R_WP = back * X_WG.linear() * mount.X_GP.linear();
-    work.direction_W = X_WG.linear() * mount.direction_G;
+    pad_work_[k].place = place_pad(mount, X_WG, velocity, motion_.angular_velocity,
+                                   mount.slide >= 0 ? base.slide_position[mount.slide] : 0.0, h);
   }
 }
 
@@ -156,24 +119,20 @@ void GraspSystem::find_all_depths(const GraspState& base, double h, const Guess&
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     PadWork& work = pad_work_[k];
     const PadMount& mount = model_.pads[k];
-    geometry::RigidTransform X_PW = geometry::RigidTransform::Identity();
-    X_PW.linear() = work.R_WP.transpose();
-    X_PW.translation() = -(X_PW.linear() * work.p_WP);
     // As far as speeds, gravity and the drive can bring it within the step. What one pad's touch
     // adds to the approach to another is met in the next step.
-    const Vector6 twist = twist_on(work, mount.slide, guess, base.p_WB);
+    const Vector6 twist = twist_on(k, guess, base.p_WB);
     double acceleration = model_.gravity.norm();
     if (mount.slide >= 0) {
-      const SlideCommand& command = commands_[mount.slide];
-      const double servo = servo_force(mount.slide, base.time, base.slide_position[mount.slide],
-                                       guess.slides[mount.slide]);
-      acceleration += (std::abs(command.force) + std::min(command.limit, std::abs(servo))) /
-                      model_.slides[mount.slide].mass * work.direction_W.norm();
+      acceleration +=
+          slide_work_[mount.slide].most_force(base.time, base.slide_position[mount.slide],
+                                              guess.slides[mount.slide]) /
+          model_.slides[mount.slide].mass * work.place.direction_W.norm();
     }
     const double look_ahead =
         2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_ + h * acceleration);
     work.near =
-        find_depths(mount.layout, work.reach, model_.shape, X_PW * X_WB, look_ahead, end.pads[k],
+        find_depths(mount.layout, work.reach, model_.shape, work.place.X_PW() * X_WB, look_ahead, end.pads[k],
                     options_.gated, options_.reuse_triangles ? &work.hits : nullptr);
   }
 }
@@ -207,11 +166,9 @@ void GraspSystem::correct_depths(const GraspState& base, double h, double t_end,
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     PadWork& work = pad_work_[k];
     const PadMount& mount = model_.pads[k];
-    const double slide = mount.slide >= 0 ? guess.slides[mount.slide] : 0.0;
-    geometry::RigidTransform X_WP = geometry::RigidTransform::Identity();
-    X_WP.linear() = R_WG * mount.X_GP.linear();
-    X_WP.translation() = work.p_WP + h * (work.carrier_linear + slide * work.direction_W);
-    const Vector6 twist = twist_on(work, mount.slide, guess, base.p_WB);
+    const geometry::RigidTransform X_WP =
+        work.place.X_WP_at_end(mount, R_WG, h, slide_velocity(mount, guess));
+    const Vector6 twist = twist_on(k, guess, base.p_WB);
     PadState& pad = end.pads[k];
     const double look_ahead =
         2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_);
@@ -228,15 +185,11 @@ void GraspSystem::correct_depths(const GraspState& base, double h, double t_end,
   }
 }
 
-Vector6 GraspSystem::twist_on(const PadWork& work, int slide, const Guess& guess,
+Vector6 GraspSystem::twist_on(std::size_t pad, const Guess& guess,
                               const Eigen::Vector3d& p_WB) const {
-  Vector6 twist;
-  Eigen::Vector3d linear =
-      guess.velocity + guess.angular_velocity.cross(work.p_WP - p_WB) - work.carrier_linear;
-  if (slide >= 0) linear -= guess.slides[slide] * work.direction_W;
-  twist.head<3>() = work.R_WP.transpose() * linear;
-  twist.tail<3>() = work.R_WP.transpose() * (guess.angular_velocity - work.angular_W);
-  return twist;
+  const PadMount& mount = model_.pads[pad];
+  return relative_twist(mount, pad_work_[pad].place, slide_velocity(mount, guess), guess.velocity,
+                        guess.angular_velocity, p_WB);
 }
 
 void GraspSystem::prepare_ground(const GraspState& base, double h, const Guess& guess) {
@@ -269,53 +222,16 @@ void GraspSystem::linearise_ground(const GraspState& base, double h, const Guess
   }
 }
 
-double GraspSystem::servo_force(int slide, double t, double q, double v) const {
-  const SlideCommand& command = commands_[slide];
-  const double reference = command.reference + (t - command_times_[slide]) * command.speed;
-  return command.stiffness * (reference - q) + command.damping * (command.speed - v);
-}
-
-// Whether the servos' forces are cut, judged at `guess`; true when that has changed. The force of a
-// servo falls with the velocity and the solution without cut tells on which side the cut is; so
-// from one limit to the other it goes by way of no cut, and settles.
+// Whether the servos' forces are cut, judged at `guess`; true when that has changed.
 bool GraspSystem::update_saturation(const GraspState& base, double h, double t_end,
                                     const Guess& guess, bool first) {
   bool changed = false;
   for (std::size_t i = 0; i < slide_work_.size(); ++i) {
-    const double v = guess.slides[i];
-    const double servo = servo_force(static_cast<int>(i), t_end, base.slide_position[i] + h * v, v);
-    int next = servo > commands_[i].limit ? 1 : servo < -commands_[i].limit ? -1 : 0;
-    if (!first && next * slide_work_[i].saturation < 0) next = 0;
-    changed = changed || next != slide_work_[i].saturation;
-    slide_work_[i].saturation = next;
+    changed = slide_work_[i].update_saturation(base.slide_position[i], h, t_end, guess.slides[i],
+                                               first) ||
+              changed;
   }
   return changed;
-}
-
-void GraspSystem::linearise_slides(const GraspState& base, double h, double t_end,
-                                   const Guess& guess) {
-  for (std::size_t i = 0; i < slide_work_.size(); ++i) {
-    const int slide = static_cast<int>(i);
-    const SlideCommand& command = commands_[i];
-    SlideWork& work = slide_work_[i];
-    const double v = guess.slides[i], q = base.slide_position[i];
-    work.slope = 0;
-    work.offset = command.force;
-    if (work.saturation != 0) {
-      work.offset += work.saturation * command.limit;
-    } else {
-      work.offset += servo_force(slide, t_end, q, 0);
-      work.slope = h * command.stiffness + command.damping;
-    }
-    const double z = base.slide_bristle[i], trial = z + h * v;
-    LinearisedContact friction;
-    friction.tangential_damping = model_.slides[i].viscous_friction;
-    linearise_friction(slide_friction_[i], h, 1, std::abs(v), std::abs(trial), trial * v > 0,
-                       friction);
-    work.offset -= friction.bristle_gain * z;
-    work.slope += friction.tangential_damping;
-    work.inverse_decay = 1 / friction.decay;
-  }
 }
 
 void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
@@ -337,14 +253,17 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
       corrected = true;
     }
     linearise_ground(base, h, guess);
-    linearise_slides(base, h, t_end, guess);
+    for (std::size_t i = 0; i < slide_work_.size(); ++i) {
+      slide_work_[i].linearise(base.slide_position[i], base.slide_bristle[i], h, t_end,
+                               guess.slides[i]);
+    }
     start_equations(base, h, guess);
     for (std::size_t k = 0; k < pad_work_.size(); ++k) {
       PadWork& work = pad_work_[k];
       if (!work.near) continue;
       const PadMount& mount = model_.pads[k];
-      respond(mount.layout, mount.law, h, twist_on(work, mount.slide, guess, base.p_WB),
-              end.pads[k], work.scratch, work.response);
+      respond(mount.layout, mount.law, h, twist_on(k, guess, base.p_WB), end.pads[k], work.scratch,
+              work.response);
       if (work.response.pressing > 0) add_pad(work, mount.slide, h, base.p_WB);
     }
     add_ground(h);
@@ -353,7 +272,7 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
     const double moved = change(solved, guess);
     guess = solved;
     const bool cut_changed = update_saturation(base, h, t_end, guess, false);
-    if (cut_changed && iterations_ < options_.most_iterations + kMostCutChanges) continue;
+    if (cut_changed && iterations_ < options_.most_iterations + SlideStep::kMostCutChanges) continue;
     if (moved < options_.velocity_tolerance || iterations_ >= options_.most_iterations) break;
   }
   finish(base, h, t_end, guess, end);
@@ -375,8 +294,7 @@ void GraspSystem::finish(const GraspState& base, double h, double t_end, const G
       }
       continue;
     }
-    advance(model_.pads[k].layout, model_.pads[k].law, h,
-            twist_on(pad_work_[k], model_.pads[k].slide, solved, base.p_WB), pad,
+    advance(model_.pads[k].layout, model_.pads[k].law, h, twist_on(k, solved, base.p_WB), pad,
             pad_work_[k].scratch);
   }
   for (std::size_t i = 0; i < ground_work_.size(); ++i) {
@@ -394,10 +312,8 @@ void GraspSystem::finish(const GraspState& base, double h, double t_end, const G
     const double v = solved.slides[i];
     end.slide_velocity[i] = v;
     end.slide_position[i] = base.slide_position[i] + h * v;
-    end.slide_bristle[i] = slide_work_[i].inverse_decay * (base.slide_bristle[i] + h * v);
-    const double servo = servo_force(static_cast<int>(i), t_end, end.slide_position[i], v);
-    end.slide_force[i] =
-        commands_[i].force + std::clamp(servo, -commands_[i].limit, commands_[i].limit);
+    end.slide_bristle[i] = slide_work_[i].advanced_bristle(base.slide_bristle[i], h, v);
+    end.slide_force[i] = slide_work_[i].drive_force(t_end, end.slide_position[i], v);
   }
 }
 

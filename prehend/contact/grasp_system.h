@@ -7,8 +7,10 @@
 #include <Eigen/Geometry>
 
 #include "prehend/contact/grasp_model.h"
+#include "prehend/contact/pad_contact.h"
 #include "prehend/contact/pad_kernel.h"
 #include "prehend/contact/pad_state.h"
+#include "prehend/contact/slide_step.h"
 
 namespace prehend::contact {
 
@@ -98,23 +100,14 @@ class GraspSystem {
     PadReach reach;
     PadScratch scratch;
     PadResponse response;
-    MeshHits hits, end_hits;         // at the step's start, at its end
-    bool near = false;               // some ray meets the body
-    Eigen::Matrix3d R_WP;            // at the step's start
-    Eigen::Vector3d p_WP;            // m
-    Eigen::Vector3d carrier_linear;  // m/s, of P's origin by the gripper's motion at the end
-    Eigen::Vector3d angular_W;       // rad/s, of the gripper at the end
-    Eigen::Vector3d direction_W;     // of the slide
+    MeshHits hits, end_hits;  // at the step's start, at its end
+    bool near = false;        // some ray meets the body
+    PadPlacement place;
   };
   struct GroundWork {
     Eigen::Vector3d arm;  // m, from the centre of mass, world
     double depth = 0;     // m
     double offset = 0, normal = 0, gain = 0, drag = 0, inverse_decay = 0;
-  };
-  struct SlideWork {
-    double offset = 0, slope = 0;  // N, N s/m: force = offset - slope v
-    double inverse_decay = 0;
-    int saturation = 0;  // of the servo's part: 0 not cut, +1 or -1 at the limit
   };
 
   struct Guess {
@@ -125,31 +118,28 @@ class GraspSystem {
   Guess guess_from(const Vector& u) const;
   double change(const Guess& a, const Guess& b) const;  // m/s
 
+  double slide_velocity(const PadMount& mount, const Guess& guess) const {
+    return mount.slide >= 0 ? guess.slides[mount.slide] : 0.0;
+  }
   void place_pads(const GraspState& base, double h, double t_end);
   void find_all_depths(const GraspState& base, double h, const Guess& guess, GraspState& end);
   void correct_depths(const GraspState& base, double h, double t_end, const Guess& guess,
                       GraspState& end);
   bool moves_too_far(double h, double t_end, const Guess& guess) const;
-  Vector6 twist_on(const PadWork& work, int slide, const Guess& guess,
-                   const Eigen::Vector3d& p_WB) const;
+  Vector6 twist_on(std::size_t pad, const Guess& guess, const Eigen::Vector3d& p_WB) const;
   void prepare_ground(const GraspState& base, double h, const Guess& guess);
   void linearise_ground(const GraspState& base, double h, const Guess& guess);
   bool update_saturation(const GraspState& base, double h, double t_end, const Guess& guess,
                          bool first);
-  void linearise_slides(const GraspState& base, double h, double t_end, const Guess& guess);
   void start_equations(const GraspState& base, double h, const Guess& guess);
   void add_pad(const PadWork& work, int slide, double h, const Eigen::Vector3d& p_WB);
   void add_ground(double h);
   void finish(const GraspState& base, double h, double t_end, const Guess& solved, GraspState& end);
   const Eigen::Vector3d& ground_bristle(std::size_t i) const { return (*base_bristles_)[i]; }
-  double servo_force(int slide, double t, double q, double v) const;  // N, not cut
-
+  
   GraspModel model_;
   SolveOptions options_;
   GripperMotion motion_;
-  std::vector<SlideCommand> commands_;
-  std::vector<double> command_times_;
-  std::vector<TexelLaw> slide_friction_;
   Vector6 body_wrench_ = Vector6::Zero();
   double body_radius_ = 0;    // m, of a ball round the centre of mass that holds the body
   double ground_radius_ = 0;  // m
@@ -157,7 +147,7 @@ class GraspSystem {
   std::vector<PadWork> pad_work_;
   std::vector<PadState> gap_states_;  // of gap()
   std::vector<GroundWork> ground_work_;
-  std::vector<SlideWork> slide_work_;
+  std::vector<SlideStep> slide_work_;
   bool ground_near_ = false;
   const std::vector<Eigen::Vector3d>* base_bristles_ = nullptr;  // of the step under way
   Matrix matrix_;
