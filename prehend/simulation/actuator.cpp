@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "prehend/contact/require.h"
+#include "prehend/simulation/trapezoid.h"
 
 namespace prehend::simulation {
 namespace {
@@ -40,6 +41,27 @@ SpindleDriveModel pg70_drive() {
   return model;
 }
 
+SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriveModel& rest) {
+  SpindleDriveModel model = rest;
+  model.max_speed = gripper.max_speed;
+  model.max_acceleration = gripper.max_acceleration;
+  model.nominal_current = gripper.nominal_current;
+  model.peak_current = gripper.max_current;
+  model.jaw_mass = gripper.jaw_mass;
+  const double stiction = rest.coulomb_friction > 0 ? rest.static_friction / rest.coulomb_friction
+                                                    : std::numeric_limits<double>::quiet_NaN();
+  model.coulomb_friction = gripper.friction_force;
+  model.static_friction = std::isfinite(stiction) ? stiction * gripper.friction_force
+                                                  : std::max(gripper.friction_force,
+                                                             rest.static_friction);
+  model.efficiency = gripper.force_per_current / (model.torque_constant * model.ratio());
+  contact::require(model.efficiency > 0 && model.efficiency <= 1, "force_per_current",
+                   "at most what the drive's torque_constant, gear_ratio and spindle_lead give "
+                   "without loss");
+  validate(model);
+  return model;
+}
+
 void validate(const SpindleDriveModel& model) {
   using contact::require;
   using contact::require_not_negative;
@@ -67,7 +89,7 @@ void validate(const SpindleDriveModel& model) {
   require_positive(model.thermal_resistance, "SpindleDriveModel::thermal_resistance");
   require_positive(model.thermal_capacity, "SpindleDriveModel::thermal_capacity");
   require(model.hottest > model.ambient, "SpindleDriveModel::hottest", "above ambient");
-  require_positive(model.position_gain, "SpindleDriveModel::position_gain");
+  require_positive(model.servo_stiffness, "SpindleDriveModel::servo_stiffness");
   require_positive(model.velocity_gain, "SpindleDriveModel::velocity_gain");
 }
 
@@ -78,8 +100,16 @@ SpindleDrive::SpindleDrive(const SpindleDriveModel& model)
 
 void SpindleDrive::command(ControlMode mode, double target) {
   if (!std::isfinite(target)) throw std::invalid_argument("an actuator's target must be finite");
+  if (mode != mode_) begins_ = true;
   mode_ = mode;
   target_ = target;
+}
+
+void SpindleDrive::set_limits(double current, double speed) {
+  contact::require_not_negative(current, "an actuator's current limit");
+  contact::require_not_negative(speed, "an actuator's speed limit");
+  most_current_ = current;
+  most_speed_ = speed;
 }
 
 double SpindleDrive::resistance() const {
@@ -87,7 +117,8 @@ double SpindleDrive::resistance() const {
 }
 
 double SpindleDrive::current_limit() const {
-  return temperature_ < model_.hottest ? model_.peak_current : model_.nominal_current;
+  const double able = temperature_ < model_.hottest ? model_.peak_current : model_.nominal_current;
+  return most_current_ > 0 ? std::min(able, most_current_) : able;
 }
 
 contact::SlideModel SpindleDrive::slide() const {
@@ -100,66 +131,93 @@ contact::SlideModel SpindleDrive::slide() const {
   return slide;
 }
 
-// Current i = a - b v; force K i. Voltage (supply and back-EMF) and current limits cut it.
+// The servo's reference over the coming step; `limit` is that of the force [N].
+void SpindleDrive::lead(double h, double position, double velocity, double limit) {
+  const double a = model_.max_acceleration;
+  if (begins_) {
+    // Bumpless: where it asks for the force that is there.
+    reference_ = position + model_.force_per_current() * current_ / model_.servo_stiffness;
+    speed_reference_ = velocity;
+    begins_ = false;
+  }
+  // Anti-windup: a slide that lags by more than the limit's deflection is blocked.
+  const double most_lead = 1.2 * limit / model_.servo_stiffness;
+  const double cut = std::clamp(reference_, position - most_lead, position + most_lead);
+  if (cut != reference_) {
+    reference_ = cut;
+    speed_reference_ = std::clamp(speed_reference_, velocity - a * h, velocity + a * h);
+  }
+  const double speed =
+      most_speed_ > 0 ? std::min(most_speed_, model_.max_speed) : model_.max_speed;
+  if (mode_ == ControlMode::kPosition) {
+    speed_reference_ =
+        next_trapezoid_speed(target_ - reference_, speed_reference_, speed, a, h);
+  } else {
+    const double wanted = std::clamp(target_, -speed, speed);
+    speed_reference_ += std::clamp(wanted - speed_reference_, -a * h, a * h);
+  }
+}
+
 contact::SlideCommand SpindleDrive::drive(double h, double position, double velocity) {
   const double K = model_.force_per_current(), emf = model_.torque_constant * model_.ratio();
-  const double R = resistance();
-  double offset = 0, slope = 0;  // A, A s/m
-  switch (mode_) {
-    case ControlMode::kCurrent:
-      offset = target_;
-      break;
-    case ControlMode::kVoltage: {
-      const double voltage = std::clamp(target_, -model_.supply, model_.supply);
-      offset = voltage / R;
-      slope = emf / R;
-      break;
+  const double R = resistance(), limit = current_limit();
+  last_ = {};
+  double present = 0;  // A, asked for at the present velocity
+  if (mode_ == ControlMode::kCurrent) {
+    present = std::clamp(target_, -limit, limit);
+    last_.force = K * present;
+  } else if (mode_ == ControlMode::kVoltage) {
+    const double voltage = std::clamp(target_, -model_.supply, model_.supply);
+    present = (voltage - emf * velocity) / R;
+    last_.force = K * voltage / R;
+    last_.damping = K * emf / R;
+    if (std::abs(present) > limit) {
+      present = std::copysign(limit, present);
+      last_.force = K * present;
+      last_.damping = 0;
     }
-    case ControlMode::kPosition:
-    case ControlMode::kVelocity: {
-      double wanted = target_;
-      if (mode_ == ControlMode::kPosition) {
-        const double distance = target_ - position;
-        // No faster than it can brake, and gently at the end.
-        const double brake = std::sqrt(2 * model_.max_acceleration * std::abs(distance));
-        wanted =
-            std::copysign(std::min(brake, model_.position_gain * std::abs(distance)), distance);
-      }
-      wanted = std::clamp(wanted, -model_.max_speed, model_.max_speed);
-      const double change = h * model_.max_acceleration;
-      speed_reference_ += std::clamp(wanted - speed_reference_, -change, change);
-      offset = model_.velocity_gain * speed_reference_ / K;
-      slope = model_.velocity_gain / K;
-      break;
+  } else {
+    const double before = begins_ ? velocity : speed_reference_;
+    lead(h, position, velocity, K * limit);
+    // None after a jump by the anti-windup.
+    const double acceleration = (speed_reference_ - before) / h;
+    const double most = model_.max_acceleration * (1 + 1e-9);
+    last_.stiffness = model_.servo_stiffness;
+    last_.reference = reference_;
+    if (std::abs(acceleration) <= most) {
+      last_.reference += model_.reflected_mass() * acceleration / model_.servo_stiffness;
     }
+    last_.damping = model_.velocity_gain;
+    last_.speed = speed_reference_;
+    last_.limit = K * limit;
+    const double servo = last_.stiffness * (last_.reference + h * last_.speed - position) +
+                         last_.damping * (last_.speed - velocity);
+    present = std::clamp(servo / K, -limit, limit);
   }
-  // Limits, judged at the present velocity.
-  const double present = offset - slope * velocity;
-  const double limit = current_limit();
+  // What supply and back-EMF allow, judged at the present velocity.
   const double driven = (model_.supply - emf * velocity) / R;
   const double braked = (-model_.supply - emf * velocity) / R;
-  if (present > std::min(limit, driven)) {
-    const bool by_voltage = driven < limit;
-    offset = by_voltage ? model_.supply / R : limit;
-    slope = by_voltage ? emf / R : 0;
-  } else if (present < std::max(-limit, braked)) {
-    const bool by_voltage = braked > -limit;
-    offset = by_voltage ? -model_.supply / R : -limit;
-    slope = by_voltage ? emf / R : 0;
+  if (present > driven || present < braked) {
+    last_ = {};
+    last_.force = std::copysign(K * model_.supply / R, present > driven ? 1.0 : -1.0);
+    last_.damping = K * emf / R;
   }
-  last_ = {};
-  last_.force = K * offset;
-  last_.damping = K * slope;
   return last_;
 }
 
-void SpindleDrive::observe(double h, double, double velocity) {
-  current_ = (last_.force - last_.damping * velocity) / model_.force_per_current();
+void SpindleDrive::observe(double h, double position, double velocity) {
+  const double servo =
+      last_.stiffness * (last_.reference + h * last_.speed - position) +
+      last_.damping * (last_.speed - velocity);
+  current_ =
+      (last_.force + std::clamp(servo, -last_.limit, last_.limit)) / model_.force_per_current();
+  if (mode_ == ControlMode::kPosition || mode_ == ControlMode::kVelocity) {
+    reference_ += h * speed_reference_;
+  }
   const double heat = resistance() * current_ * current_;
   const double time_constant = model_.thermal_resistance * model_.thermal_capacity;
   const double final = model_.ambient + model_.thermal_resistance * heat;
   temperature_ = final + (temperature_ - final) * std::exp(-h / time_constant);
-  if (mode_ == ControlMode::kCurrent || mode_ == ControlMode::kVoltage) speed_reference_ = velocity;
 }
 
 }  // namespace prehend::simulation

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "prehend/contact/grasp_system.h"
+#include "prehend/contact/grasp_model.h"
+#include "prehend/robot/gripper_model.h"
 
 namespace prehend::simulation {
 
@@ -52,8 +53,9 @@ struct SpindleDriveModel {
   double thermal_capacity = 20;   // J/K
   double hottest = 100;           // degrees: from here on the nominal current is the limit
 
-  double position_gain = 20;    // 1/s, speed asked for by distance
-  double velocity_gain = 2000;  // N s/m
+  // The controller's servo, at the jaws: integral and proportional part of its velocity loop.
+  double servo_stiffness = 1e6;  // N/m
+  double velocity_gain = 4000;   // N s/m; critical damping of 4 kg
 
   double ratio() const;              // rad of the rotor for each metre of the opening
   double force_per_current() const;  // N of each jaw for each A
@@ -70,11 +72,23 @@ SpindleDriveModel pg70_drive();
 /// @throws std::invalid_argument naming the field.
 void validate(const SpindleDriveModel& model);
 
-/// The drive: a velocity servo under a position servo, current and voltage limits, back-EMF, heat.
-/// Motor inductance is left out (its time constant is below a millisecond).
+/// `rest` with what a gripper's data sheet says: speed, acceleration, currents, force for each
+/// ampere (by the efficiency), friction (stiction in the ratio that `rest` has) and jaws.
+/// @throws std::invalid_argument when `rest`'s motor and gear cannot give that force.
+SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriveModel& rest);
+
+/// The drive: a servo that follows a trapezoidal reference of position and speed, with current and
+/// voltage limits, back-EMF, heat.
+///   F = K i = Ki (x_ref - q) + Kv (v_ref - dq/dt) + m a_ref,   |i| <= limit
+/// kPosition and kVelocity use it; the reference never leads by more than the limit needs, so that
+/// reversal is immediate and a blocked drive presses with the limit. kVoltage and kCurrent go to
+/// the motor as they are. Motor inductance is left out (its time constant is below a millisecond).
 class SpindleDrive : public Actuator {
  public:
   explicit SpindleDrive(const SpindleDriveModel& model);
+  /// Lowers the limits of current [A] and of the servo's speed [m/s]; 0 means the model's.
+  /// @throws std::invalid_argument when not finite or negative.
+  void set_limits(double current, double speed);
   void command(ControlMode mode, double target) override;
   contact::SlideCommand drive(double h, double position, double velocity) override;
   void observe(double h, double position, double velocity) override;
@@ -82,14 +96,26 @@ class SpindleDrive : public Actuator {
   double current() const override { return current_; }
   double temperature() const { return temperature_; }  // degrees Celsius
   double current_limit() const;                        // A, now
+  const SpindleDriveModel& model() const { return model_; }
+
+  /// All that changes, for saving: see StateWriter.
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(mode_, target_, most_current_, most_speed_, begins_, reference_, speed_reference_,
+            current_, temperature_);
+  }
 
  private:
   double resistance() const;  // Ohm at the present temperature
+  void lead(double h, double position, double velocity, double limit);
 
   SpindleDriveModel model_;
   ControlMode mode_ = ControlMode::kCurrent;
   double target_ = 0;
-  double speed_reference_ = 0;  // m/s
+  double most_current_ = 0, most_speed_ = 0;  // A, m/s; 0: the model's
+  bool begins_ = true;                        // the reference starts where the slide is
+  double reference_ = 0;                      // m
+  double speed_reference_ = 0;                // m/s
   double current_ = 0;          // A
   double temperature_;          // degrees Celsius
   contact::SlideCommand last_;
