@@ -13,6 +13,8 @@ namespace prehend::simulation {
 namespace {
 
 constexpr double kCopper = 0.00393;  // 1/K, temperature coefficient of copper's resistance
+// K below the hottest where the limit begins to fall; without, it would toggle.
+constexpr double kFoldBack = 10;
 
 }  // namespace
 
@@ -117,7 +119,8 @@ double SpindleDrive::resistance() const {
 }
 
 double SpindleDrive::current_limit() const {
-  const double able = temperature_ < model_.hottest ? model_.peak_current : model_.nominal_current;
+  const double left = std::clamp((model_.hottest - temperature_) / kFoldBack, 0.0, 1.0);
+  const double able = model_.nominal_current + left * (model_.peak_current - model_.nominal_current);
   return most_current_ > 0 ? std::min(able, most_current_) : able;
 }
 

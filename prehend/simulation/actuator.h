@@ -51,7 +51,7 @@ struct SpindleDriveModel {
   double ambient = 25;            // degrees Celsius
   double thermal_resistance = 6;  // K/W
   double thermal_capacity = 20;   // J/K
-  double hottest = 100;           // degrees: from here on the nominal current is the limit
+  double hottest = 100;  // degrees; the limit falls from peak to nominal current in the 10 K before
 
   // The controller's servo, at the jaws: integral and proportional part of its velocity loop.
   double servo_stiffness = 1e6;  // N/m

@@ -23,16 +23,30 @@ class Carrier {
   void end_step(double h);
 
   geometry::RigidTransform pose() const { return model_.gripper_pose(position_, yaw_); }
+  /// Where it is `t` [s] after the step's beginning.
+  geometry::RigidTransform pose_after(double t) const {
+    return model_.gripper_pose(position_ + t * velocity(), yaw_ + t * yaw_rate());
+  }
   Eigen::Vector3d velocity() const { return path_speed_ * path_direction_; }  // m/s
   double yaw_rate() const { return path_speed_ * path_yaw_; }                 // rad/s
   bool moving() const { return path_speed_ != 0 || path_remaining_ > 0 || next_.has_value(); }
   double remaining() const;  // m
 
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(position_, yaw_, path_direction_, path_yaw_, path_remaining_, path_speed_,
+            path_max_speed_, path_acceleration_, braking_, goal_, next_);
+  }
+
  private:
   struct Target {
-    Eigen::Vector3d position;
-    double yaw;
-    double speed;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    double yaw = 0;
+    double speed = 0;
+    template <class Archive>
+    void archive(Archive& archive) {
+      archive(position, yaw, speed);
+    }
   };
   void start(const Target& target);
 

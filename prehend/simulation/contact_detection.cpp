@@ -42,54 +42,31 @@ double depth_in_box(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p, bo
 void detect_box(const BodyModel& model, const geometry::RigidTransform& X_GB, int index,
                 const GripperBox& part, const GripperPlacement& placement,
                 std::vector<ContactPoint>& contacts) {
+  const bool is_pad = part.partner == kLeftPad || part.partner == kRightPad;
   // Cull in B first: only points within the part's bounds there are turned into G.
   const Eigen::AlignedBox3d part_B = transformed_box(X_GB.inverse(), part.box_G);
   for (std::size_t i = 0; i < model.surface_points.size(); ++i) {
     if (!part_B.contains(model.surface_points[i])) continue;
     const Eigen::Vector3d p_G = X_GB * model.surface_points[i];
     Eigen::Vector3d normal_G = Eigen::Vector3d::Zero();
-    const double depth = depth_in_box(part.box_G, p_G, part.side != 0, normal_G);
+    double depth = 0;
+    if (!is_pad) {
+      depth = depth_in_box(part.box_G, p_G, part.side != 0, normal_G);
+    } else if (part.box_G.contains(p_G)) {
+      // As texels do, a pad pushes along its normal only.
+      normal_G = Eigen::Vector3d(0, -part.side, 0);
+      depth = part.side > 0 ? p_G.y() - part.box_G.min().y() : part.box_G.max().y() - p_G.y();
+    }
     if (depth <= 0) continue;
     ContactPoint contact = make_contact(model, index, part.partner, i);
-    contact.law = &model.rigid_law;
+    contact.law = is_pad ? &model.rigid_pad_law : &model.rigid_law;
     contact.point = placement.X_WG * p_G;
     contact.normal = placement.X_WG.linear() * normal_G;
     contact.depth = depth;
     contact.partner_velocity = placement.velocity_at(contact.point);
-    contact.jaw_motion = 0.5 * part.side * placement.X_WG.linear().col(1);
+    // The slide closes: both jaws by half of it.
+    contact.slide_motion = -0.5 * part.side * placement.X_WG.linear().col(1);
     contacts.push_back(contact);
-  }
-}
-
-// Rays of one pad; `side` +1: left.
-void detect_pad(const BodyModel& model, const geometry::RigidTransform& X_GB, int index,
-                const robot::TactilePadModel& pad, double side, const GripperPlacement& placement,
-                std::vector<ContactPoint>& contacts) {
-  const geometry::RigidTransform X_BG = X_GB.inverse();
-  const Eigen::Vector3d direction_G(0, -side, 0);
-  const Eigen::Vector3d direction_B = X_BG.linear() * direction_G;
-  const std::uint32_t partner = side > 0 ? kLeftPad : kRightPad;
-  const double ray_y = side * (0.5 * placement.opening + pad.thickness);
-  for (int row = 0; row < pad.rows; ++row) {
-    for (int column = 0; column < pad.columns; ++column) {
-      const Eigen::Vector3d origin_G(-0.5 * pad.width() + (column + 0.5) * pad.texel_pitch, ray_y,
-                                     0.5 * pad.length() - (row + 0.5) * pad.texel_pitch);
-      const auto hit = model.query->cast_ray(X_BG * origin_G, direction_B, pad.thickness);
-      if (!hit) continue;
-      // A back face means that the ray began inside the object: the foam is pressed flat.
-      const double distance = hit->normal.dot(direction_B) > 0 ? 0.0 : hit->distance;
-      if (distance >= pad.thickness) continue;
-      const int texel = row * pad.columns + column;
-      ContactPoint contact = make_contact(model, index, partner, texel);
-      contact.texel = texel;
-      contact.law = &model.pad_law;
-      contact.point = placement.X_WG * (origin_G + distance * direction_G);
-      contact.normal = placement.X_WG.linear() * direction_G;
-      contact.depth = pad.thickness - distance;
-      contact.partner_velocity = placement.velocity_at(contact.point);
-      contact.jaw_motion = 0.5 * side * placement.X_WG.linear().col(1);
-      contacts.push_back(contact);
-    }
   }
 }
 
@@ -130,7 +107,7 @@ Eigen::AlignedBox3d transformed_box(const geometry::RigidTransform& X_FB,
   return {center - half, center + half};
 }
 
-std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double opening) {
+std::array<GripperBox, 3> gripper_boxes(const robot::GripperModel& model, double opening) {
   const double half_x = 0.5 * model.finger_size.x();
   const double near_y = 0.5 * opening + model.pad.thickness;
   const double far_y = 0.5 * opening + model.finger_size.y();
@@ -142,7 +119,19 @@ std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double o
   const Point& size = model.housing_size;
   const Eigen::AlignedBox3d housing(Point(-0.5 * size.x(), -0.5 * size.y(), front - size.z()),
                                     Point(0.5 * size.x(), 0.5 * size.y(), front));
-  return {{left, 1, kLeftFinger}, {right, -1, kRightFinger}, {housing, 0, kHousing}};
+  return {{{left, 1, kLeftFinger}, {right, -1, kRightFinger}, {housing, 0, kHousing}}};
+}
+
+std::array<GripperBox, 2> pad_boxes(const robot::GripperModel& model, double opening) {
+  const Eigen::Vector3d half(0.5 * model.pad.width(), 0, 0.5 * model.pad.length());
+  std::array<GripperBox, 2> boxes;
+  for (int k = 0; k < 2; ++k) {
+    const double side = k == 0 ? 1 : -1;
+    const Eigen::Vector3d face(0, 0.5 * side * opening, 0);
+    boxes[k] = {Eigen::AlignedBox3d(face - half, face + half), side, k == 0 ? kLeftPad : kRightPad};
+    boxes[k].box_G.extend(face + Eigen::Vector3d(0, side * model.pad.thickness, 0));
+  }
+  return boxes;
 }
 
 void detect_table(const BodyModel& model, const BodyState& state, int index, double h,
@@ -164,37 +153,43 @@ void detect_table(const BodyModel& model, const BodyState& state, int index, dou
   }
 }
 
+bool near_gripper(const BodyModel& model, const BodyState& state,
+                  const robot::GripperModel& gripper, const GripperPlacement& placement,
+                  double margin) {
+  const geometry::RigidTransform X_GB =
+      placement.X_WG.inverse(Eigen::Isometry) * body_pose(model, state);
+  Eigen::AlignedBox3d body_G = transformed_box(X_GB, model.box);
+  body_G.min().array() -= margin;
+  body_G.max().array() += margin;
+  Eigen::AlignedBox3d all;
+  for (const auto& part : gripper_boxes(gripper, placement.opening)) all.extend(part.box_G);
+  for (const auto& pad : pad_boxes(gripper, placement.opening)) all.extend(pad.box_G);
+  return all.intersects(body_G);
+}
+
 void detect_gripper(const BodyModel& model, const BodyState& state, int index,
                     const robot::GripperModel& gripper, const GripperPlacement& placement,
-                    std::vector<ContactPoint>& contacts) {
-  const geometry::RigidTransform X_GB = placement.X_WG.inverse() * body_pose(model, state);
+                    bool rigid_pads, std::vector<ContactPoint>& contacts) {
+  const geometry::RigidTransform X_GB =
+      placement.X_WG.inverse(Eigen::Isometry) * body_pose(model, state);
   const Eigen::AlignedBox3d body_G = transformed_box(X_GB, model.box);
-  const auto parts = gripper_boxes(gripper, placement.opening);
-  Eigen::AlignedBox3d all;
-  for (const auto& part : parts) all.extend(part.box_G);
-  if (!all.intersects(body_G)) return;
-
-  for (const auto& part : parts) {
+  const auto detect = [&](const GripperBox& part) {
     if (part.box_G.intersects(body_G)) detect_box(model, X_GB, index, part, placement, contacts);
-  }
-  const Eigen::Vector3d half(0.5 * gripper.pad.width(), 0, 0.5 * gripper.pad.length());
-  for (const double side : {1.0, -1.0}) {
-    const double face = 0.5 * side * placement.opening;
-    Eigen::AlignedBox3d foam(Eigen::Vector3d(0, face, 0) - half,
-                             Eigen::Vector3d(0, face, 0) + half);
-    foam.extend(Eigen::Vector3d(0, face + side * gripper.pad.thickness, 0));
-    if (foam.intersects(body_G)) {
-      detect_pad(model, X_GB, index, gripper.pad, side, placement, contacts);
-    }
-  }
+  };
+  for (const auto& part : gripper_boxes(gripper, placement.opening)) detect(part);
+  if (!rigid_pads) return;
+  for (const auto& pad : pad_boxes(gripper, placement.opening)) detect(pad);
 }
 
 void detect_bodies(const BodyModel& model_a, const BodyState& state_a, int a,
                    const BodyModel& model_b, const BodyState& state_b, int b,
-                   std::vector<ContactPoint>& contacts) {
+                   bool check_bounds, std::vector<ContactPoint>& contacts) {
   const geometry::RigidTransform X_WA = body_pose(model_a, state_a);
   const geometry::RigidTransform X_WB = body_pose(model_b, state_b);
-  if (!transformed_box(X_WA, model_a.box).intersects(transformed_box(X_WB, model_b.box))) return;
+  if (check_bounds &&
+      !transformed_box(X_WA, model_a.box).intersects(transformed_box(X_WB, model_b.box))) {
+    return;
+  }
   detect_points_in_body(model_a, X_WA, a, model_b, X_WB, b, contacts);
   detect_points_in_body(model_b, X_WB, b, model_a, X_WA, a, contacts);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "prehend/geometry/rigid_transform.h"
@@ -22,29 +23,39 @@ struct GripperPlacement {
   }
 };
 
-/// A box of the gripper: fingers behind their pads' foam, housing. `side` is +1 for the left
-/// finger, -1 for the right one, 0 for the housing.
+/// A box of the gripper. `side` is +1 for what moves with the left finger, -1 with the right one, 0
+/// for the housing.
 struct GripperBox {
   Eigen::AlignedBox3d box_G;  // m
   double side = 0;
   ContactPartner partner = kHousing;
 };
-std::vector<GripperBox> gripper_boxes(const robot::GripperModel& model, double opening);
+/// Both fingers behind their pads' foam, and the housing.
+std::array<GripperBox, 3> gripper_boxes(const robot::GripperModel& model, double opening);
+/// The foam of both pads.
+std::array<GripperBox, 2> pad_boxes(const robot::GripperModel& model, double opening);
 
 /// Points of body `index` that touch the table z = 0 or are nearer to it than they can come within
 /// `h` [s] at their present speed.
 void detect_table(const BodyModel& model, const BodyState& state, int index, double h,
                   std::vector<ContactPoint>& contacts);
 
-/// Touching points of body `index` with pads, fingers and housing. Costs one box test when far.
+/// Whether the body's bounds come as near to the gripper's as `margin` [m].
+bool near_gripper(const BodyModel& model, const BodyState& state,
+                  const robot::GripperModel& gripper, const GripperPlacement& placement,
+                  double margin);
+
+/// Touching points of body `index` with fingers and housing, and with the pads as if they were
+/// stiff when `rigid_pads`.
 void detect_gripper(const BodyModel& model, const BodyState& state, int index,
                     const robot::GripperModel& gripper, const GripperPlacement& placement,
-                    std::vector<ContactPoint>& contacts);
+                    bool rigid_pads, std::vector<ContactPoint>& contacts);
 
-/// Touching points of bodies `a` and `b`: surface points of each inside the other.
+/// Touching points of bodies `a` and `b`: surface points of each inside the other. Costs one box
+/// test when far, none of that either with `check_bounds` false (for the rule's twin test).
 void detect_bodies(const BodyModel& model_a, const BodyState& state_a, int a,
                    const BodyModel& model_b, const BodyState& state_b, int b,
-                   std::vector<ContactPoint>& contacts);
+                   bool check_bounds, std::vector<ContactPoint>& contacts);
 
 /// Bounds in frame F of a box given in frame B.
 Eigen::AlignedBox3d transformed_box(const geometry::RigidTransform& X_FB,

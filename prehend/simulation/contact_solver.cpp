@@ -4,265 +4,322 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
+#include "prehend/contact/rotation.h"
 
 namespace prehend::simulation {
 namespace {
 
-constexpr int kLeastIterations = 2;
-constexpr int kMostIterations = 6;
+using contact::Matrix6;
+using contact::Vector6;
+using MatrixMap = Eigen::Map<Eigen::MatrixXd>;
+using VectorMap = Eigen::Map<Eigen::VectorXd>;
 
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
+constexpr double kStopStiffness = 1e6;  // N/m, of the mechanical end stops
 
 // Velocity of the point r from the centre of mass, as a matrix on (v, w): [1, -[r]x].
-Matrix36 point_jacobian(const Eigen::Vector3d& r) {
-  Matrix36 jacobian;
-  jacobian << 1, 0, 0, 0, r.z(), -r.y(),  //
-      0, 1, 0, -r.z(), 0, r.x(),          //
-      0, 0, 1, r.y(), -r.x(), 0;
+Eigen::Matrix<double, 3, 6> point_jacobian(const Eigen::Vector3d& r) {
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Eigen::Matrix3d::Identity(), -contact::cross_matrix(r);
   return jacobian;
 }
 
-class Islands {
- public:
-  explicit Islands(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int root(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  // The smaller index becomes the root, so that the result does not depend on the order.
-  void join(int i, int j) {
-    const int a = root(i), b = root(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-class VelocitySolver {
- public:
-  VelocitySolver(double h, const GripperDrive& drive, std::vector<SolverBody>& bodies,
-                 double jaw_velocity)
-      : h_(h),
-        drive_(drive),
-        bodies_(bodies),
-        jaw_start_(jaw_velocity),
-        jaw_end_(jaw_velocity),
-        first_row_(bodies.size(), -1),
-        saturation_(drive.last_saturation()) {
-    for (const SolverBody& body : bodies) {
-      Eigen::Matrix<double, 6, 1> u;
-      u << body.velocity, body.angular_velocity;
-      start_.push_back(u);
-    }
-    end_ = start_;
-  }
-
-  double jaw_velocity() const { return jaw_end_; }
-
-  void solve_island(const std::vector<int>& members, bool with_jaws,
-                    const std::vector<ContactPoint*>& contacts) {
-    int size = 0;
-    for (const int i : members) {
-      first_row_[i] = size;
-      size += 6;
-    }
-    jaw_row_ = with_jaws ? size++ : -1;
-    lines_.assign(contacts.size(), {});
-    update_guesses(contacts);
-    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-      matrix_.setZero(size, size);
-      right_.setZero(size);
-      for (const int i : members) add_body(i);
-      if (with_jaws) add_drive();
-      for (std::size_t c = 0; c < contacts.size(); ++c) add_contact(*contacts[c], lines_[c]);
-      solution_ = matrix_.llt().solve(right_);
-      for (const int i : members) end_[i] = solution_.segment<6>(first_row_[i]);
-      if (with_jaws) jaw_end_ = solution_[jaw_row_];
-      store_forces(contacts);
-      bool changed = update_guesses(contacts);
-      if (with_jaws) {
-        const int saturation = drive_.next_saturation(h_, jaw_end_, saturation_);
-        changed = changed || saturation != saturation_;
-        saturation_ = saturation;
-      }
-      if (!changed && iteration + 1 >= kLeastIterations) break;
-    }
-    advance_bristles(contacts);
-    for (const int i : members) {
-      bodies_[i].velocity = end_[i].head<3>();
-      bodies_[i].angular_velocity = end_[i].tail<3>();
-      first_row_[i] = -1;
-    }
-  }
-
- private:
-  Eigen::Vector3d relative_velocity(const ContactPoint& contact) const {
-    Eigen::Vector3d v = point_velocity(contact.a, contact.point) - contact.partner_velocity -
-                        jaw_end_ * contact.jaw_motion;
-    if (contact.b >= 0) v -= point_velocity(contact.b, contact.point);
-    return v;
-  }
-
-  Eigen::Vector3d point_velocity(int body, const Eigen::Vector3d& point) const {
-    if (!bodies_[body].is_free) return Eigen::Vector3d::Zero();
-    return end_[body].head<3>() +
-           Eigen::Vector3d(end_[body].tail<3>()).cross(point - bodies_[body].center);
-  }
-
-  // Linearises at the present velocities; true when a contact began or ceased to press.
-  bool update_guesses(const std::vector<ContactPoint*>& contacts) {
-    bool changed = false;
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      const ContactPoint& contact = *contacts[c];
-      const Eigen::Vector3d v = relative_velocity(contact);
-      const double normal_speed = contact.normal.dot(v);
-      const Eigen::Vector3d tangential = v - normal_speed * contact.normal;
-      const auto line = contact::linearise(*contact.law, h_, contact.depth, -normal_speed,
-                                           contact.bristle, tangential);
-      changed = changed || line.presses != lines_[c].presses;
-      lines_[c] = line;
-    }
-    return changed;
-  }
-
-  void add_body(int i) {
-    const SolverBody& body = bodies_[i];
-    const int row = first_row_[i];
-    matrix_.block<3, 3>(row, row).diagonal().setConstant(body.mass);
-    matrix_.block<3, 3>(row + 3, row + 3) = body.inertia_W;
-    right_.segment<3>(row) = body.mass * start_[i].head<3>() + h_ * body.force;
-    right_.segment<3>(row + 3) = body.inertia_W * start_[i].tail<3>() + h_ * body.torque;
-  }
-
-  void add_drive() {
-    const GripperDrive::Force force = drive_.linearised(h_, jaw_end_, saturation_);
-    matrix_(jaw_row_, jaw_row_) = drive_.effective_mass() + h_ * force.slope;
-    right_[jaw_row_] = drive_.effective_mass() * jaw_start_ + h_ * force.constant;
-  }
-
-  // Force on body a = constant - resistance (relative velocity).
-  static void affine_force(const ContactPoint& contact, const contact::LinearisedContact& law,
-                           Eigen::Vector3d& constant, Eigen::Matrix3d& resistance) {
-    const Eigen::Matrix3d along = contact.normal * contact.normal.transpose();
-    constant = law.normal_offset * contact.normal - law.bristle_gain * contact.bristle;
-    resistance =
-        law.normal_damping * along + law.tangential_damping * (Eigen::Matrix3d::Identity() - along);
-  }
-
-  void add_contact(const ContactPoint& contact, const contact::LinearisedContact& line) {
-    if (!line.presses) return;
-    Eigen::Vector3d constant;
-    Eigen::Matrix3d resistance;
-    affine_force(contact, line, constant, resistance);
-    constant += resistance * contact.partner_velocity;
-    const int row_a = first_row_[contact.a];
-    const int row_b = contact.b >= 0 ? first_row_[contact.b] : -1;
-    const Matrix36 jacobian_a = point_jacobian(contact.point - bodies_[contact.a].center);
-    Matrix36 weighted = h_ * resistance * jacobian_a;
-    if (row_a >= 0) {
-      matrix_.block<6, 6>(row_a, row_a).noalias() += jacobian_a.transpose() * weighted;
-      right_.segment<6>(row_a).noalias() += h_ * jacobian_a.transpose() * constant;
-    }
-    if (row_b >= 0) {
-      const Matrix36 jacobian_b = point_jacobian(contact.point - bodies_[contact.b].center);
-      matrix_.block<6, 6>(row_b, row_b).noalias() +=
-          h_ * jacobian_b.transpose() * resistance * jacobian_b;
-      right_.segment<6>(row_b).noalias() -= h_ * jacobian_b.transpose() * constant;
-      if (row_a >= 0) {
-        const Eigen::Matrix<double, 6, 6> coupling = jacobian_b.transpose() * weighted;
-        matrix_.block<6, 6>(row_b, row_a) -= coupling;
-        matrix_.block<6, 6>(row_a, row_b) -= coupling.transpose();
-      }
-    }
-    if (jaw_row_ >= 0 && !contact.jaw_motion.isZero(0)) {
-      const Eigen::Vector3d& motion = contact.jaw_motion;
-      matrix_(jaw_row_, jaw_row_) += h_ * motion.dot(resistance * motion);
-      right_[jaw_row_] -= h_ * motion.dot(constant);
-      if (row_a >= 0) {
-        const Eigen::Matrix<double, 1, 6> coupling = motion.transpose() * weighted;
-        matrix_.block<1, 6>(jaw_row_, row_a) -= coupling;
-        matrix_.block<6, 1>(row_a, jaw_row_) -= coupling.transpose();
-      }
-    }
-  }
-
-  void store_forces(const std::vector<ContactPoint*>& contacts) {
-    used_ = lines_;
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      ContactPoint& contact = *contacts[c];
-      contact.force.setZero();
-      contact.normal_force = 0;
-      if (!lines_[c].presses) continue;
-      Eigen::Vector3d constant;
-      Eigen::Matrix3d resistance;
-      affine_force(contact, lines_[c], constant, resistance);
-      contact.force = constant - resistance * relative_velocity(contact);
-      contact.normal_force = std::max(0.0, contact.normal.dot(contact.force));
-    }
-  }
-
-  // The bristles at the step's end, from the last solution and the law it was solved with.
-  void advance_bristles(const std::vector<ContactPoint*>& contacts) {
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      ContactPoint& contact = *contacts[c];
-      if (contact.normal_force == 0) {
-        contact.bristle.setZero();
-        continue;
-      }
-      const Eigen::Vector3d v = relative_velocity(contact);
-      const Eigen::Vector3d tangential = v - contact.normal.dot(v) * contact.normal;
-      contact.bristle = contact::return_mapped(
-          *contact.law, contact.normal_force,
-          contact::advanced_bristle(used_[c], h_, contact.bristle, tangential));
-    }
-  }
-
-  double h_;
-  const GripperDrive& drive_;
-  std::vector<SolverBody>& bodies_;
-  double jaw_start_, jaw_end_;
-  std::vector<int> first_row_;  // of each body in the present island, -1: not in it
-  int jaw_row_ = -1;
-  int saturation_;  // of the drive
-  std::vector<Eigen::Matrix<double, 6, 1>> start_, end_;
-  std::vector<contact::LinearisedContact> lines_, used_;
-  Eigen::MatrixXd matrix_;
-  Eigen::VectorXd right_, solution_;
-};
+// Force on body a = constant - resistance (relative velocity).
+void affine_force(const ContactPoint& contact, const contact::LinearisedContact& law,
+                  Eigen::Vector3d& constant, Eigen::Matrix3d& resistance) {
+  const Eigen::Matrix3d along = contact.normal * contact.normal.transpose();
+  constant = law.normal_offset * contact.normal - law.bristle_gain * contact.bristle;
+  resistance =
+      law.normal_damping * along + law.tangential_damping * (Eigen::Matrix3d::Identity() - along);
+}
 
 }  // namespace
 
-void solve_contacts(double h, const GripperDrive& drive, std::vector<SolverBody>& bodies,
-                    std::vector<ContactPoint>& contacts, double& jaw_velocity) {
-  const int jaws = static_cast<int>(bodies.size());
-  Islands islands(bodies.size() + 1);
-  const auto is_free = [&](int i) { return i >= 0 && bodies[i].is_free; };
-  for (const ContactPoint& contact : contacts) {
-    if (is_free(contact.a) && is_free(contact.b)) islands.join(contact.a, contact.b);
+int ContactSolver::root(int i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+// The smaller index becomes the root, so that the result does not depend on the order.
+void ContactSolver::join(int i, int j) {
+  const int a = root(i), b = root(j);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+void ContactSolver::find_islands() {
+  const int jaws = static_cast<int>(bodies_->size());
+  const auto is_free = [&](int i) { return i >= 0 && (*bodies_)[i].is_free; };
+  parent_.resize(bodies_->size() + 1);
+  std::iota(parent_.begin(), parent_.end(), 0);
+  for (const ContactPoint& contact : *contacts_) {
+    if (is_free(contact.a) && is_free(contact.b)) join(contact.a, contact.b);
     const int any = is_free(contact.a) ? contact.a : is_free(contact.b) ? contact.b : -1;
-    if (!contact.jaw_motion.isZero(0) && any >= 0) islands.join(any, jaws);
+    if (any >= 0 && !contact.slide_motion.isZero(0)) join(any, jaws);
   }
-  std::vector<std::vector<int>> members(bodies.size() + 1);
-  std::vector<std::vector<ContactPoint*>> touching(bodies.size() + 1);
+  for (const PadContact& pad : *pads_) {
+    if (is_free(pad.body)) join(pad.body, jaws);
+  }
+}
+
+void ContactSolver::solve(double h, SolverSlide& slide, std::vector<SolverBody>& bodies,
+                          std::vector<ContactPoint>& contacts, std::vector<PadContact>& pads) {
+  h_ = h;
+  slide_ = &slide;
+  bodies_ = &bodies;
+  contacts_ = &contacts;
+  pads_ = &pads;
+  const int jaws = static_cast<int>(bodies.size());
+  first_row_.assign(bodies.size(), -1);
+  find_islands();
+  for (int i = 0; i <= jaws; ++i) {
+    const bool is_root = parent_[i] == i && (i == jaws || bodies[i].is_free || root(jaws) == i);
+    if (is_root) solve_island(i);
+  }
+}
+
+void ContactSolver::solve_island(int island) {
+  const int jaws = static_cast<int>(bodies_->size());
+  members_.clear();
+  points_.clear();
+  touched_pads_.clear();
+  int size = 0;
   for (int i = 0; i < jaws; ++i) {
-    if (bodies[i].is_free) members[islands.root(i)].push_back(i);
+    if (!(*bodies_)[i].is_free || root(i) != island) continue;
+    members_.push_back(i);
+    first_row_[i] = size;
+    size += 6;
   }
-  for (ContactPoint& contact : contacts) {
-    const int any = is_free(contact.a) ? contact.a : is_free(contact.b) ? contact.b : jaws;
-    touching[islands.root(any)].push_back(&contact);
+  const bool with_slide = root(jaws) == island;
+  slide_row_ = with_slide ? size++ : -1;
+  size_ = size;
+  for (std::size_t c = 0; c < contacts_->size(); ++c) {
+    const ContactPoint& contact = (*contacts_)[c];
+    const bool a = first_row_[contact.a] >= 0;
+    const bool b = contact.b >= 0 && first_row_[contact.b] >= 0;
+    // A fixed body that a finger pushes holds up the slide.
+    const bool jaw = with_slide && !contact.slide_motion.isZero(0);
+    if (a || b || jaw) points_.push_back(static_cast<int>(c));
   }
-  VelocitySolver solver(h, drive, bodies, jaw_velocity);
-  for (int root = 0; root <= jaws; ++root) {
-    const bool with_jaws = islands.root(jaws) == root;
-    if (members[root].empty() && !with_jaws) continue;
-    solver.solve_island(members[root], with_jaws, touching[root]);
+  for (std::size_t k = 0; with_slide && k < pads_->size(); ++k) {
+    touched_pads_.push_back(static_cast<int>(k));
   }
-  jaw_velocity = solver.jaw_velocity();
+  lines_.resize(points_.size());
+  solve_equations();
+  finish_points();
+  finish_pads();
+  for (const int i : members_) {
+    SolverBody& body = (*bodies_)[i];
+    body.velocity = body.velocity_guess;
+    body.angular_velocity = body.angular_velocity_guess;
+    first_row_[i] = -1;
+  }
+  if (with_slide) slide_->velocity = slide_->velocity_guess;
+}
+
+void ContactSolver::solve_equations() {
+  const auto size = static_cast<std::size_t>(size_);
+  const bool with_slide = slide_row_ >= 0;
+  const auto update_cut = [&](bool first) {
+    return with_slide && slide_->step->update_saturation(slide_->position, h_, slide_->end_time,
+                                                         slide_->velocity_guess, first);
+  };
+  update_cut(true);
+  for (int iteration = 1;; ++iteration) {
+    matrix_.assign(size * size, 0.0);
+    right_.assign(size, 0.0);
+    for (const int i : members_) add_body(i);
+    if (with_slide) add_slide();
+    for (const int k : touched_pads_) add_pad((*pads_)[k]);
+    for (std::size_t c = 0; c < points_.size(); ++c) {
+      const ContactPoint& contact = (*contacts_)[points_[c]];
+      lines_[c] = linearised(contact);
+      if (lines_[c].presses) add_point(contact, lines_[c]);
+    }
+    const double moved = take_solution();
+    const bool cut_changed = update_cut(false);
+    if (cut_changed && iteration < most_iterations_ + contact::SlideStep::kMostCutChanges) continue;
+    if (moved < tolerance_ || iteration >= most_iterations_) break;
+  }
+}
+
+double ContactSolver::take_solution() {
+  MatrixMap matrix(matrix_.data(), size_, size_);
+  VectorMap solution(right_.data(), size_);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> decomposition(matrix);  // in place
+  decomposition.solveInPlace(solution);
+  double moved = 0;
+  for (const int i : members_) {
+    SolverBody& body = (*bodies_)[i];
+    const Vector6 u = solution.segment<6>(first_row_[i]);
+    moved = std::max(moved,
+                     (u.head<3>() - body.velocity_guess).norm() +
+                         body.radius * (u.tail<3>() - body.angular_velocity_guess).norm());
+    body.velocity_guess = u.head<3>();
+    body.angular_velocity_guess = u.tail<3>();
+  }
+  if (slide_row_ >= 0) {
+    moved = std::max(moved, std::abs(solution[slide_row_] - slide_->velocity_guess));
+    slide_->velocity_guess = solution[slide_row_];
+  }
+  return moved;
+}
+
+Eigen::Vector3d ContactSolver::point_velocity(int body, const Eigen::Vector3d& point) const {
+  const SolverBody& b = (*bodies_)[body];
+  if (!b.is_free) return Eigen::Vector3d::Zero();
+  return b.velocity_guess + b.angular_velocity_guess.cross(point - b.center);
+}
+
+Eigen::Vector3d ContactSolver::relative_velocity(const ContactPoint& contact) const {
+  Eigen::Vector3d v = point_velocity(contact.a, contact.point) - contact.partner_velocity -
+                      slide_->velocity_guess * contact.slide_motion;
+  if (contact.b >= 0) v -= point_velocity(contact.b, contact.point);
+  return v;
+}
+
+Vector6 ContactSolver::pad_twist(const PadContact& pad) const {
+  const SolverBody& body = (*bodies_)[pad.body];
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  return contact::relative_twist(*pad.mount, *pad.place, slide_->velocity_guess,
+                                 body.is_free ? body.velocity_guess : zero,
+                                 body.is_free ? body.angular_velocity_guess : zero, body.center);
+}
+
+contact::LinearisedContact ContactSolver::linearised(const ContactPoint& contact) const {
+  const Eigen::Vector3d v = relative_velocity(contact);
+  const double normal_speed = contact.normal.dot(v);
+  return contact::linearise(*contact.law, h_, contact.depth, -normal_speed, contact.bristle,
+                            Eigen::Vector3d(v - normal_speed * contact.normal));
+}
+
+// Angular momentum is what is conserved: the inertia at the end multiplies the solved velocity.
+void ContactSolver::add_body(int i) {
+  MatrixMap matrix(matrix_.data(), size_, size_);
+  VectorMap right(right_.data(), size_);
+  const SolverBody& body = (*bodies_)[i];
+  const int row = first_row_[i];
+  const Eigen::Matrix3d R0 = body.q_WB.toRotationMatrix();
+  const Eigen::Matrix3d R1 =
+      (contact::rotation_by(h_ * body.angular_velocity_guess) * body.q_WB).toRotationMatrix();
+  matrix.block<3, 3>(row, row).diagonal().setConstant(body.mass);
+  matrix.block<3, 3>(row + 3, row + 3) = R1 * body.inertia * R1.transpose();
+  right.segment<3>(row) = body.mass * body.velocity + h_ * body.force;
+  right.segment<3>(row + 3) = R0 * (body.inertia * (R0.transpose() * body.angular_velocity));
+}
+
+void ContactSolver::add_slide() {
+  MatrixMap matrix(matrix_.data(), size_, size_);
+  VectorMap right(right_.data(), size_);
+  SolverSlide& slide = *slide_;
+  slide.step->linearise(slide.position, slide.bristle, h_, slide.end_time, slide.velocity_guess);
+  matrix(slide_row_, slide_row_) += slide.mass + h_ * slide.step->slope();
+  right[slide_row_] += slide.mass * slide.velocity + h_ * slide.step->offset();
+  contact::TexelLaw stop;
+  stop.stiffness = kStopStiffness;
+  stop.damping = 2 * std::sqrt(kStopStiffness * slide.mass);
+  const Eigen::Vector2d none = Eigen::Vector2d::Zero();
+  for (const double side : {1.0, -1.0}) {
+    const double depth =
+        side > 0 ? slide.position - slide.upper : slide.lower - slide.position;
+    const contact::LinearisedContact line =
+        contact::linearise(stop, h_, depth, side * slide.velocity_guess, none, none);
+    if (!line.presses) continue;
+    matrix(slide_row_, slide_row_) += h_ * line.normal_damping;
+    right[slide_row_] -= side * h_ * line.normal_offset;
+  }
+}
+
+void ContactSolver::add_pad(PadContact& pad) {
+  contact::respond(pad.mount->layout, *pad.law, h_, pad_twist(pad), *pad.state, *pad.scratch,
+                   *pad.response);
+  if (pad.response->pressing == 0) return;
+  MatrixMap matrix(matrix_.data(), size_, size_);
+  VectorMap right(right_.data(), size_);
+  const contact::PadBlocks blocks =
+      contact::pad_blocks(*pad.place, *pad.response, h_, (*bodies_)[pad.body].center);
+  const int row = first_row_[pad.body];
+  matrix(slide_row_, slide_row_) += blocks.slide_slide;
+  right[slide_row_] -= blocks.slide_right;
+  if (row < 0) return;
+  matrix.block<6, 6>(row, row) += blocks.body_body;
+  right.segment<6>(row) += blocks.body_right;
+  matrix.block<1, 6>(slide_row_, row) -= blocks.slide_body;
+  matrix.block<6, 1>(row, slide_row_) -= blocks.slide_body.transpose();
+}
+
+void ContactSolver::add_point(const ContactPoint& contact,
+                              const contact::LinearisedContact& line) {
+  MatrixMap matrix(matrix_.data(), size_, size_);
+  VectorMap right(right_.data(), size_);
+  Eigen::Vector3d constant;
+  Eigen::Matrix3d resistance;
+  affine_force(contact, line, constant, resistance);
+  constant += resistance * contact.partner_velocity;
+  const int row_a = first_row_[contact.a];
+  const int row_b = contact.b >= 0 ? first_row_[contact.b] : -1;
+  const Matrix36 jacobian_a = point_jacobian(contact.point - (*bodies_)[contact.a].center);
+  const Matrix36 weighted = h_ * resistance * jacobian_a;
+  if (row_a >= 0) {
+    matrix.block<6, 6>(row_a, row_a).noalias() += jacobian_a.transpose() * weighted;
+    right.segment<6>(row_a).noalias() += h_ * jacobian_a.transpose() * constant;
+  }
+  if (row_b >= 0) {
+    const Matrix36 jacobian_b = point_jacobian(contact.point - (*bodies_)[contact.b].center);
+    matrix.block<6, 6>(row_b, row_b).noalias() +=
+        h_ * jacobian_b.transpose() * resistance * jacobian_b;
+    right.segment<6>(row_b).noalias() -= h_ * jacobian_b.transpose() * constant;
+    if (row_a >= 0) {
+      const Matrix6 coupling = jacobian_b.transpose() * weighted;
+      matrix.block<6, 6>(row_b, row_a) -= coupling;
+      matrix.block<6, 6>(row_a, row_b) -= coupling.transpose();
+    }
+  }
+  if (slide_row_ < 0 || contact.slide_motion.isZero(0)) return;
+  const Eigen::Vector3d& motion = contact.slide_motion;
+  matrix(slide_row_, slide_row_) += h_ * motion.dot(resistance * motion);
+  right[slide_row_] -= h_ * motion.dot(constant);
+  if (row_a < 0) return;
+  const Eigen::Matrix<double, 1, 6> coupling = motion.transpose() * weighted;
+  matrix.block<1, 6>(slide_row_, row_a) -= coupling;
+  matrix.block<6, 1>(row_a, slide_row_) -= coupling.transpose();
+}
+
+// Forces and the bristles at the step's end, from the solution and the law it was solved with.
+void ContactSolver::finish_points() {
+  for (std::size_t c = 0; c < points_.size(); ++c) {
+    ContactPoint& contact = (*contacts_)[points_[c]];
+    const contact::LinearisedContact& line = lines_[c];
+    contact.force.setZero();
+    contact.normal_force = 0;
+    if (line.presses) {
+      Eigen::Vector3d constant;
+      Eigen::Matrix3d resistance;
+      affine_force(contact, line, constant, resistance);
+      contact.force = constant - resistance * relative_velocity(contact);
+      contact.normal_force = std::max(0.0, contact.normal.dot(contact.force));
+    }
+    if (contact.normal_force == 0) {
+      contact.bristle.setZero();
+      continue;
+    }
+    const Eigen::Vector3d v = relative_velocity(contact);
+    const Eigen::Vector3d tangential = v - contact.normal.dot(v) * contact.normal;
+    contact.bristle =
+        contact::return_mapped(*contact.law, contact.normal_force,
+                               contact::advanced_bristle(line, h_, contact.bristle, tangential));
+  }
+}
+
+void ContactSolver::finish_pads() {
+  for (const int k : touched_pads_) {
+    PadContact& pad = (*pads_)[k];
+    pad.wrench_W.setZero();
+    const Vector6 twist = pad_twist(pad);
+    contact::advance(pad.mount->layout, *pad.law, h_, twist, *pad.state, *pad.scratch);
+    if (pad.response->pressing == 0) continue;
+    const Vector6 wrench_P = pad.response->constant - pad.response->resistance * twist;
+    pad.wrench_W.head<3>() = pad.place->R_WP * wrench_P.head<3>();
+    pad.wrench_W.tail<3>() = pad.place->R_WP * wrench_P.tail<3>();
+  }
 }
 
 }  // namespace prehend::simulation

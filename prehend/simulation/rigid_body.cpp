@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 
+#include "prehend/contact/rotation.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::simulation {
@@ -71,7 +73,8 @@ std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, 
 }
 
 BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, double mass,
-                    double friction, double table_friction, const contact::TexelLaw& pad_law) {
+                    double friction, double table_friction, const contact::TexelLaw& pad_law,
+                    const FeltShape* felt) {
   if (!(std::isfinite(mass) && mass > 0)) {
     throw std::invalid_argument("mass of object '" + name + "' must be finite and positive");
   }
@@ -96,6 +99,12 @@ BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, doub
   }
   model.mass = mass;
   model.center_of_mass = solid.center_of_mass;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto p = model.box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    model.radius = std::max(model.radius, (p - model.center_of_mass).norm());
+  }
+  model.felt = felt ? *felt : FeltShape{contact::Shape::mesh(*model.mesh), {}};
+  if (!felt) model.felt.X_BS.setIdentity();
   model.inertia = mass / solid.volume * solid.unit_density_inertia;
   model.hull_points = geometry::convex_hull(model.mesh->vertices).vertices;
   model.surface_points = sample_surface(*model.mesh, std::max(kSampleSpacing, 0.02 * extent));
@@ -105,6 +114,7 @@ BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, doub
   model.pad_law.dynamic_friction = friction;
   model.pad_law.static_friction = friction * ratio;
   model.table_law = stiff_law(table_friction);
+  model.rigid_pad_law = stiff_law(friction);
   model.rigid_law = stiff_law(std::min(friction, 0.3));  // bare metal of fingers and housing
   return model;
 }
@@ -132,11 +142,30 @@ double lowest_point(const BodyModel& model, const BodyState& state) {
 
 void integrate(double h, BodyState& state) {
   state.p_WBcm += h * state.velocity;
-  const double angle = h * state.angular_velocity.norm();
-  if (angle > 0) {
-    const Eigen::AngleAxisd turn(angle, state.angular_velocity.normalized());
-    state.q_WB = (Eigen::Quaterniond(turn) * state.q_WB).normalized();
+  state.q_WB = (contact::rotation_by(h * state.angular_velocity) * state.q_WB).normalized();
+}
+
+bool stands_stably(const BodyModel& model, const BodyState& state, double margin) {
+  constexpr double kFlat = 1e-4;  // m, of points that carry together
+  const double lowest = lowest_point(model, state);
+  if (std::abs(lowest) > kFlat) return false;
+  const Eigen::Matrix3d R_WB = state.q_WB.toRotationMatrix();
+  std::vector<Eigen::Vector2d> feet;  // from the centre of mass
+  for (const Eigen::Vector3d& p : model.hull_points) {
+    const Eigen::Vector3d arm = R_WB * (p - model.center_of_mass);
+    if (state.p_WBcm.z() + arm.z() < lowest + kFlat) feet.push_back(arm.head<2>());
   }
+  // Over the feet when in no direction all of them are nearer than the margin.
+  constexpr int kDirections = 64;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirections;
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector2d& foot : feet) {
+      farthest = std::max(farthest, foot.x() * std::cos(angle) + foot.y() * std::sin(angle));
+    }
+    if (!(farthest > margin)) return false;
+  }
+  return true;
 }
 
 }  // namespace prehend::simulation

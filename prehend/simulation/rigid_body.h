@@ -7,12 +7,19 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "prehend/contact/shape.h"
 #include "prehend/contact/texel_law.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/simulation/texture.h"
 
 namespace prehend::simulation {
+
+/// What texels feel of an object: a shape in its own frame S.
+struct FeltShape {
+  contact::Shape shape = contact::Shape::box(Eigen::Vector3d::Ones());
+  geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();
+};
 
 /// What does not change of an object. Frame B is the mesh's.
 struct BodyModel {
@@ -21,6 +28,8 @@ struct BodyModel {
   std::shared_ptr<const geometry::TriangleMesh> mesh;
   std::shared_ptr<const geometry::MeshQuery> query;
   Eigen::AlignedBox3d box;                                   // of the mesh in B [m]
+  double radius = 0;  // m, of a ball round the centre of mass that holds the mesh
+  FeltShape felt;
   double mass = 0;                                           // kg
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // in B [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();     // about it, in B [kg m^2]
@@ -30,6 +39,7 @@ struct BodyModel {
                                                 // and other bodies
   contact::TexelLaw pad_law;                    // against a texel
   contact::TexelLaw table_law;                  // a hull point against the table
+  contact::TexelLaw rigid_pad_law;  // a surface point against a pad without texels
   contact::TexelLaw rigid_law;  // a surface point against fingers, housing and other bodies
   Texture texture;
 };
@@ -46,14 +56,22 @@ struct BodyState {
   bool touches_right_pad = false;
   bool touches_table = false;
   bool touches_gripper = false;
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(q_WB, p_WBcm, velocity, angular_velocity, still_time, asleep, touches_left_pad,
+            touches_right_pad, touches_table, touches_gripper);
+  }
 };
 
 /// Makes the model of a solid of mass `mass` [kg] bounded by `mesh_B`; `pad_law` is that of the
-/// gripper's pads, `friction` that of the object on them, `table_friction` on the table.
+/// gripper's pads, `friction` that of the object on them, `table_friction` on the table. `felt`: what
+/// texels feel; null: the mesh.
 /// @throws std::invalid_argument when mass or friction is not finite and positive (friction: not
 /// negative), geometry::InputError for a mesh that is empty, not finite or encloses no volume.
 BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, double mass,
-                    double friction, double table_friction, const contact::TexelLaw& pad_law);
+                    double friction, double table_friction, const contact::TexelLaw& pad_law,
+                    const FeltShape* felt = nullptr);
 
 /// Points of the surface of `mesh`, about `spacing` [m] apart, vertices first (thinned to the
 /// spacing). Deterministic.
@@ -70,5 +88,9 @@ double lowest_point(const BodyModel& model, const BodyState& state);
 
 /// Moves by the velocities over `h` [s]; the orientation by the exponential map.
 void integrate(double h, BodyState& state);
+
+/// Whether the body at rest on z = 0 stays as it is under gravity: it stands on the table and its
+/// centre of mass is over the points that carry it, by `margin` [m] at least.
+bool stands_stably(const BodyModel& model, const BodyState& state, double margin);
 
 }  // namespace prehend::simulation

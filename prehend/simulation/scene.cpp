@@ -69,6 +69,16 @@ geometry::RigidTransform CarrierModel::gripper_pose(const Eigen::Vector3d& posit
   return X_WG;
 }
 
+TactileSensorOptions pad_electronics(const Scene& scene, int pad) {
+  TactileSensorOptions options = scene.tactile.sensor;
+  options.rows = scene.gripper.pad.rows;
+  options.columns = scene.gripper.pad.columns;
+  options.newton_per_count = scene.gripper.pad.newton_per_count;
+  options.full_scale = scene.gripper.pad.full_scale;
+  options.seed += static_cast<std::uint32_t>(pad);
+  return options;
+}
+
 void validate(const Scene& scene) {
   require(std::isfinite(scene.step) && scene.step > 0 && scene.step <= 0.1, "step",
           "above 0 and at most 0.1 s");
@@ -82,6 +92,17 @@ void validate(const Scene& scene) {
   require(std::isfinite(scene.start_opening) && scene.start_opening >= 0 &&
               scene.start_opening <= scene.gripper.max_opening,
           "start_opening", "from 0 to the gripper's max_opening");
+  drive_of(scene.gripper, scene.drive);
+  const contact::Integration integration = scene.physics.integration;
+  require(integration == contact::Integration::kFirstOrder ||
+              integration == contact::Integration::kSecondOrder,
+          "physics.integration", "first_order or second_order");
+  require_positive(scene.physics.velocity_tolerance, "physics.velocity_tolerance");
+  require(scene.physics.most_iterations >= 1 && scene.physics.most_iterations <= 100,
+          "physics.most_iterations", "1 to 100");
+  require_positive(scene.tactile.period, "tactile.period");
+  TactileSensor{pad_electronics(scene, 0)};
+  if (scene.wrench) WrenchSensor{*scene.wrench};
   validate_carrier(scene.carrier);
   validate_camera(scene.camera);
   require(scene.light.direction.allFinite() && scene.light.direction.norm() > 1e-9,
@@ -98,6 +119,25 @@ void validate(const Scene& scene) {
             owner + ".x, y, yaw", "finite");
     validate_texture(object.texture, owner);
   }
+}
+
+std::optional<FeltShape> primitive_shape(const SceneObject& object) {
+  FeltShape felt;
+  double middle = 0;
+  if (object.shape == "box") {
+    felt.shape = contact::Shape::box(object.size);
+    middle = 0.5 * object.size.z();
+  } else if (object.shape == "can") {
+    felt.shape = contact::Shape::cylinder(object.radius, object.height);
+    middle = 0.5 * object.height;
+  } else if (object.shape == "ball") {
+    felt.shape = contact::Shape::sphere(object.radius);
+    middle = object.radius;
+  } else {
+    return std::nullopt;
+  }
+  felt.X_BS.translation().z() = middle;
+  return felt;
 }
 
 geometry::TriangleMesh object_mesh(const SceneObject& object) {

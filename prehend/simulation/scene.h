@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/actuator.h"
+#include "prehend/simulation/physics.h"
+#include "prehend/simulation/rigid_body.h"
+#include "prehend/simulation/tactile_sensor.h"
 #include "prehend/simulation/texture.h"
 
 namespace prehend::simulation {
@@ -56,6 +61,13 @@ struct TableModel {
   Texture texture{Texture::Pattern::kWood, {0.62, 0.47, 0.32}, {0.45, 0.32, 0.2}, 0.3, 0.02, 7};
 };
 
+/// The pads' electronics. Rows, columns, counts and full scale are those of `gripper.pad`.
+struct TactileOptions {
+  TactileOptions() { sensor.threshold = 0; }
+  TactileSensorOptions sensor;  // ideal without threshold; the right pad has seed + 1
+  double period = 0.01;         // s, between frames of a sensor that is not ideal
+};
+
 /// One object that stands on the table at the start.
 struct SceneObject {
   std::string name;
@@ -83,7 +95,11 @@ struct Scene {
   double step = 0.001;    // s
   double gravity = 9.81;  // m/s^2, along -z
   TableModel table;
+  PhysicsOptions physics;
   robot::GripperModel gripper;   // YAML: path of config/robots/*.yaml, relative to the scene file
+  SpindleDriveModel drive = pg70_drive();  // what `gripper` says goes before, see drive_of
+  TactileOptions tactile;
+  std::optional<WrenchSensorOptions> wrench;  // none: forces as they are
   double start_opening = 0.069;  // m
   CarrierModel carrier;
   CameraSetup camera;
@@ -98,6 +114,12 @@ Scene read_scene(const std::filesystem::path& path);
 
 /// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
 void validate(const Scene& scene);
+
+/// The electronics of pad 0 (left) or 1 (right).
+TactileSensorOptions pad_electronics(const Scene& scene, int pad);
+
+/// What texels feel of `object` exactly, in its own frame B; none for shapes that are meshes.
+std::optional<FeltShape> primitive_shape(const SceneObject& object);
 
 /// The mesh of `object` in its own frame B (standing on z = 0, centred, yaw 0).
 /// @throws std::invalid_argument for an unknown shape or bad dimensions, geometry::InputError for a

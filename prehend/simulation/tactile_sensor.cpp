@@ -22,6 +22,11 @@ TactileSensorOptions TactileSensorOptions::realistic() {
   return options;
 }
 
+bool TactileSensorOptions::is_ideal() const {
+  return gain_spread == 0 && hysteresis == 0 && creep == 0 && low_pass_time == 0 && noise == 0 &&
+         dead.empty();
+}
+
 TactileSensor::TactileSensor(const TactileSensorOptions& options)
     : options_(options), random_(options.seed) {
   require(options.rows > 0, "TactileSensorOptions::rows", "positive");
@@ -75,6 +80,7 @@ TactileFrameReading TactileSensor::sample(const std::vector<double>& forces, dou
     const double hysteresis = options_.hysteresis * 4 * below * (1 - below) * highest_[i];
     double counts = gain_[i] * (filtered_[i] + crept_[i] + hysteresis) / options_.newton_per_count;
     if (options_.noise > 0 && gain_[i] > 0) counts += noise(random_);
+    frame.felt += std::max(0.0, counts) * options_.newton_per_count;
     const double whole =
         std::clamp(std::round(counts), 0.0, static_cast<double>(options_.full_scale));
     frame.counts.push_back(whole < options_.threshold ? std::uint16_t{0}

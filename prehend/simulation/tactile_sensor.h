@@ -13,6 +13,7 @@ struct TactileFrameReading {
   int rows = 0, columns = 0;
   std::vector<std::uint16_t> counts;  // rows * columns, 0 to full_scale, row 0 at the fingertip
   double sum = 0;                     // N, of the counts
+  double felt = 0;                    // N, before rounding, threshold and full scale
   int full_scale = 4095;              // counts
   int threshold = 10;                 // counts, below it a texel says 0
 };
@@ -34,6 +35,8 @@ struct TactileSensorOptions {
 
   /// Foam and electronics of a used pad: 5 % gains, 4 % hysteresis, 6 % creep, 10 ms, 3 counts.
   static TactileSensorOptions realistic();
+  /// Whether a frame depends on the present forces alone.
+  bool is_ideal() const;
 };
 
 /// One pad's electronics. Same options and samples give the same frames; its state is its value.
@@ -45,6 +48,12 @@ class TactileSensor {
   /// The frame `dt` [s] after the last one for the texels' normal forces [N], rows * columns.
   /// @throws std::invalid_argument for another number of forces or a negative dt.
   TactileFrameReading sample(const std::vector<double>& forces, double dt);
+
+  /// All that changes, for saving: see StateWriter.
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(filtered_, crept_, highest_, random_);
+  }
 
  private:
   TactileSensorOptions options_;
@@ -71,6 +80,11 @@ class WrenchSensor {
   explicit WrenchSensor(const WrenchSensorOptions& options);
   /// Force [N] and torque [N m] as the sensor shows them.
   Eigen::Matrix<double, 6, 1> sample(const Eigen::Matrix<double, 6, 1>& wrench);
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(random_);
+  }
 
  private:
   WrenchSensorOptions options_;

@@ -10,18 +10,54 @@ namespace prehend::simulation {
 
 using geometry::RigidTransform;
 
+namespace {
+
+// Frame P of a pad: z out of it, y along the finger to the tip, where row 0 is.
+contact::PadMount mount_of(const robot::GripperModel& gripper, int pad) {
+  const double side = pad == 0 ? 1 : -1;
+  contact::PadGrid grid;
+  grid.rows = gripper.pad.rows;
+  grid.columns = gripper.pad.columns;
+  grid.width = gripper.pad.width();
+  grid.length = gripper.pad.length();
+  grid.thickness = gripper.pad.thickness;
+  contact::PadMount mount{contact::PadLayout::flat(grid), gripper.pad.law, {}, 0, {}};
+  mount.X_GP = RigidTransform::Identity();
+  mount.X_GP.linear().col(0) = Eigen::Vector3d(side, 0, 0);
+  mount.X_GP.linear().col(1) = Eigen::Vector3d::UnitZ();
+  mount.X_GP.linear().col(2) = Eigen::Vector3d(0, -side, 0);
+  mount.direction_G = Eigen::Vector3d(0, -0.5 * side, 0);
+  return mount;
+}
+
+}  // namespace
+
 World::Implementation::Implementation(const Scene& scene_in)
-    : scene(scene_in), state{0,
-                             {},
-                             {},
-                             Carrier(scene_in.carrier),
-                             GripperDrive(scene_in.gripper, scene_in.start_opening),
-                             {},
-                             {},
-                             {}} {
-  const std::size_t texels = scene.gripper.pad.rows * scene.gripper.pad.columns;
-  for (PadReading& pad : state.pads) pad.force.assign(texels, 0.0);
+    : scene(scene_in),
+      state{0,
+            {},
+            {},
+            Carrier(scene_in.carrier),
+            GripperAxis(scene_in.gripper, scene_in.drive),
+            {TactileSensor(pad_electronics(scene_in, 0)),
+             TactileSensor(pad_electronics(scene_in, 1))},
+            {},
+            0,
+            {},
+            {}},
+      mounts{mount_of(scene_in.gripper, 0), mount_of(scene_in.gripper, 1)},
+      reaches{contact::PadReach(mounts[0].layout), contact::PadReach(mounts[1].layout)},
+      slide_model(state.gripper.slide()),
+      slide_step(slide_model),
+      solver(scene_in.physics.velocity_tolerance, scene_in.physics.most_iterations) {
+  if (scene.wrench) state.wrist.emplace(*scene.wrench);
+  state.motion.slide = -scene.start_opening;
+  for (const GripperBox& part : gripper_boxes(scene.gripper, scene.gripper.max_opening)) {
+    gripper_radius = std::max(
+        gripper_radius, part.box_G.min().cwiseAbs().cwiseMax(part.box_G.max().cwiseAbs()).norm());
+  }
   make_gripper_meshes();
+  for (int pad : {0, 1}) state.frames[pad] = image(pad, state.pads[pad].sample(texel_forces(pad), 0));
 }
 
 void World::Implementation::make_gripper_meshes() {
@@ -36,8 +72,7 @@ void World::Implementation::make_gripper_meshes() {
 }
 
 GripperPlacement World::Implementation::placement() const {
-  return {state.carrier.pose(), state.carrier.velocity(), state.carrier.yaw_rate(),
-          state.drive.opening()};
+  return {state.carrier.pose(), state.carrier.velocity(), state.carrier.yaw_rate(), opening()};
 }
 
 int World::Implementation::index_of(const std::string& name) const {
@@ -53,11 +88,35 @@ int World::Implementation::index_or_throw(const std::string& name) const {
   return index;
 }
 
+// All bodies, but for those that the gripper can never touch and that stand as they are.
 void World::Implementation::wake_all() {
-  for (BodyState& body : state.bodies) {
-    body.asleep = false;
+  constexpr double kMargin = 1e-3;  // m, of the centre of mass over what carries it
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    BodyState& body = state.motion.bodies[i];
     body.still_time = 0;
+    const bool at_rest = body.velocity.isZero(0) && body.angular_velocity.isZero(0);
+    body.asleep = scene.physics.rules.out_of_reach && at_rest && !models[i].is_static &&
+                  !in_reach(static_cast<int>(i)) && stands_stably(models[i], body, kMargin);
+    if (body.asleep) body.touches_table = true;
   }
+}
+
+// Whether the gripper can come to touch the body where it is.
+bool World::Implementation::in_reach(int i) const {
+  Eigen::AlignedBox3d swept(scene.carrier.minimum, scene.carrier.maximum);
+  swept.min().array() -= gripper_radius;
+  swept.max().array() += gripper_radius;
+  const RigidTransform X_WB = body_pose(models[i], state.motion.bodies[i]);
+  return swept.intersects(transformed_box(X_WB, models[i].box));
+}
+
+BodyModel World::Implementation::make_model(const std::string& name,
+                                            const geometry::TriangleMesh& mesh_B, double mass,
+                                            double friction,
+                                            const std::optional<FeltShape>& felt) const {
+  const bool as_primitive = felt && scene.physics.rules.primitives;
+  return make_body(name, mesh_B, mass, friction, scene.table.friction, scene.gripper.pad.law,
+                   as_primitive ? &*felt : nullptr);
 }
 
 void World::Implementation::add(BodyModel model, const RigidTransform& X_WB) {
@@ -65,20 +124,25 @@ void World::Implementation::add(BodyModel model, const RigidTransform& X_WB) {
   BodyState body;
   set_body_pose(model, X_WB, body);
   state.body_ids.push_back(model.id);
-  state.bodies.push_back(body);
+  state.motion.bodies.push_back(body);
+  state.motion.touches.push_back({PadTouch(mounts[0].layout), PadTouch(mounts[1].layout)});
+  pad_work.push_back({PadWork(mounts[0].layout), PadWork(mounts[1].layout)});
   models.push_back(std::move(model));
 }
 
 void World::Implementation::remove(int index) {
   models.erase(models.begin() + index);
-  state.bodies.erase(state.bodies.begin() + index);
+  state.motion.bodies.erase(state.motion.bodies.begin() + index);
+  state.motion.touches.erase(state.motion.touches.begin() + index);
   state.body_ids.erase(state.body_ids.begin() + index);
+  pad_work.erase(pad_work.begin() + index);
   contacts.clear();
+  pads.clear();
   wake_all();
 }
 
 bool World::Implementation::moves(int i) const {
-  return !models[i].is_static && !state.bodies[i].asleep;
+  return !models[i].is_static && !state.motion.bodies[i].asleep;
 }
 
 World::World(const Scene& scene) {
@@ -88,11 +152,12 @@ World::World(const Scene& scene) {
     RigidTransform X_WB = RigidTransform::Identity();
     X_WB.linear() = Eigen::AngleAxisd(object.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     X_WB.translation() = Eigen::Vector3d(object.x, object.y, 0);
-    BodyModel model = make_body(object.name, object_mesh(object), object.mass, object.friction,
-                                scene.table.friction, scene.gripper.pad.law);
+    BodyModel model = implementation_->make_model(object.name, object_mesh(object), object.mass,
+                                                  object.friction, primitive_shape(object));
     model.texture = object.texture;
     implementation_->add(std::move(model), X_WB);
   }
+  implementation_->wake_all();
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -104,7 +169,7 @@ const Scene& World::scene() const { return implementation_->scene; }
 
 void World::set_gripper_command(GripperMode mode, double value, double current_limit,
                                 double speed) {
-  implementation_->state.drive.command(mode, value, current_limit, speed);
+  implementation_->state.gripper.command(mode, value, current_limit, speed);
 }
 void World::move_carrier(const RigidTransform& X_WG_target, double speed) {
   implementation_->state.carrier.move(X_WG_target, speed);
@@ -112,8 +177,9 @@ void World::move_carrier(const RigidTransform& X_WG_target, double speed) {
 void World::stop_carrier() { implementation_->state.carrier.stop(); }
 
 GripperReading World::gripper() const {
-  const GripperDrive& drive = implementation_->state.drive;
-  return {drive.opening(), drive.velocity(), drive.current(), drive.moving(), drive.blocked()};
+  const State& state = implementation_->state;
+  return {implementation_->opening(), -state.motion.slide_velocity, state.gripper.current(),
+          state.gripper.moving(), state.gripper.blocked()};
 }
 
 CarrierReading World::carrier() const {
@@ -141,8 +207,8 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   RigidTransform X_WB = RigidTransform::Identity();
   if (!box.isEmpty()) X_WB.translation() = box.center();
   BodyModel model =
-      make_body(name, geometry::transformed(mesh_W, X_WB.inverse()), mass, friction,
-                implementation_->scene.table.friction, implementation_->scene.gripper.pad.law);
+      implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()), mass,
+                                  friction, std::nullopt);
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());
@@ -166,8 +232,9 @@ void World::place_object(const std::string& name, const RigidTransform& X_WB) {
   if (!X_WB.matrix().allFinite()) throw std::invalid_argument("pose must be finite");
   BodyState body;
   set_body_pose(implementation_->models[index], X_WB, body);
+  implementation_->state.motion.bodies[index] = body;
+  for (PadTouch& touch : implementation_->state.motion.touches[index]) clear(touch);
   implementation_->wake_all();
-  implementation_->state.bodies[index] = body;
   ++implementation_->generation;
 }
 
@@ -183,6 +250,7 @@ void World::restore(const State& state) {
   }
   implementation_->state = state;
   implementation_->contacts.clear();
+  implementation_->pads.clear();
 }
 
 }  // namespace prehend::simulation

@@ -39,7 +39,7 @@ struct TactileImage {
   int rows = 0;
   int columns = 0;
   std::vector<std::uint16_t> counts;  // rows * columns, 0..full scale
-  double sum = 0;                     // N, of the texels' forces, not quantised
+  double sum = 0;                     // N, of the forces as the texels feel them, not quantised
 };
 
 struct ContactWrench {
@@ -72,16 +72,18 @@ struct VisibleBody {
 /// The simulated world: a table (the plane z = 0), rigid objects with 6 degrees of freedom, a
 /// parallel gripper with two tactile pads, and its carrier.
 ///
-/// Pads: each texel casts a ray from `thickness` behind the undeformed face through its centre;
-/// penetration is thickness - distance of the hit (the whole thickness when the ray starts inside
-/// the object). Fingers behind the pads, housing and table touch sampled points of an object's
-/// surface, with the same law and stiffer constants. Normal direction: the pad's, the table's, the
-/// nearest face's.
+/// Pads are those of prehend/contact: each texel casts a ray from `thickness` behind the undeformed
+/// face through its centre at boxes, balls and cans as such and at other objects' meshes; depths,
+/// law and kernel as in GraspSystem. Where a ray meets several objects each presses the texel.
+/// Fingers behind the pads, housing and table touch sampled points of an object's surface, with the
+/// same law and stiffer constants. Normal direction: the pad's, the table's, the nearest face's.
 ///
-/// A step linearises all contacts implicitly (contact/texel.h) and solves the velocities of all
-/// bodies that touch one another, with the jaws', in one symmetric positive definite system, twice:
-/// the second time with friction, sliding speed and active set of the first solution. Positions
-/// then follow with the new velocities. First order in the step; stable for any step.
+/// The jaws share a slide (coordinate: minus the opening) that a SpindleDrive moves.
+///
+/// A step is implicit (contact/texel.h): velocities of all bodies that touch one another, with the
+/// slide's, are solved in one symmetric positive definite system, again until friction, sliding
+/// speed and active set agree with the solution. Stable for any step. What is left out of a scene,
+/// by which rule: ModelRules.
 ///
 /// Same scene and same calls -> bitwise the same states. Not thread-safe: lock around it.
 class World {
@@ -93,7 +95,7 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// Advances by scene().step. Cost: about 10 us for each awake object, 60 us more for a grasped
+  /// Advances by scene().step. Cost: about 10 us for each awake object, 15 us more for a grasped
   /// one.
   void step();
   double time() const;  // s, number of steps times the step
@@ -117,7 +119,11 @@ class World {
 
   GripperReading gripper() const;
   CarrierReading carrier() const;
+  /// What the electronics show: of an ideal pad the present forces, else the last frame.
+  /// @throws std::logic_error without touch.
   TactileImage tactile_image(PadSide side) const;
+  /// False when the scene has rigid pads, without texels.
+  bool has_touch() const;
   /// Contact forces of objects and table on the gripper, in gripper frame G, about its origin; the
   /// gripper's own weight is not in it.
   ContactWrench wrist_wrench() const;

@@ -1,37 +1,84 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "prehend/contact/pad_contact.h"
 #include "prehend/simulation/carrier.h"
 #include "prehend/simulation/contact_detection.h"
 #include "prehend/simulation/contact_solver.h"
-#include "prehend/simulation/gripper_drive.h"
+#include "prehend/simulation/gripper_axis.h"
 #include "prehend/simulation/rigid_body.h"
 #include "prehend/simulation/world.h"
 
 /// The inside of World: for its own files only.
 namespace prehend::simulation {
 
-struct PadReading {
-  std::vector<double> force;  // N, rows * columns
-};
-
 inline bool is_pad(std::uint32_t partner) { return partner == kLeftPad || partner == kRightPad; }
 inline bool is_gripper(std::uint32_t partner) { return partner > kTable && partner <= kRightPad; }
+
+/// One pad's texels on one body, between two steps.
+struct PadTouch {
+  explicit PadTouch(const contact::PadLayout& layout) : texels(layout) {}
+  contact::PadState texels;
+  bool presses = false;  // false: no bristle and no force
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(presses, texels.bristle_u, texels.bristle_v, texels.normal_force, texels.friction_u,
+            texels.friction_v);
+  }
+};
+
+inline void clear(PadTouch& touch) {
+  if (!touch.presses) return;
+  contact::PadState& pad = touch.texels;
+  for (auto* values :
+       {&pad.bristle_u, &pad.bristle_v, &pad.normal_force, &pad.friction_u, &pad.friction_v}) {
+    std::fill(values->begin(), values->end(), 0.0);
+  }
+  touch.presses = false;
+}
+
+/// What is used within a step for it.
+struct PadWork {
+  explicit PadWork(const contact::PadLayout& layout) : scratch(layout) {}
+  contact::PadScratch scratch;
+  contact::PadResponse response;
+  contact::MeshHits hits;
+};
+
+/// What an implicit stage changes.
+struct Motion {
+  std::vector<BodyState> bodies;
+  std::vector<std::array<PadTouch, 2>> touches;  // of each body: left pad, right pad
+  std::vector<StoredBristle> bristles;           // by key
+  double slide = 0;                              // m, minus the opening
+  double slide_velocity = 0;                     // m/s
+  double slide_bristle = 0;                      // m
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(bodies, touches, bristles, slide, slide_velocity, slide_bristle);
+  }
+};
 
 struct World::State {
   std::int64_t steps = 0;
   std::vector<std::uint32_t> body_ids;
-  std::vector<BodyState> bodies;
+  Motion motion;
   Carrier carrier;
-  GripperDrive drive;
-  std::vector<StoredBristle> bristles;  // by key
-  std::array<PadReading, 2> pads;
-  ContactWrench wrench;  // in G
+  GripperAxis gripper;
+  std::array<TactileSensor, 2> pads;
+  std::array<TactileImage, 2> frames;  // the last ones, of pads that are not ideal
+  double frame_age = 0;                // s
+  std::optional<WrenchSensor> wrist;
+  ContactWrench wrench;  // in G, as the wrist shows it
 };
 
 struct World::Implementation {
@@ -41,27 +88,56 @@ struct World::Implementation {
   std::uint64_t generation = 1;
   std::uint32_t next_id = 1;
   std::shared_ptr<const geometry::TriangleMesh> finger_mesh, housing_mesh, pad_mesh;
-  std::vector<ContactPoint> contacts;  // of the last step
+
+  // The gripper's pads and slide.
+  std::array<contact::PadMount, 2> mounts;
+  std::array<contact::PadReach, 2> reaches;
+  contact::SlideModel slide_model;
+  contact::SlideStep slide_step;
+  double gripper_radius = 0;  // m, of a ball round G that holds it at any opening
+
+  // Buffers of a step.
+  ContactSolver solver;
+  std::vector<std::array<PadWork, 2>> pad_work;  // of each body
+  std::vector<ContactPoint> contacts, between;
+  std::vector<PadContact> pads;
+  std::array<contact::PadPlacement, 2> places;
+  std::vector<SolverBody> solver_bodies;
+  std::vector<StoredBristle> kept;
+  GripperPlacement stage_start;
+  std::vector<char> free_standing;
+  std::vector<double> forces;  // N, of one pad's texels
 
   explicit Implementation(const Scene& scene_in);
   void make_gripper_meshes();
   GripperPlacement placement() const;
+  double opening() const { return -state.motion.slide; }
   int index_of(const std::string& name) const;
   int index_or_throw(const std::string& name) const;
   void wake_all();
+  bool in_reach(int i) const;
+  BodyModel make_model(const std::string& name, const geometry::TriangleMesh& mesh_B, double mass,
+                       double friction, const std::optional<FeltShape>& felt) const;
   void add(BodyModel model, const geometry::RigidTransform& X_WB);
   void remove(int index);
+
   // True when body `i` has to be in this step's system.
   bool moves(int i) const;
-  void detect();
   bool wake(int i);
+  double reach_of(int i, double h) const;
+  void detect(double h);
+  void detect_pads(int i, double h);
   // Both lists are sorted by key. Pads keep their bristles in their own frame.
   void fetch_bristles(const Eigen::Matrix3d& R_WG);
   void store_bristles(const Eigen::Matrix3d& R_WG);
-  std::vector<SolverBody> solver_bodies() const;
+  void fill_solver_bodies();
+  // One implicit stage of length h whose end is `t_end` after the step's beginning.
+  void stage(double h, double t_end);
   void step();
   void fall_asleep(double h);
-  void read_sensors(const GripperPlacement& gripper);
+  void read_sensors(double h);
+  TactileImage image(int pad, const TactileFrameReading& frame) const;
+  const std::vector<double>& texel_forces(int pad);
   BodyReading reading(std::size_t i) const;
 };
 

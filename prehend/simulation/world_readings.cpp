@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "prehend/simulation/world_implementation.h"
 
@@ -14,9 +15,9 @@ constexpr double kTipStiffness = 2e4;  // N/m, of a finger's corner against the 
 
 }  // namespace
 
-void World::Implementation::read_sensors(const GripperPlacement& gripper) {
-  for (PadReading& pad : state.pads) std::fill(pad.force.begin(), pad.force.end(), 0.0);
-  for (BodyState& body : state.bodies) {
+void World::Implementation::read_sensors(double h) {
+  const GripperPlacement& gripper = stage_start;
+  for (BodyState& body : state.motion.bodies) {
     body.touches_left_pad = body.touches_right_pad = body.touches_gripper = false;
     if (!body.asleep) body.touches_table = false;
   }
@@ -25,18 +26,26 @@ void World::Implementation::read_sensors(const GripperPlacement& gripper) {
     wrench_W.force += force;
     wrench_W.torque += (point - gripper.X_WG.translation()).cross(force);
   };
+  const auto touch_pad = [&](BodyState& body, bool left) {
+    (left ? body.touches_left_pad : body.touches_right_pad) = true;
+  };
   for (const ContactPoint& contact : contacts) {
     if (contact.normal_force <= 0) continue;
-    BodyState& body = state.bodies[contact.a];
+    BodyState& body = state.motion.bodies[contact.a];
     if (contact.partner == kTable) body.touches_table = true;
-    if (contact.partner == kLeftPad) body.touches_left_pad = true;
-    if (contact.partner == kRightPad) body.touches_right_pad = true;
-    if (is_gripper(contact.partner)) add_to_wrench(-contact.force, contact.point);
+    if (!is_gripper(contact.partner)) continue;
+    add_to_wrench(-contact.force, contact.point);
     if (is_pad(contact.partner)) {
-      state.pads[contact.partner == kLeftPad ? 0 : 1].force[contact.texel] += contact.normal_force;
-    } else if (is_gripper(contact.partner)) {
+      touch_pad(body, contact.partner == kLeftPad);
+    } else {
       body.touches_gripper = true;
     }
+  }
+  for (const PadContact& pad : pads) {
+    if (pad.response->pressing == 0) continue;
+    add_to_wrench(-pad.wrench_W.head<3>(), pad.place->p_WP);
+    wrench_W.torque -= pad.wrench_W.tail<3>();
+    touch_pad(state.motion.bodies[pad.body], pad.place == &places[0]);
   }
   for (const GripperBox& part : gripper_boxes(scene.gripper, gripper.opening)) {
     for (int corner = 0; corner < 8; ++corner) {
@@ -47,10 +56,45 @@ void World::Implementation::read_sensors(const GripperPlacement& gripper) {
   }
   const Eigen::Matrix3d R_GW = gripper.X_WG.linear().transpose();
   state.wrench = {R_GW * wrench_W.force, R_GW * wrench_W.torque};
+  if (state.wrist) {
+    Eigen::Matrix<double, 6, 1> wrench;
+    wrench << state.wrench.force, state.wrench.torque;
+    wrench = state.wrist->sample(wrench);
+    state.wrench = {wrench.head<3>(), wrench.tail<3>()};
+  }
+  // Electronics with a memory see the pads at their own pace.
+  state.frame_age += h;
+  if (scene.tactile.sensor.is_ideal() || state.frame_age < scene.tactile.period * (1 - 1e-9)) return;
+  for (int k : {0, 1}) {
+    state.frames[k] = image(k, state.pads[k].sample(texel_forces(k), state.frame_age));
+  }
+  state.frame_age = 0;
+}
+
+const std::vector<double>& World::Implementation::texel_forces(int pad) {
+  const contact::PadLayout& layout = mounts[pad].layout;
+  forces.assign(layout.size(), 0.0);
+  for (const auto& touches : state.motion.touches) {
+    const PadTouch& touch = touches[pad];
+    for (std::size_t i = 0; touch.presses && i < layout.size(); ++i) {
+      forces[i] += touch.texels.normal_force[i];
+    }
+  }
+  return forces;
+}
+
+// The right pad's x axis runs against the gripper's.
+TactileImage World::Implementation::image(int pad, const TactileFrameReading& frame) const {
+  TactileImage image{frame.rows, frame.columns, frame.counts, frame.felt};
+  for (int row = 0; pad == 1 && row < frame.rows; ++row) {
+    const auto first = image.counts.begin() + static_cast<std::ptrdiff_t>(row) * frame.columns;
+    std::reverse(first, first + frame.columns);
+  }
+  return image;
 }
 
 BodyReading World::Implementation::reading(std::size_t i) const {
-  const BodyState& body = state.bodies[i];
+  const BodyState& body = state.motion.bodies[i];
   BodyReading reading;
   reading.name = models[i].name;
   reading.X_WB = body_pose(models[i], body);
@@ -65,16 +109,17 @@ BodyReading World::Implementation::reading(std::size_t i) const {
   return reading;
 }
 
+bool World::has_touch() const { return !implementation_->scene.physics.rules.rigid_pads; }
+
 TactileImage World::tactile_image(PadSide side) const {
-  const robot::TactilePadModel& pad = implementation_->scene.gripper.pad;
-  const auto& force = implementation_->state.pads[side == PadSide::kLeft ? 0 : 1].force;
-  TactileImage image{pad.rows, pad.columns, {}, 0};
-  for (const double f : force) {
-    const double counts = std::min<double>(pad.full_scale, std::round(f / pad.newton_per_count));
-    image.counts.push_back(static_cast<std::uint16_t>(counts));
-    image.sum += f;
+  if (!has_touch()) {
+    throw std::logic_error("this world's pads have no texels: physics.pads is rigid");
   }
-  return image;
+  Implementation& world = *implementation_;
+  const int pad = side == PadSide::kLeft ? 0 : 1;
+  if (!world.scene.tactile.sensor.is_ideal()) return world.state.frames[pad];
+  TactileSensor sensor = world.state.pads[pad];  // has no memory that counts
+  return world.image(pad, sensor.sample(world.texel_forces(pad), 0));
 }
 
 double World::energy() const {
@@ -82,7 +127,7 @@ double World::energy() const {
   std::vector<ContactPoint> touching;
   for (std::size_t i = 0; i < body_count(); ++i) {
     const BodyModel& model = implementation_->models[i];
-    const BodyState& body = implementation_->state.bodies[i];
+    const BodyState& body = implementation_->state.motion.bodies[i];
     if (model.is_static) continue;
     const Eigen::Vector3d w_B = body.q_WB.conjugate() * body.angular_velocity;
     sum += 0.5 * model.mass * body.velocity.squaredNorm() + 0.5 * w_B.dot(model.inertia * w_B) +
@@ -100,7 +145,7 @@ std::vector<VisibleBody> World::visible_bodies() const {
   std::vector<VisibleBody> bodies;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const BodyModel& model = world.models[i];
-    bodies.push_back({model.name, model.mesh, body_pose(model, world.state.bodies[i]),
+    bodies.push_back({model.name, model.mesh, body_pose(model, world.state.motion.bodies[i]),
                       model.texture, model.box.max().z()});
   }
   const Texture metal{Texture::Pattern::kNoise, {0.45, 0.47, 0.5}, {0.5, 0.52, 0.55}, 0.1, 0.02, 3};

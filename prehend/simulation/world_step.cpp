@@ -1,10 +1,15 @@
 // One step of the world: what touches, how it moves, what falls asleep.
 
 #include <algorithm>
+#include <cmath>
 
+#include "prehend/contact/rotation.h"
 #include "prehend/simulation/world_implementation.h"
 
 namespace prehend::simulation {
+
+using geometry::RigidTransform;
+
 namespace {
 
 // A body that touches only the table and has not moved for this long is left out of the system
@@ -14,17 +19,67 @@ constexpr double kStillSpeed = 2e-4;  // m/s, of any point of the body
 
 }  // namespace
 
-void World::Implementation::detect() {
+// How near [m] the gripper must be for anything of it to touch body `i` within twice the step.
+double World::Implementation::reach_of(int i, double h) const {
+  const BodyState& body = state.motion.bodies[i];
+  const double distance = (body.p_WBcm - stage_start.X_WG.translation()).norm() + gripper_radius;
+  const double speed = (body.velocity - stage_start.velocity).norm() +
+                       body.angular_velocity.norm() * (distance + models[i].radius) +
+                       std::abs(stage_start.yaw_rate) * (distance + models[i].radius) +
+                       std::abs(state.motion.slide_velocity);
+  const double drive = slide_step.most_force(0, state.motion.slide, state.motion.slide_velocity);
+  return 2 * h * (speed + h * (std::abs(scene.gravity) + drive / slide_model.mass));
+}
+
+void World::Implementation::detect_pads(int i, double h) {
+  const BodyState& body = state.motion.bodies[i];
+  const BodyModel& model = models[i];
+  const RigidTransform X_WS = body_pose(model, body) * model.felt.X_BS;
+  const ModelRules& rules = scene.physics.rules;
+  const double drive = slide_step.most_force(0, state.motion.slide, state.motion.slide_velocity);
+  for (int k : {0, 1}) {
+    // As far as speeds, gravity and the drive can bring it within the step.
+    const contact::Vector6 twist =
+        contact::relative_twist(mounts[k], places[k], state.motion.slide_velocity, body.velocity,
+                                body.angular_velocity, body.p_WBcm);
+    const double acceleration = std::abs(scene.gravity) + drive / slide_model.mass *
+                                                              mounts[k].direction_G.norm();
+    const double look_ahead = 2 * h *
+                              (twist.head<3>().norm() + twist.tail<3>().norm() * model.radius +
+                               h * acceleration);
+    PadTouch& touch = state.motion.touches[i][k];
+    PadWork& work = pad_work[i][k];
+    const bool met = contact::find_depths(
+        mounts[k].layout, reaches[k], model.felt.shape, places[k].X_PW() * X_WS, look_ahead,
+        touch.texels, rules.gate_texels, rules.remember_triangles ? &work.hits : nullptr);
+    if (!met) {
+      clear(touch);
+      continue;
+    }
+    wake(i);
+    pads.push_back({i, &mounts[k], &places[k], &model.pad_law, &touch.texels, &work.scratch,
+                    &work.response});
+  }
+}
+
+void World::Implementation::detect(double h) {
   contacts.clear();
-  const GripperPlacement gripper = placement();
+  pads.clear();
+  const ModelRules& rules = scene.physics.rules;
   const int count = static_cast<int>(models.size());
   for (int i = 0; i < count; ++i) {
-    detect_gripper(models[i], state.bodies[i], i, scene.gripper, gripper, contacts);
+    if (rules.skip_distant_pairs && !near_gripper(models[i], state.motion.bodies[i], scene.gripper,
+                                                  stage_start, reach_of(i, h))) {
+      for (PadTouch& touch : state.motion.touches[i]) clear(touch);
+      continue;
+    }
+    detect_gripper(models[i], state.motion.bodies[i], i, scene.gripper, stage_start,
+                   rules.rigid_pads, contacts);
+    if (!rules.rigid_pads) detect_pads(i, h);
   }
   for (const ContactPoint& contact : contacts) wake(contact.a);
   // Waking spreads from body to body.
   bool woken = true;
-  std::vector<ContactPoint> between;
   while (woken) {
     woken = false;
     between.clear();
@@ -32,31 +87,34 @@ void World::Implementation::detect() {
       for (int j = i + 1; j < count; ++j) {
         if (!moves(i) && !moves(j)) continue;
         const std::size_t before = between.size();
-        detect_bodies(models[i], state.bodies[i], i, models[j], state.bodies[j], j, between);
-        if (between.size() > before) woken = wake(i) || wake(j) || woken;
+        detect_bodies(models[i], state.motion.bodies[i], i, models[j], state.motion.bodies[j], j,
+                      rules.skip_distant_pairs, between);
+        if (between.size() == before) continue;
+        const bool woke_i = wake(i), woke_j = wake(j);
+        woken = woken || woke_i || woke_j;
       }
     }
   }
   contacts.insert(contacts.end(), between.begin(), between.end());
   for (int i = 0; i < count; ++i) {
-    if (moves(i)) detect_table(models[i], state.bodies[i], i, scene.step, contacts);
+    if (moves(i)) detect_table(models[i], state.motion.bodies[i], i, h, contacts);
   }
   std::sort(contacts.begin(), contacts.end(),
             [](const ContactPoint& x, const ContactPoint& y) { return x.key < y.key; });
 }
 
 bool World::Implementation::wake(int i) {
-  if (!state.bodies[i].asleep) return false;
-  state.bodies[i].asleep = false;
-  state.bodies[i].still_time = 0;
+  if (!state.motion.bodies[i].asleep) return false;
+  state.motion.bodies[i].asleep = false;
+  state.motion.bodies[i].still_time = 0;
   return true;
 }
 
 void World::Implementation::fetch_bristles(const Eigen::Matrix3d& R_WG) {
-  auto stored = state.bristles.begin();
+  auto stored = state.motion.bristles.begin();
   for (ContactPoint& contact : contacts) {
-    while (stored != state.bristles.end() && stored->key < contact.key) ++stored;
-    if (stored == state.bristles.end() || stored->key != contact.key) continue;
+    while (stored != state.motion.bristles.end() && stored->key < contact.key) ++stored;
+    if (stored == state.motion.bristles.end() || stored->key != contact.key) continue;
     const Eigen::Vector3d z =
         is_pad(contact.partner) ? Eigen::Vector3d(R_WG * stored->bristle) : stored->bristle;
     contact.bristle = z - contact.normal.dot(z) * contact.normal;
@@ -65,11 +123,11 @@ void World::Implementation::fetch_bristles(const Eigen::Matrix3d& R_WG) {
 
 void World::Implementation::store_bristles(const Eigen::Matrix3d& R_WG) {
   // Sleeping bodies' table contacts are not detected; their bristles wait.
-  std::vector<StoredBristle> kept;
-  for (const StoredBristle& stored : state.bristles) {
+  kept.clear();
+  for (const StoredBristle& stored : state.motion.bristles) {
     const auto id = static_cast<std::uint32_t>(stored.key >> 40);
     for (std::size_t i = 0; i < models.size(); ++i) {
-      if (models[i].id == id && state.bodies[i].asleep) kept.push_back(stored);
+      if (models[i].id == id && state.motion.bodies[i].asleep) kept.push_back(stored);
     }
   }
   for (const ContactPoint& contact : contacts) {
@@ -80,62 +138,94 @@ void World::Implementation::store_bristles(const Eigen::Matrix3d& R_WG) {
   }
   std::sort(kept.begin(), kept.end(),
             [](const StoredBristle& x, const StoredBristle& y) { return x.key < y.key; });
-  state.bristles = std::move(kept);
+  std::swap(state.motion.bristles, kept);
 }
 
-std::vector<SolverBody> World::Implementation::solver_bodies() const {
-  std::vector<SolverBody> bodies(models.size());
+void World::Implementation::fill_solver_bodies() {
+  solver_bodies.resize(models.size());
   for (std::size_t i = 0; i < models.size(); ++i) {
     const BodyModel& model = models[i];
-    const BodyState& body = state.bodies[i];
-    SolverBody& solver_body = bodies[i];
+    const BodyState& body = state.motion.bodies[i];
+    SolverBody& solver_body = solver_bodies[i];
     solver_body.is_free = moves(static_cast<int>(i));
     solver_body.center = body.p_WBcm;
     if (!solver_body.is_free) continue;
-    const Eigen::Matrix3d R = body.q_WB.toRotationMatrix();
     solver_body.mass = model.mass;
-    solver_body.inertia_W = R * model.inertia * R.transpose();
+    solver_body.radius = model.radius;
+    solver_body.inertia = model.inertia;
+    solver_body.q_WB = body.q_WB;
     solver_body.force = Eigen::Vector3d(0, 0, -scene.gravity * model.mass);
-    solver_body.torque =
-        -body.angular_velocity.cross(solver_body.inertia_W * body.angular_velocity);
-    solver_body.velocity = body.velocity;
-    solver_body.angular_velocity = body.angular_velocity;
+    solver_body.velocity = solver_body.velocity_guess = body.velocity;
+    solver_body.angular_velocity = solver_body.angular_velocity_guess = body.angular_velocity;
   }
-  return bodies;
+}
+
+void World::Implementation::stage(double h, double t_end) {
+  Motion& motion = state.motion;
+  // The gripper is where its velocity would have it come from to where it is at the end.
+  const RigidTransform X_WG_end = state.carrier.pose_after(t_end);
+  const Eigen::Vector3d angular(0, 0, state.carrier.yaw_rate());
+  stage_start = {X_WG_end, state.carrier.velocity(), state.carrier.yaw_rate(), opening()};
+  stage_start.X_WG.translation() -= h * stage_start.velocity;
+  stage_start.X_WG.linear() =
+      contact::rotation_by(-h * angular).toRotationMatrix() * X_WG_end.linear();
+  for (int k : {0, 1}) {
+    places[k] = contact::place_pad(mounts[k], X_WG_end, stage_start.velocity, angular, motion.slide,
+                                   h);
+  }
+  detect(h);
+  fetch_bristles(stage_start.X_WG.linear());
+  fill_solver_bodies();
+  SolverSlide slide;
+  slide.step = &slide_step;
+  slide.mass = slide_model.mass;
+  slide.lower = -scene.gripper.max_opening;
+  slide.position = motion.slide;
+  slide.bristle = motion.slide_bristle;
+  slide.end_time = t_end;
+  slide.velocity = slide.velocity_guess = motion.slide_velocity;
+  solver.solve(h, slide, solver_bodies, contacts, pads);
+
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!solver_bodies[i].is_free) continue;
+    motion.bodies[i].velocity = solver_bodies[i].velocity;
+    motion.bodies[i].angular_velocity = solver_bodies[i].angular_velocity;
+    integrate(h, motion.bodies[i]);
+  }
+  for (const PadContact& pad : pads) {
+    PadTouch& touch = motion.touches[pad.body][pad.place == &places[0] ? 0 : 1];
+    touch.presses = touch.presses || pad.response->pressing > 0;
+    if (pad.response->pressing == 0) clear(touch);
+  }
+  motion.slide_velocity = slide.velocity;
+  motion.slide += h * slide.velocity;
+  motion.slide_bristle = slide_step.advanced_bristle(slide.bristle, h, slide.velocity);
+  store_bristles(stage_start.X_WG.linear());
 }
 
 void World::Implementation::step() {
   const double h = scene.step;
   state.carrier.begin_step(h);
-  state.drive.begin_step(h);
-  detect();
-  const GripperPlacement gripper = placement();
-  fetch_bristles(gripper.X_WG.linear());
-  std::vector<SolverBody> bodies = solver_bodies();
-  double jaw_velocity = state.drive.velocity();
-  solve_contacts(h, state.drive, bodies, contacts, jaw_velocity);
-  read_sensors(gripper);
-  store_bristles(gripper.X_WG.linear());
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    if (!bodies[i].is_free) continue;
-    state.bodies[i].velocity = bodies[i].velocity;
-    state.bodies[i].angular_velocity = bodies[i].angular_velocity;
-    integrate(h, state.bodies[i]);
-  }
+  slide_step.set_command(
+      state.gripper.begin_step(h, state.motion.slide, state.motion.slide_velocity), 0);
+  stage(h, h);
+  read_sensors(h);
   fall_asleep(h);
-  state.drive.end_step(h, jaw_velocity);
+  state.gripper.end_step(h, state.motion.slide, state.motion.slide_velocity);
   state.carrier.end_step(h);
   ++state.steps;
 }
 
 void World::Implementation::fall_asleep(double h) {
-  std::vector<bool> free_standing(models.size(), true);
+  if (!scene.physics.rules.sleep) return;
+  free_standing.assign(models.size(), true);
   for (const ContactPoint& contact : contacts) {
     if (contact.partner != kTable) free_standing[contact.a] = false;
     if (contact.b >= 0) free_standing[contact.b] = false;
   }
+  for (const PadContact& pad : pads) free_standing[pad.body] = false;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    BodyState& body = state.bodies[i];
+    BodyState& body = state.motion.bodies[i];
     if (!moves(static_cast<int>(i))) continue;
     const double fastest =
         body.velocity.norm() + body.angular_velocity.norm() * models[i].box.sizes().norm();

@@ -28,12 +28,16 @@ TEST(GripperDrive, MovesToAPositionWithinItsLimits) {
       world.step();
       const GripperReading gripper = world.gripper();
       fastest = std::max(fastest, std::abs(gripper.velocity));
-      hardest = std::max(hardest, std::abs(gripper.velocity - previous) / step);
+      // Slower, friction gives way with a jerk: the Stribeck velocity is 2 mm/s.
+      if (std::abs(previous) > 0.01 && std::abs(gripper.velocity) > 0.01) {
+        hardest = std::max(hardest, std::abs(gripper.velocity - previous) / step);
+      }
       previous = gripper.velocity;
     }
-    EXPECT_NEAR(world.gripper().opening, 0.02, 5e-5) << step;
+    EXPECT_NEAR(world.gripper().opening, 0.02, 10.0 / 1e6) << step << ", stiction over stiffness";
     EXPECT_NEAR(fastest, 0.083, 1e-3) << step;
-    EXPECT_LT(hardest, 0.320 * 1.5) << step;  // the drive's friction gives way with a jerk
+    EXPECT_LT(hardest, 0.320 * 1.01) << step;
+    EXPECT_GT(hardest, 0.320 * 0.9) << step;
     EXPECT_FALSE(world.gripper().moving);
     EXPECT_FALSE(world.gripper().blocked);
   }
@@ -70,12 +74,28 @@ TEST(GripperDrive, CurrentBelowFrictionDoesNotMove) {
 }
 
 TEST(GripperDrive, ForceFollowsTheCurrentAndIsCutAtTheMaximum) {
-  for (const double current : {0.5, 1.0, 2.0, 4.0, 50.0}) {
+  for (const double current : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+    Scene scene = testing::grasp_scene(1.0);
+    scene.start_opening = 0.05;
+    World world(scene);
+    const double seconds = 2 * std::min(current, 10.0);
+    testing::grasp_slowly(world, current, seconds);
+    testing::expect_within(world.tactile_image(PadSide::kLeft).sum,
+                           testing::force_of_slow_grasp(scene, current, seconds),
+                           std::to_string(current).c_str());
+    EXPECT_NEAR(world.gripper().current, -std::min(current, 6.5), 1e-6);
+  }
+}
+
+// A current that comes at once: the rotor's inertia presses further than the current would, at most
+// by the momentum's spring energy, and stiction keeps what it reached.
+TEST(GripperDrive, AJerkOvershootsAndStictionKeepsIt) {
+  for (const double current : {1.0, 2.0, 4.0}) {
     World world(testing::grasp_scene(1.0));
     testing::grasp(world, current);
-    const double expected = 30 * std::min(current, 6.5) - 8;
-    EXPECT_NEAR(world.tactile_image(PadSide::kLeft).sum, expected, 0.01 * expected) << current;
-    EXPECT_NEAR(world.gripper().current, -std::min(current, 6.5), 1e-6);
+    const double force = world.tactile_image(PadSide::kLeft).sum;
+    EXPECT_GE(force, 30 * current - 10 - 0.01) << current;
+    EXPECT_LE(force, 30 * current + 10) << current;
   }
 }
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/actuator.h"
+
+namespace prehend::simulation {
+
+enum class GripperMode;
+
+/// The gripper's controller and drive on the slide that both jaws share. The slide's coordinate is
+/// minus the opening, so that positive closes, as an Actuator has it:
+///   m dv/dt = F - friction - (Fn_left + Fn_right) / 2
+/// kCurrent is the servo with the maximum speed as reference and |current| as limit, so that a
+/// blocked jaw presses with force_per_current |i| less friction; kStop brakes and holds. Before the
+/// ends of the stroke the servo brakes by itself. Its state is its value: copy to save.
+class GripperAxis {
+ public:
+  GripperAxis(const robot::GripperModel& gripper, const SpindleDriveModel& drive);
+
+  /// See World::set_gripper_command.
+  void command(GripperMode mode, double value, double current_limit, double speed);
+
+  /// The drive over the coming step of `h` [s] from the slide's position [m] and velocity [m/s].
+  contact::SlideCommand begin_step(double h, double position, double velocity);
+  /// What the solved step did.
+  void end_step(double h, double position, double velocity);
+
+  contact::SlideModel slide() const { return drive_.slide(); }
+  double current() const { return -drive_.current(); }  // A, negative closes
+  double temperature() const { return drive_.temperature(); }
+  bool moving() const { return moving_; }
+  bool blocked() const { return blocked_time_ > kBlockedTime; }
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    drive_.archive(archive);
+    archive(mode_, target_, moving_, blocked_time_);
+  }
+
+ private:
+  static constexpr double kBlockedTime = 0.05;  // s
+  /// Distance to the end towards which velocity mode goes [m].
+  double to_end(double position) const;
+
+  robot::GripperModel gripper_;
+  SpindleDrive drive_;
+  GripperMode mode_;
+  double target_ = 0;  // of the opening: m or m/s
+  bool moving_ = false;
+  double blocked_time_ = 0;  // s
+};
+
+}  // namespace prehend::simulation
