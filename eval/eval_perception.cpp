@@ -28,11 +28,17 @@ using Rows = std::vector<std::vector<std::string>>;
 
 std::string percent(double share) { return fmt::format("{:.2f}", 100 * share); }
 
-const std::vector<std::string> kStereoHeader = {
-    "method",       "matched [%]", "bad 1 px [%]",
-    "2 px",         "4 px",        "bad or missing 1 px [%]",
-    "2 px",         "4 px",        "bad of the surer half [%]",
-    "of the other", "ms"};
+const std::vector<std::string> kStereoHeader = {"method",
+                                                "matched [%]",
+                                                "bad 1 px [%]",
+                                                "bad 2 px [%]",
+                                                "bad 4 px [%]",
+                                                "bad or missing 1 px [%]",
+                                                "bad or missing 2 px [%]",
+                                                "bad or missing 4 px [%]",
+                                                "bad of the surer half [%]",
+                                                "bad of the less sure half [%]",
+                                                "ms"};
 
 Rows stereo_rows(const std::vector<eval::StereoRun>& runs) {
   Rows rows;
@@ -77,10 +83,32 @@ std::string to_csv(const std::vector<std::string>& header, const Rows& rows) {
   return text;
 }
 
-// A table in the page, in a file of its own and on the terminal.
-void add_table(report::Page& page, const fs::path& folder, const std::string& name,
-               const std::string& title, const std::vector<std::string>& header, const Rows& rows) {
+// A list of objects; cells that are numbers as numbers, empty ones as null.
+std::string to_json(const std::vector<std::string>& header, const Rows& rows) {
+  std::string text = "[";
+  for (const auto& row : rows) {
+    text += text.size() > 1 ? ",\n    {" : "\n    {";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      char* end = nullptr;
+      const double number = std::strtod(row[i].c_str(), &end);
+      const bool is_number = !row[i].empty() && *end == '\0';
+      text += (i == 0 ? "" : ", ") + eval::json_string(header[i]) + ": ";
+      text += row[i].empty() ? "null"
+              : is_number    ? eval::json_number(number)
+                             : eval::json_string(row[i]);
+    }
+    text += '}';
+  }
+  return text + "]";
+}
+
+// A table in the page, in a file of its own, in `json` and on the terminal.
+void add_table(report::Page& page, std::string& json, const fs::path& folder,
+               const std::string& name, const std::string& title,
+               const std::vector<std::string>& header, const Rows& rows) {
   if (rows.empty()) return;
+  json +=
+      (json.empty() ? "" : ",\n") + ("  " + eval::json_string(name)) + ": " + to_json(header, rows);
   page.add_heading(title);
   page.add_table(header, rows);
   const std::string csv = to_csv(header, rows);
@@ -93,12 +121,14 @@ void add_table(report::Page& page, const fs::path& folder, const std::string& na
 
 int main(int argc, char** argv) {
   fs::path out = "out/perception";
+  fs::path json_file;
   int scenes = 8;
   std::uint64_t seed = 1;
   CLI::App app(
       "Perception against the truth: disparities and labels of real recordings where "
       "PREHEND_SHARED_DATA names their folder, and rendered tables with four objects each.");
   app.add_option("--out", out, "folder of the page and its tables")->capture_default_str();
+  app.add_option("--json", json_file, "file for the tables as JSON");
   app.add_option("--scenes", scenes, "rendered for each condition")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -107,23 +137,25 @@ int main(int argc, char** argv) {
   try {
     cv::setNumThreads(1);
     report::Page page("Perception against the truth");
+    std::string json;
     const char* shared = std::getenv("PREHEND_SHARED_DATA");
     if (shared != nullptr && *shared != '\0') {
       const fs::path data = shared;
       if (fs::exists(data / "stereo" / "cones")) {
-        add_table(page, out, "stereo", "Real pair with known disparity (Middlebury cones)",
+        add_table(page, json, out, "stereo", "Real pair with known disparity (Middlebury cones)",
                   kStereoHeader,
                   stereo_rows(eval::compare_stereo_methods(
                       eval::read_middlebury_2003(data / "stereo" / "cones"))));
       }
-      add_table(page, out, "labelled", "Labelled recordings (OSD)", kSegmentationHeader,
+      add_table(page, json, out, "labelled", "Labelled recordings (OSD)", kSegmentationHeader,
                 segmentation_rows(eval::labelled_segmentation(data / "clouds" / "osd")));
     } else {
       std::printf("Without real recordings: PREHEND_SHARED_DATA does not name a folder.\n");
     }
-    add_table(page, out, "rendered", "Rendered tables, four objects each", kSegmentationHeader,
-              segmentation_rows(eval::rendered_segmentation(scenes, seed)));
+    add_table(page, json, out, "rendered", "Rendered tables, four objects each",
+              kSegmentationHeader, segmentation_rows(eval::rendered_segmentation(scenes, seed)));
     page.write(out / "index.html");
+    if (!json_file.empty()) eval::write_text(json_file, "{\n" + json + "\n}\n");
     std::printf("\n%s\n", (out / "index.html").c_str());
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -69,11 +69,12 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
 
 // A cloud without table or objects is an answer: it is published and the node stays.
 msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedCloud& recorded,
-                               msgs::ObjectHypotheses times, nodes::StageClock& clock) {
+                               perception::RecordedWorld world, msgs::ObjectHypotheses times,
+                               nodes::StageClock& clock) {
   msgs::ObjectHypotheses message;
   try {
     const perception::SegmentedScene scene = perception::segment_recorded_cloud(
-        recorded, nodes::segmentation_options(node), nodes::table_options(node));
+        recorded, nodes::segmentation_options(node), nodes::table_options(node), world);
     message = convert::to_message(scene);
     if (scene.objects.empty()) {
       message.set_problem("The table is empty: nothing of a graspable size stands on it");
@@ -90,6 +91,12 @@ void run(graph::Node& node) {
   const auto file =
       node.declare_parameter<std::string>({.name = "file", .description = "a .pcd or .ply cloud"});
   const perception::RecordedCloudOptions options = read_options(node);
+  const auto world = node.declare_parameter<std::string>(
+      {.name = "world",
+       .default_value = "table",
+       .choices = {"table", "file"},
+       .description = "frame of the objects: made from the table that is found, or the file's own, "
+                      "as several clouds of one scene need (view_merging)"});
   nodes::declare_segmentation_parameters(node);
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
@@ -110,7 +117,10 @@ void run(graph::Node& node) {
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
-    message = segment(node, recorded, std::move(times), clock);
+    message = segment(
+        node, recorded,
+        world == "file" ? perception::RecordedWorld::kFile : perception::RecordedWorld::kTable,
+        std::move(times), clock);
     for (const std::string& note : recorded.notes) message.add_notes(note);
   } catch (const geometry::InputError& error) {
     message.set_problem(error.what());

@@ -10,6 +10,7 @@
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/perception/dark_background.h"
 #include "prehend/perception/refinement.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
@@ -42,6 +43,12 @@ void declare_method_parameters(graph::Node& node) {
                                   .minimum = 0.0,
                                   .maximum = 1.0,
                                   .description = "less sure disparities are dropped"});
+  node.declare_parameter<std::string>(
+      {.name = "background",
+       .default_value = "table",
+       .choices = {"table", "dark"},
+       .description = "what objects stand out from: a table that stereo sees, or a black cloth "
+                      "(objects are what is bright, the table is put under their lowest points)"});
   node.declare_parameter<bool>({.name = "refine_masks",
                                 .default_value = false,
                                 .description = "move the masks' outlines to edges of the image by "
@@ -188,11 +195,22 @@ class StereoSegmentation {
     clock.end_stage(times, "cloud");
     std::optional<Eigen::Vector3d> up_C;
     if (X_WC) up_C = X_WC->linear().transpose() * Eigen::Vector3d::UnitZ();
-    const perception::Table table =
-        perception::find_table(cloud_C, nodes::table_options(node_), up_C);
-    clock.end_stage(times, "table");
-    perception::SegmentedScene scene = perception::segment_on_table(
-        cloud_C, camera.left, table, X_WC, nodes::segmentation_options(node_));
+    perception::SegmentedScene scene;
+    if (node_.parameter<std::string>("background") == "dark") {
+      const perception::SegmentationOptions options = nodes::segmentation_options(node_);
+      perception::DarkBackgroundOptions dark;
+      dark.min_points = options.min_points;
+      dark.max_distance = options.max_distance;
+      dark.max_objects = options.max_objects;
+      scene = perception::segment_on_dark_background(cloud_C, images.left, camera.left, up_C, X_WC,
+                                                     dark);
+    } else {
+      const perception::Table table =
+          perception::find_table(cloud_C, nodes::table_options(node_), up_C);
+      clock.end_stage(times, "table");
+      scene = perception::segment_on_table(cloud_C, camera.left, table, X_WC,
+                                           nodes::segmentation_options(node_));
+    }
     if (node_.parameter<bool>("refine_masks")) perception::refine_masks(scene, images.left);
     clock.end_stage(times, "segmentation");
 

@@ -14,6 +14,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/cloud_partition.h"
+#include "prehend/perception/masks.h"
 
 namespace prehend::perception {
 namespace {
@@ -24,6 +25,7 @@ using geometry::RigidTransform;
 
 constexpr double kMostTableTurn = 0.35;   // rad, between the tables of two views
 constexpr double kMostTableShift = 0.05;  // m
+constexpr int kCloseRadius = 2;           // pixels, of splatted masks
 
 void check(const MergeOptions& o) {
   const auto require = [](bool condition, const char* what) {
@@ -199,6 +201,44 @@ MergedViews merge_views(std::vector<SegmentedScene> views, const MergeOptions& o
                    });
   result.views = std::move(views);
   return result;
+}
+
+SegmentedScene as_scene(const MergedViews& merged) {
+  std::vector<int> seen(merged.views.size(), 0);
+  for (const MergedObject& object : merged.objects) {
+    for (std::size_t v = 0; v < seen.size(); ++v) seen[v] += object.hypothesis[v] >= 0;
+  }
+  const std::size_t chosen =
+      static_cast<std::size_t>(std::max_element(seen.begin(), seen.end()) - seen.begin());
+  const SegmentedScene& view = merged.views.at(chosen);
+  SegmentedScene scene;
+  scene.camera = view.camera;
+  scene.X_WC = view.X_WC;
+  scene.depth = view.depth;
+  scene.table_W = merged.table_W;
+  for (const MergedObject& object : merged.objects) {
+    ObjectHypothesis& out = scene.objects.emplace_back();
+    out.id = static_cast<int>(scene.objects.size()) - 1;
+    out.cloud_W = object.cloud_W;
+    out.touches_image_border = true;
+    out.occluded_share = 1;
+    for (std::size_t v = 0; v < merged.views.size(); ++v) {
+      if (object.hypothesis[v] < 0) continue;
+      const ObjectHypothesis& one =
+          merged.views[v].objects[static_cast<std::size_t>(object.hypothesis[v])];
+      out.touches_image_border = out.touches_image_border && one.touches_image_border;
+      out.occluded_share = std::min(out.occluded_share, one.occluded_share);
+    }
+    if (object.hypothesis[chosen] >= 0) {
+      out.mask = view.objects[static_cast<std::size_t>(object.hypothesis[chosen])].mask;
+    } else {
+      const PointCloud cloud_C = geometry::transformed(object.cloud_W, view.X_WC.inverse());
+      std::vector<int> all(cloud_C.size());
+      std::iota(all.begin(), all.end(), 0);
+      out.mask = draw_objects(cloud_C, view.camera, {all}, kCloseRadius).masks.front();
+    }
+  }
+  return scene;
 }
 
 }  // namespace prehend::perception

@@ -341,10 +341,12 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
 
 SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
                                       const SegmentationOptions& options,
-                                      const TableOptions& table_options) {
+                                      const TableOptions& table_options, RecordedWorld world) {
+  std::optional<geometry::RigidTransform> X_WC;
+  if (world == RecordedWorld::kFile) X_WC = recorded.X_FC;
   if (!recorded.hypothetical_table_C) {
     const Table table = find_table(recorded.cloud_C, table_options, recorded.up_C);
-    return segment_on_table(recorded.cloud_C, recorded.camera, table, std::nullopt, options);
+    return segment_on_table(recorded.cloud_C, recorded.camera, table, X_WC, options);
   }
   std::vector<int> all;
   for (std::size_t i = 0; i < recorded.cloud_C.size(); ++i) {
@@ -354,8 +356,11 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
       draw_objects(recorded.cloud_C, recorded.camera, {all}, options.close_radius);
   SegmentedScene scene;
   scene.camera = recorded.camera;
-  scene.X_WC =
-      world_from_table(*recorded.hypothetical_table_C, geometry::centroid(recorded.cloud_C));
+  const geometry::Plane& table_C = *recorded.hypothetical_table_C;
+  scene.X_WC = X_WC ? *X_WC : world_from_table(table_C, geometry::centroid(recorded.cloud_C));
+  scene.table_W.normal = scene.X_WC.linear() * table_C.normal;
+  scene.table_W.offset =
+      table_C.offset + scene.table_W.normal.dot(Eigen::Vector3d(scene.X_WC.translation()));
   scene.depth = std::move(images.depth);
   ObjectHypothesis object;
   object.cloud_W = geometry::transformed(geometry::select(recorded.cloud_C, all), scene.X_WC);
@@ -363,7 +368,7 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
   object.touches_image_border =
       touches_border(object.mask, {0, 0, object.mask.width - 1, object.mask.height - 1}, 0);
   scene.objects.push_back(std::move(object));
-  return scene;  // table_W is z = 0, as the world is made from it
+  return scene;
 }
 
 }  // namespace prehend::perception

@@ -56,9 +56,16 @@ struct RecordedCloud {
 RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
                                        const RecordedCloudOptions& options = {});
 
+/// The world in which objects are given.
+enum class RecordedWorld {
+  kTable,  // made from the table, see segment_on_table
+  kFile,   // the file's frame: several clouds in one frame have the same world
+};
+
 /// The objects of a recorded cloud: segment, or the whole cloud on its hypothetical table.
 SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
                                       const SegmentationOptions& options = {},
-                                      const TableOptions& table_options = {});
+                                      const TableOptions& table_options = {},
+                                      RecordedWorld world = RecordedWorld::kTable);
 
 }  // namespace prehend::perception

@@ -110,18 +110,25 @@ class Completion {
            ballot.support(candidate.hypothesis) >= options_.min_support;
   }
 
-  /// The best facing plane; when every facing one is refused, one that is not facing and
-  /// contradicts the view much less. It predicts little, so it must be better than a fall-back at
-  /// that.
+  /// The best facing plane; when every facing one is refused or votes far worse, one that is not
+  /// facing and contradicts the view much less. It predicts little, so it must be better than a
+  /// fall-back at that.
   Candidate primary(const Ballot& ballot, const std::vector<Candidate>& planes) const {
     const auto facing =
         std::find_if(planes.begin(), planes.end(), [](const Candidate& c) { return c.facing(); });
+    constexpr double kFarWorse = 0.5;  // vote
     const bool found = facing != planes.end();
-    if (found && acceptable(ballot, *facing, options_.max_contradicted)) return *facing;
+    const bool serves = found && acceptable(ballot, *facing, options_.max_contradicted);
+    if (serves && facing->hypothesis.vote <= planes.front().hypothesis.vote + kFarWorse) {
+      return *facing;
+    }
     const auto other = std::find_if(planes.begin(), planes.end(), [&](const Candidate& c) {
       return acceptable(ballot, c, options_.max_contradicted / 3);
     });
-    if (other != planes.end()) return *other;
+    if (other != planes.end() &&
+        !(serves && facing->hypothesis.vote <= other->hypothesis.vote + kFarWorse)) {
+      return *other;
+    }
     return found ? *facing : planes.front();
   }
 
@@ -166,9 +173,11 @@ class Completion {
   }
 
   /// The plane perpendicular to `first` that the points completed at it contradict least, when that
-  /// is little and enough of them come to lie on what was seen.
+  /// is little and enough of them come to lie on what was seen. A first plane along the line of
+  /// sight leaves the far side open: then any plane that is not contradicted is better than none.
   std::optional<SymmetryHypothesis> second_plane(const Ballot& ballot, const Candidate& first) {
     constexpr double kLeastCoincident = 0.1;
+    constexpr double kAlongSight = 0.5;  // cosine between the first plane's normal and the sight
     const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
     const geometry::Plane plane_C = ballot.plane_C(first.plane);
     const Eigen::Vector3d normal_T = first.plane.normal_T();
@@ -203,8 +212,12 @@ class Completion {
     const Candidate best = *std::min_element(line.begin(), line.end(), better);
     // Two symmetries of one solid are perpendicular, so only the shift is refined.
     const Candidate chosen = centered(both, refined(both, best, 0, step / 2, 0));
-    if (both.contradiction(chosen.hypothesis) > options_.max_second_vote ||
-        chosen.hypothesis.coincident < kLeastCoincident) {
+    const bool far_side_is_open = std::abs(std::cos(first.turn)) < kAlongSight;
+    const bool stands_out = both.contradiction(chosen.hypothesis) <= options_.max_second_vote &&
+                            chosen.hypothesis.coincident >= kLeastCoincident;
+    const bool serves =
+        far_side_is_open && chosen.hypothesis.contradicted <= options_.max_contradicted / 2;
+    if (!stands_out && !serves) {
       return std::nullopt;
     }
     return chosen.hypothesis;

@@ -183,6 +183,52 @@ TEST(MergeViews, JoinsTheSidesOfEachObject) {
   EXPECT_NEAR(merged.table_W.offset, 0, 0.002);
 }
 
+// The view without the object on the left (x < 0) or the one on the right.
+SegmentedScene without(SegmentedScene view, bool left) {
+  std::erase_if(view.objects, [left](const ObjectHypothesis& object) {
+    return (geometry::centroid(object.cloud_W).x() < 0) == left;
+  });
+  return view;
+}
+
+TEST(MergeViews, AsOneSceneKeepsTheCameraThatSawMost) {
+  std::vector<SegmentedScene> views = two_views(geometry::RigidTransform::Identity());
+  for (ObjectHypothesis& object : views[1].objects) {
+    object.touches_image_border = true;
+    object.occluded_share = 0.4;
+  }
+  views[0] = without(views[0], true);
+  const SegmentedScene scene = as_scene(merge_views(views));
+  EXPECT_EQ(scene.X_WC.matrix(), views[1].X_WC.matrix());
+  ASSERT_EQ(scene.objects.size(), 2U);
+  for (const ObjectHypothesis& object : scene.objects) {
+    // The right one is whole in the other view.
+    const bool left = geometry::centroid(object.cloud_W).x() < 0;
+    EXPECT_EQ(object.touches_image_border, left);
+    EXPECT_EQ(object.occluded_share, left ? 0.4 : 0);
+    EXPECT_EQ(object.mask.width, scene.camera.width);
+  }
+}
+
+TEST(MergeViews, AsOneSceneDrawsWhatItsCameraDidNotSee) {
+  const std::vector<SegmentedScene> views = two_views(geometry::RigidTransform::Identity());
+  const SegmentedScene scene =
+      as_scene(merge_views({without(views[0], true), without(views[1], false)}));
+  EXPECT_EQ(scene.X_WC.matrix(), views[0].X_WC.matrix());
+  ASSERT_EQ(scene.objects.size(), 2U);
+  for (const ObjectHypothesis& object : scene.objects) {
+    int inside = 0;
+    for (const Eigen::Vector3f& p : object.cloud_W.points) {
+      const Eigen::Vector2d pixel = scene.camera.project(scene.X_WC.inverse() * p.cast<double>());
+      const int u = static_cast<int>(std::lround(pixel.x()));
+      const int v = static_cast<int>(std::lround(pixel.y()));
+      inside += u >= 0 && v >= 0 && u < scene.camera.width && v < scene.camera.height &&
+                object.mask.at(u, v) == 255;
+    }
+    EXPECT_GT(inside, 0.95 * static_cast<double>(object.cloud_W.size()));
+  }
+}
+
 TEST(MergeViews, AlignmentTakesOutAPoseError) {
   geometry::RigidTransform error = geometry::RigidTransform::Identity();
   error.translation() = Eigen::Vector3d(0.006, 0.004, 0);

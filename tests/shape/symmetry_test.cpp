@@ -122,6 +122,27 @@ TEST(Symmetry, FillsTheFarSidesOfABoxSeenOverItsEdge) {
   EXPECT_GT(greatest_gap(complete_by_symmetry(view.view(), one_plane), corners_and_centers), 0.02);
 }
 
+TEST(Symmetry, ClosesTheFarSideWhenTheBestPlaneRunsAlongTheSight) {
+  // A jug: a long body whose neck stands over one end, looked at along its length.
+  geometry::TriangleMesh jug = standing(geometry::make_box({0.12, 0.07, 0.1}), 0);
+  const geometry::TriangleMesh neck = standing(geometry::make_box({0.03, 0.03, 0.13}), 0, 0.04, 0);
+  const int first = static_cast<int>(jug.vertices.size());
+  jug.vertices.insert(jug.vertices.end(), neck.vertices.begin(), neck.vertices.end());
+  for (const Eigen::Vector3i& t : neck.triangles) {
+    jug.triangles.push_back(t + Eigen::Vector3i::Constant(first));
+  }
+  const SyntheticView view = synthetic_view(jug, {});
+  const std::vector<Eigen::Vector3d> back{{-0.06, 0, 0.03}, {-0.06, 0.02, 0.06}};
+  const CompletedShape shape = complete_by_symmetry(view.view());
+  EXPECT_EQ(shape.method, CompletionMethod::kMirror);
+  EXPECT_GT(std::abs(shape.symmetry.normal_W.y()), 0.95);
+  ASSERT_TRUE(shape.second_symmetry.has_value());
+  EXPECT_LT(greatest_gap(shape, back), 0.015);
+  CompletionOptions one_plane;
+  one_plane.second_plane = false;
+  EXPECT_GT(greatest_gap(complete_by_symmetry(view.view(), one_plane), back), 0.03);
+}
+
 TEST(Symmetry, PlaneStandsOnTheTableAndMirrorsTheViewpoint) {
   const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {});
   const CompletedShape shape = complete_by_symmetry(view.view());
