@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "drivers/pg70/driver/driver.h"
+#include "drivers/pg70/transport/link.h"
+
+namespace prehend::drivers::pg70 {
+
+/// A Driver that lives: a thread receives, keeps time, opens the link and opens it again whenever
+/// it is gone. Commands may come from any thread.
+class Device {
+ public:
+  using Open = std::function<std::unique_ptr<Link>()>;
+  using OnState = std::function<void(const Reading&)>;
+
+  /// `open` throws std::runtime_error while there is no link; it is tried every `retry` seconds and
+  /// its words are noted when they change. `on_state` is called by the thread after each answer to
+  /// GET STATE and whenever the driver's state changes; `note` by any thread. Neither may call the
+  /// device.
+  Device(const DriverOptions& options, Open open, OnState on_state, Driver::Note note,
+         double retry = 0.5);
+  /// Stops the gripper, as far as it can be reached, and ends.
+  ~Device();
+
+  /// Runs `work` on the driver with the present time, between two messages.
+  template <class Work>
+  auto with_driver(Work&& work) {
+    const std::lock_guard lock(mutex_);
+    return work(driver_, steady_now());
+  }
+  Reading reading();
+  std::uint64_t damaged_messages() const { return damaged_; }
+
+ private:
+  void run();
+  void open_link();
+  void stop_at_end();
+  std::string send(const Content& content);
+  void serve(std::optional<LinkInput> input);
+
+  Open open_;
+  OnState on_state_;
+  Driver::Note note_;
+  Time retry_;
+  std::mutex mutex_;  // guards driver_ and the pointer link_
+  std::shared_ptr<Link> link_;
+  Driver driver_;
+  std::string last_problem_;
+  Time last_try_ = Time::min();
+  std::atomic<std::uint64_t> damaged_ = 0;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
+}  // namespace prehend::drivers::pg70
