@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kViewsKept = 4;
 constexpr double kLeastConfidence = 0.05;  // so that scores count among doubtful shapes too
-constexpr double kMostOccluded = 0.25;     // of the outline, before an object counts as seen in part
+constexpr double kMostOccluded = 0.25;  // of the outline, before an object counts as seen in part
 constexpr const char* kUngraspable = "cannot be grasped";
 
 bool says_ungraspable(const msgs::GraspPlan& plan) {

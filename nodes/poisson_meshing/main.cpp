@@ -1,9 +1,11 @@
 #include <exception>
+#include <optional>
 #include <string>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
+#include "nodes/shape_fidelity/shape_fidelity.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/surface/model.h"
 
@@ -93,7 +95,8 @@ void declare_parameters(graph::Node& node) {
                                                  "solid"});
 }
 
-surface::ModelOptions model_options(const graph::Node& node) {
+surface::ModelOptions model_options(const graph::Node& node,
+                                    const std::optional<nodes::ChosenShape>& chosen) {
   surface::ModelOptions o;
   const std::string method = node.parameter<std::string>("method");
   o.surface.method = method == kPclPoisson ? surface::SurfaceMethod::kPclPoisson
@@ -111,6 +114,13 @@ surface::ModelOptions model_options(const graph::Node& node) {
   o.cloud.normals.neighbors = node.parameter<int>("normal_neighbors");
   o.cloud.outliers.deviations = node.parameter<double>("outlier_deviations");
   o.convex_pieces.concavity = node.parameter<double>("concavity");
+  if (chosen) {
+    const surface::ModelOptions& front = chosen->options.model;
+    o.cloud.spacing = front.cloud.spacing;
+    o.surface.method = front.surface.method;
+    o.surface.fast_poisson.resolution = front.surface.fast_poisson.resolution;
+    o.surface.pcl_poisson.depth = front.surface.pcl_poisson.depth;
+  }
   return o;
 }
 
@@ -120,34 +130,11 @@ void add_time(msgs::ObjectModel& message, const char* stage, double seconds) {
   time->set_seconds(seconds);
 }
 
-/// The model of one shape, or why there is none.
-msgs::ObjectModel to_model(const msgs::CompletedShape& shape,
-                           const surface::ModelOptions& options) {
-  msgs::ObjectModel message;
-  if (!shape.completed()) {
-    message.set_problem("not completed: " + shape.problem());
-    return message;
-  }
-  try {
-    surface::ModelTimes times;
-    message = convert::to_message(surface::make_object_model(
-        convert::from_message(shape), convert::from_message(shape.table()), options, &times));
-    message.set_valid(true);
-    add_time(message, "normals", times.normals);
-    add_time(message, "poisson", times.poisson);
-    add_time(message, "convex_pieces", times.convex_pieces);
-    add_time(message, "properties", times.properties);
-  } catch (const std::exception& error) {
-    message = msgs::ObjectModel();
-    message.set_problem(error.what());
-  }
-  return message;
-}
-
 class PoissonMeshing {
  public:
   explicit PoissonMeshing(graph::Node& node) : node_(node) {
     declare_parameters(node);
+    fidelity_.emplace(node);
     publisher_ = node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::CompletedShape>(
         "/shapes", graph::QoS::queue(kMostObjects),
@@ -155,8 +142,34 @@ class PoissonMeshing {
   }
 
  private:
+  /// The model of one shape, or why there is none.
+  msgs::ObjectModel to_model(const msgs::CompletedShape& shape) const {
+    msgs::ObjectModel message;
+    if (!shape.completed()) {
+      message.set_problem("not completed: " + shape.problem());
+      return message;
+    }
+    try {
+      const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
+      surface::ModelTimes times;
+      message = convert::to_message(surface::make_object_model(
+          convert::from_message(shape), convert::from_message(shape.table()),
+          model_options(node_, chosen), &times));
+      message.set_valid(true);
+      if (chosen) *message.mutable_fidelity() = chosen->choice;
+      add_time(message, "normals", times.normals);
+      add_time(message, "poisson", times.poisson);
+      add_time(message, "convex_pieces", times.convex_pieces);
+      add_time(message, "properties", times.properties);
+    } catch (const std::exception& error) {
+      message = msgs::ObjectModel();
+      message.set_problem(error.what());
+    }
+    return message;
+  }
+
   void publish(const msgs::CompletedShape& shape) {
-    msgs::ObjectModel model = to_model(shape, model_options(node_));
+    msgs::ObjectModel model = to_model(shape);
     *model.mutable_header() = shape.header();
     model.set_id(shape.id());
     model.set_object_count(shape.object_count());
@@ -183,6 +196,7 @@ class PoissonMeshing {
   }
 
   graph::Node& node_;
+  std::optional<nodes::ShapeFidelity> fidelity_;
   graph::Publisher<msgs::ObjectModel> publisher_;
   graph::Subscription subscription_;
 };

@@ -116,11 +116,17 @@ std::string completion_text(const msgs::CompletedShape& message) {
   std::string text = fmt::format("Completed by {}, {:.0f} % sure to be within 5 mm.",
                                  message.method(), 100 * message.confidence());
   if (!message.refused().empty()) text += " Refused: " + message.refused() + ".";
-  text += fmt::format(" Visibility vote {:.4g}, best of {} symmetry planes: {:.0f} % of the points "
-                      "contradict the view, {:.0f} % coincide with what was seen.",
-                      message.vote(), message.hypotheses_tried(),
-                      100 * message.evidence().contradicted(),
-                      100 * message.evidence().coincident());
+  text += fmt::format(
+      " Visibility vote {:.4g}, best of {} symmetry planes: {:.0f} % of the points "
+      "contradict the view, {:.0f} % coincide with what was seen.",
+      message.vote(), message.hypotheses_tried(), 100 * message.evidence().contradicted(),
+      100 * message.evidence().coincident());
+  if (message.has_fidelity()) {
+    text +=
+        fmt::format(" Knobs chosen from the measured front: {} ({:.0f} ms and {:.2f} mm there).",
+                    message.fidelity().knobs(), 1e3 * message.fidelity().seconds(),
+                    1e3 * message.fidelity().error());
+  }
   if (message.evidence().open_vessel()) text += " It is an open vessel: the volume is too large.";
   if (message.touches_image_border()) text += " The image's border cuts it.";
   if (message.occluded_share() > 0) {
@@ -352,11 +358,10 @@ std::vector<Row> summarize(const Collected& collected) {
   for (const auto& [id, shape] : collected.shapes) {
     const std::string name = fmt::format("object {}", id);
     std::vector<std::string> parts;
-    parts.push_back(shape.completed()
-                        ? fmt::format("{} points by {}, vote {:.3g}, {:.0f} % sure",
-                                      shape.cloud().count(), shape.method(), shape.vote(),
-                                      100 * shape.confidence())
-                        : "not completed: " + shape.problem());
+    parts.push_back(shape.completed() ? fmt::format("{} points by {}, vote {:.3g}, {:.0f} % sure",
+                                                    shape.cloud().count(), shape.method(),
+                                                    shape.vote(), 100 * shape.confidence())
+                                      : "not completed: " + shape.problem());
     if (const auto model = collected.models.find(id); model != collected.models.end()) {
       parts.push_back(model->second.valid()
                           ? fmt::format("mesh {}, {:.0f} cm^3, {:.1f} mm from seen points",

@@ -1,10 +1,12 @@
 #include <chrono>
 #include <exception>
+#include <optional>
 #include <string>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
+#include "nodes/shape_fidelity/shape_fidelity.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/shape/symmetry.h"
 
@@ -69,7 +71,8 @@ void declare_parameters(graph::Node& node) {
                                                "one that the view does not contradict"});
 }
 
-shape::CompletionOptions completion_options(const graph::Node& node) {
+shape::CompletionOptions completion_options(const graph::Node& node,
+                                            const std::optional<nodes::ChosenShape>& chosen) {
   const auto vote = node.parameter<std::string>("vote");
   const double depth_tolerance = node.parameter<double>("depth_tolerance");
   if (vote == "as_published") {
@@ -78,12 +81,16 @@ shape::CompletionOptions completion_options(const graph::Node& node) {
     return published;
   }
   shape::CompletionOptions o;
+  if (chosen) {
+    o = chosen->options.completion;
+  } else {
+    o.orientations = node.parameter<int>("orientations");
+    o.shifts = node.parameter<int>("shifts");
+    o.thinning = node.parameter<double>("thinning");
+  }
   if (vote == "contradiction") o.vote = shape::VoteKind::kPublished;
   o.second_plane = node.parameter<bool>("second_plane");
-  o.orientations = node.parameter<int>("orientations");
   o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
-  o.shifts = node.parameter<int>("shifts");
-  o.thinning = node.parameter<double>("thinning");
   o.max_contradicted = node.parameter<double>("max_contradicted");
   o.depth_tolerance = depth_tolerance;
   return o;
@@ -99,6 +106,7 @@ class ShapeCompletion {
   explicit ShapeCompletion(graph::Node& node) : node_(node) {
     declare_parameters(node);
     confidence_model_ = confidence_model(node);
+    fidelity_.emplace(node);
     publisher_ = node.advertise<msgs::CompletedShape>("/shapes", graph::QoS::latched(kMostObjects));
     subscription_ = node.subscribe<msgs::ObjectHypotheses>(
         "/objects", graph::QoS::queue(4),
@@ -147,9 +155,11 @@ class ShapeCompletion {
     const auto start = std::chrono::steady_clock::now();
     msgs::CompletedShape message;
     try {
+      const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       message = convert::to_message(shape::complete_by_symmetry(
           {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W},
-          completion_options(node_), confidence_model_));
+          completion_options(node_, chosen), confidence_model_));
+      if (chosen) *message.mutable_fidelity() = chosen->choice;
     } catch (const std::exception& error) {
       message = msgs::CompletedShape();
       message.set_problem(error.what());
@@ -170,6 +180,7 @@ class ShapeCompletion {
 
   graph::Node& node_;
   shape::ConfidenceModel confidence_model_;
+  std::optional<nodes::ShapeFidelity> fidelity_;
   graph::Publisher<msgs::CompletedShape> publisher_;
   graph::Subscription subscription_;
 };

@@ -70,6 +70,14 @@ void check_keys(const YAML::Node& node, std::initializer_list<const char*> known
 
 }  // namespace
 
+std::string to_string(const Setting& setting) {
+  std::string text;
+  for (const auto& [name, value] : setting.knobs) {
+    text += (text.empty() ? "" : ", ") + name + " " + value;
+  }
+  return text;
+}
+
 std::vector<Setting> pareto_front(std::vector<Setting> measured) {
   for (const Setting& s : measured) {
     if (!std::isfinite(s.seconds) || !std::isfinite(s.error) || s.seconds < 0 || s.error < 0) {

@@ -38,6 +38,9 @@ class UnreachableError : public geometry::InputError {
   Setting nearest_;
 };
 
+/// "thinning 0.04, refine yes".
+std::string to_string(const Setting& setting);
+
 /// Those of `measured` that no other one beats in both, fastest first; of equals the first.
 /// @throws std::invalid_argument when a time or error is not finite and >= 0.
 std::vector<Setting> pareto_front(std::vector<Setting> measured);

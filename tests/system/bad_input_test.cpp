@@ -94,6 +94,34 @@ TEST_F(BadInput, TableWithoutObjects) {
   expect_cloud_failure(write("table.pcd", pcd(points, 40000)), {"object"});
 }
 
+TEST_F(BadInput, BudgetThatNoSettingKeeps) {
+  std::string box;
+  int count = 0;
+  for (int i = 0; i <= 40; ++i) {
+    for (int k = 0; k <= 40; ++k) {
+      box += std::to_string(i * 1e-3) + " " + std::to_string(k * 1e-3) + " 0.8\n" +     // front
+             std::to_string(i * 1e-3) + " 0 " + std::to_string(0.8 + k * 1e-3) + "\n";  // top
+      count += 2;
+    }
+  }
+  // Every object gets the reason, so the launch ends with an answer.
+  const auto answer = [&](const std::vector<std::string>& asked) {
+    std::vector<std::string> arguments = {"launch",
+                                          "launch/replay_cloud.yaml",
+                                          "cloud:=" + write("box.pcd", pcd(box, count)),
+                                          "out:=" + (scratch_.path() / "out").string(),
+                                          "--log-dir",
+                                          (scratch_.path() / "log").string()};
+    arguments.insert(arguments.end(), asked.begin(), asked.end());
+    const Outcome outcome = run_program("prehend", arguments, seconds(40));
+    EXPECT_TRUE(outcome.exit_code) << "still running: " << outcome.output;
+    return outcome.output;
+  };
+  EXPECT_NE(answer({"budget:=1e-6"}).find("Allow as much as the fastest one"), std::string::npos);
+  EXPECT_NE(answer({"budget:=1", "tolerance:=1"}).find("budget and tolerance are both given"),
+            std::string::npos);
+}
+
 TEST_F(BadInput, CloudWithoutATable) {
   std::string points;
   std::uint32_t random = 1;
