@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include "prehend/contact/require.h"
-#include "prehend/contact/rotation.h"
+#include "prehend/contact/sdirk.h"
 
 namespace prehend::contact {
 namespace {
 
-const double kGamma = 1 - 1 / std::sqrt(2.0);
+constexpr double kGamma = kSdirkGamma;
 // The step that ends at a time must not leave a remainder of rounding behind.
 constexpr double kTimeRounding = 1e-12;  // s
 
@@ -117,48 +117,31 @@ bool GraspStepper::advance_until(double until, const std::function<bool(const Gr
   return event(state_);
 }
 
-// State 2 of SDIRK2 starts from y0 + (1 - gamma) / gamma (y1 - y0).
 void GraspStepper::extrapolate(const GraspState& base, GraspState& out) const {
-  const double c = (1 - kGamma) / kGamma;
-  const GraspModel& model = system_.model();
-  out.p_WB = base.p_WB + c * (first_.p_WB - base.p_WB);
-  const Eigen::Vector3d turn = rotation_vector(first_.q_WB * base.q_WB.conjugate());
-  out.q_WB = (rotation_by(c * turn) * base.q_WB).normalized();
-  out.velocity = base.velocity + c * (first_.velocity - base.velocity);
-  if (turn.isZero(0) && first_.angular_velocity.isZero(0) && base.angular_velocity.isZero(0)) {
-    out.angular_velocity.setZero();
-  } else {
-    // Angular momentum is the linear quantity.
-    const auto momentum = [&](const GraspState& s) {
-      return Eigen::Vector3d(s.q_WB * (model.inertia * (s.q_WB.conjugate() * s.angular_velocity)));
-    };
-    const Eigen::Vector3d L0 = momentum(base);
-    const Eigen::Vector3d L = L0 + c * (momentum(first_) - L0);
-    out.angular_velocity = out.q_WB * (model.inertia.inverse() * (out.q_WB.conjugate() * L));
-  }
-  const auto blend = [c](const std::vector<double>& a, const std::vector<double>& b,
-                         std::vector<double>& to) {
-    for (std::size_t i = 0; i < a.size(); ++i) to[i] = a[i] + c * (b[i] - a[i]);
+  const auto motion = [](const GraspState& s) {
+    return RigidMotion{s.p_WB, s.q_WB, s.velocity, s.angular_velocity};
+  };
+  const RigidMotion body =
+      sdirk_extrapolated(motion(base), motion(first_), system_.model().inertia);
+  out.p_WB = body.p_WB;
+  out.q_WB = body.q_WB;
+  out.velocity = body.velocity;
+  out.angular_velocity = body.angular_velocity;
+  const auto blend = [](const std::vector<double>& a, const std::vector<double>& b,
+                        std::vector<double>& to) {
+    for (std::size_t i = 0; i < a.size(); ++i) to[i] = sdirk_extrapolated(a[i], b[i]);
   };
   blend(base.slide_position, first_.slide_position, out.slide_position);
   blend(base.slide_velocity, first_.slide_velocity, out.slide_velocity);
   blend(base.slide_bristle, first_.slide_bristle, out.slide_bristle);
   for (std::size_t k = 0; k < base.pads.size(); ++k) {
-    const PadState &a = base.pads[k], &b = first_.pads[k];
-    blend(a.bristle_u, b.bristle_u, out.pads[k].bristle_u);
-    blend(a.bristle_v, b.bristle_v, out.pads[k].bristle_v);
-    // What ceased to touch has lost its bristle; there is nothing to extrapolate.
-    for (std::size_t i = 0; i < b.normal_force.size(); ++i) {
-      if (b.normal_force[i] > 0) continue;
-      out.pads[k].bristle_u[i] = out.pads[k].bristle_v[i] = 0;
-    }
+    sdirk_extrapolate(base.pads[k], first_.pads[k], out.pads[k]);
   }
   for (std::size_t i = 0; i < base.ground_bristles.size(); ++i) {
-    out.ground_bristles[i] =
-        first_.ground_forces[i] > 0
-            ? Eigen::Vector3d(base.ground_bristles[i] +
-                              c * (first_.ground_bristles[i] - base.ground_bristles[i]))
-            : Eigen::Vector3d::Zero();
+    out.ground_bristles[i] = first_.ground_forces[i] > 0
+                                 ? Eigen::Vector3d(sdirk_extrapolated(base.ground_bristles[i],
+                                                                      first_.ground_bristles[i]))
+                                 : Eigen::Vector3d::Zero();
   }
 }
 

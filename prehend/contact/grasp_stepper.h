@@ -31,9 +31,7 @@ struct StepOptions {
 
 /// Advances a GraspSystem in time.
 ///
-/// Second order: SDIRK2 (Alexander, "Diagonally Implicit Runge-Kutta Methods for Stiff O.D.E.'s",
-/// 1977) with gamma = 1 - 1/sqrt(2): L-stable and stiffly accurate. Its second stage is a backward
-/// Euler step from a state extrapolated from the first, so that it needs nothing else.
+/// Second order: SDIRK2, see sdirk.h.
 ///
 /// Adaptive: the local error 0.0404 h^3 |y'''| of that method, y''' by the second divided
 /// difference of the slopes at t, t + gamma h and t + h, for positions and for velocities; an error

@@ -5,25 +5,11 @@
 
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/texel_law_yaml.h"
 #include "prehend/robot/yaml_map.h"
 
 namespace prehend::robot {
 namespace {
-
-contact::TexelLaw read_law(const YAML::Node& node, const std::filesystem::path& path) {
-  contact::TexelLaw law;
-  YamlMap map(node, path, "pad.law");
-  map.read("stiffness", law.stiffness);
-  map.read("damping", law.damping);
-  map.read("bristle_stiffness", law.bristle_stiffness);
-  map.read("bristle_damping", law.bristle_damping);
-  map.read("viscous_friction", law.viscous_friction);
-  map.read("static_friction", law.static_friction);
-  map.read("dynamic_friction", law.dynamic_friction);
-  map.read("stribeck_velocity", law.stribeck_velocity);
-  map.finish();
-  return law;
-}
 
 TactilePadModel read_pad(const YAML::Node& node, const std::filesystem::path& path) {
   TactilePadModel pad;
@@ -35,7 +21,7 @@ TactilePadModel read_pad(const YAML::Node& node, const std::filesystem::path& pa
   map.read("newton_per_count", pad.newton_per_count);
   map.read("full_scale", pad.full_scale);
   const YAML::Node law = map.child("law");
-  if (law.IsDefined()) pad.law = read_law(law, path);
+  if (law.IsDefined()) read_texel_law(law, path, "pad.law", pad.law);
   map.finish();
   return pad;
 }
@@ -97,6 +83,8 @@ GripperModel read_gripper_model(const std::filesystem::path& path) {
   map.read("finger_size", model.finger_size);
   map.read("tip_margin", model.tip_margin);
   map.read("housing_size", model.housing_size);
+  // What simulation makes of the gripper, see simulation/hardware_yaml.h.
+  for (const char* key : {"drive", "tactile", "wrench"}) map.child(key);
   const YAML::Node pad = map.child("pad");
   if (pad.IsDefined()) model.pad = read_pad(pad, path);
   map.finish();

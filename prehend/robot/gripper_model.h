@@ -41,7 +41,7 @@ struct GripperModel {
   double max_current = 6.5;         // A
   double force_per_current = 30;    // N of each finger per A
   double friction_force = 8;        // N, Coulomb friction of the drive felt at each finger
-  double jaw_mass = 0.35;           // kg, of each finger with jaw and the reflected rotor inertia
+  double jaw_mass = 0.1;            // kg, of each jaw with its finger, without the drive's rotor
   double mass = 1.4;                // kg, all
   Eigen::Vector3d finger_size{0.024, 0.012, 0.110};   // m: x, y (depth behind the face), z
   double tip_margin = 0.002;                          // m, finger beyond the pad's edge
@@ -55,7 +55,8 @@ struct GripperModel {
 /// Checks every value. @throws std::invalid_argument naming the field.
 void validate(const GripperModel& model);
 
-/// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults.
+/// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults. The sections
+/// drive, tactile and wrench are for the simulation, see simulation/hardware_yaml.h.
 /// @throws geometry::InputError naming file, key and mend.
 GripperModel read_gripper_model(const std::filesystem::path& path);
 

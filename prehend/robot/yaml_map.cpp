@@ -92,6 +92,14 @@ void YamlMap::read(const std::string& key, double& value) {
   value = read;
 }
 
+void YamlMap::read(const std::string& key, bool& value) {
+  const YAML::Node node = child(key);
+  if (!node.IsDefined()) return;
+  if (!node.IsScalar() || !YAML::convert<bool>::decode(node, value)) {
+    fail(key, "is neither true nor false", "Write true or false");
+  }
+}
+
 void YamlMap::read(const std::string& key, int& value) {
   const YAML::Node node = child(key);
   if (!node.IsDefined()) return;

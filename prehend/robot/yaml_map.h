@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 #include <Eigen/Core>
@@ -22,11 +24,28 @@ class YamlMap {
   YamlMap(const YAML::Node& node, std::filesystem::path file, std::string place);
 
   void read(const std::string& key, double& value);
+  void read(const std::string& key, bool& value);
   void read(const std::string& key, int& value);
   void read(const std::string& key, std::uint32_t& value);
   void read(const std::string& key, std::string& value);
   void read(const std::string& key, Eigen::Vector2d& value);
   void read(const std::string& key, Eigen::Vector3d& value);
+  /// One of a few words, each with what it means.
+  template <class Value>
+  void choose(const std::string& key, const std::vector<std::pair<std::string, Value>>& words,
+              Value& value) {
+    std::string word, all;
+    read(key, word);
+    if (word.empty()) return;
+    for (const auto& [name, meaning] : words) {
+      if (name == word) {
+        value = meaning;
+        return;
+      }
+      all += (all.empty() ? "" : ", ") + name;
+    }
+    fail(key, "is '" + word + "'", "Write one of " + all);
+  }
   /// The value of `key` for a nested structure; an undefined node when absent.
   YAML::Node child(const std::string& key);
 

@@ -90,7 +90,8 @@ struct SceneObject {
 };
 
 /// What a simulation starts from: config/scenes/*.yaml. Every key of the YAML is a field here, of
-/// the same name; missing ones keep the defaults.
+/// the same name; missing ones keep the defaults. `physics`, `tactile` and `wrench`, and `drive` of
+/// the gripper's file: see hardware_yaml.h.
 struct Scene {
   double step = 0.001;    // s
   double gravity = 9.81;  // m/s^2, along -z

@@ -2,6 +2,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/yaml_map.h"
+#include "prehend/simulation/hardware_yaml.h"
 #include "prehend/simulation/scene.h"
 
 namespace prehend::simulation {
@@ -82,6 +83,14 @@ void read_light(const YAML::Node& node, const Path& file, Light& light) {
   map.finish();
 }
 
+void read_gripper(const Path& file, Scene& scene) {
+  scene.gripper = robot::read_gripper_model(file);
+  const YAML::Node node = robot::load_yaml_map(file);
+  if (const YAML::Node drive = node["drive"]) read_drive(drive, file, scene);
+  if (const YAML::Node tactile = node["tactile"]) read_tactile(tactile, file, scene);
+  if (const YAML::Node wrench = node["wrench"]) read_wrench(wrench, file, scene);
+}
+
 SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t index) {
   SceneObject object;
   YamlMap map(node, file, "objects[" + std::to_string(index) + "]");
@@ -120,7 +129,12 @@ Scene read_scene(const std::filesystem::path& path) {
   map.read("start_opening", scene.start_opening);
   std::string gripper;
   map.read("gripper", gripper);
-  if (!gripper.empty()) scene.gripper = robot::read_gripper_model(path.parent_path() / gripper);
+  if (!gripper.empty()) read_gripper(path.parent_path() / gripper, scene);
+  if (const YAML::Node node = map.child("tactile")) read_tactile(node, path, scene);
+  if (const YAML::Node node = map.child("wrench")) read_wrench(node, path, scene);
+  if (const YAML::Node node = map.child("physics")) {
+    read_physics(node, path, map.child("step").IsDefined(), scene);
+  }
   if (const YAML::Node node = map.child("table")) read_table(node, path, scene.table);
   if (const YAML::Node node = map.child("carrier")) read_carrier(node, path, scene.carrier);
   if (const YAML::Node node = map.child("camera")) read_camera(node, path, scene.camera);

@@ -105,6 +105,7 @@ struct World::Implementation {
   std::vector<SolverBody> solver_bodies;
   std::vector<StoredBristle> kept;
   GripperPlacement stage_start;
+  Motion base, first;  // of second-order steps
   std::vector<char> free_standing;
   std::vector<double> forces;  // N, of one pad's texels
 
@@ -130,9 +131,12 @@ struct World::Implementation {
   // Both lists are sorted by key. Pads keep their bristles in their own frame.
   void fetch_bristles(const Eigen::Matrix3d& R_WG);
   void store_bristles(const Eigen::Matrix3d& R_WG);
-  void fill_solver_bodies();
-  // One implicit stage of length h whose end is `t_end` after the step's beginning.
-  void stage(double h, double t_end);
+  void fill_solver_bodies(const Motion& guess);
+  // One implicit stage of length h whose end is `t_end` after the step's beginning. Its first
+  // guess of the end's velocities: those of `guess`.
+  void stage(double h, double t_end, const Motion& guess);
+  void second_order(double h);
+  void extrapolate();
   void step();
   void fall_asleep(double h);
   void read_sensors(double h);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "prehend/contact/rotation.h"
+#include "prehend/contact/sdirk.h"
 #include "prehend/simulation/world_implementation.h"
 
 namespace prehend::simulation {
@@ -141,7 +142,7 @@ void World::Implementation::store_bristles(const Eigen::Matrix3d& R_WG) {
   std::swap(state.motion.bristles, kept);
 }
 
-void World::Implementation::fill_solver_bodies() {
+void World::Implementation::fill_solver_bodies(const Motion& guess) {
   solver_bodies.resize(models.size());
   for (std::size_t i = 0; i < models.size(); ++i) {
     const BodyModel& model = models[i];
@@ -155,12 +156,14 @@ void World::Implementation::fill_solver_bodies() {
     solver_body.inertia = model.inertia;
     solver_body.q_WB = body.q_WB;
     solver_body.force = Eigen::Vector3d(0, 0, -scene.gravity * model.mass);
-    solver_body.velocity = solver_body.velocity_guess = body.velocity;
-    solver_body.angular_velocity = solver_body.angular_velocity_guess = body.angular_velocity;
+    solver_body.velocity = body.velocity;
+    solver_body.angular_velocity = body.angular_velocity;
+    solver_body.velocity_guess = guess.bodies[i].velocity;
+    solver_body.angular_velocity_guess = guess.bodies[i].angular_velocity;
   }
 }
 
-void World::Implementation::stage(double h, double t_end) {
+void World::Implementation::stage(double h, double t_end, const Motion& guess) {
   Motion& motion = state.motion;
   // The gripper is where its velocity would have it come from to where it is at the end.
   const RigidTransform X_WG_end = state.carrier.pose_after(t_end);
@@ -175,7 +178,7 @@ void World::Implementation::stage(double h, double t_end) {
   }
   detect(h);
   fetch_bristles(stage_start.X_WG.linear());
-  fill_solver_bodies();
+  fill_solver_bodies(guess);
   SolverSlide slide;
   slide.step = &slide_step;
   slide.mass = slide_model.mass;
@@ -183,7 +186,8 @@ void World::Implementation::stage(double h, double t_end) {
   slide.position = motion.slide;
   slide.bristle = motion.slide_bristle;
   slide.end_time = t_end;
-  slide.velocity = slide.velocity_guess = motion.slide_velocity;
+  slide.velocity = motion.slide_velocity;
+  slide.velocity_guess = guess.slide_velocity;
   solver.solve(h, slide, solver_bodies, contacts, pads);
 
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -203,12 +207,60 @@ void World::Implementation::stage(double h, double t_end) {
   store_bristles(stage_start.X_WG.linear());
 }
 
+void World::Implementation::second_order(double h) {
+  const double part = contact::kSdirkGamma * h;
+  base = state.motion;
+  stage(part, part, state.motion);
+  std::swap(first, state.motion);
+  extrapolate();
+  stage(part, h, first);
+}
+
+// From base and first into the state. A body that was woken in the first stage was at rest in base.
+void World::Implementation::extrapolate() {
+  Motion& out = state.motion;
+  out = first;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!moves(static_cast<int>(i))) continue;
+    const auto motion = [i](const Motion& m) {
+      const BodyState& body = m.bodies[i];
+      return contact::RigidMotion{body.p_WBcm, body.q_WB, body.velocity, body.angular_velocity};
+    };
+    const contact::RigidMotion body =
+        contact::sdirk_extrapolated(motion(base), motion(first), models[i].inertia);
+    out.bodies[i].p_WBcm = body.p_WB;
+    out.bodies[i].q_WB = body.q_WB;
+    out.bodies[i].velocity = body.velocity;
+    out.bodies[i].angular_velocity = body.angular_velocity;
+    for (int k : {0, 1}) {
+      if (!first.touches[i][k].presses) continue;
+      contact::sdirk_extrapolate(base.touches[i][k].texels, first.touches[i][k].texels,
+                                 out.touches[i][k].texels);
+    }
+  }
+  out.slide = contact::sdirk_extrapolated(base.slide, first.slide);
+  out.slide_velocity = contact::sdirk_extrapolated(base.slide_velocity, first.slide_velocity);
+  out.slide_bristle = contact::sdirk_extrapolated(base.slide_bristle, first.slide_bristle);
+  // Contacts that are new had none in base.
+  auto before = base.bristles.begin();
+  for (StoredBristle& stored : out.bristles) {
+    while (before != base.bristles.end() && before->key < stored.key) ++before;
+    const bool known = before != base.bristles.end() && before->key == stored.key;
+    const Eigen::Vector3d old = known ? before->bristle : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    stored.bristle = contact::sdirk_extrapolated(old, stored.bristle);
+  }
+}
+
 void World::Implementation::step() {
   const double h = scene.step;
   state.carrier.begin_step(h);
   slide_step.set_command(
       state.gripper.begin_step(h, state.motion.slide, state.motion.slide_velocity), 0);
-  stage(h, h);
+  if (scene.physics.integration == contact::Integration::kSecondOrder) {
+    second_order(h);
+  } else {
+    stage(h, h, state.motion);
+  }
   read_sensors(h);
   fall_asleep(h);
   state.gripper.end_step(h, state.motion.slide, state.motion.slide_velocity);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "prehend/contact/compression_curve.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::simulation {
@@ -65,6 +66,73 @@ TEST_F(SceneFile, ValuesArriveInTheirFields) {
   EXPECT_EQ(scene.objects[0].texture.seed, 9u);
 }
 
+TEST_F(SceneFile, PhysicsAndHardwareArriveInTheirFields) {
+  const Scene scene = read(
+      "physics:\n"
+      "  integration: second_order\n"
+      "  step: 0.002\n"
+      "  pads: rigid\n"
+      "  law: {normal_law: tabulated, curve: [[0, 0], [0.001, 0.8], [0.003, 4]],\n"
+      "        bristle_law: elasto_plastic, return_map: true}\n"
+      "  rules: {sleep: false, primitives: false}\n"
+      "tactile: {realistic: true, noise: 7, dead: [3, 17], seed: 5, period: 0.02}\n"
+      "wrench: {force_noise: 0.1, bias_torque: [0, 0.2, 0]}\n");
+  EXPECT_EQ(scene.physics.integration, contact::Integration::kSecondOrder);
+  EXPECT_DOUBLE_EQ(scene.step, 0.002);
+  EXPECT_TRUE(scene.physics.rules.rigid_pads);
+  EXPECT_FALSE(scene.physics.rules.sleep || scene.physics.rules.primitives);
+  EXPECT_TRUE(scene.physics.rules.gate_texels && scene.physics.rules.out_of_reach);
+  const contact::TexelLaw& law = scene.gripper.pad.law;
+  EXPECT_EQ(law.normal_law, contact::NormalLaw::kTabulated);
+  ASSERT_NE(law.curve, nullptr);
+  EXPECT_DOUBLE_EQ(law.curve->force(0.001), 0.8);
+  EXPECT_EQ(law.bristle_law, contact::BristleLaw::kElastoPlastic);
+  EXPECT_TRUE(law.return_map);
+  EXPECT_DOUBLE_EQ(scene.tactile.sensor.creep, TactileSensorOptions::realistic().creep);
+  EXPECT_DOUBLE_EQ(scene.tactile.sensor.noise, 7);
+  EXPECT_EQ(scene.tactile.sensor.dead, (std::vector<int>{3, 17}));
+  EXPECT_EQ(pad_electronics(scene, 0).seed, 5u);
+  EXPECT_EQ(pad_electronics(scene, 1).seed, 6u);
+  EXPECT_DOUBLE_EQ(scene.tactile.period, 0.02);
+  ASSERT_TRUE(scene.wrench.has_value());
+  EXPECT_DOUBLE_EQ(scene.wrench->force_noise, 0.1);
+  EXPECT_DOUBLE_EQ(scene.wrench->bias[4], 0.2);
+}
+
+// The gripper file's figures and the drive's must be of one machine.
+TEST_F(SceneFile, ShippedDriveIsThatOfTheLibrary) {
+  const Scene scene = read_scene("config/scenes/demo.yaml");
+  const SpindleDriveModel shipped = drive_of(scene.gripper, scene.drive), known = pg70_drive();
+  EXPECT_NEAR(shipped.force_per_current(), 30, 1e-9);
+  EXPECT_NEAR(shipped.reflected_mass(), known.reflected_mass(), 1e-12);
+  EXPECT_NEAR(shipped.static_friction, known.static_friction, 1e-12);
+  EXPECT_DOUBLE_EQ(shipped.coulomb_friction, known.coulomb_friction);
+  EXPECT_DOUBLE_EQ(shipped.peak_current, known.peak_current);
+  EXPECT_DOUBLE_EQ(shipped.max_speed, known.max_speed);
+  EXPECT_TRUE(scene.tactile.sensor.is_ideal());
+}
+
+TEST_F(SceneFile, ASceneGoesBeforeItsGripper) {
+  const auto gripper = path_.parent_path() / ("gripper_of_" + path_.filename().string());
+  std::ofstream(gripper) << "friction_force: 4\ndrive: {static_friction: 7, rotor_inertia: 1e-6}\n"
+                            "tactile: {noise: 2, threshold: 5}\nwrench: {}\n";
+  const Scene scene =
+      read("gripper: " + gripper.filename().string() + "\ntactile: {noise: 4}\n");
+  const SpindleDriveModel drive = drive_of(scene.gripper, scene.drive);
+  EXPECT_DOUBLE_EQ(drive.coulomb_friction, 4);
+  EXPECT_DOUBLE_EQ(drive.static_friction, 7);
+  EXPECT_DOUBLE_EQ(drive.rotor_inertia, 1e-6);
+  EXPECT_DOUBLE_EQ(scene.tactile.sensor.noise, 4);
+  EXPECT_EQ(scene.tactile.sensor.threshold, 5);
+  EXPECT_TRUE(scene.wrench.has_value());
+  std::ofstream(gripper) << "drive: {rotor_mass: 1}\n";
+  const std::string error = error_of("gripper: " + gripper.filename().string() + "\n");
+  EXPECT_NE(error.find(gripper.string() + ":1: unknown key 'rotor_mass' of drive"),
+            std::string::npos)
+      << error;
+  std::filesystem::remove(gripper);
+}
+
 TEST_F(SceneFile, UnknownKeysNameLineAndNearestKey) {
   std::string error = error_of("step: 0.001\n\ngravitiy: 9.8\n");
   EXPECT_NE(error.find(path_.string() + ":3:"), std::string::npos) << error;
@@ -93,6 +161,29 @@ TEST_F(SceneFile, BadValuesAreRefused) {
   EXPECT_NE(error_of("objects: [{name: a, shape: mesh}]\n").find("file"), std::string::npos);
   EXPECT_NE(error_of("gripper: none.yaml\n").find("none.yaml"), std::string::npos);
   EXPECT_NE(error_of("start_opening: 0.2\n").find("start_opening"), std::string::npos);
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    const std::string error = error_of(text);
+    EXPECT_NE(error.find(part), std::string::npos) << text << ": " << error;
+  };
+  refused("physics: {integration: explicit}\n", "first_order, second_order");
+  refused("physics: {pads: soft}\n", "texels, rigid");
+  refused("physics: {rules: {slep: true}}\n", "'sleep'");
+  refused("physics: {rules: {sleep: perhaps}}\n", "neither true nor false");
+  refused("step: 0.001\nphysics: {step: 0.002}\n", "beside the scene's own");
+  refused("physics: {step: 1}\n", "step must be");
+  refused("physics: {most_iterations: 0}\n", "most_iterations");
+  refused("physics: {velocity_tolerance: -1}\n", "velocity_tolerance");
+  refused("physics: {law: {normal_law: rubber}}\n", "hunt_crossley");
+  refused("physics: {law: {normal_law: tabulated}}\n", "curve");
+  refused("physics: {law: {curve: [[0, 0], [1]]}}\n", "no pair");
+  refused("physics: {law: {curve: [[0, 0], [0.001, -1]]}}\n", "curve");
+  refused("physics: {law: {dynamic_friction: 0.9}}\n", "dynamic_friction");
+  refused("physics: 3\n", "must be a map");
+  refused("tactile: {dead: [84]}\n", "dead");
+  refused("tactile: {dead: 3}\n", "no list");
+  refused("tactile: {noise: .nan}\n", "noise");
+  refused("tactile: {period: 0}\n", "period");
+  refused("wrench: {force_range: 0}\n", "force_range");
 }
 
 TEST_F(SceneFile, ForeignFilesAreRefused) {

@@ -1,0 +1,112 @@
+#include "prehend/simulation/hardware_yaml.h"
+
+#include "prehend/robot/texel_law_yaml.h"
+#include "prehend/robot/yaml_map.h"
+
+namespace prehend::simulation {
+
+using robot::YamlMap;
+using Path = std::filesystem::path;
+
+void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
+  YamlMap map(node, file, "drive");
+  SpindleDriveModel& drive = scene.drive;
+  // So that a static friction given here is kept in newtons.
+  drive.static_friction = drive_of(scene.gripper, drive).static_friction;
+  drive.coulomb_friction = scene.gripper.friction_force;
+  map.read("supply", drive.supply);
+  map.read("resistance", drive.resistance);
+  map.read("rotor_inertia", drive.rotor_inertia);
+  map.read("torque_constant", drive.torque_constant);
+  map.read("gear_ratio", drive.gear_ratio);
+  map.read("spindle_lead", drive.spindle_lead);
+  map.read("static_friction", drive.static_friction);
+  map.read("viscous_friction", drive.viscous_friction);
+  map.read("stribeck_velocity", drive.stribeck_velocity);
+  map.read("ambient", drive.ambient);
+  map.read("thermal_resistance", drive.thermal_resistance);
+  map.read("thermal_capacity", drive.thermal_capacity);
+  map.read("hottest", drive.hottest);
+  map.read("servo_stiffness", drive.servo_stiffness);
+  map.read("velocity_gain", drive.velocity_gain);
+  map.finish();
+}
+
+void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
+  YamlMap map(node, file, "tactile");
+  TactileSensorOptions& sensor = scene.tactile.sensor;
+  bool realistic = false;
+  map.read("realistic", realistic);
+  if (realistic) sensor = TactileSensorOptions::realistic();
+  map.read("threshold", sensor.threshold);
+  map.read("gain_spread", sensor.gain_spread);
+  map.read("hysteresis", sensor.hysteresis);
+  map.read("creep", sensor.creep);
+  map.read("creep_time", sensor.creep_time);
+  map.read("low_pass_time", sensor.low_pass_time);
+  map.read("noise", sensor.noise);
+  map.read("seed", sensor.seed);
+  map.read("period", scene.tactile.period);
+  const YAML::Node dead = map.child("dead");
+  map.finish();
+  if (!dead.IsDefined()) return;
+  if (!dead.IsSequence()) map.fail("dead", "is no list", "Write texels' indices: [3, 17]");
+  sensor.dead.clear();
+  for (const YAML::Node& texel : dead) {
+    int index = 0;
+    if (!texel.IsScalar() || !YAML::convert<int>::decode(texel, index)) {
+      map.fail("dead", "has an entry that is no whole number", "Write texels' indices: [3, 17]");
+    }
+    sensor.dead.push_back(index);
+  }
+}
+
+void read_wrench(const YAML::Node& node, const Path& file, Scene& scene) {
+  YamlMap map(node, file, "wrench");
+  if (!scene.wrench) scene.wrench.emplace();
+  WrenchSensorOptions& sensor = *scene.wrench;
+  map.read("force_noise", sensor.force_noise);
+  map.read("torque_noise", sensor.torque_noise);
+  map.read("force_resolution", sensor.force_resolution);
+  map.read("torque_resolution", sensor.torque_resolution);
+  map.read("force_range", sensor.force_range);
+  map.read("torque_range", sensor.torque_range);
+  Eigen::Vector3d force = sensor.bias.head<3>(), torque = sensor.bias.tail<3>();
+  map.read("bias_force", force);
+  map.read("bias_torque", torque);
+  sensor.bias << force, torque;
+  map.read("seed", sensor.seed);
+  map.finish();
+}
+
+void read_physics(const YAML::Node& node, const Path& file, bool has_step, Scene& scene) {
+  YamlMap map(node, file, "physics");
+  PhysicsOptions& physics = scene.physics;
+  map.choose<contact::Integration>("integration",
+                                   {{"first_order", contact::Integration::kFirstOrder},
+                                    {"second_order", contact::Integration::kSecondOrder}},
+                                   physics.integration);
+  if (map.child("step").IsDefined() && has_step) {
+    map.fail("step", "stands beside the scene's own step", "Keep one of the two");
+  }
+  map.read("step", scene.step);
+  map.read("velocity_tolerance", physics.velocity_tolerance);
+  map.read("most_iterations", physics.most_iterations);
+  map.choose<bool>("pads", {{"texels", false}, {"rigid", true}}, physics.rules.rigid_pads);
+  if (const YAML::Node law = map.child("law")) {
+    robot::read_texel_law(law, file, "physics.law", scene.gripper.pad.law);
+  }
+  if (const YAML::Node node_of_rules = map.child("rules")) {
+    YamlMap rules(node_of_rules, file, "physics.rules");
+    rules.read("gate_texels", physics.rules.gate_texels);
+    rules.read("remember_triangles", physics.rules.remember_triangles);
+    rules.read("skip_distant_pairs", physics.rules.skip_distant_pairs);
+    rules.read("sleep", physics.rules.sleep);
+    rules.read("out_of_reach", physics.rules.out_of_reach);
+    rules.read("primitives", physics.rules.primitives);
+    rules.finish();
+  }
+  map.finish();
+}
+
+}  // namespace prehend::simulation

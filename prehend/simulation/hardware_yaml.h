@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+
+#include <yaml-cpp/yaml.h>
+
+#include "prehend/simulation/scene.h"
+
+/// Sections of scene files (config/scenes) and gripper files (config/robots). What a scene says
+/// goes before what its gripper's file says. Keys are the fields of the structs named here; all
+/// throw geometry::InputError "file:line: ..." for unknown keys and wrong types.
+namespace prehend::simulation {
+
+/// `drive:` of a gripper file: SpindleDriveModel's motor, gear, static friction, winding and servo.
+/// Speed, acceleration, currents, jaw_mass, force_per_current and friction_force stand in the file
+/// itself.
+void read_drive(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
+
+/// `tactile:` of either file: `realistic: true` begins from TactileSensorOptions::realistic(); then
+/// threshold, gain_spread, hysteresis, creep, creep_time, low_pass_time, noise, dead (a list of
+/// texels), seed, period.
+void read_tactile(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
+
+/// `wrench:` of either file: WrenchSensorOptions, with bias_force and bias_torque; without the
+/// section the wrist shows forces as they are.
+void read_wrench(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
+
+/// `physics:` of a scene file: integration (first_order, second_order), step [s] (instead of the
+/// scene's), velocity_tolerance, most_iterations, pads (texels, rigid), law (over the gripper
+/// file's pad.law), rules (ModelRules).
+void read_physics(const YAML::Node& node, const std::filesystem::path& file, bool has_step,
+                  Scene& scene);
+
+}  // namespace prehend::simulation
