@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "prehend/simulation/state_bytes.h"
+
 namespace prehend::simulation {
 
 /// A frame as the controller of a Weiss DSA pad gives it.
@@ -52,7 +54,7 @@ class TactileSensor {
   /// All that changes, for saving: see StateWriter.
   template <class Archive>
   void archive(Archive& archive) {
-    archive(filtered_, crept_, highest_, random_);
+    archive(same_size(filtered_), same_size(crept_), same_size(highest_), random_);
   }
 
  private:

@@ -170,11 +170,27 @@ const Scene& World::scene() const { return implementation_->scene; }
 void World::set_gripper_command(GripperMode mode, double value, double current_limit,
                                 double speed) {
   implementation_->state.gripper.command(mode, value, current_limit, speed);
+  WorldCommand command;
+  command.mode = mode;
+  command.value = value;
+  command.current_limit = current_limit;
+  command.speed = speed;
+  implementation_->record(std::move(command));
 }
 void World::move_carrier(const RigidTransform& X_WG_target, double speed) {
   implementation_->state.carrier.move(X_WG_target, speed);
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kMoveCarrier;
+  command.pose = X_WG_target;
+  command.speed = speed;
+  implementation_->record(std::move(command));
 }
-void World::stop_carrier() { implementation_->state.carrier.stop(); }
+void World::stop_carrier() {
+  implementation_->state.carrier.stop();
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kStopCarrier;
+  implementation_->record(std::move(command));
+}
 
 GripperReading World::gripper() const {
   const State& state = implementation_->state;
@@ -217,6 +233,15 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   implementation_->add(std::move(model), X_WB);
   implementation_->wake_all();
   ++implementation_->generation;
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kAddObject;
+  command.name = name;
+  command.mass = mass;
+  command.is_static = is_static;
+  command.friction = friction;
+  command.texture = texture;
+  if (implementation_->records) command.mesh_W = mesh_W;
+  implementation_->record(std::move(command));
 }
 
 bool World::remove_object(const std::string& name) {
@@ -224,6 +249,10 @@ bool World::remove_object(const std::string& name) {
   if (index < 0) return false;
   implementation_->remove(index);
   ++implementation_->generation;
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kRemoveObject;
+  command.name = name;
+  implementation_->record(std::move(command));
   return true;
 }
 
@@ -236,21 +265,13 @@ void World::place_object(const std::string& name, const RigidTransform& X_WB) {
   for (PadTouch& touch : implementation_->state.motion.touches[index]) clear(touch);
   implementation_->wake_all();
   ++implementation_->generation;
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kPlaceObject;
+  command.name = name;
+  command.pose = X_WB;
+  implementation_->record(std::move(command));
 }
 
 std::uint64_t World::scene_generation() const { return implementation_->generation; }
-
-std::shared_ptr<const World::State> World::save() const {
-  return std::make_shared<const State>(implementation_->state);
-}
-
-void World::restore(const State& state) {
-  if (state.body_ids != implementation_->state.body_ids) {
-    throw std::invalid_argument("the saved state is of other objects than the world's");
-  }
-  implementation_->state = state;
-  implementation_->contacts.clear();
-  implementation_->pads.clear();
-}
 
 }  // namespace prehend::simulation

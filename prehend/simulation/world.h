@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,6 +15,8 @@
 #include "prehend/simulation/texture.h"
 
 namespace prehend::simulation {
+
+struct WorldCommand;
 
 enum class GripperMode { kStop, kPosition, kVelocity, kCurrent };
 enum class PadSide { kLeft, kRight };  // left is at +y of the gripper frame
@@ -40,6 +44,11 @@ struct TactileImage {
   int columns = 0;
   std::vector<std::uint16_t> counts;  // rows * columns, 0..full scale
   double sum = 0;                     // N, of the forces as the texels feel them, not quantised
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(rows, columns, same_size(counts), sum);
+  }
 };
 
 struct ContactWrench {
@@ -157,6 +166,24 @@ class World {
   struct State;
   std::shared_ptr<const State> save() const;
   void restore(const State& state);
+
+  /// The same as bytes and as a file, for a world of the same scene in this program or another: same
+  /// physics, gripper and objects, added and removed in the same order. The format is prehend's own:
+  /// version, length and checksum; little-endian. Continues bitwise on processors with the same
+  /// vector registers (contact::vector_target()).
+  std::string save_bytes() const;
+  /// @throws geometry::InputError naming `what` and the mend when the bytes are foreign, of another
+  /// version or scene, cut off or damaged; the world is then as it was.
+  void restore_bytes(std::string_view bytes, const std::string& what = "the saved state");
+  /// @throws geometry::InputError when the file cannot be written; it is there whole or not at all.
+  void save_file(const std::filesystem::path& file) const;
+  /// @throws as restore_bytes, and when the file cannot be read.
+  void restore_file(const std::filesystem::path& file);
+
+  std::int64_t step_count() const;
+  /// Keeps what is asked of this world from now on (true: anew), see world_commands.h.
+  void record_commands(bool on);
+  const std::vector<WorldCommand>& recorded_commands() const;
 
  private:
   struct Implementation;

@@ -14,7 +14,9 @@
 #include "prehend/simulation/contact_solver.h"
 #include "prehend/simulation/gripper_axis.h"
 #include "prehend/simulation/rigid_body.h"
+#include "prehend/simulation/state_bytes.h"
 #include "prehend/simulation/world.h"
+#include "prehend/simulation/world_commands.h"
 
 /// The inside of World: for its own files only.
 namespace prehend::simulation {
@@ -30,8 +32,9 @@ struct PadTouch {
 
   template <class Archive>
   void archive(Archive& archive) {
-    archive(presses, texels.bristle_u, texels.bristle_v, texels.normal_force, texels.friction_u,
-            texels.friction_v);
+    archive(presses, same_size(texels.bristle_u), same_size(texels.bristle_v),
+            same_size(texels.normal_force), same_size(texels.friction_u),
+            same_size(texels.friction_v));
   }
 };
 
@@ -64,7 +67,7 @@ struct Motion {
 
   template <class Archive>
   void archive(Archive& archive) {
-    archive(bodies, touches, bristles, slide, slide_velocity, slide_bristle);
+    archive(same_size(bodies), same_size(touches), bristles, slide, slide_velocity, slide_bristle);
   }
 };
 
@@ -79,6 +82,13 @@ struct World::State {
   double frame_age = 0;                // s
   std::optional<WrenchSensor> wrist;
   ContactWrench wrench;  // in G, as the wrist shows it
+
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(steps, same_size(body_ids));
+    archive(motion, carrier, gripper, pads, frames, frame_age, wrench.force, wrench.torque);
+    if (wrist) archive(*wrist);
+  }
 };
 
 struct World::Implementation {
@@ -109,7 +119,13 @@ struct World::Implementation {
   std::vector<char> free_standing;
   std::vector<double> forces;  // N, of one pad's texels
 
+  bool records = false;
+  std::vector<WorldCommand> commands;
+
   explicit Implementation(const Scene& scene_in);
+  // What a saved state must agree with.
+  std::uint64_t description() const;
+  void record(WorldCommand command);
   void make_gripper_meshes();
   GripperPlacement placement() const;
   double opening() const { return -state.motion.slide; }
