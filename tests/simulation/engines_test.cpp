@@ -18,7 +18,7 @@ namespace prehend::simulation::engines {
 namespace {
 
 const std::map<std::string, std::set<std::string>> kCannotDo{
-    {"native", {"pair", "pendulum", "ball", "own_contacts"}},
+    {"native", {"own_contacts"}},
     {"bullet", {"own_contacts"}},
     {"dart", {"own_contacts"}},
     {"mujoco", {}},
@@ -300,7 +300,7 @@ TEST_P(EachEngine, PadsTakeEnergyFromAnImpact) {
 
 // Light objects between light jaws are within reach of every solver; eval_hold has the hard cases.
 TEST_P(EachEngine, SavedStateContinues) {
-  EngineScene scene = pressed_cube(GetParam() == "native");
+  EngineScene scene = pressed_cube(false);
   if (!load(scene, "hold_rigid")) return;
   for (const int joint : {0, 1}) engine_->set_joint_force(joint, 3);
   run(0.2);
@@ -316,7 +316,7 @@ TEST_P(EachEngine, SavedStateContinues) {
 }
 
 TEST_P(EachEngine, RefusesAnUnknownSolver) {
-  EngineScene scene = pressed_cube(GetParam() == "native");
+  EngineScene scene = pressed_cube(false);
   scene.solver = "magic";
   const auto engine = EngineRegistry().create(GetParam());
   EXPECT_ANY_THROW(engine->load(scene));

@@ -1,180 +1,19 @@
 #include "prehend/simulation/engines/native_engine.h"
 
-#include <algorithm>
-
-#include "prehend/contact/pad_kernel.h"
-#include "prehend/simulation/engines/inertia.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/grasp_engine.h"
+#include "prehend/simulation/engines/multibody_engine.h"
 
 namespace prehend::simulation::engines {
-namespace {
 
-using contact::GraspModel;
-using contact::GraspState;
-
-// Points by which a box stands on the ground.
-std::vector<Eigen::Vector3d> support_points(const EngineShape& shape) {
-  if (shape.kind != EngineShape::Kind::kBox) {
-    throw UnsupportedScene("native: only boxes can stand on the ground");
-  }
-  std::vector<Eigen::Vector3d> points;
-  for (int corner = 0; corner < 8; ++corner) {
-    points.emplace_back(0.5 * (corner & 1 ? 1 : -1) * shape.size.x(),
-                        0.5 * (corner & 2 ? 1 : -1) * shape.size.y(),
-                        0.5 * (corner & 4 ? 1 : -1) * shape.size.z());
-  }
-  return points;
-}
-
-// Every number of a state, in one fixed order, read or written by `visit`.
-template <class State, class Visit>
-void visit_state(State& state, Visit visit) {
-  visit(state.time);
-  for (auto* vector : {&state.p_WB, &state.velocity, &state.angular_velocity}) {
-    for (int k = 0; k < 3; ++k) visit((*vector)[k]);
-  }
-  for (int k = 0; k < 4; ++k) visit(state.q_WB.coeffs()[k]);
-  for (auto* values : {&state.slide_position, &state.slide_velocity, &state.slide_bristle,
-                       &state.slide_force, &state.ground_forces}) {
-    for (auto& value : *values) visit(value);
-  }
-  for (auto& pad : state.pads) {
-    for (auto* values : {&pad.depth, &pad.bristle_u, &pad.bristle_v, &pad.normal_force,
-                         &pad.friction_u, &pad.friction_v}) {
-      for (auto& value : *values) visit(value);
-    }
-  }
-  for (auto& bristle : state.ground_bristles) {
-    for (int k = 0; k < 3; ++k) visit(bristle[k]);
-  }
-}
-
-}  // namespace
-
-std::string NativeEngine::version() const { return "prehend, " + contact::vector_target(); }
+NativeEngine::NativeEngine() : engine_(std::make_unique<GraspEngine>()) {}
 
 void NativeEngine::load(const EngineScene& scene) {
-  if (scene.pad_method != PadMethod::kTexelLaw) {
-    throw UnsupportedScene("native: its pads follow the texel law");
+  if (GraspEngine::why_not(scene).empty()) {
+    engine_ = std::make_unique<GraspEngine>();
+  } else {
+    engine_ = std::make_unique<MultibodyEngine>();
   }
-  scene_ = scene;
-  free_body_ = -1;
-  std::vector<int> joint_of(scene.bodies.size(), -1);
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    const EngineJoint& joint = scene.joints[j];
-    if (joint.kind != EngineJoint::Kind::kPrismatic || joint.parent != -1 || joint.follows >= 0) {
-      throw UnsupportedScene("native: only prismatic joints to the world that follow none");
-    }
-    joint_of[joint.body] = static_cast<int>(j);
-  }
-  if (scene.joints.size() > GraspModel::kMostSlides) {
-    throw UnsupportedScene("native: at most 6 joints");
-  }
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    if (joint_of[i] >= 0) continue;
-    const bool has_pad = std::any_of(scene.pads.begin(), scene.pads.end(), [&](const auto& pad) {
-      return pad.body == static_cast<int>(i);
-    });
-    if (scene.bodies[i].is_fixed && has_pad) continue;
-    if (free_body_ >= 0 || scene.bodies[i].is_fixed) {
-      throw UnsupportedScene("native: one free body, others on joints or fixed with a pad");
-    }
-    free_body_ = static_cast<int>(i);
-  }
-  if (free_body_ < 0) throw UnsupportedScene("native: needs a free body");
-
-  const EngineBody& body = scene.bodies[free_body_];
-  if (!body.X_BS.matrix().isIdentity(0) || !body.collides) {
-    throw UnsupportedScene("native: the free body's shape must be centred at it and collide");
-  }
-  GraspModel model;
-  model.gravity = scene.gravity;
-  model.mass = body.mass;
-  model.inertia = principal_inertia(body).asDiagonal();
-  model.shape = felt_shape(body.shape);
-  model.X_WB = body.X_WB;
-  if (scene.ground) {
-    model.ground = contact::stiff_ground(body.mass, std::min(body.friction, scene.ground_friction),
-                                         support_points(body.shape));
-  }
-  for (const EngineJoint& joint : scene.joints) {
-    contact::SlideModel slide;
-    slide.mass = scene.bodies[joint.body].mass;
-    model.slides.push_back(slide);
-  }
-  for (const EnginePad& pad : scene.pads) {
-    const EngineBody& carrier = scene.bodies[pad.body];
-    contact::PadMount mount{contact::PadLayout::flat(pad.grid), mounted_law(pad, carrier, body),
-                            carrier.X_WB * pad.X_BP, joint_of[pad.body], Eigen::Vector3d::Zero()};
-    if (mount.slide >= 0) mount.direction_G = scene.joints[mount.slide].axis_W;
-    model.pads.push_back(std::move(mount));
-  }
-  contact::StepOptions options;
-  options.step = scene.step;
-  options.integration =
-      contact::integration_from_name(scene.solver.empty() ? solvers().front() : scene.solver);
-  stepper_ = std::make_unique<contact::GraspStepper>(std::move(model), options);
-  GraspState state = stepper_->state();
-  state.velocity = body.velocity;
-  state.angular_velocity = body.angular_velocity;
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    state.slide_velocity[j] =
-        scene.joints[j].axis_W.dot(scene.bodies[scene.joints[j].body].velocity);
-  }
-  stepper_->set_state(state);
-}
-
-void NativeEngine::step() { stepper_->step(stepper_->state().time + scene_.step); }
-
-void NativeEngine::set_joint_force(int joint, double force) {
-  stepper_->system().set_command(joint, {.force = force}, stepper_->state().time);
-}
-
-void NativeEngine::set_body_wrench(int body, const Vector6& wrench_W) {
-  if (body != free_body_) throw UnsupportedScene("native: wrenches on the free body only");
-  stepper_->system().set_body_wrench(wrench_W);
-}
-
-BodyMotion NativeEngine::body(int index) const {
-  const GraspState& state = stepper_->state();
-  if (index == free_body_) return {state.X_WB(), state.velocity, state.angular_velocity};
-  BodyMotion motion;
-  motion.X_WB = scene_.bodies.at(index).X_WB;
-  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-    if (scene_.joints[j].body != index) continue;
-    motion.X_WB.translation() += state.slide_position[j] * scene_.joints[j].axis_W;
-    motion.velocity = state.slide_velocity[j] * scene_.joints[j].axis_W;
-  }
-  return motion;
-}
-
-double NativeEngine::joint_position(int joint) const {
-  return stepper_->state().slide_position.at(joint);
-}
-
-std::vector<double> NativeEngine::pad_forces(int pad) const {
-  const auto& forces = stepper_->state().pads.at(pad).normal_force;
-  const auto size =
-      static_cast<std::ptrdiff_t>(stepper_->system().model().pads.at(pad).layout.size());
-  return {forces.begin(), forces.begin() + size};
-}
-
-std::vector<double> NativeEngine::save() const {
-  std::vector<double> numbers;
-  visit_state(stepper_->state(), [&](const double& value) { numbers.push_back(value); });
-  return numbers;
-}
-
-void NativeEngine::restore(const std::vector<double>& numbers) {
-  GraspState state = stepper_->state();
-  std::size_t count = 0;
-  visit_state(state, [&](double&) { ++count; });
-  if (numbers.size() != count) {
-    throw std::invalid_argument("native: the saved state is of another scene");
-  }
-  auto next = numbers.begin();
-  visit_state(state, [&](double& value) { value = *next++; });
-  stepper_->set_state(state);
+  engine_->load(scene);
 }
 
 }  // namespace prehend::simulation::engines

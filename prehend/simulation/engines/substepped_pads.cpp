@@ -18,18 +18,6 @@ using contact::PadState;
 
 constexpr double kSafety = 0.8;  // of the limit
 
-bool has_pads(const EngineScene& scene, int body) {
-  return std::any_of(scene.pads.begin(), scene.pads.end(),
-                     [&](const EnginePad& pad) { return pad.body == body; });
-}
-
-const EngineJoint* joint_of(const EngineScene& scene, int body) {
-  for (const EngineJoint& joint : scene.joints) {
-    if (joint.body == body) return &joint;
-  }
-  return nullptr;
-}
-
 // What a force on a point of the body moves at most [1/kg].
 double point_mobility(const EngineScene& scene, int index) {
   const EngineBody& body = scene.bodies[index];
@@ -72,41 +60,7 @@ Rates whole_pad(const EnginePad& pad) {
           texels * std::max(normal.damping, law.bristle_damping + law.viscous_friction)};
 }
 
-// Numbers of a pad's state that a step depends on.
-template <class State, class Visit>
-void visit_bristles(State& state, Visit visit) {
-  for (auto* values : {&state.bristle_u, &state.bristle_v, &state.normal_force}) {
-    for (auto& value : *values) visit(value);
-  }
-}
-
 }  // namespace
-
-struct SubsteppedPads::Touch {
-  Touch(const EngineScene& scene, int pad_index, int body_index)
-      : pad(pad_index),
-        carrier(scene.pads[pad_index].body),
-        body(body_index),
-        X_BP(scene.pads[pad_index].X_BP),
-        X_BS(scene.bodies[body_index].X_BS),
-        layout(PadLayout::flat(scene.pads[pad_index].grid)),
-        reach(layout),
-        shape(felt_shape(scene.bodies[body_index].shape)),
-        law(mounted_law(scene.pads[pad_index], scene.bodies[carrier], scene.bodies[body_index])),
-        state(layout),
-        scratch(layout) {}
-
-  int pad, carrier, body;
-  geometry::RigidTransform X_BP;  // on the carrier
-  geometry::RigidTransform X_BS;  // on the body
-  PadLayout layout;
-  contact::PadReach reach;
-  contact::Shape shape;
-  contact::TexelLaw law;
-  PadState state;
-  contact::PadScratch scratch;
-  contact::PadResponse response;
-};
 
 double substep_limit(const EngineScene& scene) {
   double limit = std::numeric_limits<double>::infinity();
@@ -135,10 +89,10 @@ double substep_limit(const EngineScene& scene) {
 }
 
 SubsteppedPads::SubsteppedPads(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
-SubsteppedPads::~SubsteppedPads() = default;
 
 void SubsteppedPads::load(const EngineScene& scene) {
   touches_.clear();
+  states_.clear();
   substeps_ = 1;
   if (scene.pads.empty() || scene.pad_method == PadMethod::kOwnContacts) {
     engine_->load(scene);
@@ -165,13 +119,10 @@ void SubsteppedPads::load(const EngineScene& scene) {
   }
   engine_->load(plain);
   scene_ = scene;
-  for (int p = 0; p < static_cast<int>(scene.pads.size()); ++p) {
-    for (int b = 0; b < count; ++b) {
-      const bool moves = !scene.bodies[b].is_fixed || !scene.bodies[scene.pads[p].body].is_fixed;
-      if (has_pads(scene, b) || !scene.bodies[b].collides || !moves) continue;
-      touches_.emplace_back(scene, p, b);
-      touched_[b] = 1;
-    }
+  touches_ = PadTouch::all(scene);
+  for (const PadTouch& touch : touches_) {
+    states_.emplace_back(touch.layout);
+    touched_[touch.body] = 1;
   }
   wrenches_.assign(count, Vector6::Zero());
   with_pads_ = wrenches_;
@@ -190,38 +141,34 @@ void SubsteppedPads::press(double h) {
   for (std::size_t b = 0; b < motions_.size(); ++b) {
     if (touched_[b]) motions_[b] = engine_->body(static_cast<int>(b));
   }
-  for (Touch& touch : touches_) {
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    PadTouch& touch = touches_[i];
+    PadState& state = states_[i];
     const BodyMotion& carrier = motions_[touch.carrier];
     const BodyMotion& body = motions_[touch.body];
-    const geometry::RigidTransform X_WP = carrier.X_WB * touch.X_BP;
-    const geometry::RigidTransform X_WS = body.X_WB * touch.X_BS;
-    PadState& state = touch.state;
-    touch.response.pressing = 0;
-    const Eigen::Vector3d p_WP = X_WP.translation();
-    const Eigen::Vector3d arm_c = p_WP - carrier.X_WB.translation();
-    const Eigen::Vector3d arm_b = p_WP - body.X_WB.translation();
+    const PadTouch::Place place = touch.place(carrier.X_WB, body.X_WB);
+    const Eigen::Matrix3d R_WP = place.X_WP.linear();
     Vector6 twist;
     twist.head<3>() =
-        X_WP.linear().transpose() * (body.velocity + body.angular_velocity.cross(arm_b) -
-                                     carrier.velocity - carrier.angular_velocity.cross(arm_c));
-    twist.tail<3>() =
-        X_WP.linear().transpose() * (body.angular_velocity - carrier.angular_velocity);
-    if (contact::find_depths(touch.layout, touch.reach, touch.shape,
-                             X_WP.inverse(Eigen::Isometry) * X_WS, 0, state)) {
+        R_WP.transpose() * (body.velocity + body.angular_velocity.cross(place.arm_body) -
+                            carrier.velocity - carrier.angular_velocity.cross(place.arm_carrier));
+    twist.tail<3>() = R_WP.transpose() * (body.angular_velocity - carrier.angular_velocity);
+    touch.response.pressing = 0;
+    if (touch.find_depths(place, body.X_WB, 0, state)) {
       contact::respond(touch.layout, touch.law, h, twist, state, touch.scratch, touch.response);
     }
     if (touch.response.pressing == 0) {
-      visit_bristles(state, [](double& value) { value = 0; });
+      release(state);
       continue;
     }
     contact::advance(touch.layout, touch.law, h, twist, state, touch.scratch);
     const Vector6 wrench_P = touch.response.constant - touch.response.resistance * twist;
-    const Eigen::Vector3d force = X_WP.linear() * wrench_P.head<3>();
-    const Eigen::Vector3d torque = X_WP.linear() * wrench_P.tail<3>();
+    const Eigen::Vector3d force = R_WP * wrench_P.head<3>();
+    const Eigen::Vector3d torque = R_WP * wrench_P.tail<3>();
     with_pads_[touch.body].head<3>() += force;
-    with_pads_[touch.body].tail<3>() += torque + arm_b.cross(force);
+    with_pads_[touch.body].tail<3>() += torque + place.arm_body.cross(force);
     with_pads_[touch.carrier].head<3>() -= force;
-    with_pads_[touch.carrier].tail<3>() -= torque + arm_c.cross(force);
+    with_pads_[touch.carrier].tail<3>() -= torque + place.arm_carrier.cross(force);
   }
   for (std::size_t b = 0; b < motions_.size(); ++b) {
     if (touched_[b] && !scene_.bodies[b].is_fixed) {
@@ -243,17 +190,14 @@ std::vector<double> SubsteppedPads::pad_forces(int pad) const {
   if (touches_.empty()) return engine_->pad_forces(pad);
   const contact::PadGrid& grid = scene_.pads.at(pad).grid;
   std::vector<double> forces(static_cast<std::size_t>(grid.rows) * grid.columns, 0.0);
-  for (const Touch& touch : touches_) {
-    if (touch.pad != pad) continue;
-    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += touch.state.normal_force[i];
-  }
+  add_pad_forces(touches_, states_, pad, forces);
   return forces;
 }
 
 std::vector<double> SubsteppedPads::save() const {
   std::vector<double> state;
-  for (const Touch& touch : touches_) {
-    visit_bristles(touch.state, [&](const double& value) { state.push_back(value); });
+  for (const PadState& pad : states_) {
+    visit_pad_state(pad, [&](const double& value) { state.push_back(value); });
   }
   if (!touches_.empty()) {
     for (const Vector6& wrench : wrenches_) {
@@ -267,15 +211,15 @@ std::vector<double> SubsteppedPads::save() const {
 
 void SubsteppedPads::restore(const std::vector<double>& state) {
   std::size_t own = touches_.empty() ? 0 : 6 * wrenches_.size();
-  for (const Touch& touch : touches_) own += 3 * touch.layout.padded_size();
+  for (const PadTouch& touch : touches_) own += 3 * touch.layout.padded_size();
   if (state.size() < own) {
     throw std::invalid_argument(name() + ": the saved state is of another scene");
   }
   // The engine first: it refuses what is not of this scene.
   engine_->restore({state.begin() + static_cast<std::ptrdiff_t>(own), state.end()});
   auto next = state.begin();
-  for (Touch& touch : touches_) {
-    visit_bristles(touch.state, [&](double& value) { value = *next++; });
+  for (PadState& pad : states_) {
+    visit_pad_state(pad, [&](double& value) { value = *next++; });
   }
   for (std::size_t b = 0; !touches_.empty() && b < wrenches_.size(); ++b, next += 6) {
     std::copy_n(next, 6, wrenches_[b].data());

@@ -3,9 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "prehend/contact/pad_depths.h"
-#include "prehend/contact/pad_kernel.h"
 #include "prehend/simulation/engines/engine.h"
+#include "prehend/simulation/engines/pad_contact.h"
 
 namespace prehend::simulation::engines {
 
@@ -24,7 +23,6 @@ class SubsteppedPads : public Engine {
   static constexpr double kLeastSubstep = 1e-6;  // s
 
   explicit SubsteppedPads(std::unique_ptr<Engine> engine);
-  ~SubsteppedPads() override;
 
   std::string name() const override { return engine_->name(); }
   std::string version() const override { return engine_->version(); }
@@ -42,13 +40,13 @@ class SubsteppedPads : public Engine {
   int substeps() const { return substeps_; }  // of a step
 
  private:
-  struct Touch;  // of one pad and one body
   void press(double h);
 
   std::unique_ptr<Engine> engine_;
   EngineScene scene_;
   int substeps_ = 1;
-  std::vector<Touch> touches_;
+  std::vector<PadTouch> touches_;
+  std::vector<contact::PadState> states_;  // of each
   std::vector<Vector6> wrenches_;    // from outside, of each body
   std::vector<Vector6> with_pads_;   // and of the pads, in the present sub-step
   std::vector<char> touched_;        // bodies that pads can push

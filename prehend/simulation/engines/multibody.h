@@ -1,0 +1,129 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "prehend/contact/texel.h"
+#include "prehend/simulation/engines/convex_contact.h"
+#include "prehend/simulation/engines/engine.h"
+#include "prehend/simulation/engines/pad_contact.h"
+
+namespace prehend::simulation::engines {
+
+/// A point where two bodies touch, or nearly.
+struct TouchPoint {
+  int a = 0, b = -1;  // bodies; b -1: the ground
+  ConvexContact at;   // at the step's start
+  Eigen::Vector3d p_A = Eigen::Vector3d::Zero();              // m, in A: by this it is known again
+  Eigen::Vector3d bristle_at_start = Eigen::Vector3d::Zero();  // m, world, in the tangent plane
+  Eigen::Vector3d bristle = Eigen::Vector3d::Zero();           // m, at the step's end
+  double normal_force = 0;                                     // N, in the step
+};
+
+struct MultibodyState {
+  double time = 0;  // s
+  /// Of all bodies, and momenta about their centres of mass [kg m/s, kg m^2/s].
+  std::vector<geometry::RigidTransform> X_WB;
+  std::vector<Vector6> momenta;
+  Eigen::VectorXd positions;   // of joints that follow none [m, rad]
+  Eigen::VectorXd velocities;  // generalised: joints that follow none, then 6 of each free body
+  std::vector<TouchPoint> touches;
+  std::vector<contact::PadState> pads;
+};
+
+/// Bodies, chains of joints, contacts and pads in generalised coordinates, coupled implicitly.
+///
+/// A step of length h finds velocities u at its end from d'Alembert's principle over the step,
+///   sum_b J_b' [M_b J_b u - momentum_b - h wrench_b(u)] = h tau,
+/// with the bodies' Jacobians J_b and inertias at the end: momenta stand for inertial forces, so
+/// that Coriolis terms need no formula and a free body's linear and angular momentum is kept to
+/// rounding. Contacts and pads enter wrench_b as affine functions of u (contact/texel.h), which
+/// makes the matrix symmetric and positive definite for every h; it is solved directly (Cholesky),
+/// so the ratio of masses does not matter. Configuration and linearisation are renewed until u
+/// settles.
+///
+/// Contacts are springs as stiff as kSink says, critically damped, with elasto-plastic bristles and
+/// return map; gaps that may close within a step are looked at ahead (see contact::linearise).
+class Multibody {
+ public:
+  /// How far its weight presses the heavier body of a pair into the other [m], on one point.
+  static constexpr double kSink = 1e-5;
+  static constexpr int kMostIterations = 30;
+  static constexpr double kTolerance = 1e-10;  // m/s, of any body's surface
+
+  /// @pre validate(scene).
+  explicit Multibody(const EngineScene& scene);
+
+  MultibodyState initial_state() const;
+  /// One step of backward Euler from `base` (whose momenta and bristles count, not its velocities)
+  /// to `end`, at first guessed to have the velocities of `guess`.
+  void implicit_euler(const MultibodyState& base, double h, const MultibodyState& guess,
+                      MultibodyState& end);
+  /// y0 + share (y1 - y0), for the stages of Runge-Kutta steps: configurations, momenta, bristles.
+  void extrapolate(const MultibodyState& y0, const MultibodyState& y1, double share,
+                   MultibodyState& out) const;
+
+  void set_joint_force(int joint, double force);  // N, N m
+  void set_body_wrench(int body, const Vector6& wrench_W);
+  double joint_position(const MultibodyState& state, int joint) const;
+  BodyMotion motion(const MultibodyState& state, int body) const;
+  /// Kinetic and gravity's [J].
+  double energy(const MultibodyState& state) const;
+  const std::vector<PadTouch>& pad_touches() const { return pads_; }
+  /// Poses and momenta from positions and velocities, and the poses of free bodies that are there.
+  void complete(MultibodyState& state) const;
+
+ private:
+  using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+  struct Configuration {
+    std::vector<geometry::RigidTransform> X_WB;
+    std::vector<Matrix6X> jacobian;  // columns as columns_ says
+  };
+
+  void place(const Eigen::VectorXd& positions, const std::vector<geometry::RigidTransform>& free,
+             Configuration& out) const;
+  void advance_free(const MultibodyState& base, double h, const Eigen::VectorXd& u,
+                    std::vector<geometry::RigidTransform>& X_WB) const;
+  Vector6 twist_of(int body, const Configuration& at, const Eigen::VectorXd& u) const;
+  Eigen::Matrix3d inertia_W(int body, const geometry::RigidTransform& X_WB) const;
+  void find_touches(const MultibodyState& base, double h, const Eigen::VectorXd& u,
+                    MultibodyState& end);
+  contact::TexelLaw contact_law(int a, int b) const;
+  /// Adds an interaction of bodies a and b (-1: the world): force f0 - R (P_a t_a - P_b t_b) on a
+  /// and its opposite on b, P rows of 6.
+  template <class Rows>
+  void add(int a, const Rows& rows_a, int b, const Rows& rows_b, const Eigen::MatrixXd& resistance,
+           const Eigen::VectorXd& constant, double h);
+  void add_inertia(const MultibodyState& base, double h);
+  void add_touch(TouchPoint& touch, double h, const Eigen::VectorXd& u);
+  void add_pad(std::size_t index, const MultibodyState& base, double h, const Eigen::VectorXd& u,
+               contact::PadState& state);
+  Vector6 pad_twist(std::size_t index, const Eigen::VectorXd& u) const;
+  double surface_speed(const Configuration& at, const Eigen::VectorXd& u) const;
+  void finish(const MultibodyState& base, double h, const Eigen::VectorXd& u, MultibodyState& end);
+
+  EngineScene scene_;
+  std::vector<int> joint_of_;                // of each body, -1: none
+  std::vector<int> coordinate_;              // of each joint
+  std::vector<std::vector<int>> columns_;    // of each body: coordinates that move it
+  std::vector<int> free_;                    // first of six coordinates of a free body, -1: none
+  std::vector<char> padded_;                 // has pads
+  std::vector<Eigen::Vector3d> moments_;     // kg m^2
+  std::vector<double> reach_;                // m, from the origin to the farthest surface point
+  int joint_coordinates_ = 0, size_ = 0;
+  std::vector<double> joint_force_;
+  std::vector<Vector6> wrench_;
+  std::vector<PadTouch> pads_;
+
+  // Of the step under way.
+  Configuration at_;
+  std::vector<contact::LinearisedContact> linearised_;
+  std::vector<PadTouch::Place> pad_places_;
+  std::vector<char> pad_near_;
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd right_;
+};
+
+}  // namespace prehend::simulation::engines
