@@ -18,10 +18,8 @@ namespace prehend::simulation::engines {
 namespace {
 
 const std::map<std::string, std::set<std::string>> kCannotDo{
-    {"native", {"own_contacts"}},
-    {"bullet", {"own_contacts"}},
-    {"dart", {"own_contacts"}},
-    {"mujoco", {}},
+    {"native", {"own_contacts"}}, {"bullet", {"own_contacts"}},
+    {"dart", {"own_contacts"}},   {"mujoco", {}},
     {"ode", {"own_contacts"}},
 };
 

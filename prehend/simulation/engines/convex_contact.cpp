@@ -13,10 +13,11 @@ using Eigen::Vector3d;
 using Kind = EngineShape::Kind;
 using Points = std::vector<Vector3d>;
 
-constexpr double kOnFace = 1e-6;   // m, how far beyond a face's border a point still counts
-constexpr double kMerged = 1e-5;   // m, contacts nearer than this are one
+constexpr double kOnFace = 1e-6;       // m, how far beyond a face's border a point still counts
+constexpr double kMerged = 1e-5;       // m, contacts nearer than this are one
 constexpr double kPreferFaces = 1e-7;  // m, by which another direction must separate better
-constexpr int kRim = 8;            // corners that stand for a round face
+constexpr double kNormalToFace = 1e-9, kRounding = 1e-14;  // sines
+constexpr int kRim = 8;                                    // corners that stand for a round face
 
 // A core (point, segment, box or cylinder) with a layer of thickness `radius` round it, in place.
 struct Placed {
@@ -75,13 +76,14 @@ struct Placed {
     if (shape.kind == Kind::kCylinder || shape.kind == Kind::kCapsule) edges.push_back(R.col(2));
   }
 
-  // The axis of the box's or cylinder's flat face that looks along `d`, and how well; -1: none.
-  int face_axis(const Vector3d& d, double& alignment) const {
+  // The axis of the box's or cylinder's flat face that looks along `d`, and the sine of the angle
+  // between (a cosine does not tell small ones); -1: none.
+  int face_axis(const Vector3d& d, double& sine) const {
     const Vector3d s = R.transpose() * d;
     int axis = -1;
     if (shape.kind == Kind::kBox) s.cwiseAbs().maxCoeff(&axis);
     if (shape.kind == Kind::kCylinder) axis = 2;
-    alignment = axis < 0 ? 0.0 : std::abs(s[axis]);
+    sine = axis < 0 ? 1.0 : R.col(axis).cross(d).norm();
     return axis;
   }
 
@@ -172,12 +174,12 @@ class Pair {
 
   void find() {
     if (!find_normal()) return;
-    double of_a, of_b;
-    const int face_a = a_.face_axis(-n_, of_a), face_b = b_.face_axis(n_, of_b);
-    // The steadier reference: B's face unless A's fits clearly better.
-    if (face_b >= 0 && of_b > 1 - 1e-9 && of_b > of_a - 1e-9) {
+    // The face whose normal it is bears the other; B's where both do.
+    double sine_a, sine_b;
+    const int face_a = a_.face_axis(-n_, sine_a), face_b = b_.face_axis(n_, sine_b);
+    if (sine_b < kNormalToFace && sine_b <= sine_a + kRounding) {
       lie_on_face(b_, face_b, n_, a_);
-    } else if (face_a >= 0 && of_a > 1 - 1e-9) {
+    } else if (sine_a < kNormalToFace) {
       lie_on_face(a_, face_a, -n_, b_);
     }
     if (contacts_.size() == first_) touch_edges();
@@ -208,7 +210,11 @@ class Pair {
     b_.add_edges(edges_b);
     for (const Vector3d& n : faces) consider(n, 0);
     if (best_ > margin_) return false;
-    consider(a_.p - b_.p, kPreferFaces);
+    const Vector3d apart = a_.p - b_.p;
+    consider(apart, kPreferFaces);
+    for (const Points* axes : {&edges_a, &edges_b}) {
+      for (const Vector3d& u : *axes) consider(apart - apart.dot(u) * u, kPreferFaces);
+    }
     Vector3d on_a = a_.p, on_b = b_.p;
     for (int i = 0; i < 50; ++i) {
       on_b = b_.nearest(on_a);
@@ -249,10 +255,10 @@ class Pair {
     for (const Vector3d& x : lying) {
       if (base.covers(x, axis)) add_lying(x);
     }
-    double alignment;
-    const int other_axis = other.face_axis(-out, alignment);
+    double sine;
+    const int other_axis = other.face_axis(-out, sine);
     const bool face_on_face = lying.size() > 2 && other_axis >= 0;
-    if (face_on_face && alignment > 0.5) {
+    if (face_on_face && sine < 0.8) {
       const Vector3d facing = other.R.col(other_axis);
       const Vector3d on_other = other.support(-out);
       for (const Vector3d& x : corners) {
@@ -282,7 +288,7 @@ class Pair {
     // A tilted round face reaches farther between its corners.
     if (lying.size() == kRim) {
       const Vector3d lowest = other.support(-out);
-      if (alignment < 1 - 1e-9 && base.covers(lowest, axis)) add_lying(lowest);
+      if (sine > kNormalToFace && base.covers(lowest, axis)) add_lying(lowest);
     }
   }
 
@@ -291,12 +297,11 @@ class Pair {
     const auto [b0, b1] = b_.foremost_edge(n_);
     const Vector3d u = a1 - a0, v = b1 - b0;
     const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
-    const auto middle = [&](double s, double t) {
-      add(0.5 * (a0 + s * u + b0 + t * v), -best_);
-    };
+    const auto middle = [&](double s, double t) { add(0.5 * (a0 + s * u + b0 + t * v), -best_); };
     const auto clamped = [](double x) { return std::clamp(x, 0.0, 1.0); };
     if (uu > 0 && vv > 0 && uu * vv - uv * uv > 4e-4 * uu * vv) {
-      const double s = clamped(((b0 - a0).dot(u) * vv - (b0 - a0).dot(v) * uv) / (uu * vv - uv * uv));
+      const double s =
+          clamped(((b0 - a0).dot(u) * vv - (b0 - a0).dot(v) * uv) / (uu * vv - uv * uv));
       const double t = clamped((a0 + s * u - b0).dot(v) / vv);
       middle(uu > 0 ? clamped((b0 + t * v - a0).dot(u) / uu) : 0.0, t);
     } else if (uu > 0 && vv > 0) {
@@ -350,7 +355,8 @@ void find_ground_contacts(const EngineShape& a, const geometry::RigidTransform& 
   const Placed placed(a, X_WA);
   const Vector3d down = -Vector3d::UnitZ();
   Points points = placed.foremost(down);
-  if (points.size() == kRim) points.push_back(placed.support(down));
+  const bool tilted = std::abs(placed.R(2, 2)) < 1 - 1e-9;
+  if (points.size() == kRim && tilted) points.push_back(placed.support(down));
   const std::size_t first = contacts.size();
   for (const Vector3d& x : points) {
     if (x.z() > margin) continue;

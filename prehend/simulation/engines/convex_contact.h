@@ -7,16 +7,17 @@
 namespace prehend::simulation::engines {
 
 struct ConvexContact {
-  Eigen::Vector3d p_W;   // m, between the two surfaces
-  Eigen::Vector3d n_W;   // unit, from B's surface towards A
-  double depth = 0;      // m; negative: the gap along n_W
+  Eigen::Vector3d p_W;  // m, between the two surfaces
+  Eigen::Vector3d n_W;  // unit, from B's surface towards A
+  double depth = 0;     // m; negative: the gap along n_W
 };
 
 /// Where two primitives touch, or would touch when they came nearer by `margin` [m].
 ///
 /// The normal is the direction of greatest separation among: normals of flat faces, cross products
 /// of edges and axes (the separating axes of boxes, complete for two boxes), the line between the
-/// nearest points (alternating projections; exact for what is round) and that between the centres.
+/// nearest points (alternating projections; exact for what is round) that between the
+/// centres and its parts across edges and axes.
 /// Any direction bounds the true distance from below, so no pair passes unseen. On a flat face the
 /// contacts are the corners of the overlap of face and what lies on it; elsewhere one point, or the
 /// two ends of the overlap of parallel edges.

@@ -8,8 +8,8 @@
 
 namespace prehend::simulation::engines {
 
-/// `native` for one free body over the ground, between pads on fixed bodies and on prismatic joints:
-/// contact::GraspSystem.
+/// `native` for one free body over the ground, between pads on fixed bodies and on prismatic
+/// joints: contact::GraspSystem.
 class GraspEngine : public Engine {
  public:
   /// What of a scene is more than that; empty: nothing.

@@ -74,6 +74,14 @@ Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadTouch::
       for (int k = 0; k < 6; ++k) columns_[b].push_back(size_++);
     }
   }
+  double heaviest = 0;
+  for (std::size_t b = 0; b < count; ++b) {
+    if (!columns_[b].empty()) heaviest = std::max(heaviest, scene.bodies[b].mass);
+  }
+  law_.stiffness = law_.bristle_stiffness = heaviest * kStandardGravity / kSink;
+  law_.damping = law_.bristle_damping = 2 * std::sqrt(law_.stiffness * heaviest);
+  law_.bristle_law = contact::BristleLaw::kElastoPlastic;
+  law_.return_map = true;
   joint_force_.assign(scene.joints.size(), 0.0);
   wrench_.assign(count, Vector6::Zero());
   pad_places_.resize(pads_.size());
@@ -99,9 +107,8 @@ MultibodyState Multibody::initial_state() const {
     const int j = joint_of_[b];
     if (j < 0 || scene_.joints[j].follows >= 0) continue;
     const EngineJoint& joint = scene_.joints[j];
-    state.velocities[coordinate_[j]] =
-        joint.axis_W.dot(joint.kind == EngineJoint::Kind::kPrismatic ? body.velocity
-                                                                     : body.angular_velocity);
+    state.velocities[coordinate_[j]] = joint.axis_W.dot(
+        joint.kind == EngineJoint::Kind::kPrismatic ? body.velocity : body.angular_velocity);
   }
   for (const PadTouch& touch : pads_) state.pads.emplace_back(touch.layout);
   complete(state);
@@ -178,8 +185,8 @@ void Multibody::advance_free(const MultibodyState& base, double h, const Eigen::
     X_WB[b] = base.X_WB[b];
     if (free_[b] < 0) continue;
     X_WB[b].translation() += h * u.segment<3>(free_[b]);
-    const Eigen::Quaterniond q = rotation_by(h * u.segment<3>(free_[b] + 3)) *
-                                 Eigen::Quaterniond(base.X_WB[b].linear());
+    const Eigen::Quaterniond q =
+        rotation_by(h * u.segment<3>(free_[b] + 3)) * Eigen::Quaterniond(base.X_WB[b].linear());
     X_WB[b].linear() = q.normalized().toRotationMatrix();
   }
 }
@@ -198,21 +205,9 @@ Eigen::Matrix3d Multibody::inertia_W(int body, const RigidTransform& X_WB) const
 }
 
 contact::TexelLaw Multibody::contact_law(int a, int b) const {
-  const auto mass = [&](int body) {
-    const bool moves = body >= 0 && !columns_[body].empty();
-    return moves ? scene_.bodies[body].mass : 0.0;
-  };
-  const double heavy = std::max(mass(a), mass(b)), light = std::min(mass(a), mass(b));
-  const double reduced = light > 0 ? heavy * light / (heavy + light) : heavy;
-  contact::TexelLaw law;
-  law.stiffness = heavy * kStandardGravity / kSink;
-  law.damping = 2 * std::sqrt(law.stiffness * reduced);
-  law.bristle_stiffness = law.stiffness;
-  law.bristle_damping = law.damping;
-  law.static_friction = law.dynamic_friction =
-      std::min(scene_.bodies[a].friction, b < 0 ? scene_.ground_friction : scene_.bodies[b].friction);
-  law.bristle_law = contact::BristleLaw::kElastoPlastic;
-  law.return_map = true;
+  contact::TexelLaw law = law_;
+  law.static_friction = law.dynamic_friction = std::min(
+      scene_.bodies[a].friction, b < 0 ? scene_.ground_friction : scene_.bodies[b].friction);
   return law;
 }
 
@@ -224,13 +219,15 @@ void Multibody::find_touches(const MultibodyState& base, double h, const Eigen::
   for (int b = 0; b < count; ++b) {
     if (columns_[b].empty()) continue;
     const Vector6 twist = twist_of(b, at_, u);
-    double acceleration = scene_.gravity.norm() + wrench_[b].head<3>().norm() / scene_.bodies[b].mass;
+    double acceleration =
+        scene_.gravity.norm() + wrench_[b].head<3>().norm() / scene_.bodies[b].mass;
     if (joint_of_[b] >= 0 && scene_.joints[joint_of_[b]].kind == EngineJoint::Kind::kPrismatic) {
       acceleration += std::abs(joint_force_[joint_of_[b]]) / scene_.bodies[b].mass;
     }
-    travel[b] = 2 * h * (twist.head<3>().norm() + reach_[b] * twist.tail<3>().norm() +
-                         h * acceleration);
+    travel[b] =
+        2 * h * (twist.head<3>().norm() + reach_[b] * twist.tail<3>().norm() + h * acceleration);
   }
+  const double forgetting = std::exp(-h / kForgotten);
   std::vector<ConvexContact> found;
   const auto keep = [&](int a, int b) {
     const RigidTransform X_AW = base.X_WB[a].inverse(Eigen::Isometry);
@@ -240,12 +237,16 @@ void Multibody::find_touches(const MultibodyState& base, double h, const Eigen::
       touch.b = b;
       touch.at = at;
       touch.p_A = X_AW * at.p_W;
+      touch.unborne = std::max(0.0, at.depth);
       double nearest = kSamePoint * kSamePoint;
       for (const TouchPoint& before : base.touches) {
         const double distance = (before.p_A - touch.p_A).squaredNorm();
         if (before.a != a || before.b != b || distance >= nearest) continue;
         nearest = distance;
         touch.bristle_at_start = before.bristle - before.bristle.dot(at.n_W) * at.n_W;
+        const double surprise = std::max(0.0, at.depth - before.foreseen);
+        touch.unborne =
+            std::clamp(before.unborne * forgetting + surprise, 0.0, std::max(0.0, at.depth));
       }
       end.touches.push_back(touch);
     }
@@ -330,8 +331,9 @@ void Multibody::add_touch(TouchPoint& touch, double h, const Eigen::VectorXd& u)
     v -= rows_b * twist_of(touch.b, at_, u);
   }
   const Eigen::Vector3d slip = v - v.dot(n) * n;
-  linearised_.push_back(contact::linearise(contact_law(touch.a, touch.b), h, touch.at.depth,
-                                           -v.dot(n), touch.bristle_at_start, slip));
+  linearised_.push_back(contact::linearise(contact_law(touch.a, touch.b), h,
+                                           touch.at.depth - touch.unborne, -v.dot(n),
+                                           touch.bristle_at_start, slip));
   const contact::LinearisedContact& contact = linearised_.back();
   if (!contact.presses) return;
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
@@ -381,11 +383,12 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     PadTouch& touch = pads_[k];
     pad_places_[k] = touch.place(base.X_WB[touch.carrier], base.X_WB[touch.body]);
-    const double speed = pad_twist(k, u).head<3>().norm() +
-                         reach_[touch.body] * pad_twist(k, u).tail<3>().norm();
+    const double speed =
+        pad_twist(k, u).head<3>().norm() + reach_[touch.body] * pad_twist(k, u).tail<3>().norm();
     double acceleration = scene_.gravity.norm();
     const int joint = joint_of_[touch.carrier];
-    if (joint >= 0) acceleration += std::abs(joint_force_[joint]) / scene_.bodies[touch.carrier].mass;
+    if (joint >= 0)
+      acceleration += std::abs(joint_force_[joint]) / scene_.bodies[touch.carrier].mass;
     touch.response.pressing = 0;
     pad_near_[k] = touch.find_depths(pad_places_[k], base.X_WB[touch.body],
                                      2 * h * (speed + h * acceleration), end.pads[k]);
@@ -416,18 +419,19 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
     const contact::LinearisedContact& contact = linearised_[i];
     touch.normal_force = 0;
     touch.bristle.setZero();
-    if (!contact.presses) continue;
     const Eigen::Vector3d n = touch.at.n_W;
-    Eigen::Vector3d v = point_rows(touch.at.p_W - at_.X_WB[touch.a].translation()) *
-                        twist_of(touch.a, at_, u);
+    Eigen::Vector3d v =
+        point_rows(touch.at.p_W - at_.X_WB[touch.a].translation()) * twist_of(touch.a, at_, u);
     if (touch.b >= 0) {
       v -= point_rows(touch.at.p_W - at_.X_WB[touch.b].translation()) * twist_of(touch.b, at_, u);
     }
+    touch.foreseen = touch.at.depth - h * v.dot(n);
+    if (!contact.presses) continue;
     touch.normal_force = std::max(0.0, contact.normal_offset - contact.normal_damping * v.dot(n));
     const Eigen::Vector3d slip = v - v.dot(n) * n;
-    touch.bristle = contact::return_mapped(
-        contact_law(touch.a, touch.b), touch.normal_force,
-        contact::advanced_bristle(contact, h, touch.bristle_at_start, slip));
+    touch.bristle =
+        contact::return_mapped(contact_law(touch.a, touch.b), touch.normal_force,
+                               contact::advanced_bristle(contact, h, touch.bristle_at_start, slip));
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     if (pad_near_[k] && pads_[k].response.pressing > 0) {
@@ -463,6 +467,7 @@ void Multibody::extrapolate(const MultibodyState& y0, const MultibodyState& y1, 
   }
   // What ceased to touch has lost its bristle; there is nothing to extrapolate.
   for (TouchPoint& touch : out.touches) {
+    touch.foreseen = touch.at.depth + share * (touch.foreseen - touch.at.depth);
     if (touch.normal_force > 0) {
       touch.bristle = touch.bristle_at_start + share * (touch.bristle - touch.bristle_at_start);
     }
@@ -491,8 +496,7 @@ BodyMotion Multibody::motion(const MultibodyState& state, int body) const {
   if (columns_[body].empty()) return motion;
   motion.velocity = momentum.head<3>() / scene_.bodies[body].mass;
   const Eigen::Matrix3d R = motion.X_WB.linear();
-  motion.angular_velocity =
-      R * (R.transpose() * momentum.tail<3>()).cwiseQuotient(moments_[body]);
+  motion.angular_velocity = R * (R.transpose() * momentum.tail<3>()).cwiseQuotient(moments_[body]);
   return motion;
 }
 

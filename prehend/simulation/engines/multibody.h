@@ -14,12 +14,17 @@ namespace prehend::simulation::engines {
 
 /// A point where two bodies touch, or nearly.
 struct TouchPoint {
-  int a = 0, b = -1;  // bodies; b -1: the ground
-  ConvexContact at;   // at the step's start
-  Eigen::Vector3d p_A = Eigen::Vector3d::Zero();              // m, in A: by this it is known again
+  int a = 0, b = -1;                                           // bodies; b -1: the ground
+  ConvexContact at;                                            // at the step's start
+  Eigen::Vector3d p_A = Eigen::Vector3d::Zero();               // m, in A: by this it is known again
   Eigen::Vector3d bristle_at_start = Eigen::Vector3d::Zero();  // m, world, in the tangent plane
   Eigen::Vector3d bristle = Eigen::Vector3d::Zero();           // m, at the step's end
   double normal_force = 0;                                     // N, in the step
+  /// Depth [m] that no force has borne: found and not foreseen, because bodies turn within a step
+  /// or stood in one another at the start. The spring begins there, so that it gives no energy back
+  /// that it never took; it decays within kForgotten.
+  double unborne = 0;
+  double foreseen = 0;  // m, depth at the step's end by the velocities there
 };
 
 struct MultibodyState {
@@ -44,12 +49,15 @@ struct MultibodyState {
 /// so the ratio of masses does not matter. Configuration and linearisation are renewed until u
 /// settles.
 ///
-/// Contacts are springs as stiff as kSink says, critically damped, with elasto-plastic bristles and
-/// return map; gaps that may close within a step are looked at ahead (see contact::linearise).
+/// Contacts are springs as stiff as kSink says, critically damped for the heaviest body, with
+/// elasto-plastic bristles and return map; gaps that may close within a step are looked at ahead
+/// (see contact::linearise).
 class Multibody {
  public:
-  /// How far its weight presses the heavier body of a pair into the other [m], on one point.
+  /// How far its weight presses the scene's heaviest body into another [m], on one point. The same
+  /// stiffness for all pairs: light bodies bear heavy ones.
   static constexpr double kSink = 1e-5;
+  static constexpr double kForgotten = 0.1;  // s, see TouchPoint::unborne
   static constexpr int kMostIterations = 30;
   static constexpr double kTolerance = 1e-10;  // m/s, of any body's surface
 
@@ -105,17 +113,18 @@ class Multibody {
   void finish(const MultibodyState& base, double h, const Eigen::VectorXd& u, MultibodyState& end);
 
   EngineScene scene_;
-  std::vector<int> joint_of_;                // of each body, -1: none
-  std::vector<int> coordinate_;              // of each joint
-  std::vector<std::vector<int>> columns_;    // of each body: coordinates that move it
-  std::vector<int> free_;                    // first of six coordinates of a free body, -1: none
-  std::vector<char> padded_;                 // has pads
-  std::vector<Eigen::Vector3d> moments_;     // kg m^2
-  std::vector<double> reach_;                // m, from the origin to the farthest surface point
+  std::vector<int> joint_of_;              // of each body, -1: none
+  std::vector<int> coordinate_;            // of each joint
+  std::vector<std::vector<int>> columns_;  // of each body: coordinates that move it
+  std::vector<int> free_;                  // first of six coordinates of a free body, -1: none
+  std::vector<char> padded_;               // has pads
+  std::vector<Eigen::Vector3d> moments_;   // kg m^2
+  std::vector<double> reach_;              // m, from the origin to the farthest surface point
   int joint_coordinates_ = 0, size_ = 0;
   std::vector<double> joint_force_;
   std::vector<Vector6> wrench_;
   std::vector<PadTouch> pads_;
+  contact::TexelLaw law_;  // of contacts, without friction
 
   // Of the step under way.
   Configuration at_;

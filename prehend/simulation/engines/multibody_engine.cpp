@@ -26,7 +26,7 @@ void visit_state(State& state, Visit visit) {
 }
 
 // What a step needs of a touch of the step before.
-constexpr std::size_t kTouchNumbers = 9;
+constexpr std::size_t kTouchNumbers = 11;
 
 }  // namespace
 
@@ -75,7 +75,7 @@ std::vector<double> MultibodyEngine::save() const {
     numbers.push_back(touch.b);
     numbers.insert(numbers.end(), touch.p_A.data(), touch.p_A.data() + 3);
     numbers.insert(numbers.end(), touch.bristle.data(), touch.bristle.data() + 3);
-    numbers.push_back(touch.normal_force);
+    numbers.insert(numbers.end(), {touch.normal_force, touch.unborne, touch.foreseen});
   }
   return numbers;
 }
@@ -97,6 +97,8 @@ void MultibodyEngine::restore(const std::vector<double>& numbers) {
     touch.p_A = {next[2], next[3], next[4]};
     touch.bristle = {next[5], next[6], next[7]};
     touch.normal_force = next[8];
+    touch.unborne = next[9];
+    touch.foreseen = next[10];
     state.touches.push_back(touch);
   }
   state_ = state;

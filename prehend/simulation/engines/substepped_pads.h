@@ -47,10 +47,10 @@ class SubsteppedPads : public Engine {
   int substeps_ = 1;
   std::vector<PadTouch> touches_;
   std::vector<contact::PadState> states_;  // of each
-  std::vector<Vector6> wrenches_;    // from outside, of each body
-  std::vector<Vector6> with_pads_;   // and of the pads, in the present sub-step
-  std::vector<char> touched_;        // bodies that pads can push
-  std::vector<BodyMotion> motions_;  // of those
+  std::vector<Vector6> wrenches_;          // from outside, of each body
+  std::vector<Vector6> with_pads_;         // and of the pads, in the present sub-step
+  std::vector<char> touched_;              // bodies that pads can push
+  std::vector<BodyMotion> motions_;        // of those
 };
 
 /// The longest stable sub-step [s] of a scene with pads; infinity where no pad can touch a body
