@@ -25,6 +25,7 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(FCL REQUIRED IMPORTED_TARGET fcl)
 pkg_check_modules(HIGHWAY REQUIRED IMPORTED_TARGET libhwy)
+pkg_check_modules(MODBUS REQUIRED IMPORTED_TARGET libmodbus)
 
 # PCL's and OpenCV's own CMake packages drag in VTK and Qt; only these single libraries are used.
 # prehend_find_library(target header-folder probe-header library): an INTERFACE target.
