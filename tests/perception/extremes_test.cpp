@@ -183,6 +183,35 @@ TEST(PerceptionExtremes, OrganizedComponentsAtAnyScale) {
   }
 }
 
+TEST(PerceptionExtremes, FiveMillionPoints) {
+  // The view's points, each many times with a little noise, as one cloud without order.
+  const testing::SyntheticView view = two_boxes();
+  const PointCloud once = testing::render(view);
+  PointCloud many;
+  many.points.reserve(5'000'000);
+  std::uint32_t random = 1;
+  const auto noise = [&random] {
+    random = random * 1664525u + 1013904223u;
+    return (static_cast<float>(random >> 8) / (1 << 24) - 0.5f) * 1e-3f;
+  };
+  while (many.points.size() < 5'000'000) {
+    for (const Eigen::Vector3f& p : once.points) {
+      many.points.push_back(p + Eigen::Vector3f(noise(), noise(), noise()));
+    }
+  }
+  SegmentationOptions options;  // counts of points grow with the density
+  options.min_points *= static_cast<int>(many.size() / once.size());
+  const SegmentedScene scene = segment(many, view.camera, view.X_WC, options);
+  ASSERT_EQ(scene.objects.size(), 2U);
+  EXPECT_NEAR(scene.table_W.offset, 0, 0.002);
+  const SegmentedScene few = segment(once, view.camera, view.X_WC);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Eigen::Vector3d moved = geometry::centroid(scene.objects[k].cloud_W) -
+                                  geometry::centroid(few.objects.at(k).cloud_W);
+    EXPECT_LT(moved.norm(), 0.003);
+  }
+}
+
 TEST(PerceptionExtremes, StereoOfBlackAndWhiteImagesInventsNothing) {
   const geometry::StereoCamera camera{{160, 120, 200, 200, 80, 60}, 0.06};
   for (const std::uint8_t level : {0, 255}) {
