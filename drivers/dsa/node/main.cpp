@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "drivers/dsa/driver/device.h"
+#include "drivers/dsa/node/pads.h"
+#include "drivers/wire/node/device_report.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node_program.h"
+
+namespace {
+
+using namespace prehend;
+using namespace prehend::drivers;
+using namespace prehend::drivers::dsa;
+
+struct Settings {
+  std::string line;
+  unsigned baud = 115200;
+  DriverOptions driver;
+  std::vector<Pad> pads;
+};
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+std::vector<Pad> declare_pads(graph::Node& node) {
+  const auto names = node.declare_parameter<std::vector<std::string>>(
+      {.name = "pads",
+       .default_value = {"left", "right"},
+       .description = "names of the pads, published as /tactile/NAME",
+       .read_only = true});
+  const auto matrices = node.declare_parameter<std::vector<double>>(
+      {.name = "matrices",
+       .default_value = {0, 1},
+       .minimum = 0,
+       .maximum = 31,
+       .description = "which matrix of the controller each pad is",
+       .read_only = true});
+  const auto flipped_rows = node.declare_parameter<std::vector<std::string>>(
+      {.name = "flip_rows",
+       .description = "pads whose row 0 is at the palm, not at the fingertip",
+       .read_only = true});
+  const auto flipped_columns = node.declare_parameter<std::vector<std::string>>(
+      {.name = "flip_columns",
+       .description = "pads whose columns run the other way",
+       .read_only = true});
+  const double newton_per_count = node.declare_parameter<double>(
+      {.name = "newton_per_count",
+       .default_value = 0.0014,
+       .unit = "N",
+       .minimum = 0,
+       .description = "calibration: force of a texel for one count; that of the simulated pads",
+       .read_only = true});
+  if (names.size() != matrices.size()) {
+    throw geometry::InputError(
+        fmt::format("{} pads but {} matrices", names.size(), matrices.size()),
+        "Give one matrix a pad, e.g. pads:=\"[left, right]\" matrices:=\"[0, 1]\"");
+  }
+  for (const auto* list : {&flipped_rows, &flipped_columns}) {
+    for (const std::string& name : *list) {
+      if (!holds(names, name)) {
+        throw geometry::InputError("'" + name + "' is to be flipped, but is no pad",
+                                   "Use the names of the parameter pads");
+      }
+    }
+  }
+  std::vector<Pad> pads;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    pads.push_back({names[i], static_cast<std::size_t>(std::lround(matrices[i])),
+                    holds(flipped_rows, names[i]), holds(flipped_columns, names[i]),
+                    newton_per_count});
+  }
+  return pads;
+}
+
+Settings declare_settings(graph::Node& node) {
+  Settings s;
+  s.line = node.declare_parameter<std::string>(
+      {.name = "line",
+       .default_value = "/dev/ttyUSB0",
+       .description = "serial line of the controller, or tcp://HOST:PORT (13000 in the vendor's "
+                      "library)",
+       .read_only = true});
+  s.baud = static_cast<unsigned>(node.declare_parameter<int>({.name = "baud",
+                                                              .default_value = 115200,
+                                                              .unit = "bit/s",
+                                                              .minimum = 1200,
+                                                              .description = "of the serial line",
+                                                              .read_only = true}));
+  s.driver.run_length = node.declare_parameter<bool>(
+      {.name = "run_length",
+       .default_value = true,
+       .description = "frames are run-length coded; else six pads give at most 11.7 a second",
+       .read_only = true});
+  s.driver.frame_rate =
+      node.declare_parameter<int>({.name = "frame_rate",
+                                   .default_value = 30,
+                                   .unit = "1/s",
+                                   .minimum = 1,
+                                   .maximum = 65535,
+                                   .description = "asked for; the firmware sends as fast as it can",
+                                   .read_only = true});
+  const double sensitivity = node.declare_parameter<double>(
+      {.name = "sensitivity",
+       .default_value = -1,
+       .minimum = -1,
+       .maximum = 1,
+       .description = "of all pads, 0 to 1; negative: as the device has it",
+       .read_only = true});
+  if (sensitivity >= 0) s.driver.sensitivity = sensitivity;
+  const int threshold = node.declare_parameter<int>(
+      {.name = "threshold",
+       .default_value = -1,
+       .unit = "counts",
+       .minimum = -1,
+       .maximum = kFullScale,
+       .description = "below which texels show 0; negative: as the device has it",
+       .read_only = true});
+  if (threshold >= 0) s.driver.threshold = threshold;
+  s.driver.stale_time = node.declare_parameter<double>(
+      {.name = "stale_time",
+       .default_value = s.driver.stale_time,
+       .unit = "s",
+       .minimum = 0.05,
+       .maximum = 60,
+       .description = "without a frame, then it is reported and the stream begins anew",
+       .read_only = true});
+  s.pads = declare_pads(node);
+  return s;
+}
+
+void run(graph::Node& node) {
+  const Settings settings = declare_settings(node);
+  DeviceReport report(node);
+  std::vector<graph::Publisher<msgs::TactileFrame>> publishers;
+  for (const Pad& pad : settings.pads) {
+    publishers.push_back(
+        node.advertise<msgs::TactileFrame>("/tactile/" + pad.name, graph::QoS::queue(50)));
+  }
+  bool is_told = false;
+  Device device(
+      settings.driver, [&] { return open_byte_stream(settings.line, settings.baud); },
+      [&](const Frame& frame, const std::vector<MatrixInfo>& matrices) {
+        const std::int64_t stamp = node.clock().now();
+        try {
+          for (std::size_t i = 0; i < settings.pads.size(); ++i) {
+            publishers[i].publish(pad_message(settings.pads[i], frame, matrices, stamp));
+          }
+        } catch (const std::invalid_argument& error) {
+          if (!is_told) report.problem(error.what());
+          is_told = true;
+        }
+      },
+      report.taker());
+  DriverState last = DriverState::kDisconnected;
+  const auto watch = node.create_timer(0.2, [&] {
+    const DriverState state = device.state();
+    if (state == DriverState::kStreaming && state != last) report.recovered(to_string(state));
+    last = state;
+  });
+  const auto statistics = node.create_timer(30, [&] {
+    const Statistics s = device.statistics();
+    node.log_debug("{:.1f} frames/s, {} frames, {} bad, {} bad checksums, {} bytes discarded",
+                   s.frame_rate, s.frames, s.bad_frames, s.bad_checksums, s.discarded);
+  });
+  node.spin();
+}
+
+const graph::RegisteredNodeProgram registered(
+    {"dsa",
+     "Reads the tactile pads of a Weiss DSACON32-m controller over a serial line or TCP, and "
+     "publishes them as the simulated pads are: /tactile/left, /tactile/right, or whatever the "
+     "parameter pads names."},
+    run);
+
+}  // namespace

@@ -1,0 +1,159 @@
+#include "drivers/pg70/node/gripper_offers.h"
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace prehend::drivers::pg70 {
+namespace {
+
+using Kind = MotionReport::Kind;
+
+constexpr auto kTick = std::chrono::milliseconds(10);
+constexpr int kTicksPerFeedback = 5;  // 20 Hz
+
+msgs::Acknowledge answer(bool success, const std::string& reason = {}) {
+  msgs::Acknowledge message;
+  message.set_success(success);
+  message.set_reason(reason);
+  return message;
+}
+
+std::optional<MotionMode> mode_of(const msgs::GripperCommand& command) {
+  switch (command.mode()) {
+    case msgs::GripperCommand::STOP:
+      return MotionMode::kStop;
+    case msgs::GripperCommand::POSITION:
+      return MotionMode::kPosition;
+    case msgs::GripperCommand::VELOCITY:
+      return MotionMode::kVelocity;
+    case msgs::GripperCommand::CURRENT:
+      return MotionMode::kCurrent;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+msgs::GripperState state_message(const Reading& reading, std::int64_t stamp) {
+  msgs::GripperState message;
+  message.mutable_header()->set_stamp(stamp);
+  message.mutable_header()->set_frame_id("gripper");
+  message.set_opening(reading.opening);
+  message.set_velocity(reading.velocity);
+  message.set_current(reading.current);
+  message.set_referenced(reading.referenced);
+  message.set_moving(reading.moving);
+  message.set_blocked(reading.blocked);
+  message.set_error_code(reading.error_code);
+  return message;
+}
+
+GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), device_(device) {
+  stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/stop", [this](const msgs::Empty&) {
+    return device_.with_driver([](Driver& driver, Time now) {
+      driver.stop(now);
+      const bool can_send = driver.reading().state != DriverState::kDisconnected;
+      return answer(can_send, can_send ? "" : "the gripper is not connected");
+    });
+  });
+  acknowledge_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/gripper/acknowledge", [this](const msgs::Empty&) { return acknowledge(); });
+  reference_ =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/reference", [this](const msgs::Empty&) {
+        const std::string refusal =
+            device_.with_driver([](Driver& driver, Time now) { return driver.reference(now); });
+        return answer(refusal.empty(), refusal.empty() ? "it moves" : refusal);
+      });
+  command_ = node.subscribe<msgs::GripperCommand>(
+      "/gripper/command", graph::QoS::queue(20),
+      [this](const graph::Received<msgs::GripperCommand>& message) { command(*message); });
+  move_ =
+      node.serve_action<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult>(
+          "/gripper/move", [this](const msgs::MoveGripperGoal& goal, Context& context) {
+            return move(goal, context);
+          });
+}
+
+void GripperOffers::command(const msgs::GripperCommand& command) {
+  const std::int64_t stamp = command.header().stamp();
+  if (stamp != 0 && stamp <= action_stamp_) return;  // meant to come before the goal
+  const auto mode = mode_of(command);
+  const std::string refusal = mode ? device_.with_driver([&](Driver& driver, Time now) {
+    return driver.command(*mode, command.value(), command.current_limit(), now);
+  })
+                                   : "unknown mode of a gripper command";
+  if (!refusal.empty()) node_.log_warning("/gripper/command refused: {}", refusal);
+}
+
+// Waits for the module's word, which comes within some milliseconds.
+msgs::Acknowledge GripperOffers::acknowledge() {
+  const std::uint8_t code = device_.reading().error_code;
+  const std::string refusal =
+      device_.with_driver([](Driver& driver, Time now) { return driver.acknowledge(now); });
+  if (!refusal.empty()) return answer(false, refusal);
+  if (code == 0) return answer(true, "no error was present");
+  constexpr int kPatience = 30;
+  for (int i = 0; i < kPatience; ++i) {
+    std::this_thread::sleep_for(kTick);
+    const Reading reading = device_.reading();
+    if (reading.error_code != 0) continue;
+    if (reading.warning_code == 0) return answer(true);
+    return answer(true,
+                  "acknowledged, but its cause persists: " + describe_code(reading.warning_code));
+  }
+  return answer(false, describe_code(code));
+}
+
+msgs::MoveGripperResult GripperOffers::move(const msgs::MoveGripperGoal& goal, Context& context) {
+  msgs::MoveGripperResult result;
+  std::uint64_t ticket = 0;
+  action_stamp_ = goal.stamp();
+  const std::string refusal = device_.with_driver([&](Driver& driver, Time now) {
+    return driver.move_to(goal.opening(), goal.speed(), goal.current_limit(), now, ticket);
+  });
+  if (!refusal.empty()) {
+    result.set_reason(refusal);
+    result.set_opening(device_.reading().opening);
+    return result;
+  }
+  for (int tick = 0; node_.ok(); ++tick) {
+    std::this_thread::sleep_for(kTick);
+    const MotionReport report =
+        device_.with_driver([&](Driver& driver, Time) { return driver.report(ticket); });
+    if (report.kind == Kind::kReplaced) {
+      result.set_reason("another command took the gripper over");
+      break;
+    }
+    if (report.kind == Kind::kReached) {
+      result.set_reached(true);
+      break;
+    }
+    if (report.kind == Kind::kBlocked) {
+      result.set_blocked(true);
+      result.set_reason("blocked");
+      break;
+    }
+    if (report.kind == Kind::kFailed) {
+      result.set_reason(report.reason);
+      break;
+    }
+    if (context.cancelled()) {
+      if (!context.preempted()) {
+        device_.with_driver([](Driver& driver, Time now) { driver.stop(now); });
+      }
+      result.set_reason("cancelled");
+      break;
+    }
+    if (tick % kTicksPerFeedback != 0) continue;
+    msgs::MoveGripperFeedback feedback;
+    feedback.set_opening(device_.reading().opening);
+    context.feedback(feedback);
+  }
+  result.set_opening(device_.reading().opening);
+  return result;
+}
+
+}  // namespace prehend::drivers::pg70

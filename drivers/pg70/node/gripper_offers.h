@@ -1,0 +1,33 @@
+#pragma once
+
+#include "drivers/pg70/driver/device.h"
+#include "msgs/actions.pb.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/graph/node.h"
+
+namespace prehend::drivers::pg70 {
+
+/// What the simulated gripper offers, by the real one: topic /gripper/command, action
+/// /gripper/move, services /gripper/stop and /gripper/acknowledge; and /gripper/reference besides.
+class GripperOffers {
+ public:
+  GripperOffers(graph::Node& node, Device& device);
+
+ private:
+  using Context = graph::ActionContext<msgs::MoveGripperFeedback>;
+  msgs::MoveGripperResult move(const msgs::MoveGripperGoal& goal, Context& context);
+  void command(const msgs::GripperCommand& command);
+  msgs::Acknowledge acknowledge();
+
+  graph::Node& node_;
+  Device& device_;
+  std::atomic<std::int64_t> action_stamp_ = 0;  // ns, of the last goal
+  graph::Service stop_, acknowledge_, reference_;
+  graph::Subscription command_;
+  graph::ActionServer move_;
+};
+
+/// /gripper/state. `stamp` [ns].
+msgs::GripperState state_message(const Reading& reading, std::int64_t stamp);
+
+}  // namespace prehend::drivers::pg70

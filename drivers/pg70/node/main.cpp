@@ -1,0 +1,159 @@
+#include <memory>
+#include <string>
+
+#include "drivers/pg70/node/gripper_offers.h"
+#include "drivers/pg70/node/guardian.h"
+#include "drivers/wire/node/device_report.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node_program.h"
+#include "prehend/robot/gripper_model.h"
+
+namespace {
+
+using namespace prehend;
+using namespace prehend::drivers;
+using namespace prehend::drivers::pg70;
+
+struct Settings {
+  LinkAddress address;
+  DriverOptions driver;
+  bool guardian = true;
+};
+
+Settings declare_settings(graph::Node& node) {
+  Settings s;
+  s.address.line = node.declare_parameter<std::string>(
+      {.name = "can",
+       .default_value = "can0",
+       .description = "a CAN interface, slcan:/dev/ttyACM0 (serial CAN adapter), or "
+                      "serial:/dev/ttyUSB0 (the module's RS-232)",
+       .read_only = true});
+  s.address.bit_rate = static_cast<unsigned>(node.declare_parameter<int>(
+      {.name = "bit_rate",
+       .default_value = 0,
+       .unit = "bit/s",
+       .minimum = 0,
+       .description = "CAN interface: compared with the system's; slcan: set; serial: baud, 0 is "
+                      "9600; else 0: as it is",
+       .read_only = true}));
+  s.address.module = static_cast<std::uint8_t>(node.declare_parameter<int>(
+      {.name = "module_id",
+       .default_value = 12,
+       .minimum = 1,
+       .maximum = 255,
+       .description = "of the gripper; its factory setting is not published",
+       .read_only = true}));
+  const robot::GripperModel model = robot::read_gripper_model(node.declare_parameter<std::string>(
+      {.name = "gripper",
+       .default_value = "config/robots/pg70_dsa.yaml",
+       .description = "gripper model: limits of opening, speed, acceleration, current",
+       .read_only = true}));
+  s.driver.limits = {model.max_opening, model.max_speed, model.max_acceleration,
+                     model.nominal_current, model.max_current};
+  const auto seconds = [&](const char* name, double value, double least, const char* words) {
+    return node.declare_parameter<double>({.name = name,
+                                           .default_value = value,
+                                           .unit = "s",
+                                           .minimum = least,
+                                           .maximum = 10,
+                                           .description = words,
+                                           .read_only = true});
+  };
+  s.driver.state_period =
+      seconds("state_period", s.driver.state_period, 0.005, "between the module's states");
+  s.driver.watchdog = seconds("watchdog", s.driver.watchdog, 0.01,
+                              "without a command while moving, then it is stopped");
+  s.driver.loss_time =
+      seconds("loss_time", s.driver.loss_time, 0.02, "without a state, then it is stopped");
+  s.driver.reply_time =
+      seconds("reply_time", s.driver.reply_time, 0.01, "to wait for an answer before trying again");
+  s.driver.opening_per_position = node.declare_parameter<double>(
+      {.name = "opening_per_position",
+       .default_value = 1,
+       .minimum = 0.1,
+       .maximum = 10,
+       .description = "1: the module counts the whole opening, 2: the way of one finger",
+       .read_only = true});
+  s.driver.velocity_as_position =
+      node.declare_parameter<std::string>(
+          {.name = "velocity_by",
+           .default_value = "position",
+           .choices = {"position", "velocity"},
+           .description = "a speed is commanded as MOVE POS to the end of the range, or MOVE VEL",
+           .read_only = true}) == "position";
+  s.driver.current_as_grip = node.declare_parameter<std::string>(
+                                 {.name = "current_by",
+                                  .default_value = "current",
+                                  .choices = {"current", "grip"},
+                                  .description = "a current is commanded as MOVE CUR, or MOVE GRIP",
+                                  .read_only = true}) == "grip";
+  s.guardian = node.declare_parameter<bool>(
+      {.name = "guardian",
+       .default_value = true,
+       .description = "a process of its own stops the gripper when this one dies",
+       .read_only = true});
+  return s;
+}
+
+// States must fit the line beside commands: 20 bytes each on RS-232.
+void check_line_rate(const Settings& s) {
+  if (!s.address.line.starts_with("serial:/")) return;
+  constexpr double kBitsOfState = 20 * 10, kShare = 0.7;
+  const double baud = s.address.bit_rate > 0 ? s.address.bit_rate : 9600;
+  const double least = kBitsOfState / (baud * kShare);
+  if (s.driver.state_period >= least) return;
+  throw geometry::InputError(
+      fmt::format("a state every {} s is too much for {} baud", s.driver.state_period, baud),
+      fmt::format("Set state_period to at least {:.3f} and loss_time to three times that, or use a "
+                  "higher bit_rate, in the module, too",
+                  least));
+}
+
+void run(graph::Node& node) {
+  const Settings settings = declare_settings(node);
+  check_line_rate(settings);
+  DeviceReport report(node);
+  const auto publisher =
+      node.advertise<msgs::GripperState>("/gripper/state", graph::QoS::queue(100));
+  DriverState last = DriverState::kDisconnected;
+  Time connecting_since{};
+  bool is_told = false;
+  // Begins before the device, so that it lives on until the device has stopped the gripper.
+  std::unique_ptr<Guardian> guardian;
+  if (settings.guardian) guardian = std::make_unique<Guardian>(settings.address);
+  Device device(
+      settings.driver, [&] { return open_link(settings.address); },
+      [&](const Reading& reading) {
+        if (reading.states > 0) publisher.publish(state_message(reading, node.clock().now()));
+        if (reading.state == last) return;
+        last = reading.state;
+        if (last == DriverState::kConnecting) {
+          connecting_since = steady_now();
+          is_told = false;
+        }
+        if (last > DriverState::kFault) report.recovered(to_string(last));
+      },
+      report.taker());
+  const GripperOffers offers(node, device);
+  const auto silence = node.create_timer(0.5, [&] {
+    if (is_told || device.reading().state != DriverState::kConnecting) return;
+    if (steady_now() - connecting_since < std::chrono::seconds(1)) return;
+    is_told = true;
+    report.problem(fmt::format(
+        "module {} does not answer on {}. Check its supply, wiring and termination, that its id is "
+        "{}, and that its bit rate is that of the bus",
+        settings.address.module, settings.address.line, settings.address.module));
+  });
+  node.spin();
+}
+
+const graph::RegisteredNodeProgram registered(
+    {"pg70",
+     "Drives a Schunk PG70 gripper over CAN, a serial CAN adapter or RS-232 (Schunk Motion "
+     "Protocol). Offers what the simulated gripper offers: publishes /gripper/state; takes "
+     "/gripper/command (stopped 0.2 s after the last one while moving), the action /gripper/move, "
+     "the services /gripper/stop, /gripper/acknowledge and /gripper/reference. Never resumes a "
+     "motion after a restart of either side."},
+    run);
+
+}  // namespace
