@@ -1,11 +1,13 @@
 // Speed against accuracy: sweeps a stage's knobs where the truth is known, keeps the front, and
 // chooses from it.
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 
 #include <fmt/format.h>
@@ -14,8 +16,10 @@
 
 #include "eval/shape_tradeoff.h"
 #include "eval/text_files.h"
+#include "eval/touch/tradeoff.h"
 #include "prehend/fidelity/front.h"
 #include "prehend/fidelity/shape_settings.h"
+#include "prehend/fidelity/touch_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
@@ -27,7 +31,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   fs::path out = "out/tradeoff";
-  fs::path front = "config/fidelity/shape.yaml";
+  fs::path front;
   std::string budget;
   std::string tolerance;
   bool quick = false;
@@ -49,7 +53,9 @@ std::string processor() {
   return "unknown processor";
 }
 
-int choose(const Options& options) {
+// `understand` refuses a setting that no longer fits the library.
+int choose(const Options& options,
+           const std::function<void(const fidelity::Setting&)>& understand) {
   const fidelity::Front front = fidelity::read_front(options.front);
   const fidelity::Setting& chosen =
       options.budget.empty()
@@ -60,10 +66,10 @@ int choose(const Options& options) {
       chosen.error > fidelity::parse_metres(options.tolerance)) {
     throw fidelity::UnreachableError(
         "No setting keeps both " + options.budget + " and " + options.tolerance,
-        fmt::format("Within the budget {:.2f} mm can be reached", 1e3 * chosen.error), chosen);
+        fmt::format("Within the budget {:.4g} mm can be reached", 1e3 * chosen.error), chosen);
   }
-  (void)fidelity::shape_options(chosen);  // refuses a front that no longer fits the library
-  std::printf("%s\n%.1f ms, %.2f mm (%s; %s)\n", knobs_text(chosen).c_str(), 1e3 * chosen.seconds,
+  understand(chosen);
+  std::printf("%s\n%.4g ms, %.4g mm (%s; %s)\n", knobs_text(chosen).c_str(), 1e3 * chosen.seconds,
               1e3 * chosen.error, front.error_name.c_str(), front.machine.c_str());
   return EXIT_SUCCESS;
 }
@@ -105,7 +111,7 @@ void write_page(const Options& options, const eval::ShapeTradeoff& tradeoff,
   page.write(options.out / "index.html");
 }
 
-int sweep(const Options& options) {
+int sweep_shape(const Options& options) {
   std::vector<eval::EvaluationObject> objects;
   for (eval::EvaluationObject& object : eval::household_objects()) {
     object.lies_too = false;
@@ -150,27 +156,122 @@ int sweep(const Options& options) {
   return EXIT_SUCCESS;
 }
 
+// All settings and the front of one table, on axes of powers of ten.
+std::string draw(const std::string& title, const std::vector<fidelity::Setting>& all,
+                 const fidelity::Front& front) {
+  report::LineChart chart{
+      title, "log10 of processor time [ms] for a simulated second", "log10 of error [um]", {}, {}};
+  report::Series tried{"settings", {}, {}, false}, best{"front", {}, {}, true};
+  const auto point = [](const fidelity::Setting& s) {
+    // Errors below a picometre are rounding.
+    return std::pair(std::log10(1e3 * s.seconds), std::log10(1e6 * std::max(s.error, 1e-12)));
+  };
+  for (const fidelity::Setting& s : all) tried.points.push_back(point(s));
+  for (const fidelity::Setting& s : front.settings) best.points.push_back(point(s));
+  chart.series = {tried, best};
+  return report::draw_line_chart(chart);
+}
+
+void add_touch(const Options& options, const std::string& name, const std::string& title,
+               const std::vector<fidelity::Setting>& all, const fidelity::Front& front,
+               const fs::path& file, report::Page& page) {
+  fidelity::write_front(file, front);
+  const std::string svg = draw(title, all, front);
+  eval::write_text(options.out / (name + ".svg"), svg);
+  std::string csv = "milliseconds_per_second,error_um,knobs\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const fidelity::Setting& s : all) {
+    const std::string time = fmt::format("{:.4g}", 1e3 * s.seconds),
+                      error = fmt::format("{:.4g}", 1e6 * s.error);
+    csv += time + "," + error + ",\"" + knobs_text(s) + "\"\n";
+    rows.push_back({time, fmt::format("{:.3g}", 1 / s.seconds), error, knobs_text(s)});
+  }
+  eval::write_text(options.out / (name + ".csv"), csv);
+  page.add_heading(title);
+  page.add_paragraph("Error: " + front.error_name + ".");
+  page.add_chart(svg, "Every setting that was tried, and those that nothing beats");
+  page.add_table({"time [ms/s]", "times real time", "error [um]", "setting"}, rows);
+  std::printf("%s\n", file.c_str());
+  for (const fidelity::Setting& s : front.settings) {
+    std::printf("%9.3f ms/s %10.4f um  %s\n", 1e3 * s.seconds, 1e6 * s.error,
+                knobs_text(s).c_str());
+  }
+}
+
+int sweep_touch(const Options& options) {
+  const eval::touch::TouchTradeoff tradeoff =
+      eval::touch::measure_touch_tradeoff(eval::touch::swept_cycle_settings(options.quick),
+                                          eval::touch::swept_engine_settings(options.quick),
+                                          options.quick ? 1 : 3, [](const std::string& text) {
+                                            std::printf("%s\n", text.c_str());
+                                            std::fflush(stdout);
+                                          });
+  const std::string machine = processor() + ", processor time";
+  // A quick look is no measurement to choose from later.
+  const fs::path folder = options.quick ? options.out : options.front.parent_path();
+  const fs::path file = options.quick ? options.out / "touch.yaml" : options.front;
+  fs::create_directories(options.out);
+  report::Page page("Speed against accuracy of soft contact");
+  page.add_paragraph("Measured on: " + machine + ".");
+  add_touch(options, "touch", "Work cycles", tradeoff.cycle,
+            eval::touch::cycle_front(tradeoff, machine), file, page);
+  add_touch(options, "touch_engines", "Engines: a held, shaken cube", tradeoff.engines,
+            eval::touch::engine_front(tradeoff, machine), folder / "touch_engines.yaml", page);
+  for (const std::string& reason : tradeoff.left_out) page.add_paragraph("Left out: " + reason);
+  page.write(options.out / "index.html");
+  std::printf("%s\n", (options.out / "index.html").c_str());
+  return EXIT_SUCCESS;
+}
+
+struct Subject {
+  const char* name;
+  const char* what;
+  const char* example_budget;
+  const char* example_tolerance;
+  int (*sweep)(const Options&);
+  void (*understand)(const fidelity::Setting&);
+};
+
+constexpr Subject kSubjects[] = {
+    {"shape", "from segmented cloud to mesh", "20ms", "3mm", sweep_shape,
+     [](const fidelity::Setting& setting) { (void)fidelity::shape_options(setting); }},
+    {"touch", "soft pads; times are of each simulated second", "1ms", "10um", sweep_touch,
+     [](const fidelity::Setting& setting) { (void)fidelity::touch_options(setting); }}};
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   CLI::App app("Speed against accuracy where the truth is known.");
   app.require_subcommand(1);
-  CLI::App* shape = app.add_subcommand(
-      "shape",
-      "from segmented cloud to mesh: sweeps the knobs and writes the front; with --budget or "
-      "--tolerance chooses from the front that was written");
-  shape->add_option("--out", options.out, "folder of the page")->capture_default_str();
-  shape->add_option("--front", options.front, "file of the front")->capture_default_str();
-  shape->add_option("--budget", options.budget,
-                    "choose the most accurate within a time, e.g. 20ms");
-  shape->add_option("--tolerance", options.tolerance,
-                    "choose the fastest within an error, e.g. 3mm");
-  shape->add_flag("--quick", options.quick, "few settings and objects; leaves the front alone");
+  for (const Subject& subject : kSubjects) {
+    CLI::App* command = app.add_subcommand(
+        subject.name, std::string(subject.what) +
+                          ": sweeps the knobs and writes the front; with --budget or --tolerance "
+                          "chooses from the front that was written");
+    command->add_option("--out", options.out, "folder of the page")->capture_default_str();
+    command->add_option(
+        "--front", options.front,
+        std::string("file of the front (config/fidelity/") + subject.name + ".yaml)");
+    command->add_option(
+        "--budget", options.budget,
+        std::string("choose the most accurate within a time, e.g. ") + subject.example_budget);
+    command->add_option(
+        "--tolerance", options.tolerance,
+        std::string("choose the fastest within an error, e.g. ") + subject.example_tolerance);
+    command->add_flag("--quick", options.quick, "few settings; leaves the front alone");
+  }
   CLI11_PARSE(app, argc, argv);
   try {
-    const bool choosing = !options.budget.empty() || !options.tolerance.empty();
-    return choosing ? choose(options) : sweep(options);
+    for (const Subject& subject : kSubjects) {
+      if (!app.got_subcommand(subject.name)) continue;
+      if (options.front.empty()) {
+        options.front = std::string("config/fidelity/") + subject.name + ".yaml";
+      }
+      const bool choosing = !options.budget.empty() || !options.tolerance.empty();
+      return choosing ? choose(options, subject.understand) : subject.sweep(options);
+    }
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;

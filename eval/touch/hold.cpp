@@ -13,6 +13,7 @@ namespace {
 constexpr double kCube = 0.05, kFriction = 0.8, kGravity = 9.81, kSafety = 1.2;
 constexpr double kPressed = 0.25;                         // s
 constexpr double kWeightBegins = 0.5, kWeightEnds = 1.0;  // s
+constexpr double kShakeEnds = 1.5;                        // s
 constexpr double kDropped = 0.005;                        // m
 
 // From 0 to 1 without a jump of force or its rate.
@@ -63,9 +64,38 @@ EngineScene hold_scene(const HoldTest& test) {
   return scene;
 }
 
+namespace {
+
+// The forces of the test at time t [s]; jaws close, the lift bears the cube at first.
+void press_and_load(Engine& engine, const HoldTest& test, double t, double shake) {
+  const double weight = test.mass * kGravity, press = kSafety * weight / (2 * kFriction);
+  for (const int joint : {0, 1}) engine.set_joint_force(joint, smooth(t / kPressed) * press);
+  Vector6 wrench = Vector6::Zero();
+  wrench[2] = weight * (1 - smooth((t - kWeightBegins) / (kWeightEnds - kWeightBegins)));
+  if (t > kWeightEnds && t < kShakeEnds) {
+    wrench[0] = shake * weight * std::sin(2 * M_PI * 5 * (t - kWeightEnds));
+    wrench[2] = shake * weight * std::sin(2 * M_PI * 7 * (t - kWeightEnds));
+  }
+  engine.set_body_wrench(0, wrench);
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> shaken_hold(Engine& engine, const HoldTest& test) {
+  constexpr double kShake = 0.1, kPeriod = 0.01;
+  const long steps = std::lround(kShakenDuration / test.step);
+  const long each = std::max(1L, std::lround(kPeriod / test.step));
+  std::vector<Eigen::Vector3d> path;
+  for (long i = 0; i < steps; ++i) {
+    press_and_load(engine, test, static_cast<double>(i) * test.step, kShake);
+    engine.step();
+    if ((i + 1) % each == 0) path.push_back(engine.body(0).X_WB.translation());
+  }
+  return path;
+}
+
 HoldResult run_hold(Engine& engine, const HoldTest& test) {
   engine.load(hold_scene(test));
-  const double weight = test.mass * kGravity, press = kSafety * weight / (2 * kFriction);
   const auto steps = static_cast<long>(std::lround(test.duration / test.step));
   HoldResult result;
   double at_start = 0, at_middle = 0, squares = 0;
@@ -73,13 +103,7 @@ HoldResult run_hold(Engine& engine, const HoldTest& test) {
   const auto begin = std::chrono::steady_clock::now();
   for (long i = 0; i < steps; ++i) {
     const double t = static_cast<double>(i) * test.step;
-    if (t <= kWeightEnds + test.step) {
-      const double pressed = smooth(t / kPressed);
-      for (const int joint : {0, 1}) engine.set_joint_force(joint, pressed * press);
-      Vector6 lift = Vector6::Zero();
-      lift[2] = weight * (1 - smooth((t - kWeightBegins) / (kWeightEnds - kWeightBegins)));
-      engine.set_body_wrench(0, lift);
-    }
+    if (t <= kWeightEnds + test.step) press_and_load(engine, test, t, 0);
     engine.step();
     if (t < kWeightEnds || (i % 10 != 0 && i + 1 != steps)) continue;
     const BodyMotion cube = engine.body(0);

@@ -32,4 +32,10 @@ simulation::engines::EngineScene hold_scene(const HoldTest& test);
 /// Runs the test. @throws simulation::engines::UnsupportedScene.
 HoldResult run_hold(simulation::engines::Engine& engine, const HoldTest& test);
 
+/// Advances a loaded hold_scene for kShakenDuration: pressed and loaded as above, then shaken
+/// between 1 and 1.5 s by forces of 0.1 m g at 5 Hz along x and at 7 Hz along z. The cube's centre
+/// [m] every 10 ms, of which the step must be a part.
+constexpr double kShakenDuration = 2;  // s
+std::vector<Eigen::Vector3d> shaken_hold(simulation::engines::Engine& engine, const HoldTest& test);
+
 }  // namespace prehend::eval::touch

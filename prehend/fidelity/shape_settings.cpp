@@ -1,30 +1,22 @@
 #include "prehend/fidelity/shape_settings.h"
 
-#include <charconv>
 #include <optional>
 #include <string>
+
+#include "prehend/fidelity/knobs.h"
 
 namespace prehend::fidelity {
 namespace {
 
-using geometry::InputError;
-
-[[noreturn]] void refuse(const std::string& knob, const std::string& value) {
-  throw InputError("The knob '" + knob + "' of a shape setting cannot be '" + value + "'",
-                   "See prehend/fidelity/shape_settings.h");
-}
+constexpr const char* kSubject = "shape";
 
 template <typename Number>
 Number number(const std::string& knob, const std::string& text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) refuse(knob, text);
-  return value;
+  return knob_number<Number>(kSubject, knob, text);
 }
 
 bool one_of(const std::string& knob, const std::string& text, const char* yes, const char* no) {
-  if (text != yes && text != no) refuse(knob, text);
-  return text == yes;
+  return knob_is(kSubject, knob, text, yes, no);
 }
 
 }  // namespace
@@ -50,8 +42,7 @@ ShapeOptions shape_options(const Setting& setting) {
     } else if (knob == "resolution") {
       resolution = number<int>(knob, value);
     } else {
-      throw InputError("'" + knob + "' is no knob of a shape setting",
-                       "See prehend/fidelity/shape_settings.h");
+      unknown_knob(kSubject, knob);
     }
   }
   if (resolution) {

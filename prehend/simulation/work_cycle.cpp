@@ -50,7 +50,7 @@ contact::GraspModel make_model(const WorkCycleOptions& options) {
 class Cycle {
  public:
   explicit Cycle(const WorkCycleOptions& options)
-      : options_(options), stepper_(make_model(options), options.step) {
+      : options_(options), stepper_(make_model(options), options.step, options.solve) {
     const contact::PadGrid& pad = options.grasp.pad;
     grasp_height_ = options.grasp.box_size.z() - options.coverage * pad.length + 0.5 * pad.length;
     height_ = grasp_height_ + kClearance;

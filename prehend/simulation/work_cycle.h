@@ -40,6 +40,7 @@ struct WorkCycleOptions {
   double acceleration = 0.2;            // m/s^2
   double stiction = 0;                  // N, static friction of the drive; 3/4 of it when it moves
   contact::StepOptions step;
+  contact::SolveOptions solve;
   double sample_period = 0;  // s, of samples; 0: only the phases' ends
 };
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/fidelity/shape_settings.h"
+#include "prehend/fidelity/touch_settings.h"
 
 namespace prehend::fidelity {
 namespace {
@@ -158,6 +159,39 @@ TEST(ShapeSettings, SetTheOptionsTheyName) {
        {std::pair{"thinning", "much"}, std::pair{"shifts", "3.5"}, std::pair{"refine", "perhaps"},
         std::pair{"surface", "slow"}, std::pair{"colour", "red"}, std::pair{"resolution", ""}}) {
     EXPECT_THROW(shape_options({{{knob, value}}, 0, 0}), InputError) << knob;
+  }
+}
+
+TEST(TouchSettings, SetTheOptionsTheyName) {
+  const TouchOptions options = touch_options({{{"integration", "adaptive"},
+                                               {"step", "0.002"},
+                                               {"tolerance", "1e-06"},
+                                               {"iterations", "2"},
+                                               {"rows", "7"},
+                                               {"columns", "3"}},
+                                              0,
+                                              0});
+  EXPECT_EQ(options.step.integration, contact::Integration::kAdaptive);
+  EXPECT_EQ(options.step.step, 0.002);
+  EXPECT_EQ(options.step.tolerance, 1e-6);
+  EXPECT_EQ(options.solve.most_iterations, 2);
+  EXPECT_EQ(options.pad.rows, 7);
+  EXPECT_EQ(options.pad.columns, 3);
+  for (const auto& [knob, value] :
+       {std::pair{"integration", "third"}, std::pair{"step", "0"}, std::pair{"step", "nan"},
+        std::pair{"step", "-1"}, std::pair{"tolerance", "big"}, std::pair{"iterations", "0"},
+        std::pair{"iterations", "2.5"}, std::pair{"rows", "100000"}, std::pair{"colour", "red"}}) {
+    EXPECT_THROW(touch_options({{{knob, value}}, 0, 0}), InputError) << knob << value;
+  }
+  const EngineChoice choice = engine_choice(
+      {{{"engine", "ode"}, {"solver", "step"}, {"pads", "no"}, {"step", "0.01"}}, 0, 0});
+  EXPECT_EQ(choice.engine, "ode");
+  EXPECT_EQ(choice.solver, "step");
+  EXPECT_FALSE(choice.pads);
+  EXPECT_EQ(choice.step, 0.01);
+  for (const auto& [knob, value] : {std::pair{"engine", ""}, std::pair{"pads", "some"},
+                                    std::pair{"step", "1e9"}, std::pair{"texels", "3"}}) {
+    EXPECT_THROW(engine_choice({{{knob, value}}, 0, 0}), InputError) << knob << value;
   }
 }
 

@@ -317,7 +317,7 @@ TEST_P(EachEngine, RefusesAnUnknownSolver) {
   EngineScene scene = pressed_cube(false);
   scene.solver = "magic";
   const auto engine = EngineRegistry().create(GetParam());
-  EXPECT_ANY_THROW(engine->load(scene));
+  EXPECT_THROW(engine->load(scene), UnsupportedScene);
 }
 
 INSTANTIATE_TEST_SUITE_P(Installed, EachEngine, ::testing::ValuesIn(EngineRegistry().names()),

@@ -4,6 +4,7 @@
 
 #include "prehend/contact/pad_kernel.h"
 #include "prehend/simulation/engines/inertia.h"
+#include "prehend/simulation/engines/multibody_engine.h"
 #include "prehend/simulation/engines/pad_contact.h"
 
 namespace prehend::simulation::engines {
@@ -78,6 +79,7 @@ void GraspEngine::load(const EngineScene& scene) {
   if (const std::string reason = why_not(scene); !reason.empty()) {
     throw UnsupportedScene("native, grasps: " + reason);
   }
+  check_native_solver(scene);
   scene_ = scene;
   std::vector<int> joint_of_body(scene.bodies.size(), -1);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {

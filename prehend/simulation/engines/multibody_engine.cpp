@@ -32,15 +32,20 @@ constexpr std::size_t kTouchNumbers = 11;
 
 std::string MultibodyEngine::version() const { return "prehend, multibody"; }
 
+void check_native_solver(const EngineScene& scene) {
+  if (scene.solver.empty() || scene.solver == "first_order" || scene.solver == "second_order") {
+    return;
+  }
+  throw UnsupportedScene("native: solver '" + scene.solver +
+                         "' is none of first_order, second_order");
+}
+
 void MultibodyEngine::load(const EngineScene& scene) {
   if (scene.pad_method != PadMethod::kTexelLaw) {
     throw UnsupportedScene("native: its pads follow the texel law");
   }
+  check_native_solver(scene);
   second_order_ = scene.solver == "second_order";
-  if (!scene.solver.empty() && !second_order_ && scene.solver != "first_order") {
-    throw UnsupportedScene("native: solver '" + scene.solver +
-                           "' is none of first_order, second_order");
-  }
   scene_ = scene;
   system_ = std::make_unique<Multibody>(scene);
   state_ = system_->initial_state();

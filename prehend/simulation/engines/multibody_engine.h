@@ -8,6 +8,9 @@
 
 namespace prehend::simulation::engines {
 
+/// @throws UnsupportedScene for a solver that is neither first_order nor second_order (nor empty).
+void check_native_solver(const EngineScene& scene);
+
 /// `native` for all scenes: Multibody by backward Euler, or by SDIRK2 of second order (see
 /// contact::GraspStepper).
 class MultibodyEngine : public Engine {
