@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
       "  prehend node list\n"
       "  prehend topic echo /gripper/state\n"
       "  prehend doctor\n"
+      "  prehend explain config/scenes/demo.yaml\n"
       "  prehend record -o run.mcap\n"
       "Each command explains itself: prehend topic echo --help");
   app.require_subcommand(1);
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
   add_log_command(app, outcome);
   add_graph_command(app);
   add_doctor_command(app, outcome);
+  add_explain_command(app);
   add_keys_commands(app);
   add_clock_commands(app);
   add_recording_commands(app);

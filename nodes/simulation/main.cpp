@@ -116,7 +116,7 @@ void run(graph::Node& node) {
   const graph::ClockControl clock_control(node, pacer, [&node](double value) {
     node.set_parameter("speed", fmt::format("{}", value));
   });
-  SensorPublisher sensors(node, scene.gripper);
+  SensorPublisher sensors(node, scene);
   Camera* camera_to_ask = nullptr;
   std::int64_t next_picture = graph::nanoseconds(settings.camera_period);
   SimulatedRobot robot(

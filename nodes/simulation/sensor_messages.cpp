@@ -61,15 +61,18 @@ msgs::GroundTruth truth_message(const SensorReadings& readings) {
 
 }  // namespace
 
-SensorPublisher::SensorPublisher(graph::Node& node, const robot::GripperModel& gripper)
-    : pad_(gripper.pad),
+SensorPublisher::SensorPublisher(graph::Node& node, const simulation::Scene& scene)
+    : pad_(scene.gripper.pad),
+      has_touch_(!scene.physics.rules.rigid_pads),
       clock_(node.advertise<msgs::Clock>("/clock", QoS::latched(20))),
       gripper_(node.advertise<msgs::GripperState>("/gripper/state", QoS::queue(100))),
-      left_(node.advertise<msgs::TactileFrame>("/tactile/left", QoS::queue(50))),
-      right_(node.advertise<msgs::TactileFrame>("/tactile/right", QoS::queue(50))),
       wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
       carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
-      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {}
+      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {
+  if (!has_touch_) return;
+  left_ = node.advertise<msgs::TactileFrame>("/tactile/left", QoS::queue(50));
+  right_ = node.advertise<msgs::TactileFrame>("/tactile/right", QoS::queue(50));
+}
 
 void SensorPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace) {
   msgs::Clock clock;
@@ -82,8 +85,10 @@ void SensorPublisher::publish(const SensorReadings& readings) {
   gripper_.publish(gripper_message(readings));
   wrench_.publish(wrench_message(readings));
   if (count_++ % 2 != 0) return;
-  left_.publish(tactile(readings.left, readings.stamp, "left_pad"));
-  right_.publish(tactile(readings.right, readings.stamp, "right_pad"));
+  if (has_touch_) {
+    left_.publish(tactile(readings.left, readings.stamp, "left_pad"));
+    right_.publish(tactile(readings.right, readings.stamp, "right_pad"));
+  }
   carrier_.publish(carrier_message(readings));
   truth_.publish(truth_message(readings));
 }

@@ -3,16 +3,16 @@
 #include "msgs/sensors.pb.h"
 #include "nodes/simulation/simulated_robot.h"
 #include "prehend/graph/node.h"
-#include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/scene.h"
 
 namespace prehend::nodes {
 
 /// Publishes readings as the topics a real robot has, and the ground truth:
 /// /clock, /gripper/state, /wrench 100 Hz; /tactile/left, /tactile/right, /carrier/state,
-/// /ground_truth 50 Hz (simulated).
+/// /ground_truth 50 Hz (simulated). Without texels (physics.pads: rigid) there is no /tactile.
 class SensorPublisher {
  public:
-  SensorPublisher(graph::Node& node, const robot::GripperModel& gripper);
+  SensorPublisher(graph::Node& node, const simulation::Scene& scene);
   void publish(const SensorReadings& readings);
   void publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace);
 
@@ -21,6 +21,7 @@ class SensorPublisher {
                              const char* frame_id) const;
 
   robot::TactilePadModel pad_;
+  bool has_touch_;
   std::uint64_t count_ = 0;
   graph::Publisher<msgs::Clock> clock_;
   graph::Publisher<msgs::GripperState> gripper_;

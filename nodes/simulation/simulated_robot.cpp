@@ -84,8 +84,10 @@ SensorReadings SimulatedRobot::read() const {
   readings.stamp = std::llround(world_.time() * 1e9);
   readings.gripper = world_.gripper();
   readings.carrier = world_.carrier();
-  readings.left = world_.tactile_image(PadSide::kLeft);
-  readings.right = world_.tactile_image(PadSide::kRight);
+  if (world_.has_touch()) {
+    readings.left = world_.tactile_image(PadSide::kLeft);
+    readings.right = world_.tactile_image(PadSide::kRight);
+  }
   readings.wrench = world_.wrist_wrench();
   for (std::size_t i = 0; i < world_.body_count(); ++i) readings.bodies.push_back(world_.body(i));
   return readings;

@@ -20,7 +20,7 @@ struct SensorReadings {
   std::int64_t stamp = 0;  // ns, simulated
   simulation::GripperReading gripper;
   simulation::CarrierReading carrier;
-  simulation::TactileImage left, right;
+  simulation::TactileImage left, right;  // empty when the scene's pads have no texels
   simulation::ContactWrench wrench;
   std::vector<simulation::BodyReading> bodies;
 };

@@ -145,17 +145,32 @@ void integrate(double h, BodyState& state) {
   state.q_WB = (contact::rotation_by(h * state.angular_velocity) * state.q_WB).normalized();
 }
 
-bool stands_stably(const BodyModel& model, const BodyState& state, double margin) {
-  constexpr double kFlat = 1e-4;  // m, of points that carry together
+namespace {
+
+// Where the points are, from the centre of mass, that touch a plane under the body.
+std::vector<Eigen::Vector2d> feet_of(const BodyModel& model, const BodyState& state) {
+  constexpr double kFlat = 1e-6;  // m, of points that carry together
   const double lowest = lowest_point(model, state);
-  if (std::abs(lowest) > kFlat) return false;
   const Eigen::Matrix3d R_WB = state.q_WB.toRotationMatrix();
-  std::vector<Eigen::Vector2d> feet;  // from the centre of mass
+  std::vector<Eigen::Vector2d> feet;
   for (const Eigen::Vector3d& p : model.hull_points) {
     const Eigen::Vector3d arm = R_WB * (p - model.center_of_mass);
     if (state.p_WBcm.z() + arm.z() < lowest + kFlat) feet.push_back(arm.head<2>());
   }
+  return feet;
+}
+
+}  // namespace
+
+std::size_t carrying_points(const BodyModel& model, const BodyState& state) {
+  return feet_of(model, state).size();
+}
+
+bool stands_stably(const BodyModel& model, const BodyState& state, double margin) {
+  constexpr double kOnTable = 1e-4;  // m
+  if (std::abs(lowest_point(model, state)) > kOnTable) return false;
   // Over the feet when in no direction all of them are nearer than the margin.
+  const std::vector<Eigen::Vector2d> feet = feet_of(model, state);
   constexpr int kDirections = 64;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = 2 * std::numbers::pi * i / kDirections;

@@ -93,4 +93,7 @@ void integrate(double h, BodyState& state);
 /// centre of mass is over the points that carry it, by `margin` [m] at least.
 bool stands_stably(const BodyModel& model, const BodyState& state, double margin);
 
+/// How many points touch a plane under the body.
+std::size_t carrying_points(const BodyModel& model, const BodyState& state);
+
 }  // namespace prehend::simulation

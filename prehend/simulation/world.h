@@ -17,6 +17,7 @@
 namespace prehend::simulation {
 
 struct WorldCommand;
+struct Explanation;
 
 enum class GripperMode { kStop, kPosition, kVelocity, kCurrent };
 enum class PadSide { kLeft, kRight };  // left is at +y of the gripper frame
@@ -67,6 +68,7 @@ struct BodyReading {
   bool touches_right_pad = false;
   bool touches_table = false;
   bool touches_gripper = false;  // fingers' backs, tips or housing
+  bool asleep = false;           // left out of the step until something that moves touches it
 };
 
 /// A body as a camera sees it.
@@ -155,6 +157,9 @@ class World {
   bool remove_object(const std::string& name);
   /// Puts an object down at a pose, at rest. @throws std::invalid_argument when there is none.
   void place_object(const std::string& name, const geometry::RigidTransform& X_WB);
+  /// What of the scene is modelled how and what is left out, now; see explain.h.
+  Explanation explained() const;
+
   /// Counts additions, removals and placements, from 1.
   std::uint64_t scene_generation() const;
 

@@ -106,6 +106,7 @@ BodyReading World::Implementation::reading(std::size_t i) const {
   reading.touches_right_pad = body.touches_right_pad;
   reading.touches_table = body.touches_table;
   reading.touches_gripper = body.touches_gripper;
+  reading.asleep = body.asleep;
   return reading;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -230,6 +231,32 @@ TEST_F(SimulationNode, SpawnsPredictedMeshesAndRefusesBadOnes) {
   outcome = spawn.call(request, 10s);
   ASSERT_TRUE(outcome.ok()) << outcome.error();
   EXPECT_FALSE(outcome->success());
+}
+
+class RigidPads : public SimulationNode {
+ protected:
+  void SetUp() override {
+    scene_ = output_ + ".yaml";
+    std::ofstream(scene_) << "physics: {pads: rigid}\nobjects: [{name: box}]\n";
+    start({"--param", "scene:=" + scene_});
+  }
+  void TearDown() override {
+    SimulationNode::TearDown();
+    std::filesystem::remove(scene_);
+  }
+  std::string scene_;
+};
+
+// A scene without texels runs, and offers no touch.
+TEST_F(RigidPads, OfferNoTouch) {
+  EXPECT_TRUE(wait_until([&] { return gripper_count_ > 20 && truth_.bodies_size() == 1; }));
+  std::atomic<int> frames{0};
+  const auto subscription = node_->subscribe<msgs::TactileFrame>(
+      "/tactile/left", QoS::queue(10),
+      [&](const graph::Received<msgs::TactileFrame>&) { ++frames; });
+  const int before = gripper_count_;
+  EXPECT_TRUE(wait_until([&] { return gripper_count_ > before + 50; }));
+  EXPECT_EQ(frames, 0);
 }
 
 TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeOne) {

@@ -12,8 +12,8 @@
 
 #include "grasping.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/simulation/state_bytes.h"
 #include "prehend/simulation/world_commands.h"
+#include "trace.h"
 
 namespace prehend::simulation {
 namespace {
@@ -21,6 +21,7 @@ namespace {
 using testing::grasp;
 using testing::grasp_scene;
 using testing::run;
+using testing::trace;
 
 // Everything has a memory: noisy pads and wrist, a can felt as a cylinder, a bottle as a mesh.
 Scene rich_scene(contact::Integration integration = contact::Integration::kFirstOrder) {
@@ -36,29 +37,6 @@ Scene rich_scene(contact::Integration integration = contact::Integration::kFirst
     scene.objects.push_back(object);
   }
   return scene;
-}
-
-// All that can be seen, as bytes.
-std::string trace(World& world, double seconds) {
-  StateWriter seen;
-  const auto steps = static_cast<int>(seconds / world.scene().step + 0.5);
-  for (int i = 0; i < steps; ++i) {
-    world.step();
-    for (std::size_t b = 0; b < world.body_count(); ++b) {
-      const BodyReading body = world.body(b);
-      seen(body.X_WB.matrix(), body.velocity, body.angular_velocity);
-    }
-    const ContactWrench wrench = world.wrist_wrench();
-    const GripperReading gripper = world.gripper();
-    seen(wrench.force, wrench.torque, gripper.opening, gripper.velocity, gripper.current,
-         gripper.blocked, world.carrier().X_WG.matrix());
-    if (!world.has_touch()) continue;
-    for (const PadSide side : {PadSide::kLeft, PadSide::kRight}) {
-      const TactileImage image = world.tactile_image(side);
-      seen(image.counts, image.sum);
-    }
-  }
-  return seen.bytes();
 }
 
 // Gripped, lifted and turned half-way.

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prehend/simulation/world.h"
+
+namespace prehend::simulation {
+
+/// Something of a scene and how a World models it.
+struct ModelledPart {
+  std::string what;  // "carton", "left pad", "drive", ...
+  std::string how;
+};
+
+/// Something that a World leaves out or simplifies.
+struct LeftOutPart {
+  std::string what;
+  std::string rule;   // field of ModelRules; empty: no model of it exists
+  double error = 0;   // the error's bound, in `unit`; 0: bitwise the same; NaN: no bound is known
+  std::string unit;   // "m"
+  std::string error_text;  // "none: bitwise the same", "at most 12 um of sinking into the table"
+  std::string why;
+};
+
+/// What a scene becomes, at its start.
+struct Explanation {
+  std::vector<ModelledPart> modelled;
+  std::vector<LeftOutPart> left_out;
+  /// Rules that are off: what they would leave out is modelled in full.
+  std::vector<std::string> rules_off;
+};
+
+/// Builds the scene's world and tells what is in it. @throws as World's constructor.
+Explanation explain(const Scene& scene);
+
+}  // namespace prehend::simulation

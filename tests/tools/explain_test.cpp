@@ -1,0 +1,101 @@
+// prehend explain.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/launch/child_program.h"
+
+namespace prehend::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Explain : public ::testing::Test {
+ protected:
+  // The command's output and errors; its exit code in exit_code_.
+  std::string run(std::vector<std::string> words) {
+    words.insert(words.begin(), "explain");
+    ChildProgram program("prehend", words, folder_.path("output"));
+    exit_code_ = program.wait(std::chrono::seconds(30)).value_or(-1);
+    return program.output();
+  }
+  std::string scene(const std::string& text) { return folder_.write("scene.yaml", text); }
+
+  ScratchDirectory folder_;
+  int exit_code_ = -1;
+};
+
+TEST_F(Explain, SaysWhatOfAShippedSceneIsModelledAndWhatIsNot) {
+  const std::string output = run({"config/scenes/table_objects.yaml"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(output, AllOf(HasSubstr("2 x 14 x 6 texels"), HasSubstr("first order"),
+                            HasSubstr("30 N/A"), HasSubstr("feel a cylinder"),
+                            HasSubstr("feel its mesh")));
+  EXPECT_THAT(output, AllOf(HasSubstr("gate_texels"), HasSubstr("none: bitwise the same"),
+                            HasSubstr("mesh of can"), HasSubstr("remember_triangles"),
+                            HasSubstr("Rules that are off: rigid_pads")));
+}
+
+TEST_F(Explain, FollowsTheScenesRules) {
+  const std::string far = scene(
+      "physics: {integration: second_order, rules: {primitives: false}}\n"
+      "objects: [{name: near}, {name: far, x: 0.9, mass: 2}]\n");
+  std::string output = run({far});
+  EXPECT_THAT(output, AllOf(HasSubstr("second order"), HasSubstr("motion of far"),
+                            Not(HasSubstr("motion of near")), Not(HasSubstr("mesh of near ")),
+                            HasSubstr("off: primitives, rigid_pads")));
+  // m g / (4 points of 1e5 N/m)
+  EXPECT_THAT(output, HasSubstr("at most 49 um of sinking"));
+  output = run({scene("physics: {pads: rigid}\n")});
+  EXPECT_THAT(output, AllOf(HasSubstr("168 texels of both pads"), HasSubstr("0.714 mm"),
+                            Not(HasSubstr("gate_texels"))));
+}
+
+TEST_F(Explain, PrintsJsonForPrograms) {
+  const std::string output = run({"config/scenes/demo.yaml", "--json"});
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;
+  EXPECT_EQ(parsed.fields().at("scene").string_value(), "config/scenes/demo.yaml");
+  EXPECT_GT(parsed.fields().at("modelled").list_value().values_size(), 5);
+  for (const auto& part : parsed.fields().at("left_out").list_value().values()) {
+    const auto& fields = part.struct_value().fields();
+    for (const char* name : {"what", "rule", "error", "unit", "error_text", "why"}) {
+      EXPECT_EQ(fields.count(name), 1u) << name;
+    }
+    const bool known = !fields.at("rule").string_value().empty();
+    EXPECT_EQ(fields.at("error").has_number_value(), known) << fields.at("what").string_value();
+  }
+}
+
+TEST_F(Explain, ABadSceneIsOneClearError) {
+  const auto refused = [&](const std::string& file, const std::string& part) {
+    const std::string output = run({file});
+    EXPECT_EQ(exit_code_, 1) << output;
+    EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), 1) << output;
+    EXPECT_THAT(output, AllOf(HasSubstr("prehend explain: "), HasSubstr(part)));
+  };
+  refused("nothing.yaml", "nothing.yaml does not exist");
+  refused("config/robots/pg70_dsa.yaml", "pg70_dsa.yaml:3: unknown key 'name'");
+  refused(scene("physics: {rules: {slep: true}}\n"), "nearest known key is 'sleep'");
+  refused(scene("objects: [{name: a, mass: -1}]\n"), "mass");
+  run({});
+  EXPECT_EQ(exit_code_, 2);
+  run({"config/scenes/demo.yaml", "--loud"});
+  EXPECT_EQ(exit_code_, 2);
+}
+
+TEST_F(Explain, HelpIsComplete) {
+  const std::string output = run({"--help"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(output, AllOf(HasSubstr("--json"), HasSubstr("scene"), HasSubstr("Examples"),
+                            HasSubstr("config/scenes/demo.yaml"), HasSubstr("pads: rigid")));
+}
+
+}  // namespace
+}  // namespace prehend::testing
