@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <thread>
 
 #include "drivers/pg70/driver/device.h"
 #include "drivers/pg70/emulator/served_module.h"
-#include "drivers/wire/can/can_interface.h"
 #include "drivers/wire/can/in_process_can.h"
 #include "drivers/wire/can/slcan.h"
 #include "drivers/wire/faults/faulty_can.h"
@@ -73,7 +73,7 @@ std::vector<Maker> makers() {
                          {"Serial", serial},
                          {"SerialOverTcp", serial_over_tcp},
                          {"Slcan", slcan}};
-  if (kernel_has_can() && find_can_interface("vcan0")) all.push_back({"SocketCan", socket_can});
+  if (std::getenv("PREHEND_VCAN")) all.push_back({"SocketCan", socket_can});  // socket_can/run.sh
   return all;
 }
 
@@ -144,6 +144,27 @@ TEST_P(Pg70Wires, MovesGripsFaultsAndIsAcknowledged) {
   device_->with_driver([](Driver& driver, Time now) { driver.acknowledge(now); });
   ASSERT_TRUE(becomes(DriverState::kStanding));
   EXPECT_EQ(device_->damaged_messages(), 0u);
+}
+
+// Measured from outside: from the loss of its replies to its standing still.
+TEST_P(Pg70Wires, LostRepliesStopItWithinTwoWatchdogPeriods) {
+  DriverOptions options;
+  options.watchdog = options.loss_time = 1.0;  // long beside what a loaded machine adds
+  start(GetParam().make(), options);
+  ASSERT_TRUE(becomes(DriverState::kStanding));
+  std::uint64_t ticket = 0;
+  device_->with_driver([&](Driver& d, Time now) { d.move_to(0.0, 0.01, 0, now, ticket); });
+  ASSERT_TRUE(eventually([&] { return device_->reading().moving; }));
+  const Time lost = module_->with_module([](Module& module, Time now) {
+    module.set_mute(true);
+    return now;
+  });
+  ASSERT_TRUE(eventually([&] {
+    return !module_->with_module([](Module& module, Time) { return module.is_moving(); });
+  }));
+  const double seconds = to_seconds(steady_now() - lost);
+  RecordProperty("seconds_from_loss_to_stop", std::to_string(seconds));
+  EXPECT_LE(seconds, 2 * options.watchdog);
 }
 
 TEST_P(Pg70Wires, EndOfTheDriverStopsTheGripperAndANewOneResumesNothing) {
