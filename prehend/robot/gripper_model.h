@@ -55,8 +55,8 @@ struct GripperModel {
 /// Checks every value. @throws std::invalid_argument naming the field.
 void validate(const GripperModel& model);
 
-/// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults. The sections
-/// drive, tactile and wrench are for the simulation, see simulation/hardware_yaml.h.
+/// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults. The
+/// sections drive, tactile and wrench are for the simulation, see simulation/hardware_yaml.h.
 /// @throws geometry::InputError naming file, key and mend.
 GripperModel read_gripper_model(const std::filesystem::path& path);
 

@@ -6,25 +6,10 @@
 #include <vector>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/nearest_name.h"
 
 namespace prehend::robot {
 namespace {
-
-// Levenshtein distance of two short words.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
 
 template <typename Vector>
 bool to_vector(const YAML::Node& node, Vector& value) {
@@ -144,12 +129,9 @@ void YamlMap::finish() const {
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a word)";
     if (known_.count(key) != 0) continue;
-    const auto nearest = std::min_element(known_.begin(), known_.end(),
-                                          [&](const std::string& a, const std::string& b) {
-                                            return edit_distance(a, key) < edit_distance(b, key);
-                                          });
+    const std::string nearest = nearest_name(key, {known_.begin(), known_.end()});
     throw geometry::InputError(at(entry.first) + "unknown key '" + key + "' of " + place_,
-                               "The nearest known key is '" + *nearest + "'");
+                               "The nearest known key is '" + nearest + "'");
   }
 }
 

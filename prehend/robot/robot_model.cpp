@@ -1,0 +1,209 @@
+#include "prehend/robot/robot_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <urdf_model/model.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/nearest_name.h"
+#include "prehend/robot/urdf_document.h"
+
+namespace prehend::robot {
+namespace {
+
+using geometry::InputError;
+
+template <class Item>
+int index_of(const std::vector<Item>& items, const std::string& name, const std::string& what,
+             const std::string& robot) {
+  const auto found =
+      std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
+  if (found != items.end()) return static_cast<int>(found - items.begin());
+  std::vector<std::string> names;
+  for (const Item& item : items) names.push_back(item.name);
+  throw InputError(
+      "Robot '" + robot + "' has no " + what + " '" + name + "'",
+      names.empty() ? "It has none" : "The nearest is '" + nearest_name(name, names) + "'");
+}
+
+CollisionShape shape_of(const urdf::Collision& given) {
+  CollisionShape shape;
+  shape.X_LS = to_transform(given.origin);
+  switch (given.geometry->type) {
+    case urdf::Geometry::BOX: {
+      const auto& box = static_cast<const urdf::Box&>(*given.geometry);
+      shape.kind = CollisionShape::Kind::kBox;
+      shape.size = {box.dim.x, box.dim.y, box.dim.z};
+      break;
+    }
+    case urdf::Geometry::SPHERE:
+      shape.kind = CollisionShape::Kind::kSphere;
+      shape.radius = static_cast<const urdf::Sphere&>(*given.geometry).radius;
+      break;
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(*given.geometry);
+      shape.kind = CollisionShape::Kind::kCylinder;
+      shape.radius = cylinder.radius;
+      shape.length = cylinder.length;
+      break;
+    }
+    default: {
+      const auto& mesh = static_cast<const urdf::Mesh&>(*given.geometry);
+      shape.kind = CollisionShape::Kind::kMesh;
+      shape.mesh = mesh.filename;
+      shape.size = {mesh.scale.x, mesh.scale.y, mesh.scale.z};
+      break;
+    }
+  }
+  return shape;
+}
+
+class Reader {
+ public:
+  Reader(const urdf::ModelInterface& document, const std::string& file)
+      : document_(document), file_(file) {
+    model_.name = document.getName();
+  }
+
+  RobotModel read() {
+    add(*document_.getRoot());
+    for (auto& [joint, given] : mimics_) set_mimic(joint, *given);
+    check_mimics();
+    return std::move(model_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what, const std::string& mend) const {
+    throw InputError("'" + file_ + "': " + what, mend);
+  }
+
+  void add(const urdf::Link& given) {
+    Link link;
+    link.name = given.name;
+    if (given.inertial) link.mass = given.inertial->mass;
+    if (!(link.mass >= 0) || !std::isfinite(link.mass)) {
+      fail("link '" + given.name + "' has a mass that cannot be", "Give kilograms, 0 or more");
+    }
+    for (const auto& collision : given.collision_array) {
+      if (collision && collision->geometry) link.shapes.push_back(shape_of(*collision));
+    }
+    const int parent = static_cast<int>(model_.links.size());
+    model_.links.push_back(std::move(link));
+    for (const auto& given_joint : given.child_joints) {
+      Joint joint = joint_of(*given_joint);
+      joint.parent = parent;
+      joint.child = static_cast<int>(model_.links.size());
+      if (given_joint->mimic) {
+        mimics_.emplace_back(static_cast<int>(model_.joints.size()), given_joint->mimic.get());
+      }
+      model_.joints.push_back(std::move(joint));
+      add(*document_.getLink(given_joint->child_link_name));
+    }
+  }
+
+  Joint joint_of(const urdf::Joint& given) const {
+    Joint joint;
+    joint.name = given.name;
+    joint.X_PJ = to_transform(given.parent_to_joint_origin_transform);
+    switch (given.type) {
+      case urdf::Joint::FIXED:
+        return joint;
+      case urdf::Joint::REVOLUTE:
+      case urdf::Joint::CONTINUOUS:
+        joint.kind = Joint::Kind::kRevolute;
+        break;
+      case urdf::Joint::PRISMATIC:
+        joint.kind = Joint::Kind::kPrismatic;
+        break;
+      default:
+        fail("joint '" + given.name + "' is neither fixed, revolute, continuous nor prismatic",
+             "Replace it by joints of these kinds");
+    }
+    joint.axis_J = {given.axis.x, given.axis.y, given.axis.z};
+    if (!(joint.axis_J.norm() > 1e-9) || !joint.axis_J.allFinite()) {
+      fail("joint '" + given.name + "' has an axis without length", "Give a direction like 0 0 1");
+    }
+    joint.axis_J.normalize();
+    if (given.limits) {
+      if (given.type != urdf::Joint::CONTINUOUS) {
+        joint.lower = given.limits->lower;
+        joint.upper = given.limits->upper;
+        if (!(joint.lower <= joint.upper)) {
+          fail("joint '" + given.name + "' has a lower limit above the upper one",
+               "Swap them, or mend them");
+        }
+      }
+      if (given.limits->velocity > 0) joint.max_velocity = given.limits->velocity;
+      if (given.limits->effort > 0) joint.max_effort = given.limits->effort;
+    }
+    return joint;
+  }
+
+  void set_mimic(int index, const urdf::JointMimic& given) {
+    const std::string& name = model_.joints[static_cast<std::size_t>(index)].name;
+    const auto found = std::find_if(model_.joints.begin(), model_.joints.end(),
+                                    [&](const Joint& j) { return j.name == given.joint_name; });
+    if (found == model_.joints.end()) {
+      fail("joint '" + name + "' mimics '" + given.joint_name + "', which is not there",
+           "Name a joint of the file");
+    }
+    model_.joints[static_cast<std::size_t>(index)].mimic =
+        Mimic{static_cast<int>(found - model_.joints.begin()), given.multiplier, given.offset};
+  }
+
+  void check_mimics() const {
+    for (const Joint& joint : model_.joints) {
+      const Joint* at = &joint;
+      for (std::size_t steps = 0; at->mimic; ++steps) {
+        if (steps > model_.joints.size()) {
+          fail("joint '" + joint.name + "' mimics itself over others", "Break the circle");
+        }
+        at = &model_.joints[static_cast<std::size_t>(at->mimic->joint)];
+      }
+    }
+  }
+
+  const urdf::ModelInterface& document_;
+  const std::string& file_;
+  RobotModel model_;
+  std::vector<std::pair<int, const urdf::JointMimic*>> mimics_;
+};
+
+}  // namespace
+
+geometry::RigidTransform Joint::pose_at(double position) const {
+  geometry::RigidTransform X_PC = X_PJ;
+  if (kind == Kind::kRevolute) {
+    X_PC.rotate(Eigen::AngleAxisd(position, axis_J));
+  } else if (kind == Kind::kPrismatic) {
+    X_PC.translate(position * axis_J);
+  }
+  return X_PC;
+}
+
+int RobotModel::link_index(const std::string& link) const {
+  return index_of(links, link, "link", name);
+}
+
+int RobotModel::joint_index(const std::string& joint) const {
+  return index_of(joints, joint, "joint", name);
+}
+
+std::optional<int> RobotModel::joint_above(int link) const {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].child == link) return static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
+RobotModel read_urdf(const std::filesystem::path& file) {
+  return Reader(*read_urdf_document(file), file.string()).read();
+}
+
+RobotModel parse_urdf(const std::string& text, const std::string& name) {
+  return Reader(*parse_urdf_document(text, name), name).read();
+}
+
+}  // namespace prehend::robot

@@ -1,0 +1,70 @@
+#include "prehend/robot/urdf_document.h"
+
+#include <exception>
+#include <fstream>
+#include <sstream>
+
+#include <console_bridge/console.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::robot {
+namespace {
+
+using geometry::InputError;
+
+constexpr const char* kMend = "See http://wiki.ros.org/urdf/XML";
+
+/// What the parser complains of, for the error's text; it writes to the terminal otherwise.
+class Complaints : public console_bridge::OutputHandler {
+ public:
+  Complaints() { console_bridge::useOutputHandler(this); }
+  ~Complaints() override { console_bridge::restorePreviousOutputHandler(); }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_WARN) return;
+    text_ += (text_.empty() ? "" : "; ") + text;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& text,
+                                                          const std::string& name) {
+  std::shared_ptr<urdf::ModelInterface> document;
+  const Complaints complaints;
+  try {
+    document = urdf::parseURDF(text);
+  } catch (const std::exception& error) {
+    throw InputError("'" + name + "' is no URDF: " + error.what(), kMend);
+  }
+  if (!document || !document->getRoot()) {
+    throw InputError("'" + name + "' is no URDF: " + complaints.text(), kMend);
+  }
+  return document;
+}
+
+std::shared_ptr<urdf::ModelInterface> read_urdf_document(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    throw InputError("'" + file.string() + "' cannot be read", "Check the path");
+  }
+  return parse_urdf_document(text.str(), file.string());
+}
+
+geometry::RigidTransform to_transform(const urdf::Pose& pose) {
+  double x, y, z, w;
+  pose.rotation.getQuaternion(x, y, z, w);
+  return geometry::make_transform(Eigen::Quaterniond(w, x, y, z),
+                                  {pose.position.x, pose.position.y, pose.position.z});
+}
+
+}  // namespace prehend::robot
