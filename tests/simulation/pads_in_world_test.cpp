@@ -1,0 +1,178 @@
+// The pads, drive and sensors of a World together: what is felt, shown and held.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "grasping.h"
+
+namespace {
+// Counts what this program allocates, for the test that steps do not.
+thread_local long allocations = 0;
+}  // namespace
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace prehend::simulation {
+namespace {
+
+using testing::above;
+using testing::grasp;
+using testing::grasp_scene;
+using testing::grasp_slowly;
+using testing::kGraspHeight;
+using testing::run;
+
+// Elasto-plastic bristles do not creep: 10 g to 10 kg, steps of 1 and 10 ms, either order, with a
+// fifth more force than friction needs.
+TEST(Pads, HoldTenGramsToTenKilogramsWithoutCreep) {
+  for (const auto integration :
+       {contact::Integration::kFirstOrder, contact::Integration::kSecondOrder}) {
+    for (const double mass : {0.01, 0.1, 1.0, 10.0}) {
+      for (const double step : {1e-3, 1e-2}) {
+        Scene scene = grasp_scene(mass, 0.7, step);
+        scene.physics.integration = integration;
+        scene.gripper.pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
+        scene.gripper.pad.law.return_map = true;
+        scene.start_opening = 0.05;
+        World world(scene);
+        const double force = 1.2 * mass * 9.81 / (2 * 0.7);
+        grasp_slowly(world, (force + 10) / 30, 1);
+        world.move_carrier(above(world, kGraspHeight + 0.05), 0.05);
+        run(world, 3);
+        const double before = world.body("box").height;
+        EXPECT_GT(before, 0.045) << mass << " " << step;
+        run(world, 10);
+        EXPECT_NEAR(world.body("box").height, before, 1e-6) << mass << " " << step;
+      }
+    }
+  }
+}
+
+// Two boxes between the jaws press on one another: one system for jaws and both.
+TEST(Pads, TwoObjectsAreGrippedAtOnce) {
+  Scene scene = grasp_scene(0.3);
+  scene.objects[0].size = {0.06, 0.024, 0.1};
+  scene.objects[0].y = -0.01201;
+  scene.objects.push_back(scene.objects[0]);
+  scene.objects[1].name = "other";
+  scene.objects[1].y = 0.01201;
+  scene.objects[1].mass = 0.1;
+  World world(scene);
+  grasp(world, 1.0);
+  world.move_carrier(above(world, kGraspHeight + 0.05), 0.1);
+  run(world, 1.2);
+  EXPECT_NEAR(world.body("box").height, 0.05, 0.002);
+  EXPECT_NEAR(world.body("other").height, 0.05, 0.002);
+  // Left is at +y of the gripper, which is -y of the world when it looks down.
+  EXPECT_TRUE(world.body("box").touches_left_pad && !world.body("box").touches_right_pad);
+  EXPECT_TRUE(world.body("other").touches_right_pad && !world.body("other").touches_left_pad);
+  EXPECT_NEAR(world.wrist_wrench().force.z(), 0.4 * 9.81, 1e-4);
+  EXPECT_NEAR(world.tactile_image(PadSide::kLeft).sum, world.tactile_image(PadSide::kRight).sum,
+              1e-4);
+}
+
+// A round can between flat pads: each texel is as deep as the circle's chord there.
+TEST(Pads, ACanIsFeltAsACircle) {
+  Scene scene = grasp_scene(0.3);
+  scene.objects[0].shape = "can";
+  scene.objects[0].radius = 0.03;
+  scene.objects[0].height = 0.12;
+  World world(scene);
+  grasp(world, 1.0);
+  run(world, 1);
+  const TactileImage image = world.tactile_image(PadSide::kLeft);
+  const double opening = world.gripper().opening;
+  double sum = 0;
+  for (int column = 0; column < image.columns; ++column) {
+    const double x = (column - 2.5) * 0.0034;
+    // Both pads alike; y of the surface on the pad's line less the pad's face.
+    const double depth = std::sqrt(0.03 * 0.03 - x * x) - 0.5 * opening;
+    const double expected = std::max(0.0, 1000 * depth);
+    for (int row = 2; row < 12; ++row) {
+      const int counts = image.counts[static_cast<std::size_t>(row * image.columns + column)];
+      EXPECT_NEAR(counts * 0.0014, expected, 0.02) << row << ", " << column;
+    }
+    sum += 14 * expected;
+  }
+  EXPECT_NEAR(image.sum, sum, 0.02 * sum);
+}
+
+TEST(Sensors, PadsShowTheirImperfections) {
+  Scene scene = grasp_scene(0.3);
+  scene.tactile.sensor.dead = {5, 40};
+  scene.tactile.sensor.noise = 4;
+  scene.tactile.sensor.gain_spread = 0.1;
+  scene.tactile.sensor.threshold = 20;
+  World world(scene), same(scene);
+  scene.tactile.sensor.seed = 77;
+  World other(scene);
+  for (World* w : {&world, &same, &other}) grasp(*w, 1.0);
+  const TactileImage image = world.tactile_image(PadSide::kLeft);
+  EXPECT_EQ(image.counts, same.tactile_image(PadSide::kLeft).counts);
+  EXPECT_NE(image.counts, other.tactile_image(PadSide::kLeft).counts);
+  EXPECT_EQ(image.counts[5], 0);
+  EXPECT_EQ(image.counts[40], 0);
+  // Columns of the right pad run the other way: texel 5 of row 0 is shown in column 0.
+  EXPECT_EQ(world.tactile_image(PadSide::kRight).counts[0], 0);
+  EXPECT_GT(world.tactile_image(PadSide::kRight).counts[5], 20);
+  const auto [least, most] = std::minmax_element(image.counts.begin() + 6, image.counts.begin() + 40);
+  EXPECT_GT(*most - *least, 0.1 * *most) << "gains spread by 10 %";
+  // Between frames it stays; then noise shows another.
+  run(world, 0.005);
+  const auto later = world.tactile_image(PadSide::kLeft).counts;
+  run(world, 0.011);
+  EXPECT_NE(world.tactile_image(PadSide::kLeft).counts, later);
+}
+
+TEST(Sensors, TheWristHasItsErrors) {
+  Scene scene = grasp_scene(0.3);
+  scene.wrench.emplace();
+  scene.wrench->force_noise = 0.2;
+  scene.wrench->bias[2] = 1.5;
+  World world(scene);
+  double mean = 0, squares = 0;
+  constexpr int kSteps = 500;
+  for (int i = 0; i < kSteps; ++i) {
+    world.step();
+    const Eigen::Vector3d force = world.wrist_wrench().force;
+    mean += force.z() / kSteps;
+    squares += force.x() * force.x() / kSteps;
+    EXPECT_NEAR(std::remainder(force.x(), 0.01), 0, 1e-9) << "resolution";
+  }
+  EXPECT_NEAR(mean, 1.5, 0.05);
+  EXPECT_NEAR(std::sqrt(squares), 0.2, 0.03);
+}
+
+TEST(Pads, AStepAllocatesNothing) {
+  for (const std::string shape : {"box", "bottle"}) {
+    for (const auto integration :
+         {contact::Integration::kFirstOrder, contact::Integration::kSecondOrder}) {
+      Scene scene = grasp_scene(0.3);
+      scene.physics.integration = integration;
+      scene.objects[0].shape = shape;
+      scene.objects.push_back(scene.objects[0]);
+      scene.objects[1].name = "aside";
+      scene.objects[1].x = 0.2;
+      World world(scene);
+      grasp(world, 1.0);
+      world.move_carrier(above(world, kGraspHeight + 0.1), 0.1);
+      run(world, 0.2);
+      const long before = allocations;
+      run(world, 0.3);
+      EXPECT_EQ(allocations - before, 0) << shape;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace prehend::simulation
