@@ -195,11 +195,18 @@ TEST(TouchSettings, SetTheOptionsTheyName) {
   }
 }
 
-// The shipped front can be read and every setting of it is understood.
-TEST(ShippedFront, IsWhole) {
+// The shipped fronts can be read and every setting of them is understood.
+TEST(ShippedFronts, AreWhole) {
   const Front front = read_front("config/fidelity/shape.yaml");
   EXPECT_EQ(front.subject, "shape");
   for (const Setting& one : front.settings) EXPECT_NO_THROW(shape_options(one));
+  const Front touch = read_front("config/fidelity/touch.yaml");
+  EXPECT_EQ(touch.subject, "touch");
+  for (const Setting& one : touch.settings) EXPECT_NO_THROW(touch_options(one));
+  EXPECT_LT(within_tolerance(touch, 1e-5).seconds, 1.0 / 200) << "faster than 200 times real time";
+  const Front engines = read_front("config/fidelity/touch_engines.yaml");
+  EXPECT_EQ(engines.subject, "touch_engines");
+  for (const Setting& one : engines.settings) EXPECT_NO_THROW(engine_choice(one));
 }
 
 }  // namespace

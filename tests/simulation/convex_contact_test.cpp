@@ -126,7 +126,7 @@ TEST(FindContacts, WhatIsRoundTouchesWhereItShould) {
   // Rod and pill that lie on a box touch along a line, hence in its two ends.
   for (const EngineShape& lying : {rod, pill}) {
     const auto line = contacts(lying, turned(Eigen::Vector3d::UnitX(), M_PI / 2, {0, 0, 0.0349}),
-                               box, RigidTransform::Identity());
+                               box, RigidTransform::Identity(), 1e-3);
     ASSERT_EQ(line.size(), 2u);
     for (const ConvexContact& contact : line) {
       EXPECT_NEAR(contact.depth, 1e-4, 1e-9);

@@ -2,6 +2,7 @@
 // references.
 
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -228,8 +229,8 @@ TEST(Multibody, CollidingBodiesKeepMomentumAndGainNoEnergy) {
       engine->step();
       touched = touched || engine->body(1).velocity.norm() > 0.01;
       EXPECT_LT((momentum() - before).norm(), 1e-9);
-      // What springs took for a moment they give back.
-      EXPECT_LE(engine->energy(), energy + 0.05 * at_first) << "step " << step << ", " << i;
+      // What springs took for a moment they give back; critically damped, e^-2 of an impact's.
+      EXPECT_LE(engine->energy(), energy + 0.135 * at_first) << "step " << step << ", " << i;
       energy = std::min(energy, engine->energy());
     }
     EXPECT_TRUE(touched);
@@ -259,6 +260,88 @@ TEST(Multibody, HeavyBodiesStandOnLightOnes) {
       }
       EXPECT_LT((engine->body(2).X_WB.translation() - before).norm(), 1e-6) << "no creep";
     }
+  }
+}
+
+// Boxes, balls, rods and pills of 10 g to 1 kg thrown on a heap with steps of 10 ms: none sinks
+// into the ground or into another, and energy falls only.
+TEST(Multibody, AHeapOfMixedBodiesGainsNoEnergy) {
+  for (const char* solver : {"first_order", "second_order"}) {
+    for (const double step : {1e-2, 2e-3}) {
+      EngineScene scene;
+      scene.step = step;
+      scene.solver = solver;
+      scene.ground = true;
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> uniform;
+      for (int i = 0; i < 10; ++i) {
+        EngineBody body =
+            body_of(static_cast<EngineShape::Kind>(i % 4), std::pow(10.0, -2 + 2 * uniform(random)),
+                    {0.03 * uniform(random), 0.03 * uniform(random), 0.1 + 0.14 * i});
+        for (int k = 0; k < 3; ++k) body.shape.size[k] = 0.03 + 0.04 * uniform(random);
+        body.shape.radius = 0.015 + 0.02 * uniform(random);
+        body.shape.length = 0.03 + 0.05 * uniform(random);
+        const double x = uniform(random), y = uniform(random), z = uniform(random);
+        body.X_WB.linear() = Eigen::Quaterniond(0.5, x, y, z).normalized().toRotationMatrix();
+        body.velocity.z() = -uniform(random);
+        scene.bodies.push_back(body);
+      }
+      const auto engine = loaded(scene);
+      const double at_first = engine->energy();
+      double before = at_first, deepest = 0;
+      for (int i = 0; i < std::lround(1.5 / step); ++i) {
+        engine->step();
+        EXPECT_LT(engine->energy(), before + 0.01 * at_first) << solver << step << ' ' << i;
+        before = engine->energy();
+        for (const TouchPoint& touch : engine->state().touches) {
+          deepest = std::max(deepest, touch.at.depth);
+        }
+      }
+      EXPECT_LT(before, 0.3 * at_first) << "they have fallen";
+      // What turns fast is met late: by a share of the way that its corners go in a step.
+      EXPECT_LT(deepest, step > 5e-3 ? 0.025 : 0.015) << solver << step;
+      for (int b = 0; b < 10; ++b) {
+        EXPECT_GT(engine->body(b).X_WB.translation().z(), 0.01) << solver << step << ' ' << b;
+      }
+    }
+  }
+}
+
+// What stands in one another at the start parts slowly.
+TEST(Multibody, DeepOverlapsPartWithoutABang) {
+  for (const double step : {1e-2, 1e-3}) {
+    EngineScene scene;
+    scene.step = step;
+    scene.gravity.setZero();
+    scene.bodies = {box(0.2, {0.05, 0.05, 0.05}, {0, 0, 0}),
+                    box(0.1, {0.05, 0.05, 0.05}, {0.03, 0, 0})};
+    const auto engine = loaded(scene);
+    double fastest = 0;
+    for (int i = 0; i < std::lround(2 / step); ++i) {
+      engine->step();
+      fastest = std::max(fastest, engine->body(1).velocity.norm());
+    }
+    EXPECT_LT(fastest, 0.2);
+    const double apart =
+        (engine->body(1).X_WB.translation() - engine->body(0).X_WB.translation()).norm();
+    EXPECT_GT(apart, 0.0499);
+  }
+}
+
+// Without slip at last: v = 5/7 v0 on a ball that slides at first.
+TEST(Multibody, ASlidingBallComesToRoll) {
+  for (const double step : {1e-2, 1e-3}) {
+    EngineScene scene;
+    scene.step = step;
+    scene.ground = true;
+    scene.bodies = {body_of(EngineShape::Kind::kSphere, 0.1, {0, 0, 0.025})};
+    scene.bodies[0].velocity.x() = 0.7;
+    const auto engine = loaded(scene);
+    run(*engine, scene, 0.5);
+    const BodyMotion motion = engine->body(0);
+    EXPECT_NEAR(motion.velocity.x(), 0.5, 0.002);
+    EXPECT_NEAR(motion.angular_velocity.y(), 0.5 / 0.025, 0.1);
+    EXPECT_NEAR(motion.X_WB.translation().z(), 0.025, 2e-5);
   }
 }
 

@@ -131,6 +131,21 @@ struct Placed {
     return points;
   }
 
+  // All corners, rims and ends, for steps in which a body turns onto another of its faces.
+  Points corners(const Vector3d& d) const {
+    Points points = foremost(d);
+    if (shape.kind == Kind::kBox || shape.kind == Kind::kCylinder) {
+      for (int k = 0; k < 3; ++k) {
+        for (const double sign : {1.0, -1.0}) {
+          const Points more = foremost(sign * R.col(k));
+          const bool rim = more.size() == kRim || shape.kind == Kind::kBox;
+          if (rim) points.insert(points.end(), more.begin(), more.end());
+        }
+      }
+    }
+    return points;
+  }
+
   // The edge or line that is foremost along `d`; both ends equal where it is a point.
   std::pair<Vector3d, Vector3d> foremost_edge(const Vector3d& d) const {
     const Vector3d s = R.transpose() * d;
@@ -268,8 +283,7 @@ class Pair {
         if (other.covers(met, other_axis)) add(x + 0.5 * gap * out, -gap);
       }
     }
-    if (lying.size() < 2) return;
-    const std::size_t borders = lying.size() == 2 ? 1 : lying.size();
+    const std::size_t borders = lying.size() < 3 ? lying.size() - 1 : lying.size();
     for (std::size_t i = 0; i < borders; ++i) {
       const Vector3d& from = lying[i];
       const Vector3d along = lying[(i + 1) % lying.size()] - from;
@@ -284,6 +298,9 @@ class Pair {
         const double s = side.dot(x - corners[j]) / side.squaredNorm();
         if (s >= 0 && s <= 1) add_lying(x);
       }
+    }
+    for (const Vector3d& x : other.corners(-out)) {
+      if (out.dot(x) - height < margin_ && base.covers(x, axis)) add_lying(x);
     }
     // A tilted round face reaches farther between its corners.
     if (lying.size() == kRim) {
@@ -354,9 +371,9 @@ void find_ground_contacts(const EngineShape& a, const geometry::RigidTransform& 
   if (X_WA.translation().z() > bounding_radius(a) + margin) return;
   const Placed placed(a, X_WA);
   const Vector3d down = -Vector3d::UnitZ();
-  Points points = placed.foremost(down);
+  Points points = placed.corners(down);
   const bool tilted = std::abs(placed.R(2, 2)) < 1 - 1e-9;
-  if (points.size() == kRim && tilted) points.push_back(placed.support(down));
+  if (a.kind == Kind::kCylinder && tilted) points.push_back(placed.support(down));
   const std::size_t first = contacts.size();
   for (const Vector3d& x : points) {
     if (x.z() > margin) continue;

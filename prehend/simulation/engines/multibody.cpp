@@ -227,26 +227,27 @@ void Multibody::find_touches(const MultibodyState& base, double h, const Eigen::
     travel[b] =
         2 * h * (twist.head<3>().norm() + reach_[b] * twist.tail<3>().norm() + h * acceleration);
   }
-  const double forgetting = std::exp(-h / kForgotten);
   std::vector<ConvexContact> found;
   const auto keep = [&](int a, int b) {
     const RigidTransform X_AW = base.X_WB[a].inverse(Eigen::Isometry);
+    double borne = 0;
+    for (const TouchPoint& before : base.touches) {
+      if (before.a == a && before.b == b) borne = std::max(borne, before.foreseen - before.unborne);
+    }
+    borne += std::max(kSurprise, h * kPushOut);
     for (const ConvexContact& at : found) {
       TouchPoint touch;
       touch.a = a;
       touch.b = b;
       touch.at = at;
       touch.p_A = X_AW * at.p_W;
-      touch.unborne = std::max(0.0, at.depth);
+      touch.unborne = std::max(0.0, at.depth - borne);
       double nearest = kSamePoint * kSamePoint;
       for (const TouchPoint& before : base.touches) {
         const double distance = (before.p_A - touch.p_A).squaredNorm();
         if (before.a != a || before.b != b || distance >= nearest) continue;
         nearest = distance;
         touch.bristle_at_start = before.bristle - before.bristle.dot(at.n_W) * at.n_W;
-        const double surprise = std::max(0.0, at.depth - before.foreseen);
-        touch.unborne =
-            std::clamp(before.unborne * forgetting + surprise, 0.0, std::max(0.0, at.depth));
       }
       end.touches.push_back(touch);
     }
@@ -321,13 +322,14 @@ void Multibody::add_inertia(const MultibodyState& base, double h) {
   }
 }
 
-void Multibody::add_touch(TouchPoint& touch, double h, const Eigen::VectorXd& u) {
+void Multibody::add_touch(const MultibodyState& base, TouchPoint& touch, double h,
+                          const Eigen::VectorXd& u) {
   const Eigen::Vector3d n = touch.at.n_W;
-  const PointRows rows_a = point_rows(touch.at.p_W - at_.X_WB[touch.a].translation());
+  const PointRows rows_a = point_rows(touch.at.p_W - base.X_WB[touch.a].translation());
   PointRows rows_b = PointRows::Zero();
   Eigen::Vector3d v = rows_a * twist_of(touch.a, at_, u);
   if (touch.b >= 0) {
-    rows_b = point_rows(touch.at.p_W - at_.X_WB[touch.b].translation());
+    rows_b = point_rows(touch.at.p_W - base.X_WB[touch.b].translation());
     v -= rows_b * twist_of(touch.b, at_, u);
   }
   const Eigen::Vector3d slip = v - v.dot(n) * n;
@@ -400,7 +402,7 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     right_.setZero();
     linearised_.clear();
     add_inertia(base, h);
-    for (TouchPoint& touch : end.touches) add_touch(touch, h, u);
+    for (TouchPoint& touch : end.touches) add_touch(base, touch, h, u);
     for (std::size_t k = 0; k < pads_.size(); ++k) {
       if (pad_near_[k]) add_pad(k, base, h, u, end.pads[k]);
     }
@@ -421,9 +423,9 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
     touch.bristle.setZero();
     const Eigen::Vector3d n = touch.at.n_W;
     Eigen::Vector3d v =
-        point_rows(touch.at.p_W - at_.X_WB[touch.a].translation()) * twist_of(touch.a, at_, u);
+        point_rows(touch.at.p_W - base.X_WB[touch.a].translation()) * twist_of(touch.a, at_, u);
     if (touch.b >= 0) {
-      v -= point_rows(touch.at.p_W - at_.X_WB[touch.b].translation()) * twist_of(touch.b, at_, u);
+      v -= point_rows(touch.at.p_W - base.X_WB[touch.b].translation()) * twist_of(touch.b, at_, u);
     }
     touch.foreseen = touch.at.depth - h * v.dot(n);
     if (!contact.presses) continue;

@@ -20,9 +20,9 @@ struct TouchPoint {
   Eigen::Vector3d bristle_at_start = Eigen::Vector3d::Zero();  // m, world, in the tangent plane
   Eigen::Vector3d bristle = Eigen::Vector3d::Zero();           // m, at the step's end
   double normal_force = 0;                                     // N, in the step
-  /// Depth [m] that no force has borne: found and not foreseen, because bodies turn within a step
-  /// or stood in one another at the start. The spring begins there, so that it gives no energy back
-  /// that it never took; it decays within kForgotten.
+  /// Depth [m] at which the spring begins: what is found beyond the depth that the pair had by its
+  /// velocities, because bodies turn within a step or stood in one another at the start. So springs
+  /// give no energy back that they never took; bodies part at kPushOut.
   double unborne = 0;
   double foreseen = 0;  // m, depth at the step's end by the velocities there
 };
@@ -57,7 +57,8 @@ class Multibody {
   /// How far its weight presses the scene's heaviest body into another [m], on one point. The same
   /// stiffness for all pairs: light bodies bear heavy ones.
   static constexpr double kSink = 1e-5;
-  static constexpr double kForgotten = 0.1;  // s, see TouchPoint::unborne
+  static constexpr double kPushOut = 0.1;    // m/s
+  static constexpr double kSurprise = 1e-4;  // m, of depth that springs bear all the same
   static constexpr int kMostIterations = 30;
   static constexpr double kTolerance = 1e-10;  // m/s, of any body's surface
 
@@ -105,7 +106,7 @@ class Multibody {
   void add(int a, const Rows& rows_a, int b, const Rows& rows_b, const Eigen::MatrixXd& resistance,
            const Eigen::VectorXd& constant, double h);
   void add_inertia(const MultibodyState& base, double h);
-  void add_touch(TouchPoint& touch, double h, const Eigen::VectorXd& u);
+  void add_touch(const MultibodyState& base, TouchPoint& touch, double h, const Eigen::VectorXd& u);
   void add_pad(std::size_t index, const MultibodyState& base, double h, const Eigen::VectorXd& u,
                contact::PadState& state);
   Vector6 pad_twist(std::size_t index, const Eigen::VectorXd& u) const;

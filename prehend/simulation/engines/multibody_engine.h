@@ -12,7 +12,8 @@ namespace prehend::simulation::engines {
 void check_native_solver(const EngineScene& scene);
 
 /// `native` for all scenes: Multibody by backward Euler, or by SDIRK2 of second order (see
-/// contact::GraspStepper).
+/// contact::GraspStepper) but for steps in which contacts begin or end: backward Euler then, since
+/// an impact has no slope to extrapolate.
 class MultibodyEngine : public Engine {
  public:
   std::string name() const override { return "native"; }
