@@ -1,4 +1,6 @@
 #include "prehend/grasp/planner.h"
+#include "prehend/grasp/force_closure.h"
+#include "prehend/grasp/wrench_hull.h"
 
 #include <algorithm>
 #include <array>
@@ -124,7 +126,7 @@ class Planner {
   const char* centre(RigidTransform* X_WG);
   const char* find_opening(const RigidTransform& X_WG, double section_width, double* opening) const;
   const char* close(const RigidTransform& X_WG, double opening, ClosedHand* hand, double* force,
-                    ForceClosure* closure) const;
+                    WrenchHull* hull) const;
   double least_force() const;
   double load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force) const;
   double score(const Grasp& grasp, const ClosedHand& hand) const;
@@ -208,7 +210,7 @@ double Planner::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, d
 }
 
 const char* Planner::close(const RigidTransform& X_WG, double opening, ClosedHand* hand,
-                           double* force, ForceClosure* closure) const {
+                           double* force, WrenchHull* hull) const {
   // A second pass with more force when the weight would turn the object between the pads.
   *force = least_force();
   for (int pass = 0; pass < 2; ++pass) {
@@ -237,10 +239,10 @@ const char* Planner::close(const RigidTransform& X_WG, double opening, ClosedHan
   const auto contact = [this](const ContactPatch& patch) {
     return Contact{patch.center_G, -patch.normal_G, options_.friction, patch.torsion_radius};
   };
-  *closure = evaluate_force_closure({contact(hand->left), contact(hand->right)},
-                                    X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
-                                    options_.force_closure);
-  return closure->closed ? nullptr : kNotClosed;
+  *hull = wrench_hull(primitive_wrenches({contact(hand->left), contact(hand->right)},
+                                         X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
+                                         options_.cone_edges));
+  return hull->closed ? nullptr : kNotClosed;
 }
 
 double Planner::score(const Grasp& grasp, const ClosedHand& hand) const {
@@ -252,7 +254,7 @@ double Planner::score(const Grasp& grasp, const ClosedHand& hand) const {
       swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance), grasp.X_WG);
   const auto& weights = options_.weights;
   const double sum =
-      weights.quality * grasp.quality / (grasp.quality + 0.1) +
+      weights.quality * grasp.quality / (grasp.quality + 0.05) +
       weights.centredness * std::exp(-distance / 0.02) +
       weights.area * std::min(1.0, grasp.predicted.contact_area /
                                        (gripper_.pad.length() * gripper_.pad.width())) +
@@ -275,9 +277,9 @@ const char* Planner::evaluate(Candidate candidate, Grasp* grasp) {
   double opening = 0;
   if (const char* reason = find_opening(candidate.X_WG, section_width_, &opening)) return reason;
   ClosedHand hand;
-  ForceClosure closure;
+  WrenchHull hull;
   double force = 0;
-  if (const char* reason = close(candidate.X_WG, opening, &hand, &force, &closure)) return reason;
+  if (const char* reason = close(candidate.X_WG, opening, &hand, &force, &hull)) return reason;
 
   grasp->X_WG = candidate.X_WG;
   grasp->approach_W = candidate.approach_W;
@@ -286,7 +288,7 @@ const char* Planner::evaluate(Candidate candidate, Grasp* grasp) {
   grasp->pregrasp_opening = opening;
   grasp->pregrasp_distance = options_.pregrasp_distance;
   grasp->grasp_force = force;
-  grasp->quality = closure.quality;
+  grasp->quality = hull.epsilon;
   grasp->predicted = {hand.opening_at_touch, (hand.left.area + hand.right.area) / 2,
                       (hand.left.force + hand.right.force) / 2, solid_.mass};
   for (const auto& p_G : hand.left.points_G) grasp->left_contacts_W.push_back(grasp->X_WG * p_G);
@@ -358,7 +360,7 @@ GraspPlanResult Planner::plan() {
 void PlannerOptions::validate() const {
   candidates.validate();
   closing.validate();
-  force_closure.validate();
+  require(cone_edges >= 3, "cone_edges must be at least 3");
   collision.validate();
   require(density > 0, "density must be positive");
   require(friction > 0, "friction must be positive");

@@ -10,14 +10,13 @@
 #include "prehend/grasp/candidates.h"
 #include "prehend/grasp/closing.h"
 #include "prehend/grasp/collision.h"
-#include "prehend/grasp/force_closure.h"
 #include "prehend/robot/gripper_model.h"
 #include "prehend/surface/object_model.h"
 
 namespace prehend::grasp {
 
 struct ScoreWeights {
-  double quality = 0.35;      // quality / (quality + 0.1), see force_closure.h
+  double quality = 0.35;      // quality / (quality + 0.05)
   double centredness = 0.35;  // exp(-d / 20 mm), d from the centre of mass to the pads' line
   double area = 0.2;          // mean patch area / pad area
   double clearance = 0.1;     // min(1, fingertips' height over the table / 20 mm)
@@ -26,7 +25,7 @@ struct ScoreWeights {
 struct PlannerOptions {
   CandidateOptions candidates;
   ClosingOptions closing;
-  ForceClosureOptions force_closure;
+  int cone_edges = 8;  // >= 3, of the linearised friction cones
   CollisionOptions collision;
   ScoreWeights weights;
   double density = 800;              // kg/m^3, > 0, assumed of the unknown object
@@ -59,7 +58,7 @@ struct Grasp {
   double pregrasp_opening = 0;   // m
   double pregrasp_distance = 0;  // m, back along the approach
   double grasp_force = 0;        // N, per pad
-  double quality = 0;            // see ForceClosure
+  double quality = 0;            // epsilon, see wrench_hull.h; torques over the object's radius
   double score = 0;              // what the list is ranked by, 0 to 1
   PredictedPercepts predicted;
   std::vector<Eigen::Vector3d> left_contacts_W;  // pressed texels [m]

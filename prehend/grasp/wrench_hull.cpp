@@ -195,7 +195,7 @@ class Polytope {
 
   /// A facet was too thin to have a normal.
   bool failed() const { return failed_; }
-  int made() const { return static_cast<int>(offsets_.size()); }
+  int made() const { return made_; }
 
   /// The facet nearest to the origin.
   int nearest() const {
@@ -214,6 +214,7 @@ class Polytope {
       if (!(heights[static_cast<Eigen::Index>(f)] > offsets_[f] + tolerance)) continue;
       for (int out = 0; out < kDimension; ++out) ridges.push_back(ridge(vertices_[f], out));
       offsets_[f] = std::numeric_limits<double>::infinity();  // gone
+      free_.push_back(f);
     }
     std::sort(ridges.begin(), ridges.end());
     for (std::size_t i = 0; i < ridges.size(); ++i) {
@@ -257,12 +258,22 @@ class Polytope {
       normal = -normal;
       offset = -offset;
     }
-    if (normals_.cols() <= static_cast<Eigen::Index>(offsets_.size())) {
-      normals_.conservativeResize(Eigen::NoChange, std::max<Eigen::Index>(64, 2 * normals_.cols()));
+    ++made_;
+    std::size_t place = offsets_.size();
+    if (!free_.empty()) {
+      place = free_.back();
+      free_.pop_back();
+    } else {
+      if (normals_.cols() <= static_cast<Eigen::Index>(place)) {
+        normals_.conservativeResize(Eigen::NoChange,
+                                    std::max<Eigen::Index>(64, 2 * normals_.cols()));
+      }
+      offsets_.push_back(0);
+      vertices_.emplace_back();
     }
-    normals_.col(static_cast<Eigen::Index>(offsets_.size())) = normal;
-    offsets_.push_back(offset);
-    vertices_.push_back(vertices);
+    normals_.col(static_cast<Eigen::Index>(place)) = normal;
+    offsets_[place] = offset;
+    vertices_[place] = vertices;
   }
 
   const Wrenches& wrenches_;
@@ -270,6 +281,8 @@ class Polytope {
   Wrenches normals_;
   std::vector<double> offsets_;
   std::vector<Vertices> vertices_;
+  std::vector<std::size_t> free_;  // places of facets that are gone
+  int made_ = 0;
   bool failed_ = false;
 };
 

@@ -74,6 +74,7 @@ ThreeAxes decompose(const Vector3d& a, const Vector3d& b, const Vector3d& c,
   const Roots roots = solve_cosine(a.dot(c) - constant, a.dot(b.cross(c)), a.dot(v) - constant);
   ThreeAxes result;
   const Vector3d across = c.unitOrthogonal();
+  const Vector3d turned = rotation * across;
   for (int i = 0; i < roots.count; ++i) {
     ThreeAngles& way = result.ways[static_cast<std::size_t>(result.count)];
     way.angle[1] = roots.angle[static_cast<std::size_t>(i)];
@@ -81,8 +82,7 @@ ThreeAxes decompose(const Vector3d& a, const Vector3d& b, const Vector3d& c,
     const Vector3d w = R_b * c;
     const bool singular = a.cross(w).norm() < kSingular;
     way.angle[0] = singular ? first : angle_about(a, w, v);
-    const Matrix3d R_c = R_b.transpose() * turn(a, -way.angle[0]) * rotation;
-    way.angle[2] = angle_about(c, across, R_c * across);
+    way.angle[2] = angle_about(c, across, R_b.transpose() * (turn(a, -way.angle[0]) * turned));
     result.singular = result.singular || singular;
     ++result.count;
     // Both roots are one there.

@@ -31,7 +31,7 @@ class Composition : public SupervisionTest {
   }
   std::string refusal(const std::vector<std::string>& arguments) {
     const auto program = container(arguments);
-    EXPECT_EQ(program->wait(seconds(10)), 1);
+    EXPECT_EQ(program->wait(seconds(30)), 1);
     return program->output();
   }
   bool are_ready(std::size_t count) {
@@ -58,7 +58,7 @@ TEST_F(Composition, NodesOfOneProcessStopOnceAndTogether) {
     for (const auto& node : introspection.nodes()) EXPECT_EQ(node.pid(), program->pid());
     EXPECT_EQ(graph::to_text(introspection.parameter("a", "shifts").value()), "40");
     ::kill(program->pid(), signal);
-    EXPECT_EQ(program->wait(seconds(10)), 0) << program->output();
+    EXPECT_EQ(program->wait(seconds(30)), 0) << program->output();
     EXPECT_TRUE(eventually([&] { return introspection.nodes().empty(); }));
   }
 }
@@ -66,7 +66,7 @@ TEST_F(Composition, NodesOfOneProcessStopOnceAndTogether) {
 TEST_F(Composition, TheFirstFailureNamesItsNodeAndEndsAll) {
   const auto program = container({"--", "shape_completion", "--", "cloud_source", "--name",
                                   "source", "--param", "file:=/no/such.pcd"});
-  EXPECT_EQ(program->wait(seconds(10)), 1);
+  EXPECT_EQ(program->wait(seconds(30)), 1);
   EXPECT_THAT(program->output(), AllOf(HasSubstr("source: "), HasSubstr("/no/such.pcd")));
 }
 
@@ -78,7 +78,7 @@ TEST_F(Composition, ANodeThatEndsWellLeavesTheOthersRunning) {
   ASSERT_TRUE(are_ready(1));
   EXPECT_TRUE(is_running(program->pid()));
   ::kill(program->pid(), SIGINT);
-  EXPECT_EQ(program->wait(seconds(10)), 0);
+  EXPECT_EQ(program->wait(seconds(30)), 0);
 }
 
 TEST_F(Composition, WrongCommandLinesAreNamed) {
@@ -96,7 +96,7 @@ TEST_F(Composition, WrongCommandLinesAreNamed) {
 
 TEST_F(Composition, HelpListsThePrograms) {
   const auto help = container({"--help"});
-  EXPECT_EQ(help->wait(seconds(10)), 0);
+  EXPECT_EQ(help->wait(seconds(30)), 0);
   EXPECT_THAT(help->output(), AllOf(HasSubstr("grasp_planning"), HasSubstr("simulation"),
                                     Not(HasSubstr("registry"))));
 }
@@ -203,7 +203,7 @@ TEST_F(Composition, ComposedNodesPredictTheSameAsProcesses) {
     EXPECT_TRUE(eventually([&] { return collected.has_plans(); }, seconds(60))) << program.output();
     results.push_back(collected.messages());
     ::kill(program.pid(), SIGINT);
-    EXPECT_EQ(program.wait(seconds(10)), 0) << program.output();
+    EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
     EXPECT_EQ(program.output().find("4 nodes in 2 processes") != std::string::npos,
               composed == "true")
         << program.output();

@@ -53,7 +53,7 @@ class ViewMerging : public SupervisionTest {
         },
         seconds(30));
     ::kill(program.pid(), SIGINT);
-    EXPECT_EQ(program.wait(seconds(10)), 0) << program.output();
+    EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
     const std::lock_guard lock(mutex);
     return result;
   }

@@ -1,0 +1,151 @@
+// What a plan is made of, beside its peers in the same run: closure and quality of a grasp against
+// GLPK's linear programme and Qhull's whole hull; inverse kinematics.
+
+#include <ctime>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "prehend/grasp/force_closure.h"
+#include "prehend/grasp/wrench_hull.h"
+#include "prehend/robot/inverse_kinematics.h"
+#include "tests/robot/arms.h"
+
+namespace {
+
+using namespace prehend;
+
+constexpr int kGrasps = 64;
+
+/// Closed grasps of five point contacts on a ball, friction 0.5.
+const std::vector<std::vector<grasp::Contact>>& grasps() {
+  static const auto all = [] {
+    std::mt19937_64 random(1);
+    const auto uniform = [&random] { return 2 * robot::uniform(random) - 1; };
+    std::vector<std::vector<grasp::Contact>> result;
+    while (result.size() < kGrasps) {
+      std::vector<grasp::Contact> contacts;
+      for (int i = 0; i < 5; ++i) {
+        const Eigen::Vector3d out = Eigen::Vector3d(uniform(), uniform(), uniform()).normalized();
+        contacts.push_back({0.04 * out, -out, 0.5, 0});
+      }
+      const auto w = grasp::primitive_wrenches(contacts, Eigen::Vector3d::Zero(), 0.04, 8);
+      if (grasp::wrench_hull(w).closed) result.push_back(contacts);
+    }
+    return result;
+  }();
+  return all;
+}
+
+const std::vector<grasp::Wrenches>& wrenches() {
+  static const auto all = [] {
+    std::vector<grasp::Wrenches> result;
+    for (const auto& contacts : grasps()) {
+      result.push_back(grasp::primitive_wrenches(contacts, Eigen::Vector3d::Zero(), 0.04, 8));
+    }
+    return result;
+  }();
+  return all;
+}
+
+/// Seconds of processor time for each of `items`.
+template <class Items, class Function>
+double seconds_each(const Items& items, Function f) {
+  const std::clock_t start = std::clock();
+  for (const auto& item : items) benchmark::DoNotOptimize(f(item));
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC /
+         static_cast<double>(items.size());
+}
+
+double qhull_seconds() {
+  static const double seconds = seconds_each(
+      wrenches(), [](const grasp::Wrenches& w) { return grasp::reference_wrench_hull(w).epsilon; });
+  return seconds;
+}
+
+/// The closure's programme, and the twelve of the quality.
+double programme_seconds() {
+  static const double seconds = seconds_each(grasps(), [](const auto& contacts) {
+    return grasp::evaluate_force_closure(contacts, Eigen::Vector3d::Zero(), 0.04).margin;
+  });
+  return seconds;
+}
+
+template <class Function>
+void each_hull(benchmark::State& state, Function f) {
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(f(wrenches()[i++ % kGrasps]));
+}
+
+void compare(benchmark::State& state, const char* name, double seconds) {
+  state.counters[name] = {seconds, benchmark::Counter::kIsIterationInvariantRate};
+}
+
+void BM_PreFilter(benchmark::State& state) { each_hull(state, grasp::may_be_closed); }
+BENCHMARK(BM_PreFilter)->Unit(benchmark::kMicrosecond);
+
+void BM_Closure(benchmark::State& state) {
+  each_hull(state, [](const grasp::Wrenches& w) {
+    return grasp::wrench_hull(w, {.closure_only = true}).closed;
+  });
+  compare(state, "times_qhull", qhull_seconds());
+  compare(state, "times_13_programmes", programme_seconds());
+}
+BENCHMARK(BM_Closure)->Unit(benchmark::kMicrosecond);
+
+void BM_Epsilon(benchmark::State& state) {
+  int facets = 0;
+  each_hull(state, [&facets](const grasp::Wrenches& w) {
+    const grasp::WrenchHull hull = grasp::wrench_hull(w);
+    facets = std::max(facets, hull.facets);
+    return hull.epsilon;
+  });
+  state.counters["most_facets"] = facets;
+  compare(state, "times_qhull", qhull_seconds());
+}
+BENCHMARK(BM_Epsilon)->Unit(benchmark::kMicrosecond);
+
+void BM_Qhull(benchmark::State& state) {
+  each_hull(state,
+            [](const grasp::Wrenches& w) { return grasp::reference_wrench_hull(w).epsilon; });
+}
+BENCHMARK(BM_Qhull)->Unit(benchmark::kMicrosecond);
+
+/// All branches for random poses within reach and limits.
+void inverse(benchmark::State& state, const robot::KinematicChain& arm, int elbow_angles) {
+  const robot::InverseKinematics inverse_kinematics(arm, {.elbow_angles = elbow_angles});
+  std::mt19937_64 random(2);
+  std::vector<geometry::RigidTransform> targets;
+  for (int i = 0; i < 256; ++i) {
+    targets.push_back(arm.forward(robot::random_positions(arm, random)));
+  }
+  std::size_t i = 0, solutions = 0;
+  for (auto _ : state) {
+    solutions += inverse_kinematics.solve(targets[i++ % targets.size()]).solutions.size();
+  }
+  state.counters["solutions"] =
+      static_cast<double>(solutions) / static_cast<double>(state.iterations());
+}
+
+void BM_InverseKinematicsKr5(benchmark::State& state) { inverse(state, robot::kr5(), 1); }
+BENCHMARK(BM_InverseKinematicsKr5)->Unit(benchmark::kMicrosecond);
+
+void BM_InverseKinematicsPa10(benchmark::State& state) {
+  inverse(state, robot::pa10(), static_cast<int>(state.range(0)));
+}
+BENCHMARK(BM_InverseKinematicsPa10)
+    ->ArgName("elbow_angles")
+    ->Arg(1)
+    ->Arg(16)
+    ->Unit(benchmark::kMicrosecond);
+
+void BM_ForwardKinematics(benchmark::State& state) {
+  const robot::KinematicChain arm = robot::kr5();
+  const robot::Positions q = arm.middle();
+  for (auto _ : state) benchmark::DoNotOptimize(arm.forward(q));
+}
+BENCHMARK(BM_ForwardKinematics);
+
+}  // namespace
