@@ -201,7 +201,7 @@ void Driver::update_motion(Time now) {
   }
   if (last_state_ < motion_.started) return;  // says nothing of this motion
   const double rest = std::abs(reading_.opening - motion_.target);
-  const bool is_there = motion_.mode != MotionMode::kCurrent && rest < options_.opening_tolerance;
+  const bool is_there = rest < options_.opening_tolerance;
   const bool stands = now - motion_.standing_since > to_time(options_.blocked_time);
   if (is_there && (motion_.seen_moving || stands)) {
     motion_.ended = true;
