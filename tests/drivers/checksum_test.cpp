@@ -22,6 +22,18 @@ std::uint16_t reflected_by_bits(Bytes bytes, unsigned crc) {
   return static_cast<std::uint16_t>(crc);
 }
 
+// SDHLibrary's update, its table entry by entry.
+std::uint16_t weiss_by_bits(Bytes bytes) {
+  unsigned crc = 0xFFFF;
+  for (const unsigned byte : bytes) {
+    unsigned entry = ((crc ^ byte) & 0xFF) << 8;
+    for (int bit = 0; bit < 8; ++bit)
+      entry = (entry & 0x8000u) ? (entry << 1) ^ 0x1021u : entry << 1;
+    crc = (crc >> 8) ^ (entry & 0xFFFF);
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
 TEST(Checksum, CheckValuesOfTheCatalogue) {
   const Bytes digits = bytes_of("123456789");
   EXPECT_EQ(crc16_reflected_8005(digits, 0x0000), 0xBB3D);  // CRC-16/ARC
@@ -37,6 +49,7 @@ TEST(Checksum, AgreesWithTheDefinitionAndGoesOnAfterAnEarlierPart) {
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
     const std::uint16_t whole = crc16_reflected_8005(bytes, 0xFFFF);
     ASSERT_EQ(whole, reflected_by_bits(bytes, 0xFFFF));
+    ASSERT_EQ(crc16_weiss(bytes), weiss_by_bits(bytes));
     const std::size_t cut = bytes.empty() ? 0 : random() % bytes.size();
     const std::uint16_t first = crc16_reflected_8005(Bytes(bytes).first(cut), 0xFFFF);
     ASSERT_EQ(crc16_reflected_8005(Bytes(bytes).subspan(cut), first), whole);

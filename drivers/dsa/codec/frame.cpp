@@ -35,10 +35,10 @@ bool decode_runs(Bytes data, std::size_t texels, Frame& frame) {
 }  // namespace
 
 std::vector<std::uint8_t> encode_frame(const Frame& frame, bool run_length) {
-  std::vector<std::uint8_t> payload;
-  payload.reserve(kHeader + 2 * frame.texels.size());
-  append_little(payload, frame.timestamp);
-  payload.push_back(run_length ? kRunLength : 0);
+  std::vector<std::uint8_t> payload(kHeader + 2 * frame.texels.size());
+  store_little(payload.data(), frame.timestamp);
+  payload[4] = run_length ? kRunLength : std::uint8_t{0};
+  std::size_t end = kHeader;
   for (std::size_t i = 0; i < frame.texels.size();) {
     const std::uint16_t value = frame.texels[i];
     if (value > kFullScale) {
@@ -50,9 +50,11 @@ std::vector<std::uint8_t> encode_frame(const Frame& frame, bool run_length) {
            frame.texels[i + run] == value) {
       ++run;
     }
-    append_little(payload, static_cast<std::uint16_t>(run_length ? value | run << 12 : value));
+    store_little(&payload[end], static_cast<std::uint16_t>(run_length ? value | run << 12 : value));
+    end += 2;
     i += run;
   }
+  payload.resize(end);
   return payload;
 }
 

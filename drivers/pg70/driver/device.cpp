@@ -6,7 +6,7 @@
 namespace prehend::drivers::pg70 {
 namespace {
 
-constexpr auto kTick = std::chrono::milliseconds(5);  // of watchdogs
+constexpr auto kTick = std::chrono::milliseconds(10);  // of watchdogs
 
 }  // namespace
 
