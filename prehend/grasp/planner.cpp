@@ -1,6 +1,4 @@
 #include "prehend/grasp/planner.h"
-#include "prehend/grasp/force_closure.h"
-#include "prehend/grasp/wrench_hull.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +11,8 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/grasp/force_closure.h"
+#include "prehend/grasp/wrench_hull.h"
 
 namespace prehend::grasp {
 namespace {
