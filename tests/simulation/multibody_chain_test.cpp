@@ -61,49 +61,10 @@ TEST(Multibody, SecondOrderStepsAreOfSecondOrder) {
   }
 }
 
-EngineScene double_pendulum(double step) {
-  EngineScene scene;
-  scene.step = step;
-  scene.solver = "second_order";
-  // Both rods stretched out sideways.
-  scene.bodies = {box(0.3, {0.4, 0.02, 0.02}, {0.2, 0, 0}),
-                  box(0.2, {0.3, 0.02, 0.02}, {0.55, 0, 0})};
-  for (EngineBody& body : scene.bodies) body.collides = false;
-  scene.joints = {hinge(-1, 0, Eigen::Vector3d::Zero()), hinge(0, 1, {0.4, 0, 0})};
-  return scene;
-}
-
-// Equations of motion written out for two rods on hinges (l1 = 0.4 m, centres at a1 = 0.2, a2 =
-// 0.15 m), integrated by Runge and Kutta's method of fourth order.
-Eigen::Vector2d double_pendulum_reference(double seconds) {
-  const double m1 = 0.3, m2 = 0.2, l1 = 0.4, a1 = 0.2, a2 = 0.15, g = 9.81;
-  const double I1 = m1 / 12 * (0.16 + 4e-4), I2 = m2 / 12 * (0.09 + 4e-4);
-  // Angles of the rods from the horizontal, downwards; both absolute.
-  const auto rate = [&](const Eigen::Vector4d& y) {
-    const double c = std::cos(y[0] - y[1]), s = std::sin(y[0] - y[1]);
-    Eigen::Matrix2d M;
-    M << I1 + m1 * a1 * a1 + m2 * l1 * l1, m2 * l1 * a2 * c, m2 * l1 * a2 * c, I2 + m2 * a2 * a2;
-    const Eigen::Vector2d right(
-        (m1 * a1 + m2 * l1) * g * std::cos(y[0]) - m2 * l1 * a2 * s * y[3] * y[3],
-        m2 * a2 * g * std::cos(y[1]) + m2 * l1 * a2 * s * y[2] * y[2]);
-    Eigen::Vector4d dy;
-    dy << y[2], y[3], M.inverse() * right;
-    return dy;
-  };
-  Eigen::Vector4d y = Eigen::Vector4d::Zero();
-  const int steps = 10000;
-  const double h = seconds / steps;
-  for (int i = 0; i < steps; ++i) {
-    const Eigen::Vector4d k1 = rate(y), k2 = rate(y + 0.5 * h * k1), k3 = rate(y + 0.5 * h * k2),
-                          k4 = rate(y + h * k3);
-    y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-  }
-  return {y[0], y[1] - y[0]};  // as joints count
-}
-
 TEST(Multibody, DoublePendulumFollowsItsEquations) {
   const Eigen::Vector2d truth = double_pendulum_reference(0.5);
-  const EngineScene scene = double_pendulum(5e-4);
+  EngineScene scene = double_pendulum(5e-4);
+  scene.solver = "second_order";
   const auto engine = loaded(scene);
   const double energy = engine->energy();
   double least = energy, most = energy;
