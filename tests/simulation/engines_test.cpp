@@ -12,7 +12,7 @@
 #include "prehend/simulation/engines/native_engine.h"
 #include "prehend/simulation/engines/registry.h"
 #include "prehend/simulation/engines/substepped_pads.h"
-#include "tests/simulation/multibody_scenes.h"
+#include "tests/simulation/engine_scenes.h"
 
 namespace prehend::simulation::engines {
 namespace {
@@ -54,26 +54,6 @@ class EachEngine : public ::testing::TestWithParam<std::string> {
   std::unique_ptr<Engine> engine_;
   double step_ = 0;
 };
-
-EngineScene pressed_cube(bool pads) {
-  EngineScene scene;
-  scene.bodies = {box(0.05, {0.05, 0.05, 0.05}, {0, 0, 0})};
-  for (const int side : {1, -1}) {
-    scene.bodies.push_back(box(0.05, {0.024, 0.012, 0.05}, {0, side * (0.031 - 1e-6), 0}));
-    EngineJoint slide;
-    slide.body = side > 0 ? 1 : 2;
-    slide.axis_W = Eigen::Vector3d(0, -side, 0);
-    scene.joints.push_back(slide);
-    if (!pads) continue;
-    EnginePad pad;
-    pad.body = slide.body;
-    pad.X_BP.linear() << -side, 0, 0, 0, 0, -side, 0, 1, 0;
-    pad.X_BP.linear().col(0) = pad.X_BP.linear().col(1).cross(pad.X_BP.linear().col(2));
-    pad.X_BP.translation().y() = -side * 0.006;
-    scene.pads.push_back(pad);
-  }
-  return scene;
-}
 
 TEST_P(EachEngine, FallsFreely) {
   EngineScene scene;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "tests/simulation/multibody_scenes.h"
+#include "tests/simulation/engine_scenes.h"
 
 namespace prehend::simulation::engines {
 namespace {

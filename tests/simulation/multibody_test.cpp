@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "prehend/simulation/engines/native_engine.h"
-#include "tests/simulation/multibody_scenes.h"
+#include "tests/simulation/engine_scenes.h"
 
 namespace prehend::simulation::engines {
 namespace {
@@ -178,16 +178,9 @@ TEST(Multibody, ASlidingBallComesToRoll) {
 TEST(Multibody, RigidPlatesHoldACube) {
   for (const double mass : {0.01, 10.0}) {
     for (const double step : {1e-2, 1e-3}) {
-      EngineScene scene;
+      EngineScene scene = pressed_cube(false);
       scene.step = step;
-      scene.bodies = {box(mass, {0.05, 0.05, 0.05}, {0, 0, 0})};
-      for (const int side : {1, -1}) {
-        scene.bodies.push_back(box(0.05, {0.024, 0.012, 0.05}, {0, side * 0.031, 0}));
-        EngineJoint slide;
-        slide.body = side > 0 ? 1 : 2;
-        slide.axis_W = Eigen::Vector3d(0, -side, 0);
-        scene.joints.push_back(slide);
-      }
+      scene.bodies[0].mass = mass;
       const auto engine = loaded(scene);
       const double weight = mass * 9.81;
       for (const int joint : {0, 1}) engine->set_joint_force(joint, 1.2 * weight / 1.6);
@@ -206,25 +199,9 @@ TEST(Multibody, RigidPlatesHoldACube) {
   }
 }
 
-// Pads, a free arm of two links and two objects at once: beyond what the grasp system knows.
 TEST(Multibody, PadsAgreeWithTheGraspSystem) {
-  EngineScene scene;
-  scene.bodies = {box(0.05, {0.05, 0.05, 0.05}, {0, 0, 0})};
-  for (const int side : {1, -1}) {
-    scene.bodies.push_back(box(0.05, {0.024, 0.012, 0.05}, {0, side * (0.031 - 1e-6), 0}));
-    EngineJoint slide;
-    slide.body = side > 0 ? 1 : 2;
-    slide.axis_W = Eigen::Vector3d(0, -side, 0);
-    scene.joints.push_back(slide);
-    EnginePad pad;
-    pad.body = slide.body;
-    pad.X_BP.linear().col(2) = Eigen::Vector3d(0, -side, 0);
-    pad.X_BP.linear().col(1) = Eigen::Vector3d::UnitZ();
-    pad.X_BP.linear().col(0) = Eigen::Vector3d::UnitZ().cross(Eigen::Vector3d(0, -side, 0));
-    pad.X_BP.translation().y() = -side * 0.006;
-    pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
-    scene.pads.push_back(pad);
-  }
+  EngineScene scene = pressed_cube(true);
+  for (EnginePad& pad : scene.pads) pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
   for (const char* solver : {"first_order", "second_order"}) {
     scene.solver = solver;
     NativeEngine grasp;
@@ -241,6 +218,57 @@ TEST(Multibody, PadsAgreeWithTheGraspSystem) {
     EXPECT_LT((a - b).norm(), 1e-7) << a.transpose() << ", " << b.transpose();
     const auto felt = grasp.pad_forces(0), also = engine->pad_forces(0);
     for (std::size_t i = 0; i < felt.size(); ++i) EXPECT_NEAR(felt[i], also[i], 1e-5);
+  }
+}
+
+// Jaws with pads on a wrist that moves, a cube on the ground and another one on top of it: beyond
+// what the grasp system knows.
+TEST(Multibody, AGripperOnAWristLiftsTwoCubes) {
+  for (const double step : {1e-2, 1e-3}) {
+    EngineScene scene = pressed_cube(true);
+    scene.step = step;
+    scene.ground = true;
+    scene.bodies[0].mass = 0.2;
+    // The wrist stands before its jaws.
+    scene.bodies.insert(scene.bodies.begin() + 1, box(1, {0.1, 0.1, 0.02}, {0, 0, 0.1}));
+    scene.bodies[1].collides = false;
+    for (EngineJoint& joint : scene.joints) {
+      ++joint.body;
+      joint.parent = 1;
+    }
+    EngineJoint wrist;
+    wrist.body = 1;
+    wrist.axis_W = Eigen::Vector3d::UnitZ();
+    scene.joints.push_back(wrist);
+    for (EnginePad& pad : scene.pads) {
+      ++pad.body;
+      pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
+      pad.law.return_map = true;
+    }
+    scene.bodies.push_back(box(0.05, {0.03, 0.03, 0.03}, {0.003, 0.002, 0.04}));
+    for (EngineBody& body : scene.bodies) body.X_WB.translation().z() += 0.025;
+    const auto engine = loaded(scene);
+    const auto jaws = [&](double force) {
+      for (const int joint : {0, 1}) engine->set_joint_force(joint, force);
+    };
+    engine->set_joint_force(2, 1.1 * 9.81);  // bears wrist and jaws
+    jaws(10);
+    run(*engine, scene, 0.2);
+    // Up with 0.5 m/s^2: all of 1.35 kg.
+    engine->set_joint_force(2, 1.35 * (9.81 + 0.5));
+    run(*engine, scene, 0.6);
+    const double lifted = 0.25 * 0.36;
+    EXPECT_NEAR(engine->joint_position(2), lifted, 0.005);
+    EXPECT_NEAR(engine->body(0).X_WB.translation().z(), 0.025 + lifted, 0.005);
+    EXPECT_NEAR(engine->body(4).X_WB.translation().z(), 0.065 + lifted, 0.005) << "on top";
+    double sum = 0;
+    for (const double force : engine->pad_forces(0)) sum += force;
+    EXPECT_NEAR(sum, 10, 0.05);
+    // Let go: the cubes fall, the wrist goes up.
+    jaws(-1);
+    run(*engine, scene, 0.3);
+    EXPECT_NEAR(engine->body(0).X_WB.translation().z(), 0.025, 1e-3);
+    EXPECT_GT(engine->joint_position(2), 0.15);
   }
 }
 

@@ -47,6 +47,28 @@ inline void run(Engine& engine, const EngineScene& scene, double seconds) {
   for (long i = 0; i < steps; ++i) engine.step();
 }
 
+/// A cube of 50 g between two jaws of 50 g on slides (joints 0 and 1, positive forces close) that
+/// touch it with pads or as plates.
+inline EngineScene pressed_cube(bool pads) {
+  EngineScene scene;
+  scene.bodies = {box(0.05, {0.05, 0.05, 0.05}, {0, 0, 0})};
+  for (const int side : {1, -1}) {
+    scene.bodies.push_back(box(0.05, {0.024, 0.012, 0.05}, {0, side * (0.031 - 1e-6), 0}));
+    EngineJoint slide;
+    slide.body = side > 0 ? 1 : 2;
+    slide.axis_W = Eigen::Vector3d(0, -side, 0);
+    scene.joints.push_back(slide);
+    if (!pads) continue;
+    EnginePad pad;
+    pad.body = slide.body;
+    pad.X_BP.linear() << -side, 0, 0, 0, 0, -side, 0, 1, 0;
+    pad.X_BP.linear().col(0) = pad.X_BP.linear().col(1).cross(pad.X_BP.linear().col(2));
+    pad.X_BP.translation().y() = -side * 0.006;
+    scene.pads.push_back(pad);
+  }
+  return scene;
+}
+
 inline EngineScene double_pendulum(double step) {
   EngineScene scene;
   scene.step = step;
