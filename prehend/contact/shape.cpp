@@ -146,4 +146,38 @@ double Shape::ray_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d&
   return distance <= limit ? distance : kInfinity;
 }
 
+double Shape::depth_inside(const Eigen::Vector3d& p, Eigen::Vector3d& normal) const {
+  // Away from a point or an axis; on it, any direction is as good.
+  const auto from = [&](const Eigen::Vector3d& away) {
+    const double distance = away.norm();
+    normal = distance > 0 ? Eigen::Vector3d(away / distance) : Eigen::Vector3d::UnitX();
+    return distance;
+  };
+  switch (kind_) {
+    case Kind::kBox: {
+      int nearest = 0;
+      const Eigen::Vector3d depths = half_ - p.cwiseAbs();
+      const double depth = depths.minCoeff(&nearest);
+      normal = std::copysign(1.0, p[nearest]) * Eigen::Vector3d::Unit(nearest);
+      return depth;
+    }
+    case Kind::kSphere:
+      return radius_ - from(p);
+    case Kind::kCylinder: {
+      const double around = radius_ - from({p.x(), p.y(), 0});
+      const double end = half_.z() - std::abs(p.z());
+      if (end < around) normal = std::copysign(1.0, p.z()) * Eigen::Vector3d::UnitZ();
+      return std::min(around, end);
+    }
+    case Kind::kCapsule:
+      return radius_ - from(p - Eigen::Vector3d(0, 0, std::clamp(p.z(), -half_.z(), half_.z())));
+    case Kind::kHalfSpace:
+      normal = Eigen::Vector3d::UnitZ();
+      return -p.z();
+    case Kind::kMesh:
+      break;
+  }
+  throw std::logic_error("Shape::depth_inside: a mesh is asked by geometry::MeshQuery");
+}
+
 }  // namespace prehend::contact

@@ -41,6 +41,11 @@ class Shape {
   double ray_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                       double limit) const;
 
+  /// How deep `p` lies inside [m] and the outward unit normal of the surface's nearest point;
+  /// negative outside, where the normal means nothing. Edges belong to one of their faces.
+  /// @throws std::logic_error for a mesh, which answers such questions by geometry::MeshQuery.
+  double depth_inside(const Eigen::Vector3d& p, Eigen::Vector3d& normal) const;
+
  private:
   Kind kind_ = Kind::kBox;
   Eigen::Vector3d half_ = Eigen::Vector3d::Zero();

@@ -70,6 +70,25 @@ void detect_box(const BodyModel& model, const geometry::RigidTransform& X_GB, in
   }
 }
 
+// How deep a point is inside a body [m] and the outward normal of the nearest face; negative when
+// it is not, or deeper than kDeepest.
+double depth_in_body(const BodyModel& model, const Eigen::Vector3d& p_B, Eigen::Vector3d& normal) {
+  const contact::Shape& shape = model.felt.shape;
+  if (shape.kind() != contact::Shape::Kind::kMesh) {
+    const double depth = shape.depth_inside(model.felt.X_BS.inverse(Eigen::Isometry) * p_B, normal);
+    normal = model.felt.X_BS.linear() * normal;
+    return depth;
+  }
+  const auto nearest = model.query->nearest(p_B, kDeepest);
+  if (!nearest) return -1;
+  const auto& mesh = *model.mesh;
+  const Eigen::Vector3i& t = mesh.triangles[nearest->triangle];
+  normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+               .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+               .normalized();
+  return normal.dot(p_B - nearest->point) < 0 ? nearest->distance : -1.0;
+}
+
 // Points of `model_a` inside body b.
 void detect_points_in_body(const BodyModel& model_a, const geometry::RigidTransform& X_WA, int a,
                            const BodyModel& model_b, const geometry::RigidTransform& X_WB, int b,
@@ -80,20 +99,15 @@ void detect_points_in_body(const BodyModel& model_a, const geometry::RigidTransf
     if (!b_in_A.contains(model_a.surface_points[i])) continue;
     const Eigen::Vector3d p_B = X_BA * model_a.surface_points[i];
     if (!model_b.box.contains(p_B)) continue;
-    const auto nearest = model_b.query->nearest(p_B, kDeepest);
-    if (!nearest || !(nearest->distance > 0)) continue;
-    const auto& mesh = *model_b.mesh;
-    const Eigen::Vector3i& t = mesh.triangles[nearest->triangle];
-    const Eigen::Vector3d normal_B = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-                                         .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-                                         .normalized();
-    if (normal_B.dot(p_B - nearest->point) >= 0) continue;  // outside
+    Eigen::Vector3d normal_B;
+    const double depth = depth_in_body(model_b, p_B, normal_B);
+    if (!(depth > 0 && depth < kDeepest)) continue;
     ContactPoint contact = make_contact(model_a, a, kOtherBody + model_b.id, i);
     contact.b = b;
     contact.law = &model_a.rigid_law;
     contact.point = X_WB * p_B;
     contact.normal = X_WB.linear() * normal_B;
-    contact.depth = nearest->distance;
+    contact.depth = depth;
     contacts.push_back(contact);
   }
 }

@@ -22,7 +22,8 @@ struct ModelRules {
   /// from the start. Error: how far it would have sunk into the table, m g / (n 1e5 N/m) for n
   /// points that carry it.
   bool out_of_reach = true;
-  /// Boxes, balls and cans are felt as what they are, not as their meshes. Error: none for boxes;
+  /// Pads and other objects' points meet boxes, balls and cans as what they are, not as their meshes.
+  /// Error: none for boxes;
   /// the sagitta of a segment for balls and cans (r (1 - cos(pi/n))), and up to 2 mm within 2 mm of
   /// a can's rims, which the mesh has bevelled.
   bool primitives = true;

@@ -15,7 +15,7 @@
 
 namespace prehend::simulation {
 
-/// What texels feel of an object: a shape in its own frame S.
+/// What texels and other objects' points meet of an object: a shape in its own frame S.
 struct FeltShape {
   contact::Shape shape = contact::Shape::box(Eigen::Vector3d::Ones());
   geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();

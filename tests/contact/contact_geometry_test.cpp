@@ -94,6 +94,41 @@ TEST(Shape, RaysMeetPrimitivesWhereSphereTracingDoes) {
   }
 }
 
+// The nearest point of the surface is `depth` along the normal from the point, and no surface is
+// nearer in any direction.
+TEST(Shape, DepthInsideIsTheDistanceToTheNearestSurface) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto any = [&] { return Eigen::Vector3d(unit(random), unit(random), unit(random)); };
+  for (const Shape& shape :
+       {Shape::box({0.1, 0.06, 0.2}), Shape::sphere(0.05), Shape::cylinder(0.04, 0.1),
+        Shape::capsule(0.03, 0.08), Shape::half_space()}) {
+    int inside = 0;
+    for (int i = 0; i < 500; ++i) {
+      const Eigen::Vector3d p = 0.1 * any();
+      Eigen::Vector3d normal;
+      const double depth = shape.depth_inside(p, normal);
+      // ray_distance is 0 where a ray begins inside.
+      EXPECT_EQ(depth >= 0, shape.ray_distance(p, Eigen::Vector3d::UnitX(), 1) == 0);
+      if (!(depth > 0)) continue;
+      ++inside;
+      EXPECT_NEAR(normal.norm(), 1, 1e-12);
+      Eigen::Vector3d ignored;
+      EXPECT_NEAR(shape.depth_inside(p + depth * normal, ignored), 0, 1e-12);
+      for (int k = 0; k < 20; ++k) {
+        const Eigen::Vector3d q = p + 0.999 * depth * any().normalized();
+        EXPECT_GT(shape.depth_inside(q, ignored), 0);
+      }
+    }
+    EXPECT_GT(inside, 20);
+  }
+  Eigen::Vector3d normal;
+  EXPECT_EQ(Shape::sphere(0.1).depth_inside(Eigen::Vector3d::Zero(), normal), 0.1);
+  EXPECT_EQ(normal.norm(), 1);
+  EXPECT_THROW(Shape::mesh(geometry::make_box({1, 1, 1})).depth_inside({0, 0, 0}, normal),
+               std::logic_error);
+}
+
 TEST(Shape, RaysAlongFacesAndAxes) {
   const Shape box = Shape::box({2, 2, 2});
   EXPECT_EQ(box.ray_distance({-3, 0.5, 0.5}, {1, 0, 0}, 10), 2);

@@ -141,6 +141,26 @@ TEST(ModelRules, ABoxIsGraspedAlikeAsBoxAndAsMesh) {
   EXPECT_NEAR(box.second, mesh.second, 1e-4);
 }
 
+TEST(ModelRules, BoxesStandOnBoxesAlikeAsBoxesAndAsMeshes) {
+  const auto stacked = [](bool primitives) {
+    Scene scene = grasp_scene(0.35);
+    scene.physics.rules.primitives = primitives;
+    scene.objects.push_back(scene.objects[0]);
+    scene.objects[1].name = "upper";
+    scene.objects[1].size = {0.05, 0.06, 0.04};
+    scene.objects[1].x = 0.3;
+    World world(scene);
+    world.place_object("upper", geometry::make_transform(
+                                    Eigen::Quaterniond(Eigen::AngleAxisd(
+                                        0.3, Eigen::Vector3d::UnitZ())),
+                                    {0.003, 0.002, 0.1001}));
+    run(world, 0.5);
+    EXPECT_NEAR(world.body("upper").height, 0.1, 1e-4);
+    return world.body("upper").X_WB;
+  };
+  EXPECT_LT((stacked(true).matrix() - stacked(false).matrix()).norm(), 1e-7);
+}
+
 // What sleepers would still have settled.
 TEST(ModelRules, SleepersStandWhereTheyWouldStand) {
   const auto stood = [](bool sleep) {
