@@ -34,6 +34,11 @@ inline std::vector<RobotKind> robot_kinds() {
                                {"EmulatedDevices",
                                 "launch/emulated_robot.yaml",
                                 {"lines:=LINES/line", "can:=slcan:LINES/can"}}};
+  if (std::getenv("PREHEND_VCAN")) {  // socket_can/run.sh
+    kinds.push_back({"EmulatedDevicesOnSocketCan",
+                     "launch/emulated_robot.yaml",
+                     {"lines:=LINES/line", "can:=vcan0"}});
+  }
   if (const char* hardware = std::getenv("PREHEND_HARDWARE")) {
     RobotKind real{"Hardware", "launch/bringup.yaml", {}, graph::ClockMode::kWall};
     std::istringstream words(hardware);
