@@ -74,6 +74,15 @@ void run(graph::Node& node) {
                                                      .default_value = true,
                                                      .description = "at power-on",
                                                      .read_only = true});
+  options.blocked_time = node.declare_parameter<double>(
+      {.name = "blocked_time",
+       .default_value = options.blocked_time,
+       .unit = "s",
+       .minimum = 0.01,
+       .maximum = 10,
+       .description =
+           "of standing that end a motion as blocked; longer where the simulation may lag",
+       .read_only = true});
   GraphGripper gripper(node);
   Wire wire = make_wire(line, module_id);
   const auto set_faults = wire.set_faults;

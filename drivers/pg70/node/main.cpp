@@ -67,6 +67,8 @@ Settings declare_settings(graph::Node& node) {
       seconds("loss_time", s.driver.loss_time, 0.02, "without a state, then it is stopped");
   s.driver.reply_time =
       seconds("reply_time", s.driver.reply_time, 0.01, "to wait for an answer before trying again");
+  s.driver.blocked_time = seconds("blocked_time", s.driver.blocked_time, 0.02,
+                                  "of standing, although told to move, that count as blocked");
   s.driver.opening_per_position = node.declare_parameter<double>(
       {.name = "opening_per_position",
        .default_value = 1,
