@@ -20,6 +20,7 @@ using simulation::engines::EngineRegistry;
 
 const std::vector<double> kMasses{0.1, 0.3, 1};      // kg
 const std::vector<double> kCoverages{0.52, 0.6, 1};  // of the pad, in the cycle of each
+constexpr double kLost = 0.005;                      // m off
 constexpr double kSamplePeriod = 0.1;                // s, of the cycle
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -257,10 +258,12 @@ TouchTradeoff measure_touch_tradeoff(const std::vector<Setting>& cycle,
 
 namespace {
 
-// The front without what is slower and hardly more accurate: less than 1 % is no gain.
+// The front without settings that lose the object, and without what is slower and hardly more
+// accurate: less than 1 % is no gain.
 std::vector<Setting> front_settings(const std::vector<Setting>& measured) {
   std::vector<Setting> kept;
   for (Setting& setting : fidelity::pareto_front(measured)) {
+    if (setting.error > kLost) continue;
     if (kept.empty() || setting.error < 0.99 * kept.back().error) {
       kept.push_back(std::move(setting));
     }
