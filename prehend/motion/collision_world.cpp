@@ -1,0 +1,193 @@
+#include "prehend/motion/collision_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::motion {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+void CollisionWorld::add_plane(const std::string& name, const geometry::Plane& plane_B) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.radius = std::numeric_limits<double>::infinity();
+  obstacle.faces = {plane_B};
+  obstacles_.push_back(std::move(obstacle));
+}
+
+void CollisionWorld::add_box(const std::string& name, const RigidTransform& X_BO,
+                             const Vector3d& size) {
+  if (!(size.minCoeff() > 0) || !size.allFinite() || !X_BO.matrix().allFinite()) {
+    throw std::invalid_argument("CollisionWorld: box '" + name + "' needs positive, finite sides");
+  }
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.kind = Obstacle::Kind::kBox;
+  obstacle.X_OB = X_BO.inverse();
+  obstacle.half = size / 2;
+  obstacle.center = X_BO.translation();
+  obstacle.radius = size.norm() / 2;
+  obstacles_.push_back(std::move(obstacle));
+}
+
+void CollisionWorld::add_sphere(const std::string& name, const Vector3d& center_B, double radius) {
+  if (!(radius > 0) || !std::isfinite(radius) || !center_B.allFinite()) {
+    throw std::invalid_argument("CollisionWorld: sphere '" + name + "' needs a positive radius");
+  }
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.kind = Obstacle::Kind::kSphere;
+  obstacle.center = center_B;
+  obstacle.radius = radius;
+  obstacles_.push_back(std::move(obstacle));
+}
+
+void CollisionWorld::add_convex(const std::string& name, const geometry::TriangleMesh& mesh_B) {
+  const geometry::TriangleMesh hull = geometry::convex_hull(mesh_B.vertices);
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.kind = Obstacle::Kind::kConvex;
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : hull.vertices) box.extend(p);
+  obstacle.center = box.center();
+  for (const Vector3d& p : hull.vertices) {
+    obstacle.radius = std::max(obstacle.radius, (p - obstacle.center).norm());
+  }
+  for (const Eigen::Vector3i& t : hull.triangles) {
+    const Vector3d& a = hull.vertices[static_cast<std::size_t>(t.x())];
+    const Vector3d normal = (hull.vertices[static_cast<std::size_t>(t.y())] - a)
+                                .cross(hull.vertices[static_cast<std::size_t>(t.z())] - a);
+    if (!(normal.norm() > 1e-14)) continue;
+    const Vector3d unit = normal.normalized();
+    obstacle.faces.push_back({unit, unit.dot(a)});
+  }
+  if (obstacle.faces.size() < 4) {
+    throw geometry::InputError("The convex obstacle '" + name + "' has no volume",
+                               "Leave it out, or give it a thickness");
+  }
+  obstacles_.push_back(std::move(obstacle));
+}
+
+bool CollisionWorld::remove(const std::string& name) {
+  return std::erase_if(obstacles_, [&](const Obstacle& o) { return o.name == name; }) > 0;
+}
+
+double CollisionWorld::distance(const Obstacle& obstacle, const Vector3d& p_B) {
+  switch (obstacle.kind) {
+    case Obstacle::Kind::kSphere:
+      return (p_B - obstacle.center).norm() - obstacle.radius;
+    case Obstacle::Kind::kBox: {
+      const Vector3d beyond = (obstacle.X_OB * p_B).cwiseAbs() - obstacle.half;
+      return beyond.cwiseMax(0).norm() + std::min(0.0, beyond.maxCoeff());
+    }
+    default: {
+      double most = -std::numeric_limits<double>::infinity();
+      for (const geometry::Plane& face : obstacle.faces) {
+        most = std::max(most, face.signed_distance(p_B));
+      }
+      return most;
+    }
+  }
+}
+
+double CollisionWorld::clearance(const Vector3d& center_B, double radius,
+                                 std::string* nearest) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Obstacle& obstacle : obstacles_) {
+    const double gap = distance(obstacle, center_B) - radius;
+    if (gap >= least) continue;
+    least = gap;
+    if (nearest) *nearest = obstacle.name;
+  }
+  return least;
+}
+
+bool CollisionWorld::touches(const Vector3d& center_B, double radius, double margin) const {
+  const double reach = radius + margin;
+  return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& obstacle) {
+    const double far = obstacle.radius + reach;
+    if ((center_B - obstacle.center).squaredNorm() > far * far) return false;
+    return distance(obstacle, center_B) < reach;
+  });
+}
+
+RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, CollisionWorld world,
+                           double margin)
+    : chain_(std::move(chain)),
+      spheres_(std::move(spheres)),
+      world_(std::move(world)),
+      margin_(margin),
+      own_(spheres_.spheres.size()),
+      own_pairs_(spheres_.self_pairs.size()) {}
+
+void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
+  detach();
+  const int last = chain_.size() - 1;
+  for (const RobotSphere& ball : balls_T) {
+    const int index = static_cast<int>(spheres_.spheres.size());
+    spheres_.spheres.push_back({last, chain_.X_JT() * ball.p_J, ball.radius});
+    for (std::size_t other = 0; other < own_; ++other) {
+      if (spheres_.spheres[other].joint > last - 2) continue;
+      spheres_.self_pairs.emplace_back(static_cast<int>(other), index);
+    }
+  }
+}
+
+void RobotInWorld::detach() {
+  spheres_.spheres.resize(own_);
+  spheres_.self_pairs.resize(own_pairs_);
+}
+
+std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  if (!chain_.within_limits(q)) return chain_.limit_problem(q);
+  thread_local std::vector<Vector3d> centers;
+  spheres_.centers(chain_, q, centers);
+  const auto part = [this](std::size_t i) -> std::string {
+    if (i >= own_) return "what is held";
+    const int joint = spheres_.spheres[i].joint;
+    return joint < 0 ? "the base"
+                     : "the link of joint '" +
+                           chain_.joints()[static_cast<std::size_t>(joint)].name + "'";
+  };
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    // What stands with the base never moves.
+    if (spheres_.spheres[i].joint < 0) continue;
+    const double radius = spheres_.spheres[i].radius;
+    if (!world_.touches(centers[i], radius, margin_)) continue;
+    std::string nearest;
+    world_.clearance(centers[i], radius, &nearest);
+    return part(i) + " touches '" + nearest + "'";
+  }
+  for (const auto& [a, b] : spheres_.self_pairs) {
+    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+    const double reach = spheres_.spheres[i].radius + spheres_.spheres[j].radius;
+    if ((centers[i] - centers[j]).squaredNorm() < reach * reach) {
+      return part(i) + " touches " + part(j);
+    }
+  }
+  return {};
+}
+
+bool RobotInWorld::is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
+                                   const Eigen::Ref<const Eigen::VectorXd>& to, double step) const {
+  const robot::Positions way = to - from;
+  const int steps = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff() / step)));
+  if (!is_free(from) || !is_free(to)) return false;
+  // The middles first: strides that halve.
+  int stride = 1;
+  while (stride < steps) stride *= 2;
+  for (; stride >= 2; stride /= 2) {
+    for (int i = stride / 2; i < steps; i += stride) {
+      if (!is_free(from + way * (static_cast<double>(i) / steps))) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace prehend::motion

@@ -1,0 +1,143 @@
+#include "prehend/motion/robot_spheres.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::motion {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::InputError;
+using geometry::RigidTransform;
+using robot::CollisionShape;
+
+int pieces(double length, double resolution) {
+  return std::max(1, static_cast<int>(std::ceil(length / resolution - 1e-9)));
+}
+
+struct Ball {
+  Vector3d center;
+  double radius;
+};
+
+/// Balls that hold a shape, in its own frame.
+std::vector<Ball> cover(const CollisionShape& shape, double resolution) {
+  std::vector<Ball> balls;
+  if (shape.kind == CollisionShape::Kind::kSphere) return {{Vector3d::Zero(), shape.radius}};
+  if (shape.kind == CollisionShape::Kind::kCylinder) {
+    // Slices of a cylinder; a fine one does not need more of them than its radius asks for.
+    const int count = pieces(shape.length, std::max(resolution, shape.radius));
+    const double slice = shape.length / count;
+    const double radius = std::hypot(shape.radius, slice / 2);
+    for (int i = 0; i < count; ++i) {
+      balls.push_back({{0, 0, -shape.length / 2 + (i + 0.5) * slice}, radius});
+    }
+    return balls;
+  }
+  // Cells of a box, no flatter than its flattest side.
+  const double side = std::max(resolution, shape.size.minCoeff());
+  const Eigen::Vector3i count(pieces(shape.size.x(), side), pieces(shape.size.y(), side),
+                              pieces(shape.size.z(), side));
+  const Vector3d cell = shape.size.cwiseQuotient(count.cast<double>());
+  for (int z = 0; z < count.z(); ++z) {
+    for (int y = 0; y < count.y(); ++y) {
+      for (int x = 0; x < count.x(); ++x) {
+        const Vector3d at(x + 0.5, y + 0.5, z + 0.5);
+        balls.push_back({at.cwiseProduct(cell) - shape.size / 2, cell.norm() / 2});
+      }
+    }
+  }
+  return balls;
+}
+
+double resting_position(const robot::Joint& joint) {
+  const double middle = 0.5 * (joint.lower + joint.upper);
+  return std::isfinite(middle) ? middle : 0;
+}
+
+/// The chain's joint that moves a link, and where the link's frame is in that joint's frame.
+struct Place {
+  int joint = -1;
+  RigidTransform X_JL = RigidTransform::Identity();
+};
+
+std::vector<std::optional<Place>> places(const robot::RobotModel& model,
+                                         const robot::KinematicChain& chain, int base) {
+  std::vector<std::optional<Place>> result(model.links.size());
+  result[static_cast<std::size_t>(base)] = Place{};
+  for (const robot::Joint& joint : model.joints) {
+    const auto& parent = result[static_cast<std::size_t>(joint.parent)];
+    if (!parent) continue;  // not below the base
+    Place place;
+    const auto moving =
+        std::find_if(chain.joints().begin(), chain.joints().end(),
+                     [&](const robot::ChainJoint& j) { return j.name == joint.name; });
+    if (moving != chain.joints().end()) {
+      place.joint = static_cast<int>(moving - chain.joints().begin());
+    } else {
+      place.joint = parent->joint;
+      place.X_JL = parent->X_JL * joint.pose_at(resting_position(joint));
+    }
+    result[static_cast<std::size_t>(joint.child)] = place;
+  }
+  return result;
+}
+
+}  // namespace
+
+void RobotSpheres::centers(const robot::KinematicChain& chain,
+                           const Eigen::Ref<const Eigen::VectorXd>& q,
+                           std::vector<Eigen::Vector3d>& centers) const {
+  std::vector<RigidTransform> poses;
+  chain.forward(q, poses);
+  centers.resize(spheres.size());
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const RobotSphere& sphere = spheres[i];
+    centers[i] = sphere.joint < 0
+                     ? sphere.p_J
+                     : Vector3d(poses[static_cast<std::size_t>(sphere.joint)] * sphere.p_J);
+  }
+}
+
+RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::string& base,
+                                const std::string& tip, double resolution) {
+  if (!(resolution > 0) || !std::isfinite(resolution)) {
+    throw std::invalid_argument("make_robot_spheres: resolution must be positive");
+  }
+  const robot::KinematicChain chain(model, base, tip);
+  const auto all = places(model, chain, model.link_index(base));
+  RobotSpheres result;
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    if (!all[i]) continue;
+    for (const CollisionShape& shape : model.links[i].shapes) {
+      if (shape.kind == CollisionShape::Kind::kMesh) {
+        throw InputError("Link '" + model.links[i].name + "' of robot '" + model.name +
+                             "' has a mesh as collision shape",
+                         "Give boxes, cylinders or spheres for it");
+      }
+      for (const Ball& ball : cover(shape, resolution)) {
+        result.spheres.push_back(
+            {all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center), ball.radius});
+      }
+    }
+  }
+  std::vector<Vector3d> at;
+  result.centers(chain, chain.middle(), at);
+  const auto gap = [&](std::size_t a, std::size_t b) {
+    return (at[a] - at[b]).norm() - result.spheres[a].radius - result.spheres[b].radius;
+  };
+  for (std::size_t a = 0; a < at.size(); ++a) {
+    for (std::size_t b = a + 1; b < at.size(); ++b) {
+      // Neighbours are made to touch.
+      if (std::abs(result.spheres[a].joint - result.spheres[b].joint) < 2) continue;
+      if (gap(a, b) > 0) result.self_pairs.emplace_back(static_cast<int>(a), static_cast<int>(b));
+    }
+  }
+  return result;
+}
+
+}  // namespace prehend::motion

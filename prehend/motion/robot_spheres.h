@@ -1,0 +1,38 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "prehend/robot/kinematic_chain.h"
+
+namespace prehend::motion {
+
+/// A ball that moves with a joint's frame.
+struct RobotSphere {
+  int joint = -1;                                 // of the chain; -1: stands with the base
+  Eigen::Vector3d p_J = Eigen::Vector3d::Zero();  // m, in the frame after that joint
+  double radius = 0;                              // m
+};
+
+/// A robot's chain as balls that together hold all of its collision shapes.
+struct RobotSpheres {
+  std::vector<RobotSphere> spheres;
+  /// Pairs of `spheres` that may touch each other and must not: those of links with at least one
+  /// other moving link between them that do not overlap in the middle of the limits.
+  std::vector<std::pair<int, int>> self_pairs;
+
+  /// Centres in the base frame [m] at `q`, in the order of `spheres`.
+  void centers(const robot::KinematicChain& chain, const Eigen::Ref<const Eigen::VectorXd>& q,
+               std::vector<Eigen::Vector3d>& centers) const;
+};
+
+/// Covers the boxes, cylinders and spheres of all links that the chain carries (branches beside it
+/// included, their joints at 0 or the middle of their limits) with balls about `resolution` [m]
+/// apart. Every point of a shape is in a ball; a ball reaches beyond its shape by at most 1.8
+/// resolutions.
+/// @throws std::invalid_argument for a resolution that is not positive; geometry::InputError for a
+/// mesh (name simple shapes for it), and as KinematicChain.
+RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::string& base,
+                                const std::string& tip, double resolution = 0.06);
+
+}  // namespace prehend::motion

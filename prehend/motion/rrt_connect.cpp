@@ -1,0 +1,310 @@
+#include "prehend/motion/rrt_connect.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace prehend::motion {
+namespace {
+
+using robot::Positions;
+
+constexpr double kLargestJump = 0.3;   // rad or m, of a joint on a straight step
+constexpr double kLargestMiss = 1e-4;  // m and rad
+constexpr double kTurnStep = 0.05;     // rad
+constexpr int kNewtonSteps = 10;
+
+void check(const RrtOptions& options) {
+  const auto require = [](bool condition, const char* what) {
+    if (!condition) throw std::invalid_argument(std::string("RrtOptions.") + what);
+  };
+  require(options.step > 0 && std::isfinite(options.step), "step must be > 0");
+  require(options.resolution > 0 && std::isfinite(options.resolution), "resolution must be > 0");
+  require(options.iterations >= 1, "iterations must be >= 1");
+  require(options.budget >= 0, "budget must be >= 0");
+  require(options.shortcuts >= 0, "shortcuts must be >= 0");
+}
+
+void check(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& q,
+           const char* what) {
+  if (q.size() != robot.chain().size() || !q.allFinite()) {
+    throw std::invalid_argument(std::string(what) + " needs " +
+                                std::to_string(robot.chain().size()) + " finite positions");
+  }
+}
+
+/// A tree of positions that are joined by free lines.
+struct Tree {
+  std::vector<Positions> nodes;
+  std::vector<int> parents;
+
+  int add(const Positions& q, int parent) {
+    nodes.push_back(q);
+    parents.push_back(parent);
+    return static_cast<int>(nodes.size()) - 1;
+  }
+  int nearest(const Positions& q) const {
+    int best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const double distance = (nodes[i] - q).squaredNorm();
+      if (distance >= least) continue;
+      least = distance;
+      best = static_cast<int>(i);
+    }
+    return best;
+  }
+  std::vector<Positions> way_from_root(int node) const {
+    std::vector<Positions> way;
+    for (; node >= 0; node = parents[static_cast<std::size_t>(node)]) {
+      way.push_back(nodes[static_cast<std::size_t>(node)]);
+    }
+    std::reverse(way.begin(), way.end());
+    return way;
+  }
+};
+
+class Search {
+ public:
+  Search(const RobotInWorld& robot, const RrtOptions& options)
+      : robot_(robot), options_(options), random_(options.seed) {}
+
+  /// Grows from the node nearest to `target` to it, step by step ("connect"); the last node, -1
+  /// when there was no step at all. `reached`: it is the target.
+  int grow(Tree& tree, const Positions& target, int steps, bool& reached) {
+    int at = tree.nearest(target);
+    int last = -1;
+    reached = false;
+    for (int step = 0; step < steps; ++step) {
+      const Positions from = tree.nodes[static_cast<std::size_t>(at)];
+      const double distance = (target - from).norm();
+      if (distance < 1e-12) {
+        reached = true;
+        return at;
+      }
+      reached = distance <= options_.step;
+      const Positions next =
+          reached ? target : Positions(from + (options_.step / distance) * (target - from));
+      if (!robot_.is_free_between(from, next, options_.resolution)) {
+        reached = false;
+        return last;
+      }
+      at = last = tree.add(next, at);
+      if (reached) return last;
+    }
+    return last;
+  }
+
+  Positions sample() {
+    Positions q(robot_.chain().size());
+    for (int i = 0; i < robot_.chain().size(); ++i) {
+      const robot::ChainJoint& joint = robot_.chain().joints()[static_cast<std::size_t>(i)];
+      const double low = std::isfinite(joint.lower) ? joint.lower : -std::numbers::pi;
+      const double high = std::isfinite(joint.upper) ? joint.upper : std::numbers::pi;
+      q[i] = low + (high - low) * uniform();
+    }
+    return q;
+  }
+
+  /// Replaces stretches by straight lines where these are free.
+  void shorten(std::vector<Positions>& way) {
+    for (int attempt = 0; attempt < options_.shortcuts && way.size() > 2; ++attempt) {
+      const double length = length_of(way);
+      double from = length * uniform(), to = length * uniform();
+      if (from > to) std::swap(from, to);
+      std::size_t first = 0, last = 0;
+      const Positions a = at(way, from, first), b = at(way, to, last);
+      if (first == last || !robot_.is_free_between(a, b, options_.resolution)) continue;
+      std::vector<Positions> shorter(way.begin(),
+                                     way.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+      shorter.push_back(a);
+      shorter.push_back(b);
+      shorter.insert(shorter.end(), way.begin() + static_cast<std::ptrdiff_t>(last) + 1, way.end());
+      // Waypoints that coincide tell nothing.
+      shorter.erase(
+          std::unique(shorter.begin(), shorter.end(),
+                      [](const Positions& x, const Positions& y) { return (x - y).norm() < 1e-9; }),
+          shorter.end());
+      if (length_of(shorter) < length) way = std::move(shorter);
+    }
+  }
+
+  static double length_of(const std::vector<Positions>& way) {
+    double length = 0;
+    for (std::size_t i = 1; i < way.size(); ++i) length += (way[i] - way[i - 1]).norm();
+    return length;
+  }
+
+ private:
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+
+  /// The point `distance` along the way, and the waypoint before it.
+  static Positions at(const std::vector<Positions>& way, double distance, std::size_t& before) {
+    for (before = 0; before + 2 < way.size(); ++before) {
+      const double piece = (way[before + 1] - way[before]).norm();
+      if (distance <= piece) break;
+      distance -= piece;
+    }
+    const Positions piece = way[before + 1] - way[before];
+    const double length = piece.norm();
+    return way[before] + std::clamp(length > 0 ? distance / length : 0, 0.0, 1.0) * piece;
+  }
+
+  const RobotInWorld& robot_;
+  const RrtOptions& options_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace
+
+double JointPath::length() const { return Search::length_of(waypoints); }
+
+JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
+                    const std::vector<Positions>& goals, const RrtOptions& options) {
+  check(options);
+  check(robot, start, "plan_path: the start");
+  JointPath path;
+  if (goals.empty()) {
+    path.reason = "there are no goals";
+    return path;
+  }
+  if (std::string problem = robot.problem(start); !problem.empty()) {
+    path.reason = "at the start, " + problem;
+    return path;
+  }
+  Tree from_start, from_goals;
+  std::vector<int> goal_of;  // root of from_goals -> goal
+  std::string goal_problem;
+  for (std::size_t g = 0; g < goals.size(); ++g) {
+    check(robot, goals[g], "plan_path: a goal");
+    const std::string problem = robot.problem(goals[g]);
+    if (!problem.empty()) {
+      goal_problem = problem;
+      continue;
+    }
+    from_goals.add(goals[g], -1);
+    goal_of.push_back(static_cast<int>(g));
+  }
+  if (from_goals.nodes.empty()) {
+    path.reason =
+        (goals.size() == 1 ? "at the goal, " : "at every goal; at the last, ") + goal_problem;
+    return path;
+  }
+  const Positions first = start;
+  from_start.add(first, -1);
+  Search search(robot, options);
+  const auto finish = [&](std::vector<Positions> way, const Positions& reached) {
+    for (std::size_t r = 0; r < goal_of.size(); ++r) {
+      if (from_goals.nodes[r] == reached) path.goal = goal_of[r];
+    }
+    search.shorten(way);
+    path.waypoints = std::move(way);
+    return std::move(path);
+  };
+  const Positions& nearest_goal =
+      from_goals.nodes[static_cast<std::size_t>(from_goals.nearest(first))];
+  if (robot.is_free_between(first, nearest_goal, options.resolution)) {
+    return finish({first, nearest_goal}, nearest_goal);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  Tree* grown = &from_start;
+  Tree* other = &from_goals;
+  for (; path.iterations < options.iterations; ++path.iterations) {
+    if (options.budget > 0 &&
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() >
+            options.budget) {
+      break;
+    }
+    bool reached = false;
+    const int node = search.grow(*grown, search.sample(), 1, reached);
+    if (node >= 0) {
+      const Positions target = grown->nodes[static_cast<std::size_t>(node)];
+      const int met = search.grow(*other, target, std::numeric_limits<int>::max(), reached);
+      if (reached) {
+        std::vector<Positions> way = grown->way_from_root(node);
+        std::vector<Positions> rest = other->way_from_root(met);
+        const bool swapped = grown == &from_goals;
+        if (swapped) std::swap(way, rest);
+        const Positions goal = rest.front();
+        std::reverse(rest.begin(), rest.end());
+        way.insert(way.end(), rest.begin() + 1, rest.end());
+        return finish(std::move(way), goal);
+      }
+    }
+    std::swap(grown, other);
+  }
+  char text[160];
+  std::snprintf(text, sizeof text, "no path was found with %d samples (%zu and %zu positions)",
+                path.iterations, from_start.nodes.size(), from_goals.nodes.size());
+  path.reason = text;
+  return path;
+}
+
+JointPath straight_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
+                        const geometry::RigidTransform& X_BT, double step) {
+  check(robot, start, "straight_path: the start");
+  if (!(step > 0) || !X_BT.matrix().allFinite()) {
+    throw std::invalid_argument("straight_path: step must be positive and the pose finite");
+  }
+  const robot::KinematicChain& chain = robot.chain();
+  JointPath path;
+  if (std::string problem = robot.problem(start); !problem.empty()) {
+    path.reason = "at the start, " + problem;
+    return path;
+  }
+  const geometry::RigidTransform X_from = chain.forward(start);
+  const Eigen::Quaterniond q_from(X_from.linear()), q_to(X_BT.linear());
+  const Eigen::Vector3d way = X_BT.translation() - X_from.translation();
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::max(
+                                    way.norm() / step, q_from.angularDistance(q_to) / kTurnStep))));
+  Positions q = start;
+  std::vector<Positions> waypoints{q};
+  for (int i = 1; i <= steps; ++i) {
+    const double part = static_cast<double>(i) / steps;
+    const geometry::RigidTransform target =
+        geometry::make_transform(q_from.slerp(part, q_to), X_from.translation() + part * way);
+    const Positions before = q;
+    Eigen::Matrix<double, 6, 1> error;
+    const auto miss = [&] {
+      const geometry::RigidTransform X = chain.forward(q);
+      const Eigen::AngleAxisd turn(Eigen::Matrix3d(target.linear() * X.linear().transpose()));
+      error << target.translation() - X.translation(), turn.angle() * turn.axis();
+      return std::max(error.head<3>().norm(), error.tail<3>().norm());
+    };
+    for (int k = 0; k < kNewtonSteps && miss() > 1e-9; ++k) {
+      const auto J = chain.jacobian(q);
+      const Eigen::Matrix<double, 6, 6> normal =
+          J * J.transpose() + 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
+      q += J.transpose() * normal.ldlt().solve(error);
+    }
+    std::string problem;
+    if (miss() > kLargestMiss) {
+      problem = "the arm cannot follow";
+    } else if ((q - before).cwiseAbs().maxCoeff() > kLargestJump) {
+      problem = "a joint would jump";
+    } else {
+      problem = robot.problem(q);
+    }
+    if (!problem.empty()) {
+      char text[80];
+      std::snprintf(text, sizeof text, "after %.0f of %.0f mm, ", 1e3 * (part * way.norm()),
+                    1e3 * way.norm());
+      path.reason = text + problem;
+      return path;
+    }
+    waypoints.push_back(q);
+  }
+  path.waypoints = std::move(waypoints);
+  path.goal = 0;
+  return path;
+}
+
+}  // namespace prehend::motion
