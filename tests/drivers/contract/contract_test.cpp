@@ -45,6 +45,7 @@ class Contract : public ::testing::TestWithParam<RobotKind> {
         << robot_->output();
     // Each test begins with open, standing jaws.
     ASSERT_TRUE(eventually([&] { return move_to(0.06, 0.08)->reached(); })) << robot_->output();
+    ASSERT_TRUE(eventually([&] { return stands(); }));
   }
 
   msgs::GripperState state() const { return robot_->states.last(); }
@@ -68,6 +69,8 @@ class Contract : public ::testing::TestWithParam<RobotKind> {
     }
   }
   bool stands() const { return !state().moving() && std::abs(state().velocity()) < 1e-3; }
+
+  bool has_begun_to_close() const { return state().moving() && state().opening() < 0.0595; }
 
   RobotUnderTest* robot_ = nullptr;
 };
@@ -182,7 +185,7 @@ TEST_P(Contract, RefusesGoalsThatMakeNoSenseInWords) {
 
 TEST_P(Contract, CancelledGoalStopsTheJaws) {
   const auto handle = robot_->move.send(goal(0.0, 0.01));
-  ASSERT_TRUE(eventually([&] { return state().moving(); }));
+  ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
   handle.cancel();
   const auto outcome = handle.wait(20s);
   EXPECT_EQ(outcome.status(), graph::Status::kCancelled);
@@ -192,7 +195,7 @@ TEST_P(Contract, CancelledGoalStopsTheJaws) {
 
 TEST_P(Contract, NewGoalPreemptsTheOneThatRuns) {
   const auto first = robot_->move.send(goal(0.0, 0.01));
-  ASSERT_TRUE(eventually([&] { return state().moving(); }));
+  ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
   const auto second = move_to(0.05);
   EXPECT_TRUE(second->reached()) << second->reason();
   EXPECT_EQ(first.wait(20s).status(), graph::Status::kPreempted);
@@ -214,7 +217,7 @@ TEST_P(Contract, CommandTakesTheGripperOverFromAGoal) {
 TEST_P(Contract, CommandStampedBeforeTheGoalIsIgnoredWhileItRuns) {
   const auto message = goal(0.03, 0.02);
   const auto handle = robot_->move.send(message);
-  ASSERT_TRUE(eventually([&] { return state().moving(); }));
+  ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
   robot_->command(Command::STOP, 0, 0, message.stamp());
   const auto outcome = handle.wait(60s);
   ASSERT_TRUE(outcome) << outcome.error();
@@ -346,7 +349,7 @@ TEST_P(Contract, JawsThatMeetNothingCloseWithoutBeingBlocked) {
 
 TEST_P(Contract, StopAndAcknowledge) {
   const auto handle = robot_->move.send(goal(0.0, 0.01));
-  ASSERT_TRUE(eventually([&] { return state().moving(); }));
+  ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
   EXPECT_TRUE(robot_->call("/gripper/stop").success());
   EXPECT_TRUE(eventually([&] { return stands(); }));
   EXPECT_TRUE(handle.wait(20s).has_value());
