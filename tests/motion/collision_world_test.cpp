@@ -153,7 +153,7 @@ TEST(RobotInWorld, SaysWhatTouchesWhat) {
   q[3] = 2.39;  // and a long tool onto the base
   EXPECT_TRUE(robot.is_free(q));
   robot.world().remove("table");
-  robot.attach({{0, {0, 0, 0.3}, 0.3}});
+  robot.attach({{0, {0, 0, 0.3}, 0.55}});
   EXPECT_THAT(robot.problem(q), HasSubstr("touches what is held"));
   robot.detach();
   q[3] = 3;
