@@ -2,47 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 
-#include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "prehend/robot/urdf_document.h"
 
 namespace prehend::simulation::engines {
 namespace {
 
 using geometry::InputError;
 using geometry::RigidTransform;
-
-// What the parser complains of, for the error's text; it writes to the terminal otherwise.
-class Complaints : public console_bridge::OutputHandler {
- public:
-  Complaints() { console_bridge::useOutputHandler(this); }
-  ~Complaints() override { console_bridge::restorePreviousOutputHandler(); }
-  Complaints(const Complaints&) = delete;
-  Complaints& operator=(const Complaints&) = delete;
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level < console_bridge::CONSOLE_BRIDGE_LOG_WARN) return;
-    text_ += (text_.empty() ? "" : "; ") + text;
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-RigidTransform pose(const urdf::Pose& p) {
-  double x, y, z, w;
-  p.rotation.getQuaternion(x, y, z, w);
-  return geometry::make_transform(Eigen::Quaterniond(w, x, y, z).normalized(),
-                                  {p.position.x, p.position.y, p.position.z});
-}
 
 // Links that fixed joints make one. Everything in frame G, the first link's.
 struct Group {
@@ -86,7 +60,8 @@ class Reader {
     add_collision(link, groups_[group], X_GL);
     for (const auto& joint : link.child_joints) {
       const urdf::LinkConstSharedPtr child = model_.getLink(joint->child_link_name);
-      const RigidTransform X_GC = X_GL * pose(joint->parent_to_joint_origin_transform);
+      const RigidTransform X_GC =
+          X_GL * robot::to_transform(joint->parent_to_joint_origin_transform);
       switch (joint->type) {
         case urdf::Joint::FIXED:
           add_link(*child, group, X_GC);
@@ -113,7 +88,7 @@ class Reader {
   void add_inertial(const urdf::Link& link, Group& group, const RigidTransform& X_GL) const {
     if (!link.inertial) return;
     const urdf::Inertial& given = *link.inertial;
-    const RigidTransform X_GI = X_GL * pose(given.origin);
+    const RigidTransform X_GI = X_GL * robot::to_transform(given.origin);
     Eigen::Matrix3d inertia;
     inertia << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz,
         given.iyz, given.izz;
@@ -163,7 +138,7 @@ class Reader {
              "Leave one box, sphere or cylinder to all of them");
       }
       group.shape = shape;
-      group.X_GS = X_GL * pose(collision->origin);
+      group.X_GS = X_GL * robot::to_transform(collision->origin);
     }
   }
 
@@ -273,26 +248,11 @@ class Reader {
 }  // namespace
 
 UrdfScene parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options) {
-  urdf::ModelInterfaceSharedPtr model;
-  const Complaints complaints;
-  try {
-    model = urdf::parseURDF(text);
-  } catch (const std::exception& error) {
-    throw InputError("'" + name + "' is no URDF: " + error.what(), "See wiki.ros.org/urdf/XML");
-  }
-  if (!model || !model->getRoot()) {
-    throw InputError("'" + name + "' is no URDF: " + complaints.text(),
-                     "See wiki.ros.org/urdf/XML");
-  }
-  return Reader(*model, name, options).read();
+  return Reader(*robot::parse_urdf_document(text, name), name, options).read();
 }
 
 UrdfScene load_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
-  std::ifstream stream(file);
-  if (!stream) throw InputError("'" + file.string() + "' cannot be read", "Check the path");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parse_urdf(text.str(), file.string(), options);
+  return Reader(*robot::read_urdf_document(file), file.string(), options).read();
 }
 
 }  // namespace prehend::simulation::engines
