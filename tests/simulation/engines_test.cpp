@@ -307,6 +307,19 @@ TEST_P(EachEngine, SavedStateContinues) {
   EXPECT_THROW(engine_->restore({1, 2, 3}), std::invalid_argument);
 }
 
+TEST_P(EachEngine, NothingAndOnlyFixedBodiesStandStill) {
+  EngineScene scene;
+  if (!load(scene, "empty")) return;
+  run(0.01);
+  scene.ground = true;
+  scene.bodies = {box(1, {0.05, 0.05, 0.05}, {0, 0, 1}), box(1, {0.1, 0.1, 0.1}, {0, 0, 1.02})};
+  for (EngineBody& body : scene.bodies) body.is_fixed = true;
+  if (!load(scene, "fixed")) return;
+  run(0.01);
+  EXPECT_LT((engine_->body(0).X_WB.translation() - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
+  EXPECT_EQ(engine_->body(0).velocity.norm(), 0);
+}
+
 TEST_P(EachEngine, RefusesAnUnknownSolver) {
   EngineScene scene = pressed_cube(false);
   scene.solver = "magic";

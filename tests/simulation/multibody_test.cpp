@@ -292,6 +292,30 @@ TEST(Multibody, ContinuesBitwiseFromASavedState) {
   }
 }
 
+TEST(Multibody, RefusesForcesThatAreNoNumbers) {
+  EngineScene scene = pressed_cube(false);
+  const auto engine = loaded(scene);
+  EXPECT_THROW(engine->set_joint_force(0, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(engine->set_joint_force(7, 1), std::out_of_range);
+  EXPECT_THROW(engine->set_body_wrench(0, Vector6::Constant(1 / 0.0)), std::invalid_argument);
+}
+
+// Sizes from 1 mm to 1 m, masses from 1 mg to 1 t.
+TEST(Multibody, TinyAndHugeBodiesComeToRest) {
+  for (const auto& [size, mass] : {std::pair{1e-3, 1e-6}, {1.0, 1e3}}) {
+    EngineScene scene;
+    scene.ground = true;
+    scene.bodies = {box(mass, {size, size, size}, {0, 0, 0.6 * size}),
+                    box(0.1 * mass, {0.5 * size, size, size}, {0, 0, 1.7 * size})};
+    const auto engine = loaded(scene);
+    run(*engine, scene, 2);
+    for (const int body : {0, 1}) {
+      EXPECT_NEAR(engine->body(body).X_WB.translation().z(), (0.5 + body) * size, 0.02 * size);
+      EXPECT_LT(engine->body(body).velocity.norm(), 1e-6);
+    }
+  }
+}
+
 TEST(NativeEngine, ChoosesTheGraspSystemOnlyForWhatItKnows) {
   EngineScene scene;
   scene.bodies = {box(0.1, {0.05, 0.05, 0.05}, {0, 0, 1})};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prehend/contact/require.h"
 #include "prehend/contact/rotation.h"
 #include "prehend/simulation/engines/inertia.h"
 #include "prehend/simulation/engines/twist_rows.h"
@@ -64,8 +65,15 @@ Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadTouch::
   right_.resize(size_);
 }
 
-void Multibody::set_joint_force(int joint, double force) { joint_force_.at(joint) = force; }
-void Multibody::set_body_wrench(int body, const Vector6& wrench) { wrench_.at(body) = wrench; }
+void Multibody::set_joint_force(int joint, double force) {
+  contact::require(std::isfinite(force), "the force of joint " + std::to_string(joint), "finite");
+  joint_force_.at(joint) = force;
+}
+
+void Multibody::set_body_wrench(int body, const Vector6& wrench) {
+  contact::require(wrench.allFinite(), "the wrench on body " + std::to_string(body), "finite");
+  wrench_.at(body) = wrench;
+}
 
 MultibodyState Multibody::initial_state() const {
   MultibodyState state;

@@ -74,6 +74,7 @@ class Multibody {
   void extrapolate(const MultibodyState& y0, const MultibodyState& y1, double share,
                    MultibodyState& out) const;
 
+  /// @throws std::invalid_argument for a value that is not finite, std::out_of_range for an index.
   void set_joint_force(int joint, double force);  // N, N m
   void set_body_wrench(int body, const Vector6& wrench_W);
   double joint_position(const MultibodyState& state, int joint) const;
