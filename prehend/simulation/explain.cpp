@@ -160,7 +160,7 @@ void explain_rules(const Scene& scene, std::size_t n, bool any_mesh, Explanation
   }
   if (rules.sleep && n > 0) {
     out.left_out.push_back({"objects at rest", "sleep", 2e-5, "m",
-                            "at most 20 um of further settling",
+                            "20 um of further settling, as measured; a slower roll is stopped",
                             "once an object has stood still on the table alone for 0.3 s"});
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();

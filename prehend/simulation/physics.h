@@ -15,8 +15,8 @@ struct ModelRules {
   /// touching points. Bitwise equal.
   bool skip_distant_pairs = true;
   /// A body that stands on the table alone and moved at less than 0.2 mm/s for 0.3 s stands still
-  /// until something that moves comes to touch it. Error: what it would still have settled, below
-  /// 2e-5 m.
+  /// until something that moves comes to touch it. Error: what it would still have settled,
+  /// measured below 2e-5 m; a ball that rolls more slowly than that is stopped, without a bound.
   bool sleep = true;
   /// A body that stands stably where the gripper never comes within the carrier's limits sleeps
   /// from the start. Error: how far it would have sunk into the table, m g / (n 1e5 N/m) for n
