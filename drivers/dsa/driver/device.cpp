@@ -1,7 +1,6 @@
 #include "drivers/dsa/driver/device.h"
 
 #include <array>
-#include <stdexcept>
 #include <utility>
 
 namespace prehend::drivers::dsa {
@@ -15,8 +14,7 @@ constexpr auto kWriteTime = std::chrono::milliseconds(50);
 Device::Device(const DriverOptions& options, Open open, OnFrame on_frame, Driver::Note note,
                double retry)
     : open_(std::move(open)),
-      note_(note),
-      retry_(to_time(retry)),
+      reopening_(retry, note),
       driver_(
           options,
           [this](Bytes bytes) -> std::string {
@@ -45,22 +43,10 @@ Statistics Device::statistics() {
 }
 
 void Device::open_line() {
-  const Time now = steady_now();
-  if (last_try_ != Time::min() && now - last_try_ < retry_) {
-    std::this_thread::sleep_for(kTick);
-    return;
-  }
-  last_try_ = now;
-  try {
-    line_ = open_();
-    last_problem_.clear();
-    note_(false, "connected by " + line_->name());
-    const std::lock_guard lock(mutex_);
-    driver_.connected(now);
-  } catch (const std::runtime_error& error) {
-    if (last_problem_ != error.what()) note_(true, error.what());
-    last_problem_ = error.what();
-  }
+  line_ = reopening_.attempt(open_, kTick);
+  if (!line_) return;
+  const std::lock_guard lock(mutex_);
+  driver_.connected(steady_now());
 }
 
 void Device::run() {

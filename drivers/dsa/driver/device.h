@@ -9,6 +9,7 @@
 
 #include "drivers/dsa/driver/driver.h"
 #include "drivers/wire/stream/byte_stream.h"
+#include "drivers/wire/stream/reopening.h"
 
 namespace prehend::drivers::dsa {
 
@@ -34,13 +35,10 @@ class Device {
   void open_line();
 
   Open open_;
-  Driver::Note note_;
-  Time retry_;
+  Reopening reopening_;
   std::mutex mutex_;  // guards driver_
   std::unique_ptr<ByteStream> line_;
   Driver driver_;
-  std::string last_problem_;
-  Time last_try_ = Time::min();
   std::atomic<bool> ends_ = false;
   std::thread thread_;
 };

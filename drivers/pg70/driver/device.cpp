@@ -1,6 +1,5 @@
 #include "drivers/pg70/driver/device.h"
 
-#include <stdexcept>
 #include <utility>
 
 namespace prehend::drivers::pg70 {
@@ -14,8 +13,7 @@ Device::Device(const DriverOptions& options, Open open, OnState on_state, Driver
                double retry)
     : open_(std::move(open)),
       on_state_(std::move(on_state)),
-      note_(note),
-      retry_(to_time(retry)),
+      reopening_(retry, note),
       driver_(
           options, [this](const Content& content) { return send(content); }, std::move(note)),
       thread_([this] { run(); }) {}
@@ -36,23 +34,11 @@ std::string Device::send(const Content& content) {
 }
 
 void Device::open_link() {
-  const Time now = steady_now();
-  if (last_try_ != Time::min() && now - last_try_ < retry_) {
-    std::this_thread::sleep_for(kTick);
-    return;
-  }
-  last_try_ = now;
-  try {
-    std::shared_ptr<Link> link = open_();
-    const std::lock_guard lock(mutex_);
-    link_ = std::move(link);
-    last_problem_.clear();
-    note_(false, "connected by " + link_->name());
-    driver_.connected(now);
-  } catch (const std::runtime_error& error) {
-    if (last_problem_ != error.what()) note_(true, error.what());
-    last_problem_ = error.what();
-  }
+  std::shared_ptr<Link> link = reopening_.attempt(open_, kTick);
+  if (!link) return;
+  const std::lock_guard lock(mutex_);
+  link_ = std::move(link);
+  driver_.connected(steady_now());
 }
 
 void Device::serve(std::optional<LinkInput> input) {

@@ -9,6 +9,7 @@
 
 #include "drivers/pg70/driver/driver.h"
 #include "drivers/pg70/transport/link.h"
+#include "drivers/wire/stream/reopening.h"
 
 namespace prehend::drivers::pg70 {
 
@@ -46,13 +47,10 @@ class Device {
 
   Open open_;
   OnState on_state_;
-  Driver::Note note_;
-  Time retry_;
+  Reopening reopening_;
   std::mutex mutex_;  // guards driver_ and the pointer link_
   std::shared_ptr<Link> link_;
   Driver driver_;
-  std::string last_problem_;
-  Time last_try_ = Time::min();
   std::atomic<std::uint64_t> damaged_ = 0;
   std::atomic<bool> ends_ = false;
   std::thread thread_;
