@@ -26,14 +26,14 @@ struct DriverOptions {
 
 /// Where the controller's stream is. None of these states moves anything: the pads only feel.
 ///
-/// | state         | power                        | frames |
-/// |---------------|------------------------------|-------------------------------------------------|
-/// | kDisconnected | unknown                      | none | | kStopping     | unknown; it may be
-/// starting  | discarded; a stream left on is being stopped    | | kAsking       | on | discarded;
-/// configuration is read and set        | | kStreaming    | on                           | handed
-/// on                                       | | kStale        | unknown                      | none
-/// for stale_time; reported; begun anew       | | kRefused      | on                           |
-/// none: the device answered an error; begun anew  |
+/// | state         | power                         | frames                                       |
+/// |---------------|-------------------------------|----------------------------------------------|
+/// | kDisconnected | unknown                       | none                                         |
+/// | kStopping     | unknown; it may be starting   | discarded; a stream left on is being stopped |
+/// | kAsking       | on                            | discarded; configuration is read and set     |
+/// | kStreaming    | on                            | handed on                                    |
+/// | kStale        | unknown                       | none for stale_time; reported; begun anew    |
+/// | kRefused      | on                            | none: an error was answered; begun anew      |
 enum class DriverState { kDisconnected, kStopping, kAsking, kStreaming, kStale, kRefused };
 const char* to_string(DriverState state);
 
