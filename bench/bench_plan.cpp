@@ -1,6 +1,7 @@
 // What a plan is made of, beside its peers in the same run: closure and quality of a grasp against
 // GLPK's linear programme and Qhull's whole hull; inverse kinematics.
 
+#include <algorithm>
 #include <ctime>
 #include <functional>
 #include <random>
@@ -10,7 +11,9 @@
 
 #include "prehend/grasp/force_closure.h"
 #include "prehend/grasp/wrench_hull.h"
+#include "prehend/motion/ompl_planner.h"
 #include "prehend/robot/inverse_kinematics.h"
+#include "tests/motion/shelves.h"
 #include "tests/robot/arms.h"
 
 namespace {
@@ -147,5 +150,78 @@ void BM_ForwardKinematics(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(arm.forward(q));
 }
 BENCHMARK(BM_ForwardKinematics);
+
+/// The PA10 from one compartment of shelves to the other; the median of 50 seeds.
+template <class Plan>
+double median_seconds(Plan plan, int count) {
+  std::vector<double> seconds;
+  for (int seed = 1; seed <= count; ++seed) {
+    const std::clock_t start = std::clock();
+    benchmark::DoNotOptimize(plan(seed));
+    seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + count / 2, seconds.end());
+  return seconds[static_cast<std::size_t>(count / 2)];
+}
+
+struct Task {
+  motion::Shelves shelves;
+  motion::RobotInWorld robot = shelves.in_world();
+  std::vector<robot::Positions> left = shelves.reach(robot, {0.65, 0.22, 0.5});
+  std::vector<robot::Positions> right = shelves.reach(robot, {0.65, -0.22, 0.5});
+};
+
+const Task& task() {
+  static const Task one;
+  return one;
+}
+
+double path_seconds() {
+  return median_seconds(
+      [](int seed) {
+        motion::RrtOptions options;
+        options.seed = static_cast<std::uint64_t>(seed);
+        return motion::plan_path(task().robot, task().left.front(), task().right, options).found();
+      },
+      50);
+}
+
+double ompl_seconds(bool by_fcl) {
+  motion::OmplOptions options;
+  if (by_fcl) {
+    options.is_free = [](const robot::Positions& q) {
+      return !task().shelves.oracle.collides(task().shelves.chain, q);
+    };
+  }
+  return median_seconds(
+      [&options](int) {
+        return motion::plan_path_by_ompl(task().robot, task().left.front(), task().right, options)
+            .found();
+      },
+      by_fcl ? 5 : 15);
+}
+
+void BM_Path(benchmark::State& state) {
+  double seconds = 0;
+  for (auto _ : state) {
+    seconds = path_seconds();
+    state.SetIterationTime(seconds);
+  }
+  state.counters["times_ompl"] = ompl_seconds(false) / seconds;
+  state.counters["times_ompl_fcl"] = ompl_seconds(true) / seconds;
+}
+BENCHMARK(BM_Path)->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+void BM_IsFree(benchmark::State& state) {
+  std::mt19937_64 random(3);
+  std::vector<robot::Positions> positions;
+  for (int i = 0; i < 256; ++i) {
+    positions.push_back(robot::random_positions(task().shelves.chain, random));
+  }
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(task().robot.is_free(positions[i++ % 256]));
+  state.counters["balls"] = static_cast<double>(task().robot.spheres().spheres.size());
+}
+BENCHMARK(BM_IsFree);
 
 }  // namespace

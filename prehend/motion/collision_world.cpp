@@ -144,34 +144,42 @@ void RobotInWorld::detach() {
   spheres_.self_pairs.resize(own_pairs_);
 }
 
-std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) const {
-  if (!chain_.within_limits(q)) return chain_.limit_problem(q);
+RobotInWorld::Touch RobotInWorld::first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const {
   thread_local std::vector<Vector3d> centers;
   spheres_.centers(chain_, q, centers);
-  const auto part = [this](std::size_t i) -> std::string {
-    if (i >= own_) return "what is held";
-    const int joint = spheres_.spheres[i].joint;
-    return joint < 0 ? "the base"
-                     : "the link of joint '" +
-                           chain_.joints()[static_cast<std::size_t>(joint)].name + "'";
-  };
   for (std::size_t i = 0; i < centers.size(); ++i) {
     // What stands with the base never moves.
     if (spheres_.spheres[i].joint < 0) continue;
-    const double radius = spheres_.spheres[i].radius;
-    if (!world_.touches(centers[i], radius, margin_)) continue;
-    std::string nearest;
-    world_.clearance(centers[i], radius, &nearest);
-    return part(i) + " touches '" + nearest + "'";
+    if (!world_.touches(centers[i], spheres_.spheres[i].radius, margin_)) continue;
+    return {static_cast<int>(i), -1, centers[i]};
   }
   for (const auto& [a, b] : spheres_.self_pairs) {
     const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
     const double reach = spheres_.spheres[i].radius + spheres_.spheres[j].radius;
-    if ((centers[i] - centers[j]).squaredNorm() < reach * reach) {
-      return part(i) + " touches " + part(j);
-    }
+    if ((centers[i] - centers[j]).squaredNorm() < reach * reach) return {a, b, centers[i]};
   }
   return {};
+}
+
+bool RobotInWorld::is_free(const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  return chain_.within_limits(q) && first_touch(q).ball < 0;
+}
+
+std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  if (!chain_.within_limits(q)) return chain_.limit_problem(q);
+  const Touch touch = first_touch(q);
+  if (touch.ball < 0) return {};
+  const auto part = [this](int ball) -> std::string {
+    if (static_cast<std::size_t>(ball) >= own_) return "what is held";
+    const int joint = spheres_.spheres[static_cast<std::size_t>(ball)].joint;
+    if (joint < 0) return "the base";
+    return "the link of joint '" + chain_.joints()[static_cast<std::size_t>(joint)].name + "'";
+  };
+  if (touch.other >= 0) return part(touch.ball) + " touches " + part(touch.other);
+  std::string nearest;
+  world_.clearance(touch.center, spheres_.spheres[static_cast<std::size_t>(touch.ball)].radius,
+                   &nearest);
+  return part(touch.ball) + " touches '" + nearest + "'";
 }
 
 bool RobotInWorld::is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,

@@ -68,7 +68,7 @@ class RobotInWorld {
   void detach();
 
   /// Within limits, clear of obstacles and of itself.
-  bool is_free(const Eigen::Ref<const Eigen::VectorXd>& q) const { return problem(q).empty(); }
+  bool is_free(const Eigen::Ref<const Eigen::VectorXd>& q) const;
   /// "link of joint 'e2' touches 'table'"; empty when free.
   std::string problem(const Eigen::Ref<const Eigen::VectorXd>& q) const;
   /// Whether the straight line in joint space is free at steps of at most `step` [rad or m] of any
@@ -77,6 +77,14 @@ class RobotInWorld {
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const;
 
  private:
+  /// A ball that touches an obstacle, or another ball.
+  struct Touch {
+    int ball = -1;  // none
+    int other = -1;
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  };
+  Touch first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
   robot::KinematicChain chain_;
   RobotSpheres spheres_;
   CollisionWorld world_;

@@ -92,7 +92,7 @@ std::vector<std::optional<Place>> places(const robot::RobotModel& model,
 void RobotSpheres::centers(const robot::KinematicChain& chain,
                            const Eigen::Ref<const Eigen::VectorXd>& q,
                            std::vector<Eigen::Vector3d>& centers) const {
-  std::vector<RigidTransform> poses;
+  thread_local std::vector<RigidTransform> poses;
   chain.forward(q, poses);
   centers.resize(spheres.size());
   for (std::size_t i = 0; i < spheres.size(); ++i) {

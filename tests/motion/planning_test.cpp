@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "prehend/motion/ompl_planner.h"
 #include "prehend/motion/rrt_connect.h"
-#include "prehend/robot/inverse_kinematics.h"
-#include "tests/motion/fcl_oracle.h"
+#include "tests/motion/shelves.h"
 #include "tests/robot/arms.h"
 
 namespace prehend::motion {
@@ -19,48 +19,22 @@ using geometry::RigidTransform;
 using robot::Positions;
 using ::testing::HasSubstr;
 
-RigidTransform at(double x, double y, double z) {
-  return RigidTransform(Eigen::Translation3d(x, y, z));
-}
-
-/// A PA10 on a table with shelves in front of it.
-struct Shelves {
-  robot::RobotModel model = robot::read_urdf("config/robots/pa10_7c.urdf");
-  robot::KinematicChain chain = robot::pa10();
-  FclOracle oracle{model, chain};
-  CollisionWorld world;
-
-  Shelves() {
-    add({0.75, 0, 0.25}, {0.4, 0.9, 0.03});
-    add({0.75, 0, 0.75}, {0.4, 0.9, 0.03});
-    add({0.75, 0.45, 0.5}, {0.4, 0.03, 0.53});
-    add({0.75, -0.45, 0.5}, {0.4, 0.03, 0.53});
-    add({0.75, 0, 0.5}, {0.4, 0.03, 0.53});  // between two compartments
-  }
-  void add(const Vector3d& center, const Vector3d& size) {
-    const RigidTransform X = at(center.x(), center.y(), center.z());
-    world.add_box("shelf", X, size);
-    oracle.add_box(X, size);
-  }
-  RobotInWorld robot() const {
-    return {chain, make_robot_spheres(model, "base_link", "tool0", 0.05), world, 0.005};
-  }
-  /// Free positions with the flange at p, pointing forward.
-  std::vector<Positions> reach(const RobotInWorld& in_world, const Vector3d& p) const {
-    const robot::InverseKinematics inverse(chain, {.elbow_angles = 24});
-    RigidTransform X = at(p.x(), p.y(), p.z());
-    X.linear() = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitY()).toRotationMatrix();
-    std::vector<Positions> result;
-    for (const Positions& q : inverse.solve(X).solutions) {
-      if (in_world.is_free(q)) result.push_back(q);
+/// Whether a link's own shape is in an obstacle somewhere on the path, 5 mrad at a time.
+bool collides(const Shelves& shelves, const JointPath& path) {
+  for (std::size_t i = 1; i < path.waypoints.size(); ++i) {
+    const Positions way = path.waypoints[i] - path.waypoints[i - 1];
+    const int steps = 1 + static_cast<int>(way.norm() / 0.005);
+    for (int k = 0; k <= steps; ++k) {
+      const Positions q = path.waypoints[i - 1] + way * (static_cast<double>(k) / steps);
+      if (shelves.oracle.collides(shelves.chain, q) || !shelves.chain.within_limits(q)) return true;
     }
-    return result;
   }
-};
+  return false;
+}
 
 TEST(PlanPath, GoesFromOneCompartmentToTheOtherWithoutTouching) {
   const Shelves shelves;
-  const RobotInWorld robot = shelves.robot();
+  const RobotInWorld robot = shelves.in_world();
   const auto left = shelves.reach(robot, {0.65, 0.22, 0.5});
   const auto right = shelves.reach(robot, {0.65, -0.22, 0.5});
   ASSERT_FALSE(left.empty());
@@ -71,16 +45,7 @@ TEST(PlanPath, GoesFromOneCompartmentToTheOtherWithoutTouching) {
   EXPECT_EQ(path.waypoints.front(), left.front());
   ASSERT_GE(path.goal, 0);
   EXPECT_EQ(path.waypoints.back(), right[static_cast<std::size_t>(path.goal)]);
-  // Again, far more densely, with the links' own shapes.
-  for (std::size_t i = 1; i < path.waypoints.size(); ++i) {
-    const Positions way = path.waypoints[i] - path.waypoints[i - 1];
-    const int steps = 1 + static_cast<int>(way.norm() / 0.005);
-    for (int k = 0; k <= steps; ++k) {
-      const Positions q = path.waypoints[i - 1] + way * (static_cast<double>(k) / steps);
-      ASSERT_FALSE(shelves.oracle.collides(shelves.chain, q)) << "line " << i << ", part " << k;
-      ASSERT_TRUE(shelves.chain.within_limits(q));
-    }
-  }
+  EXPECT_FALSE(collides(shelves, path));  // far more densely, with the links' own shapes
   // Same seed, same path; shortcuts do not lengthen it.
   const JointPath again = plan_path(robot, left.front(), right);
   ASSERT_EQ(again.waypoints.size(), path.waypoints.size());
@@ -94,7 +59,7 @@ TEST(PlanPath, GoesFromOneCompartmentToTheOtherWithoutTouching) {
 
 TEST(PlanPath, TriesTheStraightLineToTheNearestGoalFirst) {
   const Shelves shelves;
-  const RobotInWorld robot = shelves.robot();
+  const RobotInWorld robot = shelves.in_world();
   const Positions start = Positions::Zero(7);
   Positions near = start, far = start;
   near[0] = 0.5;
@@ -112,7 +77,7 @@ TEST(PlanPath, TriesTheStraightLineToTheNearestGoalFirst) {
 
 TEST(PlanPath, SaysWhyThereIsNone) {
   Shelves shelves;
-  const RobotInWorld robot = shelves.robot();
+  const RobotInWorld robot = shelves.in_world();
   const Positions start = Positions::Zero(7);
   Positions inside = start;
   inside[1] = 1.2;  // into the shelves
@@ -137,9 +102,27 @@ TEST(PlanPath, SaysWhyThereIsNone) {
   EXPECT_TRUE(none.found() || none.reason.find("3 samples") != std::string::npos) << none.reason;
 }
 
+TEST(PlanPathByOmpl, AnswersTheSameQuestions) {
+  const Shelves shelves;
+  const RobotInWorld robot = shelves.in_world();
+  const auto left = shelves.reach(robot, {0.65, 0.22, 0.5});
+  const auto right = shelves.reach(robot, {0.65, -0.22, 0.5});
+  for (const OmplAlgorithm algorithm : {OmplAlgorithm::kRrtConnect, OmplAlgorithm::kBiTrrt}) {
+    const JointPath path =
+        plan_path_by_ompl(robot, left.front(), right, {.algorithm = algorithm, .budget = 20});
+    ASSERT_TRUE(path.found()) << path.reason;
+    EXPECT_FALSE(collides(shelves, path));
+    EXPECT_GE(path.goal, 0);
+  }
+  Positions inside = Positions::Zero(7);
+  inside[1] = 1.2;
+  EXPECT_THAT(plan_path_by_ompl(robot, inside, right).reason, HasSubstr("at the start"));
+  EXPECT_THROW(plan_path_by_ompl(robot, left.front(), right, {.budget = 0}), std::invalid_argument);
+}
+
 TEST(StraightPath, MovesTheTipAlongALine) {
   const Shelves shelves;
-  const RobotInWorld robot = shelves.robot();
+  const RobotInWorld robot = shelves.in_world();
   const auto inside = shelves.reach(robot, {0.65, 0.22, 0.5});
   ASSERT_FALSE(inside.empty());
   bool followed = false;
