@@ -142,6 +142,10 @@ TEST_P(EachEngine, JawsMoveTogether) {
   scene.bodies[0].collides = false;
   scene.joints[1].follows = 0;
   scene.joints[1].ratio = 0.5;
+  EngineScene with_pads = pressed_cube(true);
+  with_pads.pad_method = PadMethod::kOwnContacts;
+  with_pads.joints = scene.joints;
+  EXPECT_THROW(EngineRegistry().create(GetParam())->load(with_pads), UnsupportedScene);
   if (!load(scene, "follow")) return;
   engine_->set_joint_force(0, 0.1);
   run(0.1);

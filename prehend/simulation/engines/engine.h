@@ -126,12 +126,17 @@ inline std::vector<double> Engine::pad_forces(int) const {
   throw UnsupportedScene(name() + ": has no pads of its own");
 }
 
-/// Refuses what only few engines can do. @throws UnsupportedScene for pads and joints that follow.
-inline void refuse_pads_and_couplings(const EngineScene& scene, const std::string& engine) {
-  if (!scene.pads.empty()) throw UnsupportedScene(engine + ": has no pads of its own");
+/// Refuses what only few engines can do. @throws UnsupportedScene for joints that follow others.
+inline void refuse_couplings(const EngineScene& scene, const std::string& engine) {
   for (const EngineJoint& joint : scene.joints) {
     if (joint.follows >= 0) throw UnsupportedScene(engine + ": joints cannot follow others");
   }
+}
+
+/// @throws UnsupportedScene for pads and for joints that follow others.
+inline void refuse_pads_and_couplings(const EngineScene& scene, const std::string& engine) {
+  if (!scene.pads.empty()) throw UnsupportedScene(engine + ": has no pads of its own");
+  refuse_couplings(scene, engine);
 }
 
 /// Checks a scene. @throws std::invalid_argument naming body or joint and field.

@@ -58,9 +58,8 @@ class MujocoEngine : public Engine {
   std::vector<std::string> solvers() const override { return {"default", "noslip"}; }
 
   void load(const EngineScene& scene) override {
-    if (scene.pad_method == PadMethod::kTexelLaw || scene.pads.empty()) {
-      refuse_pads_and_couplings(scene, "mujoco");
-    }
+    refuse_couplings(scene, "mujoco");
+    if (scene.pad_method == PadMethod::kTexelLaw) refuse_pads_and_couplings(scene, "mujoco");
     clear();
     scene_ = scene;
     const std::string xml = document();
