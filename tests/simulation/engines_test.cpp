@@ -137,6 +137,20 @@ TEST_P(EachEngine, AChainFollowsItsEquations) {
   }
 }
 
+// A link whose geometry overlaps with that of the fixed base it hangs on.
+TEST_P(EachEngine, ALinkHangsOnAFixedBody) {
+  EngineScene scene;
+  scene.bodies = {box(1, {0.1, 0.1, 0.1}, {0, 0, 0}), box(0.2, {0.2, 0.02, 0.02}, {0.1, 0, 0})};
+  scene.bodies[0].is_fixed = true;
+  scene.joints = {hinge(0, 1, Eigen::Vector3d::Zero())};
+  if (!load(scene, "fixed_parent")) return;
+  run(0.1);
+  // From the horizontal: half g t^2 m a / I, while the angle is small.
+  const double inertia = 0.2 / 12 * (0.04 + 4e-4) + 0.2 * 0.01;
+  EXPECT_NEAR(engine_->joint_position(0), 0.5 * 0.01 * 0.2 * 9.81 * 0.1 / inertia, 0.015);
+  EXPECT_LT(engine_->body(0).X_WB.translation().norm(), 1e-9);
+}
+
 TEST_P(EachEngine, JawsMoveTogether) {
   EngineScene scene = pressed_cube(false);
   scene.bodies[0].collides = false;

@@ -233,7 +233,6 @@ class DartEngine : public Engine {
       nodes_[index] = tree->createJointAndBodyNodePair<dynamics::WeldJoint>(nullptr, properties,
                                                                             node_properties)
                           .second;
-      tree->setMobile(false);
       return;
     }
     const auto [free, node] = tree->createJointAndBodyNodePair<dynamics::FreeJoint>(

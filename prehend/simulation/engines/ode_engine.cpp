@@ -223,10 +223,21 @@ class OdeEngine : public Engine {
     return index == kGround ? scene_.ground_friction : scene_.bodies[index].friction;
   }
 
+  // Also a body and its fixed parent, which ODE knows as the world.
+  bool are_joined(dGeomID a, dGeomID b) const {
+    const auto i = reinterpret_cast<std::size_t>(dGeomGetData(a));
+    const auto j = reinterpret_cast<std::size_t>(dGeomGetData(b));
+    if (i == kGround || j == kGround) return false;
+    const int first = static_cast<int>(std::min(i, j)), second = static_cast<int>(std::max(i, j));
+    return std::any_of(scene_.joints.begin(), scene_.joints.end(), [&](const EngineJoint& joint) {
+      return joint.body == second && joint.parent == first;
+    });
+  }
+
   void touch(dGeomID a, dGeomID b) {
     const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
     if (!body_a && !body_b) return;
-    if (body_a && body_b && dAreConnectedExcluding(body_a, body_b, dJointTypeContact)) return;
+    if (are_joined(a, b)) return;
     dContactGeom found[kMostContacts];
     const int count = dCollide(a, b, kMostContacts, found, sizeof(dContactGeom));
     for (int i = 0; i < count; ++i) {

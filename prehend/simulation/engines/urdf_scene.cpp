@@ -196,8 +196,7 @@ class Reader {
     EngineJoint joint;
     joint.kind = given.type == urdf::Joint::PRISMATIC ? EngineJoint::Kind::kPrismatic
                                                       : EngineJoint::Kind::kRevolute;
-    // A fixed root is the world.
-    joint.parent = group.parent == 0 && options_.base_is_fixed ? -1 : group.parent;
+    joint.parent = group.parent;
     joint.body = index;
     const Eigen::Vector3d axis(given.axis.x, given.axis.y, given.axis.z);
     if (!(axis.norm() > 0)) {
