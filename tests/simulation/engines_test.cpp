@@ -182,7 +182,7 @@ TEST_P(EachEngine, ABoxRestsOnTheGround) {
 TEST_P(EachEngine, ABallComesToRestOnTheGround) {
   EngineScene scene;
   scene.ground = true;
-  scene.bodies = {box(0.2, {}, {0, 0, 0.05})};
+  scene.bodies = {body_of(EngineShape::Kind::kSphere, 0.2, {0, 0, 0.05})};
   scene.bodies[0].shape.kind = EngineShape::Kind::kSphere;
   scene.bodies[0].shape.radius = 0.03;
   if (!load(scene, "ball")) return;
@@ -283,7 +283,8 @@ TEST_P(EachEngine, PadsHoldACube) {
 TEST_P(EachEngine, PadsTakeEnergyFromAnImpact) {
   EngineScene scene;
   scene.gravity.setZero();
-  scene.bodies = {box(0.1, {}, {0, 0, 0.021}), box(0.05, {0.05, 0.05, 0.02}, {0, 0, -0.01})};
+  scene.bodies = {body_of(EngineShape::Kind::kSphere, 0.1, {0, 0, 0.021}),
+                  box(0.05, {0.05, 0.05, 0.02}, {0, 0, -0.01})};
   scene.bodies[0].shape.kind = EngineShape::Kind::kSphere;
   scene.bodies[0].shape.radius = 0.02;
   scene.bodies[0].velocity.z() = -0.3;
