@@ -215,14 +215,19 @@ void three_drivers_at_full_rate(benchmark::State& state) {
     }
     std::this_thread::sleep_for(1s);
     for (Latencies* latencies : {&gripper, &touch, &force}) latencies->clear();
-    double before = 0, after = 0;
-    for (const bench::NodeProcess& process : processes) before += process.processor_time();
+    const char* const names[] = {"pg70", "dsa", "ft300"};
+    double before[3], used = 0;
+    for (int i = 0; i < 3; ++i) before[i] = processes[i].processor_time();
     const Time begin = steady_now();
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-    for (const bench::NodeProcess& process : processes) after += process.processor_time();
     const double time = to_seconds(steady_now() - begin);
+    for (int i = 0; i < 3; ++i) {
+      const double percent = 100 * (processes[i].processor_time() - before[i]) / time;
+      state.counters[std::string(names[i]) + "_processor_percent"] = percent;
+      used += percent;
+    }
     state.SetIterationTime(time);
-    state.counters["processor_percent"] = 100 * (after - before) / time;
+    state.counters["processor_percent"] = used;
     state.counters["gripper_missing"] = gripper.missing();
     state.counters["touch_missing"] = touch.missing();
     state.counters["force_missing"] = force.missing();
