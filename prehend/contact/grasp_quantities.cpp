@@ -93,11 +93,12 @@ void GraspSystem::explicit_euler(const GraspState& base, double h, GraspState& e
     PadWork& work = pad_work_[k];
     find_depths(mount.layout, work.reach, model_.shape, work.place.X_PW() * base.X_WB(), 0,
                 end.pads[k], options_.gated);
-    const Vector6 felt = explicit_step(mount.layout, mount.law, h, twist_on(k, now, base.p_WB),
-                                       end.pads[k]);
+    const Vector6 felt =
+        explicit_step(mount.layout, mount.law, h, twist_on(k, now, base.p_WB), end.pads[k]);
     const Eigen::Vector3d force = work.place.R_WP * felt.head<3>();
     wrench.head<3>() += force;
-    wrench.tail<3>() += work.place.R_WP * felt.tail<3>() + (work.place.p_WP - base.p_WB).cross(force);
+    wrench.tail<3>() +=
+        work.place.R_WP * felt.tail<3>() + (work.place.p_WP - base.p_WB).cross(force);
     if (mount.slide >= 0) {
       end.slide_velocity[mount.slide] -=
           h * work.place.direction_W.dot(force) / model_.slides[mount.slide].mass;

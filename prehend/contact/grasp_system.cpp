@@ -124,16 +124,15 @@ void GraspSystem::find_all_depths(const GraspState& base, double h, const Guess&
     const Vector6 twist = twist_on(k, guess, base.p_WB);
     double acceleration = model_.gravity.norm();
     if (mount.slide >= 0) {
-      acceleration +=
-          slide_work_[mount.slide].most_force(base.time, base.slide_position[mount.slide],
-                                              guess.slides[mount.slide]) /
-          model_.slides[mount.slide].mass * work.place.direction_W.norm();
+      acceleration += slide_work_[mount.slide].most_force(
+                          base.time, base.slide_position[mount.slide], guess.slides[mount.slide]) /
+                      model_.slides[mount.slide].mass * work.place.direction_W.norm();
     }
     const double look_ahead =
         2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * body_radius_ + h * acceleration);
     work.near =
-        find_depths(mount.layout, work.reach, model_.shape, work.place.X_PW() * X_WB, look_ahead, end.pads[k],
-                    options_.gated, options_.reuse_triangles ? &work.hits : nullptr);
+        find_depths(mount.layout, work.reach, model_.shape, work.place.X_PW() * X_WB, look_ahead,
+                    end.pads[k], options_.gated, options_.reuse_triangles ? &work.hits : nullptr);
   }
 }
 
@@ -272,7 +271,8 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
     const double moved = change(solved, guess);
     guess = solved;
     const bool cut_changed = update_saturation(base, h, t_end, guess, false);
-    if (cut_changed && iterations_ < options_.most_iterations + SlideStep::kMostCutChanges) continue;
+    if (cut_changed && iterations_ < options_.most_iterations + SlideStep::kMostCutChanges)
+      continue;
     if (moved < options_.velocity_tolerance || iterations_ >= options_.most_iterations) break;
   }
   finish(base, h, t_end, guess, end);

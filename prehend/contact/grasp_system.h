@@ -136,7 +136,7 @@ class GraspSystem {
   void add_ground(double h);
   void finish(const GraspState& base, double h, double t_end, const Guess& solved, GraspState& end);
   const Eigen::Vector3d& ground_bristle(std::size_t i) const { return (*base_bristles_)[i]; }
-  
+
   GraspModel model_;
   SolveOptions options_;
   GripperMotion motion_;

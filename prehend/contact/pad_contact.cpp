@@ -47,8 +47,7 @@ Vector6 relative_twist(const PadMount& mount, const PadPlacement& pad, double sl
                        const Eigen::Vector3d& velocity, const Eigen::Vector3d& angular_velocity,
                        const Eigen::Vector3d& p_WB) {
   Vector6 twist;
-  Eigen::Vector3d linear =
-      velocity + angular_velocity.cross(pad.p_WP - p_WB) - pad.carrier_linear;
+  Eigen::Vector3d linear = velocity + angular_velocity.cross(pad.p_WP - p_WB) - pad.carrier_linear;
   if (mount.slide >= 0) linear -= slide_velocity * pad.direction_W;
   twist.head<3>() = pad.R_WP.transpose() * linear;
   twist.tail<3>() = pad.R_WP.transpose() * (angular_velocity - pad.angular_W);

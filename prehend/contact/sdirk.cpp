@@ -25,10 +25,8 @@ RigidMotion sdirk_extrapolated(const RigidMotion& base, const RigidMotion& first
 void sdirk_extrapolate(const PadState& base, const PadState& first, PadState& out) {
   for (std::size_t i = 0; i < first.normal_force.size(); ++i) {
     const bool touches = first.normal_force[i] > 0;
-    out.bristle_u[i] =
-        touches ? sdirk_extrapolated(base.bristle_u[i], first.bristle_u[i]) : 0.0;
-    out.bristle_v[i] =
-        touches ? sdirk_extrapolated(base.bristle_v[i], first.bristle_v[i]) : 0.0;
+    out.bristle_u[i] = touches ? sdirk_extrapolated(base.bristle_u[i], first.bristle_u[i]) : 0.0;
+    out.bristle_v[i] = touches ? sdirk_extrapolated(base.bristle_v[i], first.bristle_v[i]) : 0.0;
   }
 }
 

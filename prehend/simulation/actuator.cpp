@@ -53,9 +53,9 @@ SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriv
   const double stiction = rest.coulomb_friction > 0 ? rest.static_friction / rest.coulomb_friction
                                                     : std::numeric_limits<double>::quiet_NaN();
   model.coulomb_friction = gripper.friction_force;
-  model.static_friction = std::isfinite(stiction) ? stiction * gripper.friction_force
-                                                  : std::max(gripper.friction_force,
-                                                             rest.static_friction);
+  model.static_friction = std::isfinite(stiction)
+                              ? stiction * gripper.friction_force
+                              : std::max(gripper.friction_force, rest.static_friction);
   model.efficiency = gripper.force_per_current / (model.torque_constant * model.ratio());
   contact::require(model.efficiency > 0 && model.efficiency <= 1, "force_per_current",
                    "at most what the drive's torque_constant, gear_ratio and spindle_lead give "
@@ -120,7 +120,8 @@ double SpindleDrive::resistance() const {
 
 double SpindleDrive::current_limit() const {
   const double left = std::clamp((model_.hottest - temperature_) / kFoldBack, 0.0, 1.0);
-  const double able = model_.nominal_current + left * (model_.peak_current - model_.nominal_current);
+  const double able =
+      model_.nominal_current + left * (model_.peak_current - model_.nominal_current);
   return most_current_ > 0 ? std::min(able, most_current_) : able;
 }
 
@@ -150,11 +151,9 @@ void SpindleDrive::lead(double h, double position, double velocity, double limit
     reference_ = cut;
     speed_reference_ = std::clamp(speed_reference_, velocity - a * h, velocity + a * h);
   }
-  const double speed =
-      most_speed_ > 0 ? std::min(most_speed_, model_.max_speed) : model_.max_speed;
+  const double speed = most_speed_ > 0 ? std::min(most_speed_, model_.max_speed) : model_.max_speed;
   if (mode_ == ControlMode::kPosition) {
-    speed_reference_ =
-        next_trapezoid_speed(target_ - reference_, speed_reference_, speed, a, h);
+    speed_reference_ = next_trapezoid_speed(target_ - reference_, speed_reference_, speed, a, h);
   } else {
     const double wanted = std::clamp(target_, -speed, speed);
     speed_reference_ += std::clamp(wanted - speed_reference_, -a * h, a * h);
@@ -209,9 +208,8 @@ contact::SlideCommand SpindleDrive::drive(double h, double position, double velo
 }
 
 void SpindleDrive::observe(double h, double position, double velocity) {
-  const double servo =
-      last_.stiffness * (last_.reference + h * last_.speed - position) +
-      last_.damping * (last_.speed - velocity);
+  const double servo = last_.stiffness * (last_.reference + h * last_.speed - position) +
+                       last_.damping * (last_.speed - velocity);
   current_ =
       (last_.force + std::clamp(servo, -last_.limit, last_.limit)) / model_.force_per_current();
   if (mode_ == ControlMode::kPosition || mode_ == ControlMode::kVelocity) {

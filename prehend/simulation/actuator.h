@@ -116,8 +116,8 @@ class SpindleDrive : public Actuator {
   bool begins_ = true;                        // the reference starts where the slide is
   double reference_ = 0;                      // m
   double speed_reference_ = 0;                // m/s
-  double current_ = 0;          // A
-  double temperature_;          // degrees Celsius
+  double current_ = 0;                        // A
+  double temperature_;                        // degrees Celsius
   contact::SlideCommand last_;
 };
 

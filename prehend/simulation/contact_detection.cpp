@@ -196,8 +196,8 @@ void detect_gripper(const BodyModel& model, const BodyState& state, int index,
 }
 
 void detect_bodies(const BodyModel& model_a, const BodyState& state_a, int a,
-                   const BodyModel& model_b, const BodyState& state_b, int b,
-                   bool check_bounds, std::vector<ContactPoint>& contacts) {
+                   const BodyModel& model_b, const BodyState& state_b, int b, bool check_bounds,
+                   std::vector<ContactPoint>& contacts) {
   const geometry::RigidTransform X_WA = body_pose(model_a, state_a);
   const geometry::RigidTransform X_WB = body_pose(model_b, state_b);
   if (check_bounds &&

@@ -54,8 +54,8 @@ void detect_gripper(const BodyModel& model, const BodyState& state, int index,
 /// Touching points of bodies `a` and `b`: surface points of each inside the other. Costs one box
 /// test when far, none of that either with `check_bounds` false (for the rule's twin test).
 void detect_bodies(const BodyModel& model_a, const BodyState& state_a, int a,
-                   const BodyModel& model_b, const BodyState& state_b, int b,
-                   bool check_bounds, std::vector<ContactPoint>& contacts);
+                   const BodyModel& model_b, const BodyState& state_b, int b, bool check_bounds,
+                   std::vector<ContactPoint>& contacts);
 
 /// Bounds in frame F of a box given in frame B.
 Eigen::AlignedBox3d transformed_box(const geometry::RigidTransform& X_FB,

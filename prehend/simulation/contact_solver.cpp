@@ -150,9 +150,8 @@ double ContactSolver::take_solution() {
   for (const int i : members_) {
     SolverBody& body = (*bodies_)[i];
     const Vector6 u = solution.segment<6>(first_row_[i]);
-    moved = std::max(moved,
-                     (u.head<3>() - body.velocity_guess).norm() +
-                         body.radius * (u.tail<3>() - body.angular_velocity_guess).norm());
+    moved = std::max(moved, (u.head<3>() - body.velocity_guess).norm() +
+                                body.radius * (u.tail<3>() - body.angular_velocity_guess).norm());
     body.velocity_guess = u.head<3>();
     body.angular_velocity_guess = u.tail<3>();
   }
@@ -218,8 +217,7 @@ void ContactSolver::add_slide() {
   stop.damping = 2 * std::sqrt(kStopStiffness * slide.mass);
   const Eigen::Vector2d none = Eigen::Vector2d::Zero();
   for (const double side : {1.0, -1.0}) {
-    const double depth =
-        side > 0 ? slide.position - slide.upper : slide.lower - slide.position;
+    const double depth = side > 0 ? slide.position - slide.upper : slide.lower - slide.position;
     const contact::LinearisedContact line =
         contact::linearise(stop, h_, depth, side * slide.velocity_guess, none, none);
     if (!line.presses) continue;
@@ -246,8 +244,7 @@ void ContactSolver::add_pad(PadContact& pad) {
   matrix.block<6, 1>(row, slide_row_) -= blocks.slide_body.transpose();
 }
 
-void ContactSolver::add_point(const ContactPoint& contact,
-                              const contact::LinearisedContact& line) {
+void ContactSolver::add_point(const ContactPoint& contact, const contact::LinearisedContact& line) {
   MatrixMap matrix(matrix_.data(), size_, size_);
   VectorMap right(right_.data(), size_);
   Eigen::Vector3d constant;

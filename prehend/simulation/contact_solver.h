@@ -30,13 +30,13 @@ struct SolverBody {
 /// The gripper's slide over the step, with the ends of its stroke as stiff stops.
 struct SolverSlide {
   contact::SlideStep* step = nullptr;
-  double mass = 0;        // kg
-  double lower = 0;       // m, stops
-  double upper = 0;       // m
-  double position = 0;    // m, before the step
-  double bristle = 0;     // m, before the step
-  double end_time = 0;    // s, at which the drive's command is taken
-  double velocity = 0;    // m/s: before, then after
+  double mass = 0;            // kg
+  double lower = 0;           // m, stops
+  double upper = 0;           // m
+  double position = 0;        // m, before the step
+  double bristle = 0;         // m, before the step
+  double end_time = 0;        // s, at which the drive's command is taken
+  double velocity = 0;        // m/s: before, then after
   double velocity_guess = 0;  // m/s, of the step's end
 };
 

@@ -122,14 +122,15 @@ void explain_object(const SceneObject& object, const BodyModel& model, const Bod
   const ModelRules& rules = scene.physics.rules;
   const char* felt = rules.rigid_pads ? "its surface points" : shape_text(model.felt.shape.kind());
   out.modelled.push_back(
-      {model.name, text("rigid body of %g kg, %s; pads feel %s; %zu points touch the table, %zu "
-                         "the gripper and others; mesh of %zu triangles",
-                         model.mass, state.asleep ? "asleep until touched" : "free", felt,
-                         model.hull_points.size(), model.surface_points.size(),
-                         model.mesh->triangles.size())});
+      {model.name,
+       text("rigid body of %g kg, %s; pads feel %s; %zu points touch the table, %zu "
+            "the gripper and others; mesh of %zu triangles",
+            model.mass, state.asleep ? "asleep until touched" : "free", felt,
+            model.hull_points.size(), model.surface_points.size(), model.mesh->triangles.size())});
   if (state.asleep) {
-    const double sinking = model.mass * std::abs(scene.gravity) /
-                           (static_cast<double>(carrying_points(model, state)) * model.table_law.stiffness);
+    const double sinking =
+        model.mass * std::abs(scene.gravity) /
+        (static_cast<double>(carrying_points(model, state)) * model.table_law.stiffness);
     out.left_out.push_back({"motion of " + model.name, "out_of_reach", sinking, "m",
                             text("at most %.3g um of sinking into the table", 1e6 * sinking),
                             "the gripper cannot come there within the carrier's limits, and it "
@@ -138,12 +139,12 @@ void explain_object(const SceneObject& object, const BodyModel& model, const Bod
   if (rules.rigid_pads || model.felt.shape.kind() == contact::Shape::Kind::kMesh) return;
   const bool box = model.felt.shape.kind() == contact::Shape::Kind::kBox;
   const double error = box ? 1e-9 : sagitta(object, model);
-  std::string error_text = box ? "none but rounding, 1e-9 m"
-                               : text("at most %.3g um, the mesh's facets", 1e6 * error);
+  std::string error_text =
+      box ? "none but rounding, 1e-9 m" : text("at most %.3g um, the mesh's facets", 1e6 * error);
   if (object.shape == "can") error_text += "; up to 2 mm at its rims, which the mesh has bevelled";
-  out.left_out.push_back({"mesh of " + model.name, "primitives", error, "m", error_text,
-                          std::string("pads feel it as ") + shape_text(model.felt.shape.kind()) +
-                              ", which it is"});
+  out.left_out.push_back(
+      {"mesh of " + model.name, "primitives", error, "m", error_text,
+       std::string("pads feel it as ") + shape_text(model.felt.shape.kind()) + ", which it is"});
 }
 
 void explain_rules(const Scene& scene, std::size_t n, bool any_mesh, Explanation& out) {
@@ -190,15 +191,15 @@ Explanation World::explained() const {
   Explanation out;
   explain_integration(world.scene, out);
   explain_gripper(world.scene, out);
-  out.modelled.push_back({"table", text("the plane z = 0, friction %g", world.scene.table.friction)});
+  out.modelled.push_back(
+      {"table", text("the plane z = 0, friction %g", world.scene.table.friction)});
   bool any_mesh = false;
   for (std::size_t i = 0; i < world.models.size(); ++i) {
     const BodyModel& model = world.models[i];
     any_mesh = any_mesh || model.felt.shape.kind() == contact::Shape::Kind::kMesh;
     const auto& objects = world.scene.objects;
-    const auto object = std::find_if(objects.begin(), objects.end(), [&](const SceneObject& o) {
-      return o.name == model.name;
-    });
+    const auto object = std::find_if(objects.begin(), objects.end(),
+                                     [&](const SceneObject& o) { return o.name == model.name; });
     explain_object(object != objects.end() ? *object : SceneObject{}, model,
                    world.state.motion.bodies[i], world.scene, out);
   }

@@ -16,9 +16,9 @@ struct ModelledPart {
 /// Something that a World leaves out or simplifies.
 struct LeftOutPart {
   std::string what;
-  std::string rule;   // field of ModelRules; empty: no model of it exists
-  double error = 0;   // the error's bound, in `unit`; 0: bitwise the same; NaN: no bound is known
-  std::string unit;   // "m"
+  std::string rule;  // field of ModelRules; empty: no model of it exists
+  double error = 0;  // the error's bound, in `unit`; 0: bitwise the same; NaN: no bound is known
+  std::string unit;  // "m"
   std::string error_text;  // "none: bitwise the same", "at most 12 um of sinking into the table"
   std::string why;
 };

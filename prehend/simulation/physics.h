@@ -7,7 +7,8 @@ namespace prehend::simulation {
 /// What a World leaves out or simplifies. Each rule has a test against the full model (all false)
 /// in tests/simulation/model_rules_test.cpp; `prehend explain SCENE` says what they do to a scene.
 struct ModelRules {
-  /// No ray of a pad is cast at a body whose bounds the pad cannot reach in the step. Bitwise equal.
+  /// No ray of a pad is cast at a body whose bounds the pad cannot reach in the step. Bitwise
+  /// equal.
   bool gate_texels = true;
   /// Triangles that rays met are remembered while nothing moves by 4 nm. Bitwise equal.
   bool remember_triangles = true;
@@ -22,10 +23,9 @@ struct ModelRules {
   /// from the start. Error: how far it would have sunk into the table, m g / (n 1e5 N/m) for n
   /// points that carry it.
   bool out_of_reach = true;
-  /// Pads and other objects' points meet boxes, balls and cans as what they are, not as their meshes.
-  /// Error: none for boxes;
-  /// the sagitta of a segment for balls and cans (r (1 - cos(pi/n))), and up to 2 mm within 2 mm of
-  /// a can's rims, which the mesh has bevelled.
+  /// Pads and other objects' points meet boxes, balls and cans as what they are, not as their
+  /// meshes. Error: none for boxes; the sagitta of a segment for balls and cans (r (1 -
+  /// cos(pi/n))), and up to 2 mm within 2 mm of a can's rims, which the mesh has bevelled.
   bool primitives = true;
   /// Pads without texels: stiff boxes with the pads' friction. There is then no touch to read.
   /// Error: what the foam gives way, F / (N k) at each pad, 0.26 mm for 22 N.

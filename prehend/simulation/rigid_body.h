@@ -27,8 +27,8 @@ struct BodyModel {
   std::string name;
   std::shared_ptr<const geometry::TriangleMesh> mesh;
   std::shared_ptr<const geometry::MeshQuery> query;
-  Eigen::AlignedBox3d box;                                   // of the mesh in B [m]
-  double radius = 0;  // m, of a ball round the centre of mass that holds the mesh
+  Eigen::AlignedBox3d box;  // of the mesh in B [m]
+  double radius = 0;        // m, of a ball round the centre of mass that holds the mesh
   FeltShape felt;
   double mass = 0;                                           // kg
   Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // in B [m]
@@ -39,7 +39,7 @@ struct BodyModel {
                                                 // and other bodies
   contact::TexelLaw pad_law;                    // against a texel
   contact::TexelLaw table_law;                  // a hull point against the table
-  contact::TexelLaw rigid_pad_law;  // a surface point against a pad without texels
+  contact::TexelLaw rigid_pad_law;              // a surface point against a pad without texels
   contact::TexelLaw rigid_law;  // a surface point against fingers, housing and other bodies
   Texture texture;
 };
@@ -65,8 +65,8 @@ struct BodyState {
 };
 
 /// Makes the model of a solid of mass `mass` [kg] bounded by `mesh_B`; `pad_law` is that of the
-/// gripper's pads, `friction` that of the object on them, `table_friction` on the table. `felt`: what
-/// texels feel; null: the mesh.
+/// gripper's pads, `friction` that of the object on them, `table_friction` on the table. `felt`:
+/// what texels feel; null: the mesh.
 /// @throws std::invalid_argument when mass or friction is not finite and positive (friction: not
 /// negative), geometry::InputError for a mesh that is empty, not finite or encloses no volume.
 BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, double mass,

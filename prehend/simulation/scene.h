@@ -97,11 +97,11 @@ struct Scene {
   double gravity = 9.81;  // m/s^2, along -z
   TableModel table;
   PhysicsOptions physics;
-  robot::GripperModel gripper;   // YAML: path of config/robots/*.yaml, relative to the scene file
+  robot::GripperModel gripper;  // YAML: path of config/robots/*.yaml, relative to the scene file
   SpindleDriveModel drive = pg70_drive();  // what `gripper` says goes before, see drive_of
   TactileOptions tactile;
   std::optional<WrenchSensorOptions> wrench;  // none: forces as they are
-  double start_opening = 0.069;  // m
+  double start_opening = 0.069;               // m
   CarrierModel carrier;
   CameraSetup camera;
   Light light;

@@ -57,7 +57,8 @@ World::Implementation::Implementation(const Scene& scene_in)
         gripper_radius, part.box_G.min().cwiseAbs().cwiseMax(part.box_G.max().cwiseAbs()).norm());
   }
   make_gripper_meshes();
-  for (int pad : {0, 1}) state.frames[pad] = image(pad, state.pads[pad].sample(texel_forces(pad), 0));
+  for (int pad : {0, 1})
+    state.frames[pad] = image(pad, state.pads[pad].sample(texel_forces(pad), 0));
 }
 
 void World::Implementation::make_gripper_meshes() {
@@ -222,9 +223,8 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   const Eigen::AlignedBox3d box = geometry::bounds(mesh_W);
   RigidTransform X_WB = RigidTransform::Identity();
   if (!box.isEmpty()) X_WB.translation() = box.center();
-  BodyModel model =
-      implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()), mass,
-                                  friction, std::nullopt);
+  BodyModel model = implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()),
+                                                mass, friction, std::nullopt);
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());

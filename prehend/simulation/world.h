@@ -172,10 +172,10 @@ class World {
   std::shared_ptr<const State> save() const;
   void restore(const State& state);
 
-  /// The same as bytes and as a file, for a world of the same scene in this program or another: same
-  /// physics, gripper and objects, added and removed in the same order. The format is prehend's own:
-  /// version, length and checksum; little-endian. Continues bitwise on processors with the same
-  /// vector registers (contact::vector_target()).
+  /// The same as bytes and as a file, for a world of the same scene in this program or another:
+  /// same physics, gripper and objects, added and removed in the same order. The format is
+  /// prehend's own: version, length and checksum; little-endian. Continues bitwise on processors
+  /// with the same vector registers (contact::vector_target()).
   std::string save_bytes() const;
   /// @throws geometry::InputError naming `what` and the mend when the bytes are foreign, of another
   /// version or scene, cut off or damaged; the world is then as it was.

@@ -13,9 +13,9 @@ constexpr std::string_view kKind = "world-commands";
 template <class Archive>
 void archive_command(Archive& archive, WorldCommand& c) {
   archive(c.step, c.kind, c.mode, c.value, c.current_limit, c.speed, c.pose.matrix(), c.name,
-          c.mesh_W.vertices, c.mesh_W.triangles, c.mass, c.friction, c.is_static,
-          c.texture.pattern, c.texture.color, c.texture.second_color, c.texture.contrast,
-          c.texture.scale, c.texture.seed);
+          c.mesh_W.vertices, c.mesh_W.triangles, c.mass, c.friction, c.is_static, c.texture.pattern,
+          c.texture.color, c.texture.second_color, c.texture.contrast, c.texture.scale,
+          c.texture.seed);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include "prehend/simulation/world.h"
 
-/// What was asked of a World, so that a run can be repeated: the same scene and the same commands at
-/// the same steps give bitwise the same states.
+/// What was asked of a World, so that a run can be repeated: the same scene and the same commands
+/// at the same steps give bitwise the same states.
 namespace prehend::simulation {
 
 struct WorldCommand {
@@ -22,15 +22,15 @@ struct WorldCommand {
   };
   std::int64_t step = 0;  // number of steps taken before it
   Kind kind = Kind::kGripper;
-  GripperMode mode = GripperMode::kStop;                                   // kGripper
-  double value = 0, current_limit = 0, speed = 0;                          // kGripper; speed: also
-                                                                           // kMoveCarrier
-  geometry::RigidTransform pose = geometry::RigidTransform::Identity();    // kMoveCarrier, kPlace
-  std::string name;                                                        // of the object
-  geometry::TriangleMesh mesh_W;                                           // kAddObject
-  double mass = 0, friction = 0;                                           // kAddObject
-  bool is_static = false;                                                  // kAddObject
-  Texture texture;                                                         // kAddObject
+  GripperMode mode = GripperMode::kStop;                                 // kGripper
+  double value = 0, current_limit = 0, speed = 0;                        // kGripper; speed: also
+                                                                         // kMoveCarrier
+  geometry::RigidTransform pose = geometry::RigidTransform::Identity();  // kMoveCarrier, kPlace
+  std::string name;                                                      // of the object
+  geometry::TriangleMesh mesh_W;                                         // kAddObject
+  double mass = 0, friction = 0;                                         // kAddObject
+  bool is_static = false;                                                // kAddObject
+  Texture texture;                                                       // kAddObject
 };
 
 /// Does what `command` asks, whatever its step. @throws as World's function does.

@@ -64,7 +64,8 @@ void World::Implementation::read_sensors(double h) {
   }
   // Electronics with a memory see the pads at their own pace.
   state.frame_age += h;
-  if (scene.tactile.sensor.is_ideal() || state.frame_age < scene.tactile.period * (1 - 1e-9)) return;
+  if (scene.tactile.sensor.is_ideal() || state.frame_age < scene.tactile.period * (1 - 1e-9))
+    return;
   for (int k : {0, 1}) {
     state.frames[k] = image(k, state.pads[k].sample(texel_forces(k), state.frame_age));
   }

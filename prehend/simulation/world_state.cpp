@@ -98,7 +98,8 @@ void World::restore_bytes(std::string_view bytes, const std::string& what) {
   for (const BodyModel& model : world.models) {
     std::string name;
     reader(name);
-    if (name != model.name) foreign("it has '" + name + "' where the world has '" + model.name + "'");
+    if (name != model.name)
+      foreign("it has '" + name + "' where the world has '" + model.name + "'");
   }
   if (description != world.description()) foreign("physics, gripper or an object's shape differ");
   State state = world.state;

@@ -43,11 +43,10 @@ void World::Implementation::detect_pads(int i, double h) {
     const contact::Vector6 twist =
         contact::relative_twist(mounts[k], places[k], state.motion.slide_velocity, body.velocity,
                                 body.angular_velocity, body.p_WBcm);
-    const double acceleration = std::abs(scene.gravity) + drive / slide_model.mass *
-                                                              mounts[k].direction_G.norm();
-    const double look_ahead = 2 * h *
-                              (twist.head<3>().norm() + twist.tail<3>().norm() * model.radius +
-                               h * acceleration);
+    const double acceleration =
+        std::abs(scene.gravity) + drive / slide_model.mass * mounts[k].direction_G.norm();
+    const double look_ahead =
+        2 * h * (twist.head<3>().norm() + twist.tail<3>().norm() * model.radius + h * acceleration);
     PadTouch& touch = state.motion.touches[i][k];
     PadWork& work = pad_work[i][k];
     const bool met = contact::find_depths(
@@ -58,8 +57,8 @@ void World::Implementation::detect_pads(int i, double h) {
       continue;
     }
     wake(i);
-    pads.push_back({i, &mounts[k], &places[k], &model.pad_law, &touch.texels, &work.scratch,
-                    &work.response});
+    pads.push_back(
+        {i, &mounts[k], &places[k], &model.pad_law, &touch.texels, &work.scratch, &work.response});
   }
 }
 
@@ -173,8 +172,8 @@ void World::Implementation::stage(double h, double t_end, const Motion& guess) {
   stage_start.X_WG.linear() =
       contact::rotation_by(-h * angular).toRotationMatrix() * X_WG_end.linear();
   for (int k : {0, 1}) {
-    places[k] = contact::place_pad(mounts[k], X_WG_end, stage_start.velocity, angular, motion.slide,
-                                   h);
+    places[k] =
+        contact::place_pad(mounts[k], X_WG_end, stage_start.velocity, angular, motion.slide, h);
   }
   detect(h);
   fetch_bristles(stage_start.X_WG.linear());

@@ -71,10 +71,10 @@ inline ForceRange force_of_slow_grasp(const Scene& scene, double current, double
       scene.gripper.pad.rows * scene.gripper.pad.columns * scene.gripper.pad.law.stiffness / 2;
   const double speed = K * current / seconds / pads;
   const double sliding = speed / drive.stribeck_velocity;
-  const double least = K * std::min(current, drive.peak_current) - drive.coulomb_friction -
-                       (drive.static_friction - drive.coulomb_friction) *
-                           std::exp(-sliding * sliding) -
-                       drive.viscous_friction * speed;
+  const double least =
+      K * std::min(current, drive.peak_current) - drive.coulomb_friction -
+      (drive.static_friction - drive.coulomb_friction) * std::exp(-sliding * sliding) -
+      drive.viscous_friction * speed;
   return {least, least + speed * std::sqrt(drive.reflected_mass() * pads) +
                      scene.step * K * current / seconds};
 }

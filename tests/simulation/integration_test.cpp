@@ -48,8 +48,7 @@ TEST(Integration, SettlingOnTheTableIsADampedOscillation) {
   const double m = 20, k = 4 * 1e5, c = 4 * 200, start = -1e-6, t = 0.02;
   const double rest = -m * 9.81 / k, decay = c / (2 * m), w = std::sqrt(k / m - decay * decay);
   const double A = start - rest, B = decay * A / w;
-  const double expected =
-      rest + std::exp(-decay * t) * (A * std::cos(w * t) + B * std::sin(w * t));
+  const double expected = rest + std::exp(-decay * t) * (A * std::cos(w * t) + B * std::sin(w * t));
   const auto error = [&](Integration integration, double step) {
     World world(cube_scene(integration, step));
     world.place_object("cube", at_height(start));
@@ -72,10 +71,10 @@ TEST(Integration, TumblingKeepsItsAngularMomentum) {
     scene.objects[0].size = {0.04, 0.08, 0.15};
     World world(scene);
     // Set spinning by the table's springs under one edge.
-    world.place_object("cube", geometry::make_transform(
-                                   Eigen::Quaterniond(Eigen::AngleAxisd(
-                                       0.4, Eigen::Vector3d(1, 0.3, 0).normalized())),
-                                   {0, 0, -0.001}));
+    world.place_object("cube",
+                       geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
+                                                    0.4, Eigen::Vector3d(1, 0.3, 0).normalized())),
+                                                {0, 0, -0.001}));
     run(world, 0.5);
     return world;
   };

@@ -42,8 +42,8 @@ Scene busy_scene() {
 // Grips the box, drives it into the bottle, turns and comes down again.
 std::string eventful_trace(const Scene& scene) {
   World world(scene);
-  world.place_object("ball", geometry::make_transform(Eigen::Quaterniond::Identity(),
-                                                      {0.01, 0.25, 0.02}));
+  world.place_object("ball",
+                     geometry::make_transform(Eigen::Quaterniond::Identity(), {0.01, 0.25, 0.02}));
   std::string seen;
   world.set_gripper_command(GripperMode::kVelocity, -0.04, 0.4);
   seen += trace(world, 0.8);
@@ -103,8 +103,7 @@ TEST(ModelRules, PrimitivesAreTheirMeshesWithinTheFacets) {
       R.col(0) = R.col(1).cross(R.col(2));
       X_BP.linear() = (turn * tip).toRotationMatrix() * R;
       const Eigen::Vector3d from(half - 0.0015 + 0.0015 * unit(random), across, 0);
-      X_BP.translation() =
-          turn * from + Eigen::Vector3d(0, 0, shape == "ball" ? 0.03 : 0.06);
+      X_BP.translation() = turn * from + Eigen::Vector3d(0, 0, shape == "ball" ? 0.03 : 0.06);
       const geometry::RigidTransform X_PB = X_BP.inverse(Eigen::Isometry);
       contact::find_depths(pad, reach, felt.shape, X_PB * felt.X_BS, 0, exact);
       contact::find_depths(pad, reach, mesh, X_PB, 0, faceted);
@@ -150,10 +149,9 @@ TEST(ModelRules, BoxesStandOnBoxesAlikeAsBoxesAndAsMeshes) {
     scene.objects[1].size = {0.05, 0.06, 0.04};
     scene.objects[1].x = 0.3;
     World world(scene);
-    world.place_object("upper", geometry::make_transform(
-                                    Eigen::Quaterniond(Eigen::AngleAxisd(
-                                        0.3, Eigen::Vector3d::UnitZ())),
-                                    {0.003, 0.002, 0.1001}));
+    world.place_object("upper", geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
+                                                             0.3, Eigen::Vector3d::UnitZ())),
+                                                         {0.003, 0.002, 0.1001}));
     run(world, 0.5);
     EXPECT_NEAR(world.body("upper").height, 0.1, 1e-4);
     return world.body("upper").X_WB;
@@ -223,9 +221,8 @@ TEST(ModelRules, WhatIsOutOfReachSleepsFromTheStartWithinItsBound) {
   for (const LeftOutPart& part : explanation.left_out) {
     if (part.rule != "out_of_reach") continue;
     const std::string name = part.what.substr(std::string("motion of ").size());
-    const double error = (with.body(name).X_WB.translation() -
-                          without.body(name).X_WB.translation())
-                             .norm();
+    const double error =
+        (with.body(name).X_WB.translation() - without.body(name).X_WB.translation()).norm();
     EXPECT_LT(error, 1.1 * part.error) << name;
     EXPECT_GT(error, 0.1 * part.error) << name << ": the bound is far too wide";
     ++judged;
@@ -247,10 +244,10 @@ TEST(ModelRules, WhatIsOutOfReachWakesWhenHit) {
 
 TEST(ModelRules, WhatDoesNotStandIsNotLeftOut) {
   World world(far_scene(true));
-  world.place_object("bottle", geometry::make_transform(
-                                   Eigen::Quaterniond(Eigen::AngleAxisd(
-                                       0.8, Eigen::Vector3d::UnitX())),
-                                   {0.9, 0, 0.02}));
+  world.place_object(
+      "bottle",
+      geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitX())),
+                               {0.9, 0, 0.02}));
   EXPECT_FALSE(world.body("bottle").asleep);
   run(world, 1);
   EXPECT_LT(world.body("bottle").X_WB.linear()(2, 2), 0.3) << "it fell over";

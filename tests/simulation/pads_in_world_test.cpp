@@ -125,7 +125,8 @@ TEST(Sensors, PadsShowTheirImperfections) {
   // Columns of the right pad run the other way: texel 5 of row 0 is shown in column 0.
   EXPECT_EQ(world.tactile_image(PadSide::kRight).counts[0], 0);
   EXPECT_GT(world.tactile_image(PadSide::kRight).counts[5], 20);
-  const auto [least, most] = std::minmax_element(image.counts.begin() + 6, image.counts.begin() + 40);
+  const auto [least, most] =
+      std::minmax_element(image.counts.begin() + 6, image.counts.begin() + 40);
   EXPECT_GT(*most - *least, 0.1 * *most) << "gains spread by 10 %";
   // Between frames it stays; then noise shows another.
   run(world, 0.005);

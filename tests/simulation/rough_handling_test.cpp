@@ -21,8 +21,8 @@ Scene random_scene(std::mt19937& random) {
   };
   Scene scene;
   scene.step = log_between(1e-3, 2e-2);
-  scene.physics.integration = unit(random) < 0.5 ? contact::Integration::kFirstOrder
-                                                 : contact::Integration::kSecondOrder;
+  scene.physics.integration =
+      unit(random) < 0.5 ? contact::Integration::kFirstOrder : contact::Integration::kSecondOrder;
   scene.physics.rules.rigid_pads = unit(random) < 0.2;
   scene.physics.rules.primitives = unit(random) < 0.5;
   scene.carrier.start = {0, 0, 0.3};
@@ -62,16 +62,16 @@ void handle(World& world, std::mt19937& random) {
     } else if (choice < 0.5) {
       world.set_gripper_command(GripperMode::kPosition, 0.069 * unit(random));
     } else if (choice < 0.85) {
-      world.move_carrier(world.scene().carrier.gripper_pose(
-                             {0.3 * (unit(random) - 0.5), 0.3 * (unit(random) - 0.5),
-                              0.03 + 0.2 * unit(random)},
-                             3 * (unit(random) - 0.5)),
-                         0.5);
+      world.move_carrier(
+          world.scene().carrier.gripper_pose(
+              {0.3 * (unit(random) - 0.5), 0.3 * (unit(random) - 0.5), 0.03 + 0.2 * unit(random)},
+              3 * (unit(random) - 0.5)),
+          0.5);
     } else {
       // From the height of a table: it arrives at 4 m/s.
-      world.place_object("object0", geometry::make_transform(
-                                        Eigen::Quaterniond(1, unit(random), unit(random), 0),
-                                        {0, 0, 0.9}));
+      world.place_object(
+          "object0", geometry::make_transform(Eigen::Quaterniond(1, unit(random), unit(random), 0),
+                                              {0, 0, 0.9}));
     }
     run(world, 0.3);
   }

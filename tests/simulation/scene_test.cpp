@@ -116,8 +116,7 @@ TEST_F(SceneFile, ASceneGoesBeforeItsGripper) {
   const auto gripper = path_.parent_path() / ("gripper_of_" + path_.filename().string());
   std::ofstream(gripper) << "friction_force: 4\ndrive: {static_friction: 7, rotor_inertia: 1e-6}\n"
                             "tactile: {noise: 2, threshold: 5}\nwrench: {}\n";
-  const Scene scene =
-      read("gripper: " + gripper.filename().string() + "\ntactile: {noise: 4}\n");
+  const Scene scene = read("gripper: " + gripper.filename().string() + "\ntactile: {noise: 4}\n");
   const SpindleDriveModel drive = drive_of(scene.gripper, scene.drive);
   EXPECT_DOUBLE_EQ(drive.coulomb_friction, 4);
   EXPECT_DOUBLE_EQ(drive.static_friction, 7);

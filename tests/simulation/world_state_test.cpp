@@ -131,8 +131,7 @@ TEST(WorldState, WhatIsForeignDamagedOrCutOffIsRefused) {
     return error_of(world, World(scene).save_bytes());
   };
   EXPECT_NE(of_scene([](Scene& s) { s.objects.pop_back(); }).find("2 objects"), std::string::npos);
-  EXPECT_NE(of_scene([](Scene& s) { s.objects[1].name = "tin"; }).find("'tin'"),
-            std::string::npos);
+  EXPECT_NE(of_scene([](Scene& s) { s.objects[1].name = "tin"; }).find("'tin'"), std::string::npos);
   EXPECT_NE(of_scene([](Scene& s) { s.step = 0.002; }).find("another scene"), std::string::npos);
   EXPECT_NE(of_scene([](Scene& s) { s.objects[0].mass = 1; }).find("another scene"),
             std::string::npos);
@@ -155,8 +154,8 @@ void act(World& world) {
   world.add_object("late", mesh, 0.2);
   run(world, 0.137);
   world.stop_carrier();
-  world.place_object("can", geometry::make_transform(Eigen::Quaterniond(0.9, 0.1, 0, 0.2),
-                                                     {0.1, 0.25, 0.15}));
+  world.place_object(
+      "can", geometry::make_transform(Eigen::Quaterniond(0.9, 0.1, 0, 0.2), {0.1, 0.25, 0.15}));
   run(world, 0.2);
   world.remove_object("bottle");
   world.set_gripper_command(GripperMode::kPosition, 0.06, 0, 0.03);
@@ -200,8 +199,7 @@ TEST(WorldCommands, WhatWasRefusedIsNotRecordedAndBadListsAreRefused) {
   world.record_commands(true);
   EXPECT_TRUE(world.recorded_commands().empty());
   EXPECT_THROW(world.set_gripper_command(GripperMode::kPosition, 1), std::invalid_argument);
-  EXPECT_THROW(world.move_carrier(geometry::RigidTransform::Identity(), -1),
-               std::invalid_argument);
+  EXPECT_THROW(world.move_carrier(geometry::RigidTransform::Identity(), -1), std::invalid_argument);
   EXPECT_FALSE(world.remove_object("nothing"));
   EXPECT_TRUE(world.recorded_commands().empty());
   world.stop_carrier();

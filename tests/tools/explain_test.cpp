@@ -34,9 +34,9 @@ class Explain : public ::testing::Test {
 TEST_F(Explain, SaysWhatOfAShippedSceneIsModelledAndWhatIsNot) {
   const std::string output = run({"config/scenes/table_objects.yaml"});
   EXPECT_EQ(exit_code_, 0);
-  EXPECT_THAT(output, AllOf(HasSubstr("2 x 14 x 6 texels"), HasSubstr("first order"),
-                            HasSubstr("30 N/A"), HasSubstr("feel a cylinder"),
-                            HasSubstr("feel its mesh")));
+  EXPECT_THAT(output,
+              AllOf(HasSubstr("2 x 14 x 6 texels"), HasSubstr("first order"), HasSubstr("30 N/A"),
+                    HasSubstr("feel a cylinder"), HasSubstr("feel its mesh")));
   EXPECT_THAT(output, AllOf(HasSubstr("gate_texels"), HasSubstr("none: bitwise the same"),
                             HasSubstr("mesh of can"), HasSubstr("remember_triangles"),
                             HasSubstr("Rules that are off: rigid_pads")));
