@@ -4,6 +4,7 @@
 export PATH="$3:/usr/sbin:/usr/bin:/sbin:/bin"
 export PREHEND_VCAN=vcan0
 scratch=$1
+: >"$scratch/started"
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t tmpfs tmpfs /dev/shm 2>/dev/null

@@ -1,7 +1,8 @@
 #!/bin/sh
 # run.sh PRELOAD COMMAND...: runs the command where there is a CAN interface vcan0: in this kernel when
 # it has CAN and lets us make one, else in user-mode-linux (package user-mode-linux) on this very file
-# system. Ends with the command's exit code; 77 when neither is possible.
+# system. Ends with the command's exit code; 77 when neither is possible
+# (no package, or it does not boot on this processor).
 set -u
 preload=$1
 shift
@@ -32,6 +33,11 @@ chmod +x "$scratch/init"
 LD_PRELOAD=$preload timeout -k 5 "${UML_SECONDS:-200}" linux.uml rootfstype=hostfs rw mem="${UML_MEMORY:-1G}" \
   init="$scratch/init" con=null con0=fd:0,fd:1 quiet </dev/null >"$scratch/console" 2>&1
 sed 's/\r$//' "$scratch/output" 2>/dev/null
+if [ ! -e "$scratch/started" ]; then
+  echo "user-mode-linux does not boot here:" >&2
+  tail -30 "$scratch/console" >&2
+  exit 77
+fi
 if [ ! -s "$scratch/status" ]; then
   echo "user-mode-linux did not run the command:" >&2
   tail -30 "$scratch/console" >&2
