@@ -88,8 +88,8 @@ const std::vector<double>& World::Implementation::texel_forces(int pad) {
 TactileImage World::Implementation::image(int pad, const TactileFrameReading& frame) const {
   TactileImage image{frame.rows, frame.columns, frame.counts, frame.felt};
   for (int row = 0; pad == 1 && row < frame.rows; ++row) {
-    const auto first = image.counts.begin() + static_cast<std::ptrdiff_t>(row) * frame.columns;
-    std::reverse(first, first + frame.columns);
+    const auto texels = image.counts.begin() + static_cast<std::ptrdiff_t>(row) * frame.columns;
+    std::reverse(texels, texels + frame.columns);
   }
   return image;
 }
