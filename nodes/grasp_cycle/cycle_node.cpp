@@ -12,6 +12,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
+constexpr std::chrono::milliseconds kStall(50);              // of wall time between two ticks
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
 
@@ -169,7 +170,12 @@ control::Percepts CycleNode::percepts() const {
 
 void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
+  // After a stall of this process the clock may be heard before the pads are: what waits comes in
+  // before it counts as stale.
+  const steady_clock::time_point now = steady_clock::now();
+  const bool stalled = now - std::exchange(last_tick_, now) > kStall;
   if (running_) {
+    if (stalled) return;
     cycle_->step(percepts());
     publish_progress();
     if (cycle_->finished()) finish(cycle_->result(), false);

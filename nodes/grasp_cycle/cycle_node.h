@@ -83,6 +83,7 @@ class CycleNode {
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
+  std::chrono::steady_clock::time_point last_tick_;
   int exit_code_ = 0;
 };
 

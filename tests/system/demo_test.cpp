@@ -130,11 +130,11 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
 
   const auto replay_out = scratch.path() / "replay";
   std::filesystem::create_directories(replay_out);
-  Launched replay(
-      "prehend",
-      {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
-       "out:=" + replay_out.string(), "record:=true", "--log-dir", (replay_out / "log").string()},
-      scratch.path() / "replay.txt");
+  Launched replay("prehend",
+                  {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
+                   "out:=" + replay_out.string(), "record:=true", "speed:=1", "--log-dir",
+                   (replay_out / "log").string()},
+                  scratch.path() / "replay.txt");
   ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
   const auto live_plans = plans_by_object(live);
   const auto replayed_plans = plans_by_object(read_recording(replay_out / "recording.mcap"));
