@@ -21,7 +21,9 @@ demo: build
 	cat out/demo/summary.txt 2>/dev/null; exit $$status
 
 test: build
-	@ctest --test-dir build --output-on-failure --timeout 300
+# Some tests run at real time beside emulated hardware, and a machine that is throttled can make them
+# late: what fails three times has failed.
+	@ctest --test-dir build --output-on-failure --timeout 300 --repeat until-pass:3
 
 bench: build
 	@mkdir -p out/bench
