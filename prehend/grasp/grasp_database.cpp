@@ -152,6 +152,8 @@ struct GraspDatabase::Implementation {
       change();
       execute("COMMIT", "cannot be changed");
     } catch (...) {
+      // What was caught goes on to the caller. A rollback that fails is made up for by SQLite when
+      // the file is closed or opened again, and would hide the first error.
       sqlite3_exec(connection, "ROLLBACK", nullptr, nullptr, nullptr);
       throw;
     }

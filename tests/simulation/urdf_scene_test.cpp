@@ -119,7 +119,10 @@ TEST(Urdf, AnArmFallsAndKeepsItsEnergy) {
   const char* data = std::getenv("PREHEND_SHARED_DATA");
   const std::filesystem::path file =
       std::filesystem::path(data ? data : "") / "robots/kuka_iiwa/model.urdf";
-  if (!data || !std::filesystem::exists(file)) GTEST_SKIP() << "no kuka_iiwa/model.urdf";
+  if (!data || !std::filesystem::exists(file)) {
+    GTEST_SKIP() << "PREHEND_SHARED_DATA names no folder with robots/kuka_iiwa/model.urdf, a robot "
+                    "that is not part of this project; chains of our own are in multibody_test.cpp";
+  }
   EXPECT_THROW(load_urdf(file), geometry::InputError) << "its geometry is meshes";
   UrdfOptions options;
   options.meshes_pass_through = true;
