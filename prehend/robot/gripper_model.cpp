@@ -5,34 +5,36 @@
 
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/texel_law_yaml.h"
+#include "prehend/robot/tactile_pad_yaml.h"
 #include "prehend/robot/yaml_map.h"
 
 namespace prehend::robot {
 namespace {
 
-TactilePadModel read_pad(const YAML::Node& node, const std::filesystem::path& path) {
-  TactilePadModel pad;
-  YamlMap map(node, path, "pad");
-  map.read("rows", pad.rows);
-  map.read("columns", pad.columns);
-  map.read("texel_pitch", pad.texel_pitch);
-  map.read("thickness", pad.thickness);
-  map.read("newton_per_count", pad.newton_per_count);
-  map.read("full_scale", pad.full_scale);
-  const YAML::Node law = map.child("law");
-  if (law.IsDefined()) read_texel_law(law, path, "pad.law", pad.law);
-  map.finish();
-  return pad;
-}
-
-void require_positive(double value, const std::string& field) {
+void require_positive(double value, const std::string& field,
+                      const std::string& of = "GripperModel") {
   if (!(std::isfinite(value) && value > 0)) {
-    throw std::invalid_argument("GripperModel::" + field + " must be finite and positive");
+    throw std::invalid_argument(of + "::" + field + " must be finite and positive");
   }
 }
 
 }  // namespace
+
+void validate(const TactilePadModel& pad) {
+  const auto check = [](double value, const std::string& field) {
+    require_positive(value, field, "TactilePadModel");
+  };
+  check(pad.rows, "rows");
+  check(pad.columns, "columns");
+  check(pad.texel_pitch, "texel_pitch");
+  check(pad.thickness, "thickness");
+  check(pad.newton_per_count, "newton_per_count");
+  check(pad.full_scale, "full_scale");
+  if (pad.full_scale > 65535) {
+    throw std::invalid_argument("TactilePadModel::full_scale must be at most 65535");
+  }
+  contact::validate(pad.law);
+}
 
 void validate(const GripperModel& model) {
   require_positive(model.max_opening, "max_opening");
@@ -46,17 +48,9 @@ void validate(const GripperModel& model) {
   require_positive(model.mass, "mass");
   require_positive(model.finger_size.minCoeff(), "finger_size");
   require_positive(model.housing_size.minCoeff(), "housing_size");
-  require_positive(model.pad.rows, "pad.rows");
-  require_positive(model.pad.columns, "pad.columns");
-  require_positive(model.pad.texel_pitch, "pad.texel_pitch");
-  require_positive(model.pad.thickness, "pad.thickness");
-  require_positive(model.pad.newton_per_count, "pad.newton_per_count");
-  require_positive(model.pad.full_scale, "pad.full_scale");
+  validate(model.pad);
   if (!std::isfinite(model.tip_margin) || model.tip_margin < 0) {
     throw std::invalid_argument("GripperModel::tip_margin must be finite and not negative");
-  }
-  if (model.pad.full_scale > 65535) {
-    throw std::invalid_argument("GripperModel::pad.full_scale must be at most 65535");
   }
   if (model.pad.thickness >= model.finger_size.y()) {
     throw std::invalid_argument("GripperModel::pad.thickness must be below finger_size.y");
@@ -64,7 +58,6 @@ void validate(const GripperModel& model) {
   if (model.nominal_current > model.max_current) {
     throw std::invalid_argument("GripperModel::nominal_current must be at most max_current");
   }
-  contact::validate(model.pad.law);
 }
 
 GripperModel read_gripper_model(const std::filesystem::path& path) {
@@ -86,7 +79,7 @@ GripperModel read_gripper_model(const std::filesystem::path& path) {
   // What simulation makes of the gripper, see simulation/hardware_yaml.h.
   for (const char* key : {"drive", "tactile", "wrench"}) map.child(key);
   const YAML::Node pad = map.child("pad");
-  if (pad.IsDefined()) model.pad = read_pad(pad, path);
+  if (pad.IsDefined()) read_tactile_pad(pad, path, "pad", model.pad);
   map.finish();
   try {
     validate(model);

@@ -53,6 +53,7 @@ struct GripperModel {
 };
 
 /// Checks every value. @throws std::invalid_argument naming the field.
+void validate(const TactilePadModel& pad);
 void validate(const GripperModel& model);
 
 /// Reads config/robots/*.yaml. Every key must be known; missing ones keep the defaults. The

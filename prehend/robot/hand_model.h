@@ -1,0 +1,92 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/robot/gripper_model.h"
+#include "prehend/robot/robot_model.h"
+
+namespace prehend::robot {
+
+/// A chain of links from the palm to a fingertip.
+struct Finger {
+  std::string name;
+  std::vector<int> links;  // of the model, from the palm to the tip
+};
+
+/// A tactile pad on a link. Frame P of the pad: origin in the middle of its undeformed face, z out
+/// of the face, y along the finger towards the tip (row 0 is at +y), x across the finger.
+struct HandPad {
+  std::string name;
+  int link = -1;                                                         // of the model
+  geometry::RigidTransform X_LP = geometry::RigidTransform::Identity();  // in the link's frame
+  TactilePadModel model;
+};
+
+/// A joint that follows another one until contact holds that one with more than `torque`: then the
+/// motor turns this joint alone, `rate` times as fast as it turned the other.
+struct Breakaway {
+  int joint = -1;     // follows; its mimic names the leader and the ratio before breaking away
+  int leader = -1;    // is held
+  double torque = 0;  // N m at the leader, > 0
+  double rate = 1;    // > 0
+};
+
+/// How the open hand stands and how it closes.
+struct Preshape {
+  /// How one actuated joint moves while the hand closes.
+  struct Closing {
+    double rate = 0;  // of all joints' to one another, signed; 0: stays
+    int with = -1;    // actuated joint with which it stops; -1: stops by itself
+  };
+  std::string name;
+  Eigen::VectorXd open;          // rad or m, of the actuated joints
+  std::vector<Closing> closing;  // of the actuated joints
+  /// Frame G of the tool in the palm's: origin where the fingers close on a thing of middle size, z
+  /// the approach direction, y the closing direction.
+  geometry::RigidTransform X_PG = geometry::RigidTransform::Identity();
+};
+
+/// A hand: links and joints from a URDF, and what they mean. Positions `all` are of every joint of
+/// the model, in its order (0 for fixed ones), as couplings that break away are not told by the
+/// motors' positions alone. Poses are in the frame H of the root link.
+struct HandModel {
+  std::string name;
+  RobotModel model;
+  int palm = 0;               // link; no joint moves between the root and it
+  std::vector<int> actuated;  // joints of the model, one for each motor, in the order of commands
+  std::vector<Breakaway> breakaways;
+  std::vector<Finger> fingers;
+  std::vector<HandPad> pads;
+  std::vector<Preshape> preshapes;                                       // at least one
+  double friction = 0.5;                                                 // of the fingers, > 0
+  geometry::RigidTransform X_HP = geometry::RigidTransform::Identity();  // of the palm
+
+  int size() const { return static_cast<int>(actuated.size()); }
+  double mass() const;  // kg, of all links
+  std::vector<std::string> actuated_names() const;
+  /// @throws geometry::InputError naming the nearest one there is.
+  const Preshape& preshape(const std::string& preshape_name) const;
+  /// Position in `actuated`. @throws geometry::InputError naming the nearest one there is.
+  int actuated_index(const std::string& joint) const;
+
+  /// Positions of all joints at those of the motors, couplings unbroken. @throws
+  /// std::invalid_argument when `positions` has not size() entries.
+  Eigen::VectorXd all_positions(const Eigen::Ref<const Eigen::VectorXd>& positions) const;
+  /// Poses X_HL of all links; `poses` is resized. @pre `all` has an entry for each joint.
+  void link_poses(const Eigen::Ref<const Eigen::VectorXd>& all,
+                  std::vector<geometry::RigidTransform>& poses) const;
+  /// "joint 'thumb_distal' at 95.0 deg is beyond 90.0 deg"; empty within the limits.
+  std::string limit_problem(const Eigen::Ref<const Eigen::VectorXd>& all) const;
+};
+
+/// Reads a hand's YAML (config/robots/sdh2.yaml shows every key) and the URDF it names beside it.
+/// Every key must be known, every name must be in the URDF, every joint that moves must be actuated
+/// or mimic one that is, every preshape must be within the limits.
+/// @throws geometry::InputError "file:line: what is wrong" with the nearest name and the mend.
+HandModel read_hand_model(const std::filesystem::path& path);
+
+}  // namespace prehend::robot

@@ -1,0 +1,278 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/hand_model.h"
+#include "prehend/robot/pose_yaml.h"
+#include "prehend/robot/tactile_pad_yaml.h"
+#include "prehend/robot/yaml_map.h"
+
+namespace prehend::robot {
+namespace {
+
+using geometry::InputError;
+using geometry::RigidTransform;
+
+std::size_t place_of(int index) { return static_cast<std::size_t>(index); }
+
+class HandReader {
+ public:
+  explicit HandReader(const std::filesystem::path& path) : path_(path) {}
+
+  HandModel read() {
+    YamlMap map(load_yaml_map(path_), path_, "hand");
+    std::string urdf, palm;
+    map.read("name", hand_.name);
+    map.read("urdf", urdf);
+    map.read("palm", palm);
+    map.read("friction", hand_.friction);
+    const YAML::Node actuated = map.child("actuated"), fingers = map.child("fingers"),
+                     pads = map.child("pads"), breakaway = map.child("breakaway"),
+                     tool = map.child("tool"), preshapes = map.child("preshapes");
+    map.finish();
+    if (hand_.name.empty()) map.fail("name", "is missing", "Name the hand");
+    if (urdf.empty()) map.fail("urdf", "is missing", "Name the URDF file, relative to this one");
+    if (palm.empty()) map.fail("palm", "is missing", "Name the palm's link");
+    if (!(hand_.friction > 0)) map.fail("friction", "is not positive", "Give a coefficient");
+    hand_.model = read_urdf(path_.parent_path() / urdf);
+    hand_.palm = at_line(map, "palm", [&] { return hand_.model.link_index(palm); });
+    set_palm_pose(map);
+    read_actuated(map, actuated);
+    if (!fingers.IsDefined()) map.fail("fingers", "is missing", "List each finger's links");
+    read_fingers(fingers);
+    if (pads.IsDefined()) read_pads(pads);
+    if (breakaway.IsDefined()) read_breakaways(breakaway);
+    if (tool.IsDefined()) X_PG_ = read_pose(tool, path_, "hand.tool");
+    if (!preshapes.IsDefined()) map.fail("preshapes", "is missing", "Give at least one");
+    read_preshapes(preshapes);
+    return std::move(hand_);
+  }
+
+ private:
+  /// Runs `find`; a name that is not there becomes an error at the line of `key`.
+  template <class Find>
+  static int at_line(const YamlMap& map, const std::string& key, Find find) {
+    try {
+      return find();
+    } catch (const InputError& error) {
+      std::string what = error.what();
+      if (!what.empty() && what.back() == '.') what.pop_back();
+      const std::size_t end = what.rfind(". ");
+      map.fail(key, ": " + what.substr(0, end),
+               end == std::string::npos ? "Correct the name" : what.substr(end + 2));
+    }
+  }
+
+  static std::vector<std::string> words(const YamlMap& map, const std::string& key,
+                                        const YAML::Node& node) {
+    std::vector<std::string> result;
+    if (!node.IsSequence() || node.size() == 0) {
+      map.fail(key, "is no list of names", "Write [one, other]");
+    }
+    for (const auto& entry : node) {
+      if (!entry.IsScalar()) map.fail(key, "is no list of names", "Write [one, other]");
+      result.push_back(entry.Scalar());
+    }
+    return result;
+  }
+
+  /// Every (name, value) of a map whose names are free, each asked for.
+  template <class Visit>
+  void each(const YAML::Node& node, const std::string& place, Visit visit) {
+    YamlMap map(node, path_, place);
+    if (node.size() == 0) {
+      throw InputError(
+          path_.string() + ":" + std::to_string(node.Mark().line + 1) + ": " + place + " is empty",
+          "Write `name: value` lines");
+    }
+    for (const auto& entry : node) {
+      const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : "";
+      if (name.empty()) {
+        throw InputError(path_.string() + ":" + std::to_string(entry.first.Mark().line + 1) + ": " +
+                             place + " has a key that is no name",
+                         "Write a word");
+      }
+      visit(map, name, entry.second);
+    }
+  }
+
+  void set_palm_pose(const YamlMap& map) {
+    for (int link = hand_.palm; const auto above = hand_.model.joint_above(link);) {
+      const Joint& joint = hand_.model.joints[place_of(*above)];
+      if (joint.kind != Joint::Kind::kFixed) {
+        map.fail("palm", "moves by joint '" + joint.name + "'",
+                 "Name a link that stands with the root");
+      }
+      hand_.X_HP = joint.X_PJ * hand_.X_HP;
+      link = joint.parent;
+    }
+  }
+
+  void read_actuated(const YamlMap& map, const YAML::Node& node) {
+    if (!node.IsDefined()) map.fail("actuated", "is missing", "List the joints with a motor");
+    for (const std::string& name : words(map, "actuated", node)) {
+      const int joint = at_line(map, "actuated", [&] { return hand_.model.joint_index(name); });
+      const Joint& moved = hand_.model.joints[place_of(joint)];
+      if (moved.kind == Joint::Kind::kFixed || moved.mimic) {
+        map.fail("actuated", "names '" + name + "', which does not move by itself",
+                 "Name joints that are neither fixed nor mimic another");
+      }
+      if (std::count(hand_.actuated.begin(), hand_.actuated.end(), joint) > 0) {
+        map.fail("actuated", "names '" + name + "' twice", "Name it once");
+      }
+      hand_.actuated.push_back(joint);
+    }
+    for (std::size_t i = 0; i < hand_.model.joints.size(); ++i) {
+      const Joint& joint = hand_.model.joints[i];
+      const bool listed = std::count(hand_.actuated.begin(), hand_.actuated.end(), i) > 0;
+      if (joint.kind != Joint::Kind::kFixed && !joint.mimic && !listed) {
+        map.fail("actuated", "leaves out '" + joint.name + "', which moves",
+                 "Name it too, or fix it in the URDF");
+      }
+    }
+  }
+
+  void read_fingers(const YAML::Node& node) {
+    each(node, "hand.fingers", [&](YamlMap& map, const std::string& name, const YAML::Node& value) {
+      Finger finger;
+      finger.name = name;
+      for (const std::string& link : words(map, name, value)) {
+        const int index = at_line(map, name, [&] { return hand_.model.link_index(link); });
+        const auto above = hand_.model.joint_above(index);
+        const int parent = above ? hand_.model.joints[place_of(*above)].parent : -1;
+        const int before = finger.links.empty() ? hand_.palm : finger.links.back();
+        if (parent != before) {
+          map.fail(name, "lists '" + link + "', which does not follow on the link before",
+                   "List the links from the palm's child to the tip");
+        }
+        finger.links.push_back(index);
+      }
+      hand_.fingers.push_back(std::move(finger));
+    });
+  }
+
+  void read_pads(const YAML::Node& node) {
+    each(node, "hand.pads", [&](YamlMap&, const std::string& name, const YAML::Node& value) {
+      const std::string place = "hand.pads." + name;
+      YamlMap map(value, path_, place);
+      std::string link;
+      Eigen::Vector3d center = Eigen::Vector3d::Zero(), normal = center, toward_tip = center;
+      map.read("link", link);
+      map.read("center", center);
+      map.read("normal", normal);
+      map.read("toward_tip", toward_tip);
+      HandPad pad;
+      pad.name = name;
+      if (const YAML::Node model = map.child("pad"); model.IsDefined()) {
+        read_tactile_pad(model, path_, place + ".pad", pad.model);
+        try {
+          validate(pad.model);
+        } catch (const std::invalid_argument& error) {
+          map.fail("pad", error.what(), "Correct that value");
+        }
+      }
+      map.finish();
+      pad.link = at_line(map, "link", [&] { return hand_.model.link_index(link); });
+      if (!(normal.norm() > 1e-9)) map.fail("normal", "has no length", "Give it, out of the face");
+      const Eigen::Vector3d z = normal.normalized();
+      const Eigen::Vector3d along = toward_tip - toward_tip.dot(z) * z;
+      if (!(along.norm() > 1e-9)) {
+        map.fail("toward_tip", "does not lie in the face", "Give a direction across the normal");
+      }
+      const Eigen::Vector3d y = along.normalized();
+      pad.X_LP.linear() << y.cross(z), y, z;
+      pad.X_LP.translation() = center;
+      hand_.pads.push_back(std::move(pad));
+    });
+  }
+
+  void read_breakaways(const YAML::Node& node) {
+    each(node, "hand.breakaway",
+         [&](YamlMap& names, const std::string& name, const YAML::Node& value) {
+           Breakaway breakaway;
+           breakaway.joint = at_line(names, name, [&] { return hand_.model.joint_index(name); });
+           const Joint& joint = hand_.model.joints[place_of(breakaway.joint)];
+           if (!joint.mimic) {
+             names.fail(name, "follows no joint in the URDF", "Give it a mimic there");
+           }
+           breakaway.leader = joint.mimic->joint;
+           YamlMap map(value, path_, "hand.breakaway." + name);
+           map.read("torque", breakaway.torque);
+           map.read("rate", breakaway.rate);
+           map.finish();
+           if (!(breakaway.torque > 0)) map.fail("torque", "is not positive", "Give it in N m");
+           if (!(breakaway.rate > 0)) map.fail("rate", "is not positive", "Give the ratio");
+           hand_.breakaways.push_back(breakaway);
+         });
+  }
+
+  int actuated_at(const YamlMap& map, const std::string& key, const std::string& joint) const {
+    return at_line(map, key, [&] { return hand_.actuated_index(joint); });
+  }
+
+  Preshape::Closing read_closing(YamlMap& map, const std::string& name, const YAML::Node& value,
+                                 const std::string& place) {
+    Preshape::Closing closing;
+    if (value.IsScalar()) {
+      map.read(name, closing.rate);
+      return closing;
+    }
+    YamlMap entry(value, path_, place + "." + name);
+    std::string with;
+    entry.read("rate", closing.rate);
+    entry.read("with", with);
+    entry.finish();
+    if (!with.empty()) closing.with = actuated_at(entry, "with", with);
+    return closing;
+  }
+
+  void read_preshapes(const YAML::Node& node) {
+    each(node, "hand.preshapes",
+         [&](YamlMap& names, const std::string& name, const YAML::Node& value) {
+           const std::string place = "hand.preshapes." + name;
+           YamlMap map(value, path_, place);
+           Preshape preshape;
+           preshape.name = name;
+           preshape.X_PG = X_PG_;
+           preshape.open = Eigen::VectorXd::Zero(hand_.size());
+           preshape.closing.resize(hand_.actuated.size());
+           const YAML::Node open = map.child("open"), closing = map.child("closing"),
+                            tool = map.child("tool");
+           map.finish();
+           if (!open.IsDefined()) map.fail("open", "is missing", "Give the joints' positions");
+           if (!closing.IsDefined()) map.fail("closing", "is missing", "Give the joints' rates");
+           each(open, place + ".open",
+                [&](YamlMap& joints, const std::string& joint, const YAML::Node&) {
+                  joints.read(joint, preshape.open[actuated_at(joints, joint, joint)]);
+                });
+           each(closing, place + ".closing",
+                [&](YamlMap& joints, const std::string& joint, const YAML::Node& entry) {
+                  preshape.closing[place_of(actuated_at(joints, joint, joint))] =
+                      read_closing(joints, joint, entry, place + ".closing");
+                });
+           if (tool.IsDefined()) preshape.X_PG = read_pose(tool, path_, place + ".tool");
+           const std::string problem = hand_.limit_problem(hand_.all_positions(preshape.open));
+           if (!problem.empty()) map.fail("open", ": " + problem, "Stay within the URDF's limits");
+           const bool closes = std::any_of(preshape.closing.begin(), preshape.closing.end(),
+                                           [](const auto& joint) { return joint.rate != 0; });
+           if (!closes) map.fail("closing", "moves no joint", "Give a rate other than 0");
+           if (std::any_of(hand_.preshapes.begin(), hand_.preshapes.end(),
+                           [&](const Preshape& other) { return other.name == name; })) {
+             names.fail(name, "is there twice", "Give it another name");
+           }
+           hand_.preshapes.push_back(std::move(preshape));
+         });
+  }
+
+  std::filesystem::path path_;
+  HandModel hand_;
+  RigidTransform X_PG_ = RigidTransform::Identity();
+};
+
+}  // namespace
+
+HandModel read_hand_model(const std::filesystem::path& path) { return HandReader(path).read(); }
+
+}  // namespace prehend::robot

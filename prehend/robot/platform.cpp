@@ -1,0 +1,134 @@
+#include "prehend/robot/platform.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/nearest_name.h"
+#include "prehend/robot/pose_yaml.h"
+#include "prehend/robot/yaml_map.h"
+
+namespace prehend::robot {
+namespace {
+
+constexpr const char* kArm = "arm_";
+constexpr const char* kHand = "hand_";
+
+/// Adds a robot's links and joints with `prefix` before their names; the number of its root link.
+int append(const RobotModel& part, const std::string& prefix, RobotModel& whole) {
+  const int first_link = static_cast<int>(whole.links.size());
+  const int first_joint = static_cast<int>(whole.joints.size());
+  for (Link link : part.links) {
+    link.name = prefix + link.name;
+    whole.links.push_back(std::move(link));
+  }
+  for (Joint joint : part.joints) {
+    joint.name = prefix + joint.name;
+    joint.parent += first_link;
+    joint.child += first_link;
+    if (joint.mimic) joint.mimic->joint += first_joint;
+    whole.joints.push_back(std::move(joint));
+  }
+  return first_link;
+}
+
+Positions read_home(const YAML::Node& node, const std::filesystem::path& path,
+                    const std::string& place, const KinematicChain& chain) {
+  YamlMap map(node, path, place);
+  Positions q = chain.middle();
+  for (int i = 0; i < chain.size(); ++i) {
+    const std::string joint =
+        chain.joints()[static_cast<std::size_t>(i)].name.substr(std::string(kArm).size());
+    if (!map.child(joint).IsDefined()) map.fail(joint, "is missing", "Give every joint's position");
+    map.read(joint, q[i]);
+  }
+  map.finish();
+  if (const std::string problem = chain.limit_problem(q); !problem.empty()) {
+    throw geometry::InputError(
+        path.string() + ":" + std::to_string(node.Mark().line + 1) + ": " + place + ": " + problem,
+        "Stay within the URDF's limits");
+  }
+  return q;
+}
+
+}  // namespace
+
+RobotModel Platform::with_hand_at(const Eigen::Ref<const Eigen::VectorXd>& all) const {
+  const std::size_t count = hand.model.joints.size();
+  if (static_cast<std::size_t>(all.size()) != count) {
+    throw std::invalid_argument("Platform::with_hand_at: hand '" + hand.name + "' has " +
+                                std::to_string(count) + " joints, not " +
+                                std::to_string(all.size()));
+  }
+  RobotModel fixed = model;
+  const std::size_t first = fixed.joints.size() - count;  // the hand's come last
+  for (std::size_t i = 0; i < count; ++i) {
+    Joint& joint = fixed.joints[first + i];
+    joint.X_PJ = joint.pose_at(all[static_cast<Eigen::Index>(i)]);
+    joint.kind = Joint::Kind::kFixed;
+    joint.mimic.reset();
+  }
+  return fixed;
+}
+
+const Platform::Home& Platform::home(const std::string& home_name) const {
+  std::vector<std::string> names;
+  for (const Home& one : homes) {
+    if (one.name == home_name) return one;
+    names.push_back(one.name);
+  }
+  throw geometry::InputError("Platform '" + name + "' has no home '" + home_name + "'",
+                             "The nearest is '" + nearest_name(home_name, names) + "'");
+}
+
+Platform read_platform(const std::filesystem::path& path) {
+  Platform platform;
+  YamlMap map(load_yaml_map(path), path, "platform");
+  std::string arm, base, flange, hand;
+  map.read("name", platform.name);
+  map.read("arm", arm);
+  map.read("base", base);
+  map.read("flange", flange);
+  map.read("hand", hand);
+  const YAML::Node mount = map.child("mount"), world = map.child("world"),
+                   homes = map.child("homes");
+  map.finish();
+  for (const auto& [key, value] :
+       {std::pair{"name", &platform.name}, std::pair{"arm", &arm}, std::pair{"base", &base},
+        std::pair{"flange", &flange}, std::pair{"hand", &hand}}) {
+    if (value->empty()) map.fail(key, "is missing", "Add `" + std::string(key) + ": ...`");
+  }
+  if (mount.IsDefined()) platform.X_FH = read_pose(mount, path, "platform.mount");
+  if (world.IsDefined()) platform.X_WB = read_pose(world, path, "platform.world");
+
+  const std::filesystem::path folder = path.parent_path();
+  const RobotModel arm_model = read_urdf(folder / arm);
+  platform.hand = read_hand_model(folder / hand);
+  platform.model.name = platform.name;
+  append(arm_model, kArm, platform.model);
+  const int flange_link = platform.model.link_index(kArm + flange);
+  platform.base = kArm + base;
+  platform.flange = kArm + flange;
+
+  // The mount comes before the hand's own joints, so that those stand last.
+  Joint joint;
+  joint.name = "mount";
+  joint.parent = flange_link;
+  joint.child = static_cast<int>(platform.model.links.size());
+  joint.X_PJ = platform.X_FH;
+  platform.model.joints.push_back(joint);
+  append(platform.hand.model, kHand, platform.model);
+
+  const KinematicChain chain = platform.arm_chain();
+  if (!homes.IsDefined() || !homes.IsMap() || homes.size() == 0) {
+    map.fail("homes", "is missing or empty", "Give at least one position of the arm's joints");
+  }
+  for (const auto& entry : homes) {
+    const std::string name = entry.first.Scalar();
+    platform.homes.push_back(
+        {name, read_home(entry.second, path, "platform.homes." + name, chain)});
+  }
+  return platform;
+}
+
+}  // namespace prehend::robot

@@ -1,0 +1,104 @@
+#include "prehend/robot/platform.h"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "prehend/robot/inverse_kinematics.h"
+#include "tests/robot/arms.h"
+#include "tests/robot/robot_file.h"
+
+namespace prehend::robot {
+namespace {
+
+using geometry::RigidTransform;
+
+constexpr const char* kPlatforms[] = {"kr5_sdh", "pa10_barrett", "kr5_pg70"};
+
+Platform shipped(const std::string& name) {
+  return read_platform("config/robots/" + name + ".yaml");
+}
+
+TEST(Platform, HomesHoldTheHandDownWithinReach) {
+  for (const char* name : kPlatforms) {
+    const Platform platform = shipped(name);
+    const KinematicChain arm = platform.arm_chain();
+    for (const Platform::Home& home : platform.homes) {
+      const RigidTransform X_WF = platform.X_WB * arm.forward(home.arm);
+      EXPECT_LT(X_WF.linear()(2, 2), -0.999) << name << " " << home.name;
+      EXPECT_GT(X_WF.translation().z(), 0.3) << name << " " << home.name;
+    }
+  }
+}
+
+TEST(Platform, ToolIsWhereInverseKinematicsPutsIt) {
+  for (const char* name : kPlatforms) {
+    const Platform platform = shipped(name);
+    const KinematicChain arm = platform.arm_chain();
+    const InverseKinematics inverse(arm);
+    for (const Preshape& preshape : platform.hand.preshapes) {
+      RigidTransform X_WG = RigidTransform::Identity();
+      X_WG.linear() = Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitX()).toRotationMatrix();
+      X_WG.translation() = Eigen::Vector3d(-0.05, 0.05, 0.1);
+      const InverseAnswer answer = inverse.solve(platform.X_BF(X_WG, preshape));
+      ASSERT_FALSE(answer.solutions.empty()) << name << " " << preshape.name << answer.reason;
+      // Over the joined model: base to the hand's palm, then to the tool.
+      const KinematicChain to_palm(platform.model, platform.base, "hand_palm");
+      for (const Positions& q : answer.solutions) {
+        EXPECT_LT(difference(platform.X_WB * to_palm.forward(q) * preshape.X_PG, X_WG), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Platform, JoinsArmAndHandWithTheirMimics) {
+  const Platform platform = shipped("pa10_barrett");
+  const RobotModel& model = platform.model;
+  const Joint& outer =
+      model.joints[static_cast<std::size_t>(model.joint_index("hand_finger_2_outer"))];
+  ASSERT_TRUE(outer.mimic);
+  EXPECT_EQ(model.joints[static_cast<std::size_t>(outer.mimic->joint)].name, "hand_finger_2_inner");
+  // Parents come before their children.
+  for (const Joint& joint : model.joints) EXPECT_LT(joint.parent, joint.child) << joint.name;
+  EXPECT_EQ(model.links.size(), platform.hand.model.links.size() +
+                                    read_urdf("config/robots/pa10_7c.urdf").links.size());
+}
+
+TEST(Platform, HandFixedAtPositionsStandsThere) {
+  const Platform platform = shipped("kr5_sdh");
+  const Eigen::VectorXd all = platform.hand.all_positions(platform.hand.preshape("spherical").open);
+  const RobotModel fixed = platform.with_hand_at(all);
+  const KinematicChain to_tip(fixed, platform.base, "hand_thumb_distal_link");
+  EXPECT_EQ(to_tip.size(), 6);
+  std::vector<RigidTransform> poses;
+  platform.hand.link_poses(all, poses);
+  const Positions& home = platform.home("home").arm;
+  const RigidTransform expected =
+      platform.arm_chain().forward(home) * platform.X_FH *
+      poses[static_cast<std::size_t>(platform.hand.model.link_index("thumb_distal_link"))];
+  EXPECT_LT(difference(to_tip.forward(home), expected), 1e-12);
+  EXPECT_THROW(platform.with_hand_at(Eigen::VectorXd::Zero(3)), std::invalid_argument);
+}
+
+class PlatformFile : public RobotFile {
+ protected:
+  std::string error(const std::string& from, const std::string& to) {
+    return error_of([&] { read_platform(changed("kr5_sdh.yaml", from, to)); });
+  }
+};
+
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST_F(PlatformFile, ErrorsNameLineNearestAndMend) {
+  EXPECT_HAS(error("flange: tool0", "flange: tol0"), "'arm_tool0'");
+  EXPECT_HAS(error("mount:", "mout:"), "The nearest known key is 'mount'");
+  EXPECT_HAS(error("axis_5: 1.5707963", "axis_5: 2.5"), "is beyond 120.0 deg");
+  EXPECT_HAS(error("axis_6: 0}", "axis_7: 0}"), "home.axis_6 is missing");
+  EXPECT_HAS(error("hand: sdh2.yaml", "hand: sdh3.yaml"), "sdh3.yaml does not exist");
+  EXPECT_HAS(error("arm: kr5_sixx_r850.urdf", ""), "platform.arm is missing");
+  EXPECT_HAS(error("xyz: [0, 0, 0.02]", "xyz: [0, 0]"), "3 finite numbers");
+  EXPECT_HAS(error_of([] { shipped("kr5_sdh").home("hme"); }), "The nearest is 'home'");
+}
+
+}  // namespace
+}  // namespace prehend::robot
