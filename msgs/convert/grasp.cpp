@@ -38,6 +38,10 @@ msgs::Grasp to_message(const grasp::Grasp& grasp) {
   predicted.set_lifted_mass(grasp.predicted.lifted_mass);
   for (const auto& p_W : grasp.left_contacts_W) *message.add_left_contacts() = to_message(p_W);
   for (const auto& p_W : grasp.right_contacts_W) *message.add_right_contacts() = to_message(p_W);
+  message.set_generator(grasp.generator);
+  message.set_robustness(grasp.robustness);
+  message.set_guessed_contact(grasp.guessed_contact);
+  message.set_remark(grasp.remark);
   return message;
 }
 
@@ -61,6 +65,10 @@ grasp::Grasp from_message(const msgs::Grasp& message) {
   grasp.score = message.score();
   grasp.predicted = {message.predicted().opening(), message.predicted().contact_area(),
                      message.predicted().tactile_sum(), message.predicted().lifted_mass()};
+  grasp.generator = message.generator();
+  grasp.robustness = message.robustness();
+  grasp.guessed_contact = message.guessed_contact();
+  grasp.remark = message.remark();
   for (const auto& p_W : message.left_contacts()) {
     grasp.left_contacts_W.push_back(from_message(p_W));
   }
@@ -73,10 +81,12 @@ grasp::Grasp from_message(const msgs::Grasp& message) {
 msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan) {
   msgs::GraspPlan message;
   for (const auto& grasp : plan.grasps) *message.add_grasps() = to_message(grasp);
-  for (const auto& [reason, count] : plan.rejections) {
+  for (const auto& rejected : plan.rejections) {
     auto& rejection = *message.add_rejections();
-    rejection.set_reason(reason);
-    rejection.set_count(static_cast<std::uint32_t>(count));
+    rejection.set_reason(rejected.reason);
+    rejection.set_count(static_cast<std::uint32_t>(rejected.count));
+    rejection.set_generator(rejected.generator);
+    rejection.set_nearest_miss(rejected.nearest_miss);
   }
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);

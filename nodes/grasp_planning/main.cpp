@@ -16,6 +16,15 @@ namespace {
 using namespace prehend;
 using std::chrono::steady_clock;
 
+// Where the candidates fell, and how near the best of them came.
+void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
+  for (const auto& rejection : plan.rejections()) {
+    node.log_info("  {} of {} ({}): {}{}", rejection.count(), plan.candidates(),
+                  rejection.generator(), rejection.reason(),
+                  rejection.nearest_miss().empty() ? "" : ", at best " + rejection.nearest_miss());
+  }
+}
+
 // A table whose normal is no further from the world's z axis is approached straight down.
 constexpr double kLevelTable = 0.17;  // rad
 
@@ -40,13 +49,29 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   declare("table_margin", options.collision.table_margin, "m", 0, "between hand and table");
   declare("obstacle_margin", options.collision.obstacle_margin, "m", 0,
           "between hand and other objects");
-  options.candidates.rolls = node.declare_parameter<int>({.name = "rolls",
-                                                          .default_value = options.candidates.rolls,
-                                                          .minimum = 1,
-                                                          .description = "over half a turn"});
-  options.candidates.standoffs =
+  options.generators = node.declare_parameter<std::vector<std::string>>(
+      {.name = "generators",
+       .default_value = options.generators,
+       .choices = grasp::generator_names(),
+       .description = "ways to make candidates, one or more"});
+  declare("budget", options.budget, "s", 0, "for the grasps of one object, 0: as long as it takes");
+  options.uncertainty.samples = node.declare_parameter<int>(
+      {.name = "robustness_samples",
+       .default_value = options.uncertainty.samples,
+       .minimum = 0,
+       .description = "disturbed poses and frictions in which each listed grasp is tried"});
+  declare("position_deviation", options.uncertainty.position_deviation, "m", 0,
+          "standard, of the hand in the object when it is tried so");
+  declare("rotation_deviation", options.uncertainty.rotation_deviation, "rad", 0,
+          "standard, about each axis, when it is tried so");
+  options.candidates.circles.rolls =
+      node.declare_parameter<int>({.name = "rolls",
+                                   .default_value = options.candidates.circles.rolls,
+                                   .minimum = 1,
+                                   .description = "over half a turn"});
+  options.candidates.circles.standoffs =
       node.declare_parameter<int>({.name = "standoffs",
-                                   .default_value = options.candidates.standoffs,
+                                   .default_value = options.candidates.circles.standoffs,
                                    .minimum = 1,
                                    .description = "depths of the fingertips tried"});
   options.largest_count = node.declare_parameter<int>({.name = "largest_count",
@@ -160,6 +185,7 @@ class GraspPlanning {
     } else {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
+    log_ledger(node_, plan);
     return plan;
   }
 

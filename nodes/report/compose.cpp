@@ -50,7 +50,9 @@ std::string join(const std::vector<std::string>& parts, const std::string& separ
 std::string rejections_text(const msgs::GraspPlan& plan) {
   std::vector<std::string> parts;
   for (const auto& rejection : plan.rejections()) {
-    parts.push_back(fmt::format("{} {}", rejection.count(), rejection.reason()));
+    parts.push_back(fmt::format(
+        "{} {}{}", rejection.count(), rejection.reason(),
+        rejection.nearest_miss().empty() ? "" : " (at best " + rejection.nearest_miss() + ")"));
   }
   return join(parts, "; ");
 }

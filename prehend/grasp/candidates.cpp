@@ -8,6 +8,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "prehend/grasp/generators/directions.h"
+#include "prehend/grasp/generators/held_line.h"
+
 namespace prehend::grasp {
 namespace {
 
@@ -44,12 +47,6 @@ std::vector<Eigen::Vector2d> planar_hull(std::vector<Eigen::Vector2d> points) {
   return hull;
 }
 
-// The vector's part perpendicular to the unit vector `axis`, normalised; zero when parallel.
-Eigen::Vector3d perpendicular_part(const Eigen::Vector3d& v, const Eigen::Vector3d& axis) {
-  const Eigen::Vector3d part = v - v.dot(axis) * axis;
-  return part.norm() < 1e-6 ? Eigen::Vector3d::Zero() : part.normalized();
-}
-
 // Unit directions from the centroid to the hand. See sample_candidates.
 std::vector<Eigen::Vector3d> circle_directions(const Eigen::Matrix3d& axes,
                                                const Eigen::Vector3d& start, int count) {
@@ -75,17 +72,6 @@ std::vector<Eigen::Vector3d> circle_directions(const Eigen::Matrix3d& axes,
     }
   }
   return directions;
-}
-
-// Two unit vectors that make a right-handed frame with `z`.
-Eigen::Matrix3d frame_about(const Eigen::Vector3d& z) {
-  const Eigen::Vector3d helper =
-      std::abs(z.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-  Eigen::Matrix3d frame;
-  frame.col(2) = z;
-  frame.col(1) = z.cross(helper).normalized();
-  frame.col(0) = frame.col(1).cross(z);
-  return frame;
 }
 
 // The object's extent seen along one approach direction.
@@ -118,24 +104,6 @@ ApproachView view_along(const TriangleMesh& mesh, const Eigen::Vector3d& centroi
   view.R_WA.col(1) = (frame.col(0) * across.x() + frame.col(1) * across.y()).normalized();
   view.R_WA.col(0) = view.R_WA.col(1).cross(approach);
   return view;
-}
-
-// Distances of the fingertips beyond the centroid along the approach, deepest first.
-std::vector<double> tip_depths(const ApproachView& view, const Eigen::Vector3d& centroid,
-                               const geometry::Plane& table, const CandidateOptions& options) {
-  const double shallowest = view.near_side + options.least_engagement;
-  double deepest = view.far_side;
-  const double descent = -view.R_WA.col(2).dot(table.normal);  // height lost per metre
-  if (descent > 0.5) {
-    const double room = table.signed_distance(centroid) - options.table_clearance;
-    deepest = std::min(deepest, room / descent);
-  }
-  if (options.standoffs == 1 || deepest <= shallowest) return {std::min(deepest, shallowest)};
-  std::vector<double> depths;
-  for (int i = 0; i < options.standoffs; ++i) {
-    depths.push_back(deepest + (shallowest - deepest) * i / (options.standoffs - 1));
-  }
-  return depths;
 }
 
 }  // namespace
@@ -208,8 +176,7 @@ Eigen::Matrix3d principal_axes(const TriangleMesh& mesh) {
 
 std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
                                          const Eigen::Vector3d& centroid_W,
-                                         const geometry::Plane& table,
-                                         const robot::GripperModel& gripper,
+                                         const geometry::Plane& table, double tip_z,
                                          const Reachability& reachability,
                                          const CandidateOptions& options) {
   options.validate();
@@ -219,7 +186,9 @@ std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
   for (const auto& direction :
        circle_directions(principal_axes(mesh_W), start, options.directions_per_circle)) {
     const ApproachView view = view_along(mesh_W, centroid_W, -direction);
-    const std::vector<double> depths = tip_depths(view, centroid_W, table, options);
+    const std::vector<double> depths =
+        tip_depths(centroid_W, -direction, view.near_side + options.least_engagement, view.far_side,
+                   options.standoffs, table, options.table_clearance);
     for (int roll = 0; roll < options.rolls; ++roll) {
       const double angle = std::numbers::pi * roll / options.rolls;
       const Eigen::Matrix3d R_WG =
@@ -234,7 +203,7 @@ std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
           candidate.outline_width = view.width;
           candidate.X_WG.linear() = R_WG;
           candidate.X_WG.translation() =
-              centroid_W + offset * R_WG.col(0) + (gripper.tip_z() - depth) * direction;
+              centroid_W + offset * R_WG.col(0) + (tip_z - depth) * direction;
           candidates.push_back(candidate);
         }
       }

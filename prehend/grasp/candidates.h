@@ -10,7 +10,6 @@
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace prehend::grasp {
 
@@ -64,11 +63,11 @@ struct CandidateOptions {
 ///
 /// The pose's y coordinate (along the closing direction) is the centroid's; closing the hand shows
 /// how to centre it. Unreachable directions are listed too: rejecting them is the planner's part.
+/// `tip_z` [m] is where the fingertips are along G's z axis.
 /// @pre `mesh_W` is finite and has at least one triangle.
 std::vector<Candidate> sample_candidates(const geometry::TriangleMesh& mesh_W,
                                          const Eigen::Vector3d& centroid_W,
-                                         const geometry::Plane& table,
-                                         const robot::GripperModel& gripper,
+                                         const geometry::Plane& table, double tip_z,
                                          const Reachability& reachability,
                                          const CandidateOptions& options);
 

@@ -131,14 +131,19 @@ double CollisionScene::table_clearance(const std::vector<HandBox>& hand,
   return lowest;
 }
 
+bool CollisionScene::touches_object(const std::vector<HandBox>& hand,
+                                    const RigidTransform& X_WG) const {
+  const double margin = implementation_->options.object_margin;
+  return implementation_->object && std::any_of(hand.begin(), hand.end(), [&](const HandBox& box) {
+           return implementation_->object->meets(box, X_WG, margin);
+         });
+}
+
 HandCollision CollisionScene::check(const std::vector<HandBox>& hand,
                                     const RigidTransform& X_WG) const {
   const auto& options = implementation_->options;
   if (table_clearance(hand, X_WG) < options.table_margin) return HandCollision::kTable;
-  for (const auto& box : hand) {
-    if (implementation_->object && implementation_->object->meets(box, X_WG, options.object_margin))
-      return HandCollision::kObject;
-  }
+  if (touches_object(hand, X_WG)) return HandCollision::kObject;
   for (const auto& box : hand) {
     for (const auto& obstacle : implementation_->obstacles) {
       if (obstacle.meets(box, X_WG, options.obstacle_margin)) return HandCollision::kObstacle;

@@ -57,6 +57,9 @@ class CollisionScene {
   double table_clearance(const std::vector<HandBox>& hand,
                          const geometry::RigidTransform& X_WG) const;
 
+  /// Whether a box comes nearer to the object than the margin, whatever else is met.
+  bool touches_object(const std::vector<HandBox>& hand, const geometry::RigidTransform& X_WG) const;
+
   /// The first thing met of table, object and obstacles, in this order.
   HandCollision check(const std::vector<HandBox>& hand, const geometry::RigidTransform& X_WG) const;
 

@@ -2,362 +2,261 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <optional>
+#include <numbers>
+#include <numeric>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/mesh_query.h"
-#include "prehend/grasp/force_closure.h"
-#include "prehend/grasp/wrench_hull.h"
+#include "prehend/grasp/evaluation.h"
 
 namespace prehend::grasp {
 namespace {
 
 using geometry::RigidTransform;
-using geometry::TriangleMesh;
+using std::chrono::steady_clock;
 
-constexpr double kGravity = 9.81;  // m/s^2
-
-// Every way a candidate can be rejected, in words for people.
-constexpr const char* kDirection = "approach direction out of the robot's reach";
-constexpr const char* kWorkspace = "position outside the workspace";
-constexpr const char* kNothing = "a pad would meet nothing";
-constexpr const char* kTooWide = "wider than the gripper opens";
-constexpr const char* kOffCentre = "section not centred between the fingers";
-constexpr const char* kTable = "hand would hit the table";
-constexpr const char* kObject = "open hand would hit the object";
-constexpr const char* kObstacle = "hand would hit another object";
-constexpr const char* kBottomsOut = "contact too small or sharp for the pads";
-constexpr const char* kTurns = "closing would turn the object";
-constexpr const char* kFinger = "a finger would touch beside its pad";
-constexpr const char* kNotClosed = "no force closure";
-constexpr const char* kTooHeavy = "too heavy for the grip force";
-constexpr const char* kRankedBelow = "ranked below the best";
 // In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{kDirection, kNothing,   kTooWide,    kWorkspace, kTable,
-                             kObject,    kObstacle,  kBottomsOut, kTurns,     kFinger,
-                             kTooHeavy,  kOffCentre, kNotClosed};
+constexpr std::array kStages{reason::kDirection, reason::kNothing,    reason::kTooWide,
+                             reason::kWorkspace, reason::kTable,      reason::kObject,
+                             reason::kObstacle,  reason::kBottomsOut, reason::kTurns,
+                             reason::kFinger,    reason::kTooHeavy,   reason::kOffCentre,
+                             reason::kNotClosed};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("PlannerOptions." + message);
 }
 
-// The solid to grasp, with outward triangles.
-struct Solid {
-  TriangleMesh mesh_W;
-  Eigen::Vector3d center_of_mass_W;
-  double mass = 0;    // kg
-  double radius = 0;  // m, largest distance of the surface to the centre of mass
+// Standard normal, the same on every standard library (G. E. P. Box and M. E. Muller, 1958).
+class Normal {
+ public:
+  explicit Normal(std::uint64_t seed) : random_(seed) {}
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+  double next() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return radius * std::cos(2 * std::numbers::pi * uniform());
+  }
+  Eigen::Vector3d vector() {
+    const double x = next(), y = next();
+    return {x, y, next()};
+  }
+
+ private:
+  std::mt19937_64 random_;
 };
 
-Solid make_solid(const TriangleMesh& mesh_W, double density) {
-  const std::string mend = "Complete and mesh the object again";
-  if (mesh_W.empty()) throw geometry::InputError("The object's mesh has no triangles", mend);
-  const int vertices = static_cast<int>(mesh_W.vertices.size());
-  for (const auto& t : mesh_W.triangles) {
-    if (t.minCoeff() < 0 || t.maxCoeff() >= vertices) {
-      throw geometry::InputError("The object's mesh has a triangle with an index out of range",
-                                 mend);
-    }
-  }
-  for (const auto& v : mesh_W.vertices) {
-    if (!v.allFinite()) {
-      throw geometry::InputError("The object's mesh has a vertex with NaN or infinity", mend);
-    }
-  }
-  Solid solid;
-  solid.mesh_W = mesh_W;
-  geometry::MassProperties properties = geometry::mass_properties(mesh_W);
-  if (properties.volume < 0) {
-    for (auto& t : solid.mesh_W.triangles) std::swap(t[1], t[2]);
-  }
-  if (geometry::find_defects(mesh_W).watertight() && properties.volume != 0) {
-    properties.volume = std::abs(properties.volume);
-  } else {
-    properties = geometry::mass_properties(geometry::convex_hull(mesh_W.vertices));
-  }
-  solid.mass = density * properties.volume;
-  solid.center_of_mass_W = properties.center_of_mass;
-  for (const auto& v : mesh_W.vertices) {
-    solid.radius = std::max(solid.radius, (v - solid.center_of_mass_W).norm());
-  }
-  return solid;
-}
-
-// Turns the candidate about the centroid so that it approaches exactly along `approach_W`.
-Candidate snapped(const Candidate& candidate, const Eigen::Vector3d& approach_W,
-                  const Eigen::Vector3d& centroid_W) {
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(candidate.approach_W, approach_W);
-  Candidate result = candidate;
-  result.approach_W = approach_W;
-  result.X_WG.linear() = turn * candidate.X_WG.linear();
-  result.X_WG.translation() = centroid_W + turn * (candidate.X_WG.translation() - centroid_W);
-  return result;
-}
+struct Listed {
+  Grasp grasp;
+  std::size_t order = 0;  // of the candidate
+  double confidence = 1;  // that the surface under the contact is there
+};
 
 class Planner {
  public:
-  Planner(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
-          const robot::GripperModel& gripper, const Reachability& reachability,
-          const PlannerOptions& options)
-      : solid_(std::move(solid)),
-        query_(solid_.mesh_W),
-        scene_(solid_.mesh_W, table, obstacles, options.collision),
+  Planner(const surface::ObjectModel& object, const geometry::Plane& table,
+          const Obstacles& obstacles, const robot::GripperModel& gripper,
+          const Reachability& reachability, const PlannerOptions& options)
+      : object_(object),
+        evaluator_(make_solid(object.mesh_W, options.density), table, obstacles, gripper,
+                   reachability, options),
         table_(table),
         gripper_(gripper),
         reachability_(reachability),
-        options_(options) {
-    largest_force_ =
-        options.largest_force > 0
-            ? options.largest_force
-            : gripper.nominal_current * gripper.force_per_current - gripper.friction_force;
-  }
+        options_(options) {}
 
-  GraspPlanResult plan();
+  GraspPlanResult plan(const std::vector<GraspEvaluator>& alternatives);
 
  private:
-  // The reason of the rejection, or nullptr with `grasp` filled in.
-  const char* evaluate(Candidate candidate, Grasp* grasp);
-  const char* centre(RigidTransform* X_WG);
-  const char* find_opening(const RigidTransform& X_WG, double section_width, double* opening) const;
-  const char* close(const RigidTransform& X_WG, double opening, ClosedHand* hand, double* force,
-                    WrenchHull* hull) const;
-  double least_force() const;
-  double load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force) const;
-  double score(const Grasp& grasp, const ClosedHand& hand) const;
-  std::string problem(const GraspPlanResult& result) const;
+  struct Tried {
+    std::size_t generator = 0;
+    Candidate candidate;
+  };
+  std::vector<Tried> candidates() const;
+  void examine(const Tried& tried, std::size_t order, Ledger* ledger);
+  void assess_surface(const ClosedHand& hand, Listed* listed) const;
+  double robustness(const Grasp& grasp, const std::vector<GraspEvaluator>& alternatives) const;
+  std::string problem(const GraspPlanResult& result, const Ledger& ledger) const;
 
-  Solid solid_;
-  geometry::MeshQuery query_;
-  CollisionScene scene_;
+  const surface::ObjectModel& object_;
+  GraspEvaluator evaluator_;
   geometry::Plane table_;
-  robot::GripperModel gripper_;
-  Reachability reachability_;
-  PlannerOptions options_;
-  double largest_force_ = 0;                                    // N, per pad
+  const robot::GripperModel& gripper_;
+  const Reachability& reachability_;
+  const PlannerOptions& options_;
+  std::vector<Listed> listed_;
   double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
-  double section_width_ = 0;                                    // m, of the last candidate
 };
 
-// Shifts the hand along its closing direction to the middle of the section between the pads.
-const char* Planner::centre(RigidTransform* X_WG) {
-  const SectionExtent section = measure_section(query_, *X_WG, gripper_);
-  if (!section.met) return kNothing;
-  section_width_ = section.upper - section.lower;
-  const double room = gripper_.max_opening - 2 * options_.collision.object_margin;
-  double offset = (section.upper + section.lower) / 2;
-  if (section_width_ > room) {
-    // Perhaps a rim or handle fits between the fingers where they stand.
-    const ClosedHand hand =
-        close_hand(query_, *X_WG, gripper_.max_opening, least_force(), gripper_, options_.closing);
-    if (hand.outcome == ClosingOutcome::kTooWide) return kTooWide;
-    if (hand.outcome == ClosingOutcome::kMissed) return kNothing;
-    offset = hand.offset;
-    section_width_ = hand.opening_at_touch;
+std::vector<Planner::Tried> Planner::candidates() const {
+  const Solid& solid = evaluator_.solid();
+  const GraspTarget target{evaluator_.query(), solid.center_of_mass_W, table_, hand_reach(gripper_),
+                           reachability_};
+  std::vector<Tried> all;
+  for (std::size_t i = 0; i < options_.generators.size(); ++i) {
+    const auto generator = make_generator(options_.generators[i], options_.candidates);
+    for (const Candidate& candidate : generator->generate(target)) all.push_back({i, candidate});
   }
-  X_WG->translation() += offset * X_WG->linear().col(1);
-  return nullptr;
+  return all;
 }
 
-// The widest opening that meets nothing on the straight way from the pregrasp.
-const char* Planner::find_opening(const RigidTransform& X_WG, double section_width,
-                                  double* opening) const {
-  const double narrow =
-      std::min(gripper_.max_opening, section_width + 2 * options_.opening_clearance);
-  const char* reason = nullptr;
-  for (double tried : {gripper_.max_opening, narrow}) {
-    switch (scene_.check(swept_hand(gripper_, tried, options_.pregrasp_distance), X_WG)) {
-      case HandCollision::kNone:
-        *opening = tried;
-        return nullptr;
-      case HandCollision::kTable:
-        reason = kTable;
-        break;
-      case HandCollision::kObject:
-        reason = kObject;
-        break;
-      case HandCollision::kObstacle:
-        reason = kObstacle;
-        break;
+// How much of the contact's force is on surface that was seen, and that is there.
+void Planner::assess_surface(const ClosedHand& hand, Listed* listed) const {
+  const std::size_t vertices = object_.mesh_W.vertices.size();
+  if (object_.vertex_origin.size() != vertices) return;  // nothing is known of the surface
+  const bool confident = object_.vertex_confidence.size() == vertices;
+  double force = 0, guessed = 0, there = 0;
+  for (const ContactPatch* patch : {&hand.left, &hand.right}) {
+    for (std::size_t i = 0; i < patch->points_G.size(); ++i) {
+      const auto nearest = evaluator_.query().nearest(listed->grasp.X_WG * patch->points_G[i]);
+      if (!nearest) continue;
+      const Eigen::Vector3i& t = object_.mesh_W.triangles[nearest->triangle];
+      double unseen = 0, confidence = 0;
+      for (int k = 0; k < 3; ++k) {
+        unseen += object_.vertex_origin[t[k]] == surface::SurfaceOrigin::kSeen ? 0 : 1.0 / 3;
+        confidence += confident ? object_.vertex_confidence[t[k]] / 3.0 : 0;
+      }
+      force += patch->forces[i];
+      guessed += unseen * patch->forces[i];
+      there += (confident ? confidence : 1 - unseen) * patch->forces[i];
     }
   }
-  return reason;
+  if (force <= 0) return;
+  listed->grasp.guessed_contact = std::min(1.0, guessed / force);
+  listed->confidence = std::min(1.0, there / force);
 }
 
-double Planner::least_force() const {
-  const double weight = solid_.mass * (kGravity + options_.lift_acceleration);
-  return std::max(options_.least_force, options_.safety_factor * weight / (2 * options_.friction));
+void Planner::examine(const Tried& tried, std::size_t order, Ledger* ledger) {
+  const std::string& generator = options_.generators[tried.generator];
+  if (reachability_.reaches_direction(tried.candidate.approach_W)) {
+    narrowest_ = std::min(narrowest_, tried.candidate.outline_width);
+  }
+  EvaluatedGrasp evaluated;
+  if (const auto refusal = evaluator_.evaluate(tried.candidate, &evaluated)) {
+    ledger->reject(refusal->reason, generator, refusal->miss);
+    return;
+  }
+  Listed listed{std::move(evaluated.grasp), order, 1};
+  listed.grasp.generator = generator;
+  assess_surface(evaluated.hand, &listed);
+  listed.grasp.score *= 1 - options_.weights.guessed * (1 - listed.confidence);
+  if (listed.grasp.guessed_contact > 0.005) {
+    listed.grasp.remark = fmt::format("{:.0f} % of the contact is on surface that nobody saw",
+                                      100 * listed.grasp.guessed_contact);
+  }
+  listed_.push_back(std::move(listed));
 }
 
-// How much of the pads' elliptic limit surface the weight and its torque about the closing
-// direction use, times the safety factor; a weight along the closing direction unloads one pad.
-double Planner::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force) const {
-  const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid_.mass *
-                                   (kGravity + options_.lift_acceleration);
-  const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
-  const Eigen::Vector3d arm_G = X_WG.inverse() * solid_.center_of_mass_W - middle_G;
-  const double torque = arm_G.cross(weight_G).y();
-  const double tangential = std::hypot(weight_G.x(), weight_G.z());
-  const double radius = (hand.left.torsion_radius + hand.right.torsion_radius) / 2;
-  const double grip = 2 * options_.friction * force;
-  const double slip = std::hypot(tangential / grip, torque / (grip * radius));
-  return options_.safety_factor * std::max(slip, std::abs(weight_G.y()) / force);
-}
-
-const char* Planner::close(const RigidTransform& X_WG, double opening, ClosedHand* hand,
-                           double* force, WrenchHull* hull) const {
-  // A second pass with more force when the weight would turn the object between the pads.
-  *force = least_force();
-  for (int pass = 0; pass < 2; ++pass) {
-    if (*force > largest_force_) return kTooHeavy;
-    *hand = close_hand(query_, X_WG, opening, *force, gripper_, options_.closing);
-    switch (hand->outcome) {
-      case ClosingOutcome::kClosed:
-        break;
-      case ClosingOutcome::kTooWide:
-        return kTooWide;
-      case ClosingOutcome::kMissed:
-        return kNothing;
-      case ClosingOutcome::kBottomsOut:
-        return kBottomsOut;
-      case ClosingOutcome::kTurns:
-        return kTurns;
-      case ClosingOutcome::kTouchesFinger:
-        return kFinger;
+// The same disturbances for every grasp, so that grasps differ by what they are.
+double Planner::robustness(const Grasp& grasp,
+                           const std::vector<GraspEvaluator>& alternatives) const {
+  const UncertaintyOptions& uncertainty = options_.uncertainty;
+  Normal random(uncertainty.seed);
+  int held = 0;
+  for (int i = 0; i < uncertainty.samples; ++i) {
+    const Eigen::Vector3d shift = uncertainty.position_deviation * random.vector();
+    const Eigen::Vector3d turn = uncertainty.rotation_deviation * random.vector();
+    const double friction =
+        uncertainty.least_friction +
+        random.uniform() * (uncertainty.largest_friction - uncertainty.least_friction);
+    RigidTransform X_GD = RigidTransform::Identity();
+    X_GD.translation() = shift;
+    if (turn.norm() > 0) {
+      X_GD.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
     }
-    const double ratio = load_ratio(*hand, X_WG, *force);
-    if (ratio <= 1 + 1e-9) break;
-    if (pass == 1) return kTooHeavy;
-    *force *= ratio;
+    const std::size_t shape = static_cast<std::size_t>(i) % (alternatives.size() + 1);
+    const GraspEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
+    held += evaluator.holds(grasp, grasp.X_WG * X_GD, friction) ? 1 : 0;
   }
-  if (std::abs(hand->offset) > options_.largest_offset) return kOffCentre;
-  const auto contact = [this](const ContactPatch& patch) {
-    return Contact{patch.center_G, -patch.normal_G, options_.friction, patch.torsion_radius};
-  };
-  *hull = wrench_hull(primitive_wrenches({contact(hand->left), contact(hand->right)},
-                                         X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
-                                         options_.cone_edges));
-  return hull->closed ? nullptr : kNotClosed;
-}
-
-double Planner::score(const Grasp& grasp, const ClosedHand& hand) const {
-  const Eigen::Vector3d center_G = grasp.X_WG.inverse() * solid_.center_of_mass_W;
-  const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
-  const Eigen::Vector3d arm_G = center_G - middle_G;
-  const double distance = std::hypot(arm_G.x(), arm_G.z());
-  const double clearance = scene_.table_clearance(
-      swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance), grasp.X_WG);
-  const auto& weights = options_.weights;
-  const double sum =
-      weights.quality * grasp.quality / (grasp.quality + 0.05) +
-      weights.centredness * std::exp(-distance / 0.02) +
-      weights.area * std::min(1.0, grasp.predicted.contact_area /
-                                       (gripper_.pad.length() * gripper_.pad.width())) +
-      weights.clearance * std::clamp(clearance / 0.02, 0.0, 1.0);
-  return sum / (weights.quality + weights.centredness + weights.area + weights.clearance);
-}
-
-const char* Planner::evaluate(Candidate candidate, Grasp* grasp) {
-  if (!reachability_.reaches_direction(candidate.approach_W)) return kDirection;
-  narrowest_ = std::min(narrowest_, candidate.outline_width);
-  if (reachability_.approach_W) {
-    candidate = snapped(candidate, *reachability_.approach_W, solid_.center_of_mass_W);
-  }
-  if (const char* reason = centre(&candidate.X_WG)) return reason;
-  const Eigen::Vector3d p_W = candidate.X_WG.translation();
-  if (!reachability_.reaches_point(p_W) ||
-      !reachability_.reaches_point(p_W - options_.pregrasp_distance * candidate.approach_W)) {
-    return kWorkspace;
-  }
-  double opening = 0;
-  if (const char* reason = find_opening(candidate.X_WG, section_width_, &opening)) return reason;
-  ClosedHand hand;
-  WrenchHull hull;
-  double force = 0;
-  if (const char* reason = close(candidate.X_WG, opening, &hand, &force, &hull)) return reason;
-
-  grasp->X_WG = candidate.X_WG;
-  grasp->approach_W = candidate.approach_W;
-  grasp->standoff = candidate.standoff;
-  grasp->roll = candidate.roll;
-  grasp->pregrasp_opening = opening;
-  grasp->pregrasp_distance = options_.pregrasp_distance;
-  grasp->grasp_force = force;
-  grasp->quality = hull.epsilon;
-  grasp->predicted = {hand.opening_at_touch, (hand.left.area + hand.right.area) / 2,
-                      (hand.left.force + hand.right.force) / 2, solid_.mass};
-  for (const auto& p_G : hand.left.points_G) grasp->left_contacts_W.push_back(grasp->X_WG * p_G);
-  for (const auto& p_G : hand.right.points_G) grasp->right_contacts_W.push_back(grasp->X_WG * p_G);
-  grasp->score = score(*grasp, hand);
-  return nullptr;
+  return static_cast<double>(held) / uncertainty.samples;
 }
 
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
 // reachable candidates got to.
-std::string Planner::problem(const GraspPlanResult& result) const {
-  const auto count = [&result](const char* reason) {
-    const auto entry = result.rejections.find(reason);
-    return entry == result.rejections.end() ? 0 : entry->second;
-  };
+std::string Planner::problem(const GraspPlanResult& result, const Ledger& ledger) const {
   const std::string start = "cannot be grasped: ";
-  const int reachable = result.candidates - count(kDirection) - count(kWorkspace);
+  const int reachable =
+      result.candidates - ledger.count(reason::kDirection) - ledger.count(reason::kWorkspace);
   if (reachable == 0) return start + "no approach to it is within the robot's reach";
-
-  std::array<char, 200> text{};
-  if (narrowest_ > gripper_.max_opening - 2 * options_.collision.object_margin) {
-    std::snprintf(text.data(), text.size(),
-                  "narrowest width %.0f mm exceeds the gripper's %.0f mm%s", narrowest_ * 1e3,
-                  gripper_.max_opening * 1e3,
-                  narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
-    return start + text.data();
+  if (std::isfinite(narrowest_) &&
+      narrowest_ > gripper_.max_opening - 2 * options_.collision.object_margin) {
+    return start + fmt::format("narrowest width {:.0f} mm exceeds the gripper's {:.0f} mm{}",
+                               narrowest_ * 1e3, gripper_.max_opening * 1e3,
+                               narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
   }
-  const char* last = nullptr;
+  const char* last = reason::kNoTime;
   for (const char* stage : kStages) {
-    if (stage != kDirection && stage != kWorkspace && 10 * count(stage) >= reachable) last = stage;
-  }
-  if (last == kTooHeavy) {
-    std::snprintf(text.data(), text.size(),
-                  "too heavy for the grip force: %.2f kg need more than %.0f N", solid_.mass,
-                  largest_force_);
-  } else {
-    std::snprintf(text.data(), text.size(), "%s (%d of %d reachable candidates)", last, count(last),
-                  reachable);
-  }
-  return start + text.data();
-}
-
-GraspPlanResult Planner::plan() {
-  GraspPlanResult result;
-  const auto candidates = sample_candidates(solid_.mesh_W, solid_.center_of_mass_W, table_,
-                                            gripper_, reachability_, options_.candidates);
-  result.candidates = static_cast<int>(candidates.size());
-  for (const auto& candidate : candidates) {
-    Grasp grasp;
-    if (const char* reason = evaluate(candidate, &grasp)) {
-      ++result.rejections[reason];
-    } else {
-      result.grasps.push_back(std::move(grasp));
+    if (stage != reason::kDirection && stage != reason::kWorkspace &&
+        10 * ledger.count(stage) >= reachable) {
+      last = stage;
     }
   }
-  std::stable_sort(result.grasps.begin(), result.grasps.end(),
-                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-  const auto largest = static_cast<std::size_t>(options_.largest_count);
-  if (result.grasps.size() > largest) {
-    result.rejections[kRankedBelow] = static_cast<int>(result.grasps.size() - largest);
-    result.grasps.resize(largest);
+  if (last == reason::kTooHeavy) {
+    return start + fmt::format("too heavy for the grip force: {:.2f} kg need more than {:.0f} N",
+                               evaluator_.solid().mass, evaluator_.largest_force());
   }
-  if (result.grasps.empty()) result.problem = problem(result);
+  return start +
+         fmt::format("{} ({} of {} reachable candidates)", last, ledger.count(last), reachable);
+}
+
+GraspPlanResult Planner::plan(const std::vector<GraspEvaluator>& alternatives) {
+  const auto start = steady_clock::now();
+  const auto time_is_up = [&] {
+    return options_.budget > 0 &&
+           std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
+  };
+  const std::vector<Tried> tried = candidates();
+  GraspPlanResult result;
+  result.candidates = static_cast<int>(tried.size());
+  Ledger ledger;
+  // With a budget in strides, so that whatever is tried is spread over all candidates.
+  std::size_t stride = 1;
+  if (options_.budget > 0 && tried.size() > 2) {
+    stride = static_cast<std::size_t>(static_cast<double>(tried.size()) / std::numbers::phi);
+    while (std::gcd(stride, tried.size()) != 1) ++stride;
+  }
+  bool out_of_time = false;
+  for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
+    out_of_time = out_of_time || time_is_up();
+    if (out_of_time) {
+      ledger.reject(reason::kNoTime, options_.generators[tried[at].generator]);
+    } else {
+      examine(tried[at], at, &ledger);
+    }
+  }
+  const auto better = [](const Listed& a, const Listed& b) {
+    return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
+  };
+  std::sort(listed_.begin(), listed_.end(), better);
+  const auto largest = static_cast<std::size_t>(options_.largest_count);
+  for (std::size_t i = largest; i < listed_.size(); ++i) {
+    ledger.reject(reason::kRankedBelow, listed_[i].grasp.generator);
+  }
+  if (listed_.size() > largest) listed_.resize(largest);
+  if (options_.uncertainty.samples > 0) {
+    for (Listed& listed : listed_) {
+      // Who is assessed no more counts as if nothing held.
+      listed.grasp.robustness = time_is_up() ? 0 : robustness(listed.grasp, alternatives);
+      listed.grasp.score *= 1 - options_.weights.robust * (1 - listed.grasp.robustness);
+    }
+    std::sort(listed_.begin(), listed_.end(), better);
+  }
+  for (Listed& listed : listed_) result.grasps.push_back(std::move(listed.grasp));
+  result.rejections = ledger.rejections();
+  if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
 }
 
 }  // namespace
 
 void PlannerOptions::validate() const {
+  require(!generators.empty(), "generators must name at least one generator");
   candidates.validate();
   closing.validate();
   require(cone_edges >= 3, "cone_edges must be at least 3");
@@ -372,19 +271,33 @@ void PlannerOptions::validate() const {
   require(opening_clearance >= 0, "opening_clearance must not be negative");
   require(largest_offset >= 0, "largest_offset must not be negative");
   require(largest_count > 0, "largest_count must be positive");
+  require(budget >= 0, "budget must not be negative");
   const auto& w = weights;
   require(w.quality >= 0 && w.centredness >= 0 && w.area >= 0 && w.clearance >= 0 &&
               w.quality + w.centredness + w.area + w.clearance > 0,
           "weights must not be negative, nor all zero");
+  require(w.guessed >= 0 && w.guessed <= 1, "weights.guessed must be within 0 and 1");
+  require(w.robust >= 0 && w.robust <= 1, "weights.robust must be within 0 and 1");
+  const auto& u = uncertainty;
+  require(u.samples >= 0, "uncertainty.samples must not be negative");
+  require(u.position_deviation >= 0, "uncertainty.position_deviation must not be negative");
+  require(u.rotation_deviation >= 0, "uncertainty.rotation_deviation must not be negative");
+  require(u.least_friction > 0 && u.largest_friction >= u.least_friction,
+          "uncertainty.least_friction must be positive and not above largest_friction");
 }
 
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
                             const Obstacles& obstacles, const robot::GripperModel& gripper,
-                            const Reachability& reachability, const PlannerOptions& options) {
+                            const Reachability& reachability, const PlannerOptions& options,
+                            const std::vector<geometry::TriangleMesh>& alternatives_W) {
   options.validate();
-  return Planner(make_solid(object.mesh_W, options.density), table, obstacles, gripper,
-                 reachability, options)
-      .plan();
+  Planner planner(object, table, obstacles, gripper, reachability, options);
+  std::vector<GraspEvaluator> alternatives;
+  for (const auto& mesh_W : alternatives_W) {
+    alternatives.emplace_back(make_solid(mesh_W, options.density), table, Obstacles{}, gripper,
+                              reachability, options);
+  }
+  return planner.plan(alternatives);
 }
 
 }  // namespace prehend::grasp

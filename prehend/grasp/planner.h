@@ -1,15 +1,16 @@
 #pragma once
 
-#include <map>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/candidates.h"
 #include "prehend/grasp/closing.h"
 #include "prehend/grasp/collision.h"
+#include "prehend/grasp/generator.h"
+#include "prehend/grasp/ledger.h"
 #include "prehend/robot/gripper_model.h"
 #include "prehend/surface/object_model.h"
 
@@ -20,14 +21,32 @@ struct ScoreWeights {
   double centredness = 0.35;  // exp(-d / 20 mm), d from the centre of mass to the pads' line
   double area = 0.2;          // mean patch area / pad area
   double clearance = 0.1;     // min(1, fingertips' height over the table / 20 mm)
+  /// The mean of the above is multiplied by 1 - guessed + guessed (share of the contact's force
+  /// that is on surface that is there), by vertex_confidence, ...
+  double guessed = 0.5;  // 0..1
+  /// ... and by 1 - robust + robust Grasp.robustness.
+  double robust = 0.5;  // 0..1
+};
+
+/// What may be otherwise than predicted, for Grasp.robustness.
+struct UncertaintyOptions {
+  int samples = 16;  // >= 0, for each listed grasp; 0: robustness is not assessed
+  double position_deviation =
+      0.003;  // m, >= 0, standard, of the hand in the object, along each axis
+  double rotation_deviation = 0.03;  // rad, >= 0, standard, about each axis
+  double least_friction = 0.5;       // > 0; friction is uniform between these
+  double largest_friction = 0.8;
+  std::uint64_t seed = 1;
 };
 
 struct PlannerOptions {
-  CandidateOptions candidates;
+  std::vector<std::string> generators{"circles"};  // of generator_names(), at least one
+  GeneratorOptions candidates;
   ClosingOptions closing;
   int cone_edges = 8;  // >= 3, of the linearised friction cones
   CollisionOptions collision;
   ScoreWeights weights;
+  UncertaintyOptions uncertainty;
   double density = 800;              // kg/m^3, > 0, assumed of the unknown object
   double friction = 0.6;             // > 0, assumed; below the pads' mu_d to stay on the safe side
   double safety_factor = 2.5;        // >= 1, of the grasp force against slipping
@@ -38,6 +57,9 @@ struct PlannerOptions {
   double opening_clearance = 0.005;  // m, >= 0, of each pad when a narrower opening must do
   double largest_offset = 0.004;     // m, >= 0, of the grasped section from the hand's middle
   int largest_count = 32;            // > 0, of grasps in the result
+  /// s of wall time, >= 0: candidates, spread over all of them, are tried until it is used up; 0:
+  /// all are. With a budget the result depends on how fast the machine is.
+  double budget = 0;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -63,28 +85,35 @@ struct Grasp {
   PredictedPercepts predicted;
   std::vector<Eigen::Vector3d> left_contacts_W;  // pressed texels [m]
   std::vector<Eigen::Vector3d> right_contacts_W;
+  std::string generator;  // whose candidate it was
+  double robustness = 1;  // share of UncertaintyOptions.samples in which it holds; 1 without any
+  double guessed_contact = 0;  // share of the contact's force on surface that nobody saw
+  std::string remark;          // what to know of it, in words; often empty
 };
 
 struct GraspPlanResult {
-  std::vector<Grasp> grasps;              // best first
-  std::map<std::string, int> rejections;  // reason -> candidates it rejected
+  std::vector<Grasp> grasps;          // best first
+  std::vector<Rejection> rejections;  // where the other candidates fell, by reason and generator
   int candidates = 0;   // = grasps + all rejections (those ranked below the last are one reason)
   std::string problem;  // "cannot be grasped: ..." when there is no grasp, else empty
 };
 
-/// Plans grasps of one object with a parallel gripper: samples candidates, centres the hand on the
+/// Plans grasps of one object with a parallel gripper: makes candidates, centres the hand on the
 /// section between the pads, closes it on the predicted mesh, and keeps what reaches, does not
-/// collide, holds the object by soft-finger force closure and carries its weight.
+/// collide, holds the object by soft-finger force closure and carries its weight. The best are
+/// closed again in disturbed poses, with other friction, and on `alternatives_W`: other shapes that
+/// the object may have as well (those of its next best planes of symmetry).
 ///
 /// The grasp force follows from the mass m = volume * density (the hull's volume when the mesh is
 /// not watertight): F = safety_factor * m (g + a) / (2 friction), raised where the centre of mass
 /// is beside the pads' line so that the torque of the weight stays inside the elliptic limit
 /// surface too, within [least_force, largest_force]. The score is the weighted mean named in
-/// ScoreWeights. Same input, same result, bit by bit.
+/// ScoreWeights. Same input, same result, bit by bit, unless there is a budget.
 /// @throws geometry::InputError for a mesh without triangles or with NaN or bad indices;
 ///         std::invalid_argument for options out of range.
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
                             const Obstacles& obstacles, const robot::GripperModel& gripper,
-                            const Reachability& reachability, const PlannerOptions& options = {});
+                            const Reachability& reachability, const PlannerOptions& options = {},
+                            const std::vector<geometry::TriangleMesh>& alternatives_W = {});
 
 }  // namespace prehend::grasp

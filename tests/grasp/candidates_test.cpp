@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "prehend/robot/gripper_model.h"
+
 namespace prehend::grasp {
 namespace {
 
@@ -19,7 +21,7 @@ TriangleMesh placed(const TriangleMesh& mesh, const Eigen::Quaterniond& q,
 std::vector<Candidate> sample(const TriangleMesh& mesh, const Reachability& reachability = {},
                               const CandidateOptions& options = {}) {
   return sample_candidates(mesh, geometry::mass_properties(mesh).center_of_mass, geometry::Plane{},
-                           robot::GripperModel{}, reachability, options);
+                           robot::GripperModel{}.tip_z(), reachability, options);
 }
 
 TEST(PrincipalAxes, OfABox) {

@@ -1,0 +1,251 @@
+#include "prehend/grasp/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "prehend/grasp/force_closure.h"
+
+namespace prehend::grasp {
+namespace {
+
+using geometry::RigidTransform;
+using Quantity = Miss::Quantity;
+
+constexpr double kGravity = 9.81;  // m/s^2
+
+// Turns the candidate about the centroid so that it approaches exactly along `approach_W`.
+Candidate snapped(const Candidate& candidate, const Eigen::Vector3d& approach_W,
+                  const Eigen::Vector3d& centroid_W) {
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(candidate.approach_W, approach_W);
+  Candidate result = candidate;
+  result.approach_W = approach_W;
+  result.X_WG.linear() = turn * candidate.X_WG.linear();
+  result.X_WG.translation() = centroid_W + turn * (candidate.X_WG.translation() - centroid_W);
+  return result;
+}
+
+// The largest of the distances by which a point is outside the box along an axis, as a miss.
+Miss outside(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d beyond = (p - box.max()).cwiseMax(box.min() - p).cwiseMax(0.0);
+  return {Quantity::kLength, beyond.maxCoeff(), 0};
+}
+
+}  // namespace
+
+GraspEvaluator::GraspEvaluator(Solid solid, const geometry::Plane& table,
+                               const Obstacles& obstacles, const robot::GripperModel& gripper,
+                               const Reachability& reachability, const PlannerOptions& options)
+    : solid_(std::move(solid)),
+      query_(solid_.mesh_W),
+      scene_(solid_.mesh_W, table, obstacles, options.collision),
+      table_(table),
+      gripper_(gripper),
+      reachability_(reachability),
+      options_(options) {
+  largest_force_ = options.largest_force > 0 ? options.largest_force
+                                             : gripper.nominal_current * gripper.force_per_current -
+                                                   gripper.friction_force;
+}
+
+// Shifts the hand along its closing direction to the middle of the section between the pads.
+std::optional<Refusal> GraspEvaluator::centre(RigidTransform* X_WG, double* section_width) const {
+  const SectionExtent section = measure_section(query_, *X_WG, gripper_);
+  if (!section.met) return Refusal{reason::kNothing, {}};
+  *section_width = section.upper - section.lower;
+  const double room = gripper_.max_opening - 2 * options_.collision.object_margin;
+  double offset = (section.upper + section.lower) / 2;
+  if (*section_width > room) {
+    // Perhaps a rim or handle fits between the fingers where they stand.
+    const ClosedHand hand =
+        close_hand(query_, *X_WG, gripper_.max_opening, least_force(), gripper_, options_.closing);
+    if (hand.outcome == ClosingOutcome::kTooWide) {
+      return Refusal{reason::kTooWide, Miss{Quantity::kLength, *section_width, room}};
+    }
+    if (hand.outcome == ClosingOutcome::kMissed) return Refusal{reason::kNothing, {}};
+    offset = hand.offset;
+    *section_width = hand.opening_at_touch;
+  }
+  X_WG->translation() += offset * X_WG->linear().col(1);
+  return std::nullopt;
+}
+
+// The widest opening that meets nothing on the straight way from the pregrasp.
+std::optional<Refusal> GraspEvaluator::find_opening(const RigidTransform& X_WG,
+                                                    double section_width, double* opening) const {
+  const double narrow =
+      std::min(gripper_.max_opening, section_width + 2 * options_.opening_clearance);
+  std::optional<Refusal> refusal;
+  for (double tried : {gripper_.max_opening, narrow}) {
+    const auto hand = swept_hand(gripper_, tried, options_.pregrasp_distance);
+    switch (scene_.check(hand, X_WG)) {
+      case HandCollision::kNone:
+        *opening = tried;
+        return std::nullopt;
+      case HandCollision::kTable:
+        refusal =
+            Refusal{reason::kTable, Miss{Quantity::kLength, scene_.table_clearance(hand, X_WG),
+                                         options_.collision.table_margin}};
+        break;
+      case HandCollision::kObject:
+        refusal = Refusal{reason::kObject, {}};
+        break;
+      case HandCollision::kObstacle:
+        refusal = Refusal{reason::kObstacle, {}};
+        break;
+    }
+  }
+  return refusal;
+}
+
+double GraspEvaluator::least_force() const {
+  const double weight = solid_.mass * (kGravity + options_.lift_acceleration);
+  return std::max(options_.least_force, options_.safety_factor * weight / (2 * options_.friction));
+}
+
+// How much of the pads' elliptic limit surface the weight and its torque about the closing
+// direction use; a weight along the closing direction unloads one pad.
+double GraspEvaluator::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force,
+                                  double friction) const {
+  const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid_.mass *
+                                   (kGravity + options_.lift_acceleration);
+  const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
+  const Eigen::Vector3d arm_G = X_WG.inverse() * solid_.center_of_mass_W - middle_G;
+  const double torque = arm_G.cross(weight_G).y();
+  const double tangential = std::hypot(weight_G.x(), weight_G.z());
+  const double radius = (hand.left.torsion_radius + hand.right.torsion_radius) / 2;
+  const double grip = 2 * friction * force;
+  const double slip = std::hypot(tangential / grip, torque / (grip * radius));
+  return std::max(slip, std::abs(weight_G.y()) / force);
+}
+
+WrenchHull GraspEvaluator::hull_of(const ClosedHand& hand, const RigidTransform& X_WG,
+                                   double friction, bool closure_only) const {
+  const auto contact = [friction](const ContactPatch& patch) {
+    return Contact{patch.center_G, -patch.normal_G, friction, patch.torsion_radius};
+  };
+  return wrench_hull(primitive_wrenches({contact(hand.left), contact(hand.right)},
+                                        X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
+                                        options_.cone_edges),
+                     {.closure_only = closure_only});
+}
+
+std::optional<Refusal> GraspEvaluator::close(const RigidTransform& X_WG, double opening,
+                                             ClosedHand* hand, double* force,
+                                             WrenchHull* hull) const {
+  // A second pass with more force when the weight would turn the object between the pads.
+  *force = least_force();
+  for (int pass = 0; pass < 2; ++pass) {
+    const Refusal too_heavy{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
+    if (*force > largest_force_) return too_heavy;
+    *hand = close_hand(query_, X_WG, opening, *force, gripper_, options_.closing);
+    switch (hand->outcome) {
+      case ClosingOutcome::kClosed:
+        break;
+      case ClosingOutcome::kTooWide:
+        return Refusal{reason::kTooWide, {}};
+      case ClosingOutcome::kMissed:
+        return Refusal{reason::kNothing, {}};
+      case ClosingOutcome::kBottomsOut:
+        return Refusal{reason::kBottomsOut,
+                       Miss{Quantity::kLength, std::max(hand->left.depth, hand->right.depth),
+                            gripper_.pad.thickness}};
+      case ClosingOutcome::kTurns:
+        return Refusal{reason::kTurns, hand->turn > options_.closing.largest_turn
+                                           ? std::optional(Miss{Quantity::kAngle, hand->turn,
+                                                                options_.closing.largest_turn})
+                                           : std::nullopt};
+      case ClosingOutcome::kTouchesFinger:
+        return Refusal{reason::kFinger, {}};
+    }
+    const double ratio =
+        options_.safety_factor * load_ratio(*hand, X_WG, *force, options_.friction);
+    if (ratio <= 1 + 1e-9) break;
+    *force *= ratio;
+    if (pass == 1) {
+      return Refusal{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
+    }
+  }
+  if (std::abs(hand->offset) > options_.largest_offset) {
+    return Refusal{reason::kOffCentre,
+                   Miss{Quantity::kLength, std::abs(hand->offset), options_.largest_offset}};
+  }
+  *hull = hull_of(*hand, X_WG, options_.friction, false);
+  if (!hull->closed)
+    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -hull->distance, 0}};
+  return std::nullopt;
+}
+
+double GraspEvaluator::score(const Grasp& grasp, const ClosedHand& hand) const {
+  const Eigen::Vector3d center_G = grasp.X_WG.inverse() * solid_.center_of_mass_W;
+  const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
+  const Eigen::Vector3d arm_G = center_G - middle_G;
+  const double distance = std::hypot(arm_G.x(), arm_G.z());
+  const double clearance = scene_.table_clearance(
+      swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance), grasp.X_WG);
+  const auto& weights = options_.weights;
+  const double sum =
+      weights.quality * grasp.quality / (grasp.quality + 0.05) +
+      weights.centredness * std::exp(-distance / 0.02) +
+      weights.area * std::min(1.0, grasp.predicted.contact_area /
+                                       (gripper_.pad.length() * gripper_.pad.width())) +
+      weights.clearance * std::clamp(clearance / 0.02, 0.0, 1.0);
+  return sum / (weights.quality + weights.centredness + weights.area + weights.clearance);
+}
+
+std::optional<Refusal> GraspEvaluator::evaluate(Candidate candidate, EvaluatedGrasp* result) const {
+  if (!reachability_.reaches_direction(candidate.approach_W)) {
+    const double angle = std::atan2(reachability_.approach_W->cross(candidate.approach_W).norm(),
+                                    reachability_.approach_W->dot(candidate.approach_W));
+    return Refusal{reason::kDirection,
+                   Miss{Quantity::kAngle, angle, reachability_.approach_tolerance}};
+  }
+  if (reachability_.approach_W) {
+    candidate = snapped(candidate, *reachability_.approach_W, solid_.center_of_mass_W);
+  }
+  double section_width = 0;
+  if (auto refusal = centre(&candidate.X_WG, &section_width)) return refusal;
+  const Eigen::Vector3d p_W = candidate.X_WG.translation();
+  for (const Eigen::Vector3d& p :
+       {p_W, Eigen::Vector3d(p_W - options_.pregrasp_distance * candidate.approach_W)}) {
+    if (!reachability_.reaches_point(p)) {
+      return Refusal{reason::kWorkspace, outside(reachability_.workspace_W, p)};
+    }
+  }
+  double opening = 0;
+  if (auto refusal = find_opening(candidate.X_WG, section_width, &opening)) return refusal;
+  ClosedHand& hand = result->hand;
+  WrenchHull hull;
+  double force = 0;
+  if (auto refusal = close(candidate.X_WG, opening, &hand, &force, &hull)) return refusal;
+
+  Grasp& grasp = result->grasp;
+  grasp.X_WG = candidate.X_WG;
+  grasp.approach_W = candidate.approach_W;
+  grasp.standoff = candidate.standoff;
+  grasp.roll = candidate.roll;
+  grasp.pregrasp_opening = opening;
+  grasp.pregrasp_distance = options_.pregrasp_distance;
+  grasp.grasp_force = force;
+  grasp.quality = hull.epsilon;
+  grasp.predicted = {hand.opening_at_touch, (hand.left.area + hand.right.area) / 2,
+                     (hand.left.force + hand.right.force) / 2, solid_.mass};
+  for (const auto& p_G : hand.left.points_G) grasp.left_contacts_W.push_back(grasp.X_WG * p_G);
+  for (const auto& p_G : hand.right.points_G) grasp.right_contacts_W.push_back(grasp.X_WG * p_G);
+  grasp.score = score(grasp, hand);
+  return std::nullopt;
+}
+
+bool GraspEvaluator::holds(const Grasp& grasp, const RigidTransform& X_WG, double friction) const {
+  // The table is where it is: what is disturbed is the object in the hand.
+  const auto way = swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance);
+  if (scene_.touches_object(way, X_WG)) return false;
+  const ClosedHand hand = close_hand(query_, X_WG, grasp.pregrasp_opening, grasp.grasp_force,
+                                     gripper_, options_.closing);
+  return hand.outcome == ClosingOutcome::kClosed &&
+         load_ratio(hand, X_WG, grasp.grasp_force, friction) <= 1 &&
+         hull_of(hand, X_WG, friction, true).closed;
+}
+
+}  // namespace prehend::grasp

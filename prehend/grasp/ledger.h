@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace prehend::grasp {
+
+/// How far a candidate was from passing a filter.
+struct Miss {
+  enum class Quantity { kLength, kAngle, kForce, kQuality };  // m, rad, N, without unit
+  Quantity quantity = Quantity::kLength;
+  double value = 0;
+  double limit = 0;
+
+  double size() const { return value > limit ? value - limit : limit - value; }
+};
+
+/// "74.0 mm > 69.0 mm", "-3.2 mm < 4.0 mm".
+std::string to_text(const Miss& miss);
+
+/// What became of the candidates of one generator at one filter.
+struct Rejection {
+  std::string reason;        // in words for people
+  std::string generator;     // empty when there is only one
+  int count = 0;             // > 0
+  std::string nearest_miss;  // to_text() of the least miss; empty where nothing is measured
+};
+
+/// Counts where candidates fall, and keeps how near the best of them came.
+class Ledger {
+ public:
+  void reject(std::string_view reason, std::string_view generator,
+              const std::optional<Miss>& miss = std::nullopt);
+
+  /// Of all generators.
+  int count(std::string_view reason) const;
+  int total() const;
+  /// In the order in which they came up first.
+  std::vector<Rejection> rejections() const;
+
+ private:
+  struct Entry {
+    std::string reason, generator;
+    int count = 0;
+    std::optional<Miss> nearest;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace prehend::grasp
