@@ -13,6 +13,7 @@
 #include "prehend/graph/introspection.h"
 #include "prehend/graph/node.h"
 #include "tools/commands.h"
+#include "tools/doctor_devices.h"
 #include "tools/doctor_graph.h"
 #include "tools/doctor_host.h"
 #include "tools/json.h"
@@ -26,6 +27,7 @@ using Level = Finding::Level;
 struct DoctorChoices {
   std::string registry;
   bool json = false;
+  DeviceChoices devices;
 };
 
 constexpr const char* kLevels[] = {"ok", "warning", "error"};
@@ -111,7 +113,11 @@ int examine(const DoctorChoices& choices) {
     findings.insert(findings.end(), more.begin(), more.end());
   } catch (const std::exception& error) {
     findings.push_back(missing_registry(registry, error.what(), !choices.registry.empty()));
+    // Devices are asked before a graph is started, too.
+    if (choices.devices.any()) findings.back().level = Level::kWarning;
   }
+  const Findings of_devices = examine_devices(choices.devices);
+  findings.insert(findings.end(), of_devices.begin(), of_devices.end());
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.level < b.level; });
   const auto count = [&](Level level) {
@@ -123,15 +129,36 @@ int examine(const DoctorChoices& choices) {
   return errors > 0 ? 1 : 0;
 }
 
+void add_device_options(CLI::App& command, DeviceChoices& devices) {
+  command.add_option("--can", devices.can,
+                     "Line of a PG70: can0, slcan:/dev/ttyACM0, serial:/dev/ttyUSB2");
+  command.add_option("--module", devices.module_id, "Its module id")
+      ->check(CLI::Range(1, 255))
+      ->capture_default_str();
+  command.add_option("--bit-rate", devices.bit_rate, "Of its line, as the driver's bit_rate")
+      ->check(CLI::NonNegativeNumber);
+  command.add_flag("--scan", devices.scan, "Ask all module ids")->needs("--can");
+  command.add_option("--dsa", devices.dsa, "Line of a tactile controller, or tcp://HOST:PORT");
+  command.add_option("--ft300", devices.ft300, "Line of an FT 300, or tcp://HOST:PORT");
+  command.add_option("--unit", devices.unit, "Its Modbus address")
+      ->check(CLI::Range(1, 247))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_doctor_command(CLI::App& app, Outcome& outcome) {
   auto choices = std::make_shared<DoctorChoices>();
   CLI::App* command = app.add_subcommand(
-      "doctor", "Say what is wrong with this machine and the running graph, and the mend");
+      "doctor",
+      "Say what is wrong with this machine, the running graph and the devices named, and the mend");
   add_registry_option(*command, choices->registry);
   add_json_option(*command, choices->json);
-  command->footer("Exit code 1 when there are errors.\n\nExample:\n  prehend doctor");
+  add_device_options(*command, choices->devices);
+  command->footer(
+      "Exit code 1 when there are errors. Devices are asked who they are, and never moved.\n\n"
+      "Examples:\n  prehend doctor\n"
+      "  prehend doctor --can can0 --module 12 --dsa /dev/ttyUSB0 --ft300 /dev/ttyUSB1");
   command->callback([choices, &outcome] { outcome.exit_code = examine(*choices); });
 }
 

@@ -46,11 +46,10 @@ ModbusLine::ModbusLine(const std::string& address, unsigned baud, std::uint8_t u
                        modbus_connect(context_->modbus) == 0;
   if (is_open) return;
   const int code = errno;
-  throw geometry::InputError(
-      "cannot open " + address + ": " + modbus_strerror(code),
-      code == EACCES ? "Add yourself to the group that owns it (as a rule dialout), log in again"
-      : is_serial_   ? "Check plug and name (ls /dev/serial/by-id)"
-                     : "Check that the gateway is on, its address and its port");
+  if (is_serial_ && code == EACCES) throw_no_permission(address);
+  throw geometry::InputError("cannot open " + address + ": " + modbus_strerror(code),
+                             is_serial_ ? "Check plug and name (ls /dev/serial/by-id)"
+                                        : "Check that the gateway is on, its address and its port");
 }
 
 ModbusLine::~ModbusLine() = default;

@@ -101,7 +101,7 @@ Settings declare_settings(graph::Node& node) {
 void check_line_rate(const Settings& s) {
   if (!s.address.line.starts_with("serial:/")) return;
   constexpr double kBitsOfState = 20 * 10, kShare = 0.7;
-  const double baud = s.address.bit_rate > 0 ? s.address.bit_rate : 9600;
+  const double baud = s.address.bit_rate > 0 ? s.address.bit_rate : kFactoryBaud;
   const double least = kBitsOfState / (baud * kShare);
   if (s.driver.state_period >= least) return;
   throw geometry::InputError(

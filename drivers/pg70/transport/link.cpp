@@ -139,7 +139,6 @@ std::unique_ptr<Link> make_serial_link(std::unique_ptr<ByteStream> stream, std::
 std::unique_ptr<Link> open_link(const LinkAddress& address) {
   constexpr std::string_view kSerial = "serial:";
   if (address.line.starts_with(kSerial)) {
-    constexpr unsigned kFactoryBaud = 9600;
     return make_serial_link(
         open_byte_stream(address.line.substr(kSerial.size()),
                          address.bit_rate > 0 ? address.bit_rate : kFactoryBaud),

@@ -56,6 +56,9 @@ std::unique_ptr<Link> make_serial_link(
     std::unique_ptr<ByteStream> stream, std::uint8_t module, Side side,
     std::chrono::nanoseconds gap = std::chrono::milliseconds(50));
 
+/// bit/s of RS-232 unless set otherwise in the module (spatialaudio/schunk).
+inline constexpr unsigned kFactoryBaud = 9600;
+
 /// Where a module is.
 struct LinkAddress {
   std::string line;       // "can0", "slcan:/dev/ttyACM0", "serial:/dev/ttyUSB0", "serial:tcp://..."

@@ -55,12 +55,7 @@ std::unique_ptr<ByteStream> open_serial(const std::string& device, unsigned baud
   auto stream = std::make_unique<AsioStream<asio::serial_port>>(device);
   boost::system::error_code error;
   stream->port_.open(device, error);
-  if (error == boost::system::errc::permission_denied) {
-    throw geometry::InputError("no permission to open " + device,
-                               "Add yourself to the group that owns it (ls -l " + device +
-                                   "), as a rule 'sudo usermod -aG dialout $USER', and log in "
-                                   "again");
-  }
+  if (error == boost::system::errc::permission_denied) throw_no_permission(device);
   if (error) {
     throw geometry::InputError("cannot open " + device + ": " + error.message(),
                                "Check plug and name (ls /dev/serial/by-id)");
@@ -116,6 +111,12 @@ std::unique_ptr<ByteStream> open_tcp(const std::string& address, std::chrono::na
 }
 
 }  // namespace
+
+void throw_no_permission(const std::string& device) {
+  throw geometry::InputError("no permission to open " + device,
+                             "Add yourself to the group that owns it (ls -l " + device +
+                                 "), as a rule 'sudo usermod -aG dialout $USER', and log in again");
+}
 
 IoResult read_descriptor(int descriptor, std::span<std::uint8_t> buffer,
                          std::chrono::nanoseconds timeout) {

@@ -45,6 +45,9 @@ std::unique_ptr<ByteStream> open_byte_stream(
     const std::string& address, unsigned baud,
     std::chrono::nanoseconds timeout = std::chrono::seconds(1));
 
+/// @throws geometry::InputError that `device` may not be opened by this user, and the mend.
+[[noreturn]] void throw_no_permission(const std::string& device);
+
 /// Reads from a file descriptor that does not block. Shared by all streams.
 IoResult read_descriptor(int descriptor, std::span<std::uint8_t> buffer,
                          std::chrono::nanoseconds timeout);

@@ -3,8 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "drivers/dsa/driver/probe.h"
+#include "drivers/dsa/emulator/controller.h"
+#include "drivers/ft300/driver/probe.h"
+#include "drivers/ft300/emulator/sensor.h"
+#include "drivers/pg70/driver/probe.h"
+#include "drivers/pg70/emulator/served_module.h"
 #include "drivers/wire/can/can_interface.h"
+#include "drivers/wire/can/slcan.h"
+#include "drivers/wire/stream/line_users.h"
 #include "drivers/wire/stream/pseudo_terminal.h"
+#include "drivers/wire/stream/served_device.h"
+#include "drivers/wire/stream/tcp_server.h"
 #include "prehend/graph/registry.h"
 #include "tests/drivers/eventually.h"
 #include "tests/system/launched.h"
@@ -61,6 +74,114 @@ TEST_F(DriversDoctor, NamesLinesThatCannotBeOpened) {
               AllOf(HasSubstr("cannot open /dev/no_pads"), HasSubstr("ls /dev/serial/by-id")));
   EXPECT_THAT(page_of("ft300", {"line:=/dev/no_sensor"}, "/dev/no_sensor"),
               AllOf(HasSubstr("cannot open /dev/no_sensor"), HasSubstr("ls /dev/serial/by-id")));
+}
+
+// What the page says when it asks the devices itself, with no driver running.
+class DoctorAsksDevices : public ::testing::Test {
+ protected:
+  testing::Outcome ask(std::vector<std::string> options) {
+    options.insert(options.begin(), {"doctor", "--registry", registry_.endpoint()});
+    return testing::run_program("prehend", options, std::chrono::seconds(60));
+  }
+
+  graph::Registry registry_{{.endpoint = "tcp://127.0.0.1:*"}};
+};
+
+TEST_F(DoctorAsksDevices, AllThreeAnswer) {
+  auto gripper_line = std::make_unique<PseudoTerminal>();
+  auto pads_line = std::make_unique<PseudoTerminal>();
+  auto sensor_line = std::make_unique<TcpServer>();
+  const std::string can = "slcan:" + gripper_line->name(), dsa = pads_line->name(),
+                    ft300 = sensor_line->name();
+  pg70::SimpleGripper plant;
+  auto bus = std::make_unique<Slcan>(std::move(gripper_line), 0, std::vector<std::uint16_t>{});
+  pg70::ServedModule module(plant, {},
+                            pg70::make_can_link(std::move(bus), 21, pg70::Side::kModule));
+  ServedDevice<dsa::Controller> pads(dsa::ControllerOptions{}, std::move(pads_line));
+  ft300::SensorOptions gateway;
+  gateway.is_tcp = true;
+  ServedDevice<ft300::Sensor> sensor(gateway, std::move(sensor_line));
+  const std::vector<std::string> lines{"--can", can, "--dsa", dsa, "--ft300", ft300};
+  std::vector<std::string> right = lines;
+  right.insert(right.end(), {"--module", "21"});
+  const auto good = ask(right);
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, AllOf(HasSubstr("module 21 on " + can + " answers"),
+                                 HasSubstr("tactile controller on " + dsa + " answers: 2 pads"),
+                                 HasSubstr("force sensor on " + ft300 + " answers: FTS-2.0.1")));
+  const auto wrong = ask({"--can", can, "--module", "12", "--scan"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.output, AllOf(HasSubstr("module 12 does not answer on " + can),
+                                  HasSubstr("module ids that answer on " + can + ": 21"),
+                                  HasSubstr("-> module_id:=21")));
+  module.with_module([](pg70::Module& asked, Time) {
+    EXPECT_EQ(asked.motions() + asked.stops(), 0u);
+    return 0;
+  });
+}
+
+TEST_F(DoctorAsksDevices, SilentLinesAndMissingOnes) {
+  const PseudoTerminal nobody, no_pads, no_sensor;
+  const auto silent = ask(
+      {"--can", "serial:" + nobody.name(), "--dsa", no_pads.name(), "--ft300", no_sensor.name()});
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.output,
+              AllOf(HasSubstr("module 12 does not answer on serial:" + nobody.name()),
+                    HasSubstr("the tactile controller does not answer on " + no_pads.name()),
+                    HasSubstr("the force sensor does not answer: " + no_sensor.name())));
+  const auto missing =
+      ask({"--can", "can_none", "--dsa", "/dev/no_pads", "--ft300", "/dev/no_sensor"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.output,
+              AllOf(HasSubstr(kernel_has_can() ? "there is no CAN interface can_none\n"
+                                               : "this kernel offers no CAN sockets"),
+                    HasSubstr("cannot open /dev/no_pads"), HasSubstr("cannot open /dev/no_sensor"),
+                    HasSubstr("-> Check plug and name (ls /dev/serial/by-id)")));
+}
+
+TEST_F(DoctorAsksDevices, NoPermissionIsNamedWithItsMend) {
+  const PseudoTerminal pads, sensor;
+  for (const auto* line : {&pads, &sensor}) ASSERT_EQ(::chmod(line->name().c_str(), 0), 0);
+  // Root may open anything, so another user asks then.
+  const bool is_root = ::geteuid() == 0;
+  constexpr uid_t kNobody = 65534;
+  if (is_root) {
+    ASSERT_EQ(::seteuid(kNobody), 0);
+  }
+  const auto page = [&](auto probe) -> std::string {
+    try {
+      probe();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const std::string of_pads = page([&] { dsa::probe(pads.name()); });
+  const std::string of_sensor = page([&] { ft300::probe(sensor.name()); });
+  const std::string of_gripper = page([&] { pg70::probe({"serial:" + pads.name(), 0, 12}); });
+  if (is_root) {
+    ASSERT_EQ(::seteuid(0), 0);
+  }
+  for (const std::string& words : {of_pads, of_sensor, of_gripper}) {
+    EXPECT_THAT(words, AllOf(HasSubstr("no permission to open /dev/pts/"),
+                             HasSubstr("sudo usermod -aG dialout $USER")));
+  }
+}
+
+TEST_F(DoctorAsksDevices, LineOfARunningDriverIsLeftAlone) {
+  auto terminal = std::make_unique<PseudoTerminal>();
+  const std::string line = terminal->name();
+  ServedDevice<dsa::Controller> pads(dsa::ControllerOptions{}, std::move(terminal));
+  EXPECT_TRUE(users_of_line(line).empty());  // this process serves it
+  const testing::ScratchFolder scratch;
+  const testing::Launched driver("dsa",
+                                 {"--registry", registry_.endpoint(), "--param", "line:=" + line},
+                                 scratch.path() / "dsa.txt");
+  ASSERT_TRUE(
+      eventually([&] { return pads.with_device([](auto& c, Time) { return c.is_streaming(); }); }));
+  EXPECT_THAT(ask({"--dsa", line}).output,
+              HasSubstr(line + " is in use by dsa (process " + std::to_string(driver.pid()) +
+                        "), so it was not asked"));
 }
 
 TEST_F(DriversDoctor, StatesThatDoNotFitTheLineAreRefusedAtTheStart) {

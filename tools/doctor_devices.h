@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "tools/finding.h"
+
+namespace prehend::tools {
+
+/// The devices to ask, named as in launch/bringup.yaml; an empty line: not asked.
+struct DeviceChoices {
+  std::string can;  ///< "can0", "slcan:/dev/ttyACM0", "serial:/dev/ttyUSB2"
+  int module_id = 12;
+  int bit_rate = 0;   ///< of `can`, 0: as it is
+  bool scan = false;  ///< asks all module ids
+  std::string dsa, ft300;
+  int unit = 9;  ///< Modbus address of the force sensor
+
+  bool any() const { return !can.empty() || !dsa.empty() || !ft300.empty(); }
+};
+
+/// Asks the devices by the drivers' own codecs, nothing of which moves them: whether the line can
+/// be opened, is that of another process, and who answers on it. Takes some seconds for devices
+/// that are silent.
+Findings examine_devices(const DeviceChoices& choices);
+
+}  // namespace prehend::tools
