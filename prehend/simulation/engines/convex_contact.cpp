@@ -5,13 +5,15 @@
 #include <limits>
 
 #include <Eigen/Geometry>
+#include <boost/container/static_vector.hpp>
 
 namespace prehend::simulation::engines {
 namespace {
 
 using Eigen::Vector3d;
 using Kind = EngineShape::Kind;
-using Points = std::vector<Vector3d>;
+// Without memory of their own: a step allocates nothing. Most: the corners of a cylinder.
+using Points = boost::container::static_vector<Vector3d, 64>;
 
 constexpr double kOnFace = 1e-6;       // m, how far beyond a face's border a point still counts
 constexpr double kMerged = 1e-5;       // m, contacts nearer than this are one

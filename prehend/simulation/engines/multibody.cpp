@@ -58,6 +58,19 @@ Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadTouch::
   law_.bristle_law = contact::BristleLaw::kElastoPlastic;
   law_.return_map = true;
   joint_force_.assign(scene.joints.size(), 0.0);
+  drive_force_.assign(scene.joints.size(), 0.0);
+  mechanics_.resize(scene.joints.size());
+  drives_.resize(scene.joints.size());
+  drive_row_.assign(scene.joints.size(), -1);
+  rows_.reserve(4 * scene.joints.size());
+  prescribed_.assign(count, 0);
+  X_WPrescribed_.assign(count, RigidTransform::Identity());
+  asleep_.assign(count, 0);
+  drift_.assign(count, Vector6::Zero());
+  travel_.assign(count, 0.0);
+  block_.resize(count);
+  block_force_.resize(count);
+  active_.assign(size_, -1);
   wrench_.assign(count, Vector6::Zero());
   pad_places_.resize(pads_.size());
   pad_near_.assign(pads_.size(), 0);
@@ -73,6 +86,26 @@ void Multibody::set_joint_force(int joint, double force) {
 void Multibody::set_body_wrench(int body, const Vector6& wrench) {
   contact::require(wrench.allFinite(), "the wrench on body " + std::to_string(body), "finite");
   wrench_.at(body) = wrench;
+}
+
+void Multibody::prescribe(int body, const RigidTransform& X_WB) {
+  const std::string name = "prescribed body " + std::to_string(body);
+  contact::require(columns_.at(body).empty(), name, "fixed");
+  contact::require(X_WB.matrix().allFinite(), name + ": X_WB", "finite");
+  prescribed_[body] = 1;
+  X_WPrescribed_[body] = X_WB;
+}
+
+void Multibody::set_asleep(int body, bool asleep) {
+  contact::require(free_.at(body) >= 0, "body " + std::to_string(body), "free to sleep");
+  asleep_[body] = asleep ? 1 : 0;
+}
+
+void Multibody::set_contact_stiffness(double stiffness, double damping) {
+  contact::require_positive(stiffness, "the stiffness of contacts");
+  contact::require_positive(damping, "the damping of contacts");
+  law_.stiffness = law_.bristle_stiffness = stiffness;
+  law_.damping = law_.bristle_damping = damping;
 }
 
 MultibodyState Multibody::initial_state() const {
@@ -98,7 +131,7 @@ MultibodyState Multibody::initial_state() const {
 }
 
 void Multibody::complete(MultibodyState& state) const {
-  Configuration at;
+  Configuration& at = completed_;
   place(state.positions, state.X_WB, at);
   state.X_WB = at.X_WB;
   state.momenta.resize(scene_.bodies.size());
@@ -115,12 +148,14 @@ void Multibody::place(const Eigen::VectorXd& positions, const std::vector<RigidT
   const std::size_t count = scene_.bodies.size();
   out.X_WB.resize(count);
   out.jacobian.resize(count);
+  out.drift.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
     const int j = joint_of_[b];
     Matrix6X& J = out.jacobian[b];
     J.setZero(6, static_cast<Eigen::Index>(columns_[b].size()));
     if (j < 0) {
       out.X_WB[b] = free[b];
+      out.drift[b] = drift_[b];
       if (free_[b] >= 0) J.setIdentity();
       continue;
     }
@@ -143,10 +178,13 @@ void Multibody::place(const Eigen::VectorXd& positions, const std::vector<RigidT
     }
     out.X_WB[b] = moved * step * scene_.bodies[b].X_WB;
     const Eigen::Vector3d p = out.X_WB[b].translation();
+    out.drift[b].setZero();
     if (joint.parent >= 0) {
       const Matrix6X& parent = out.jacobian[joint.parent];
       const Eigen::Vector3d arm = p - out.X_WB[joint.parent].translation();
-      J.topLeftCorner(3, parent.cols()) = point_rows(arm) * parent;
+      const Vector6& carried = out.drift[joint.parent];
+      out.drift[b] << carried.head<3>() + carried.tail<3>().cross(arm), carried.tail<3>();
+      J.topLeftCorner(3, parent.cols()).noalias() = point_rows(arm) * parent;
       J.bottomLeftCorner(3, parent.cols()) = parent.bottomRows<3>();
     }
     const auto own = std::find(columns_[b].begin(), columns_[b].end(), coordinate_[j]);
@@ -164,8 +202,8 @@ void Multibody::advance_free(const MultibodyState& base, double h, const Eigen::
                              std::vector<RigidTransform>& X_WB) const {
   X_WB.resize(base.X_WB.size());
   for (std::size_t b = 0; b < X_WB.size(); ++b) {
-    X_WB[b] = base.X_WB[b];
-    if (free_[b] < 0) continue;
+    X_WB[b] = prescribed_[b] ? X_WPrescribed_[b] : base.X_WB[b];
+    if (free_[b] < 0 || asleep_[b]) continue;
     X_WB[b].translation() += h * u.segment<3>(free_[b]);
     const Eigen::Quaterniond q =
         rotation_by(h * u.segment<3>(free_[b] + 3)) * Eigen::Quaterniond(base.X_WB[b].linear());
@@ -174,7 +212,7 @@ void Multibody::advance_free(const MultibodyState& base, double h, const Eigen::
 }
 
 Vector6 Multibody::twist_of(int body, const Configuration& at, const Eigen::VectorXd& u) const {
-  Vector6 twist = Vector6::Zero();
+  Vector6 twist = at.drift[body];
   const std::vector<int>& columns = columns_[body];
   for (std::size_t k = 0; k < columns.size(); ++k) {
     twist += at.jacobian[body].col(static_cast<Eigen::Index>(k)) * u[columns[k]];
@@ -203,8 +241,11 @@ void Multibody::extrapolate(const MultibodyState& y0, const MultibodyState& y1, 
   for (std::size_t b = 0; b < out.momenta.size(); ++b) {
     out.momenta[b] = y0.momenta[b] + share * (y1.momenta[b] - y0.momenta[b]);
   }
+  // Of joints' velocities those of rotors count.
+  out.velocities = y0.velocities + share * (y1.velocities - y0.velocities);
   // What ceased to touch has lost its bristle; there is nothing to extrapolate.
   for (TouchPoint& touch : out.touches) {
+    touch.turn *= share;
     touch.foreseen = touch.at.depth + share * (touch.foreseen - touch.at.depth);
     if (touch.normal_force > 0) {
       touch.bristle = touch.bristle_at_start + share * (touch.bristle - touch.bristle_at_start);
@@ -231,7 +272,6 @@ BodyMotion Multibody::motion(const MultibodyState& state, int body) const {
   BodyMotion motion;
   motion.X_WB = state.X_WB.at(body);
   const Vector6& momentum = state.momenta[body];
-  if (columns_[body].empty()) return motion;
   motion.velocity = momentum.head<3>() / scene_.bodies[body].mass;
   const Eigen::Matrix3d R = motion.X_WB.linear();
   motion.angular_velocity = R * (R.transpose() * momentum.tail<3>()).cwiseQuotient(moments_[body]);
@@ -240,6 +280,10 @@ BodyMotion Multibody::motion(const MultibodyState& state, int body) const {
 
 double Multibody::energy(const MultibodyState& state) const {
   double energy = 0;
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const double velocity = state.velocities[coordinate_[j]];
+    energy += 0.5 * mechanics_[j].rotor_inertia * velocity * velocity;
+  }
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
     if (columns_[b].empty()) continue;
     const BodyMotion motion = this->motion(state, static_cast<int>(b));

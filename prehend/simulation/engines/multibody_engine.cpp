@@ -43,7 +43,7 @@ bool press_alike(const MultibodyState& a, const MultibodyState& b) {
 }
 
 // What a step needs of a touch of the step before.
-constexpr std::size_t kTouchNumbers = 11;
+constexpr std::size_t kTouchNumbers = 14;
 
 }  // namespace
 
@@ -101,6 +101,7 @@ std::vector<double> MultibodyEngine::save() const {
     numbers.push_back(touch.b);
     numbers.insert(numbers.end(), touch.p_A.data(), touch.p_A.data() + 3);
     numbers.insert(numbers.end(), touch.bristle.data(), touch.bristle.data() + 3);
+    numbers.insert(numbers.end(), touch.turn.data(), touch.turn.data() + 3);
     numbers.insert(numbers.end(), {touch.normal_force, touch.unborne, touch.foreseen});
   }
   return numbers;
@@ -122,9 +123,10 @@ void MultibodyEngine::restore(const std::vector<double>& numbers) {
     touch.b = static_cast<int>(next[1]);
     touch.p_A = {next[2], next[3], next[4]};
     touch.bristle = {next[5], next[6], next[7]};
-    touch.normal_force = next[8];
-    touch.unborne = next[9];
-    touch.foreseen = next[10];
+    touch.turn = {next[8], next[9], next[10]};
+    touch.normal_force = next[11];
+    touch.unborne = next[12];
+    touch.foreseen = next[13];
     state.touches.push_back(touch);
   }
   state_ = state;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "prehend/contact/rotation.h"
 #include "prehend/contact/texel.h"
 #include "prehend/simulation/engines/multibody.h"
 #include "prehend/simulation/engines/twist_rows.h"
@@ -26,55 +27,75 @@ contact::TexelLaw Multibody::contact_law(int a, int b) const {
   return law;
 }
 
+// Bristles and what was borne before, from the step before.
+void Multibody::match_touches(const MultibodyState& base, double h, MultibodyState& end) const {
+  const auto same_pair = [](const TouchPoint& x, const TouchPoint& y) {
+    return x.a == y.a && x.b == y.b;
+  };
+  for (std::size_t first = 0, last; first < end.touches.size(); first = last) {
+    const TouchPoint& pair = end.touches[first];
+    for (last = first + 1; last < end.touches.size() && same_pair(end.touches[last], pair);) ++last;
+    double borne = 0;
+    for (const TouchPoint& before : base.touches) {
+      if (same_pair(before, pair)) borne = std::max(borne, before.foreseen - before.unborne);
+    }
+    borne += std::max(kSurprise, h * kPushOut);
+    for (std::size_t i = first; i < last; ++i) {
+      TouchPoint& touch = end.touches[i];
+      touch.unborne = std::max(0.0, touch.at.depth - borne);
+      touch.bristle_at_start.setZero();
+      double nearest = kSamePoint * kSamePoint;
+      for (const TouchPoint& before : base.touches) {
+        if (!same_pair(before, touch)) continue;
+        const double distance = (before.p_A - touch.p_A).squaredNorm();
+        if (distance >= nearest) continue;
+        nearest = distance;
+        const Eigen::Vector3d bristle = contact::rotation_by(before.turn) * before.bristle;
+        touch.bristle_at_start = bristle - bristle.dot(touch.at.n_W) * touch.at.n_W;
+      }
+    }
+  }
+}
+
 void Multibody::find_touches(const MultibodyState& base, double h, const Eigen::VectorXd& u,
                              MultibodyState& end) {
+  end.touches.clear();
+  if (finder_) {
+    finder_->find(*this, base, h, u, end.touches);
+    return match_touches(base, h, end);
+  }
   const int count = static_cast<int>(scene_.bodies.size());
   // How far each can come in the step.
-  std::vector<double> travel(count, 0.0);
   for (int b = 0; b < count; ++b) {
-    if (columns_[b].empty()) continue;
+    travel_[b] = 0;
     const Vector6 twist = twist_of(b, at_, u);
+    if (columns_[b].empty() && twist.isZero(0)) continue;
     double acceleration =
         scene_.gravity.norm() + wrench_[b].head<3>().norm() / scene_.bodies[b].mass;
     if (joint_of_[b] >= 0 && scene_.joints[joint_of_[b]].kind == EngineJoint::Kind::kPrismatic) {
       acceleration += std::abs(joint_force_[joint_of_[b]]) / scene_.bodies[b].mass;
     }
-    travel[b] =
+    travel_[b] =
         2 * h * (twist.head<3>().norm() + reach_[b] * twist.tail<3>().norm() + h * acceleration);
   }
-  std::vector<ConvexContact> found;
   const auto keep = [&](int a, int b) {
     const RigidTransform X_AW = base.X_WB[a].inverse(Eigen::Isometry);
-    double borne = 0;
-    for (const TouchPoint& before : base.touches) {
-      if (before.a == a && before.b == b) borne = std::max(borne, before.foreseen - before.unborne);
-    }
-    borne += std::max(kSurprise, h * kPushOut);
-    for (const ConvexContact& at : found) {
-      TouchPoint touch;
+    for (const ConvexContact& at : found_) {
+      TouchPoint& touch = end.touches.emplace_back();
       touch.a = a;
       touch.b = b;
       touch.at = at;
       touch.p_A = X_AW * at.p_W;
-      touch.unborne = std::max(0.0, at.depth - borne);
-      double nearest = kSamePoint * kSamePoint;
-      for (const TouchPoint& before : base.touches) {
-        const double distance = (before.p_A - touch.p_A).squaredNorm();
-        if (before.a != a || before.b != b || distance >= nearest) continue;
-        nearest = distance;
-        touch.bristle_at_start = before.bristle - before.bristle.dot(at.n_W) * at.n_W;
-      }
-      end.touches.push_back(touch);
     }
-    found.clear();
+    found_.clear();
   };
-  end.touches.clear();
+  found_.clear();
   for (int a = 0; a < count; ++a) {
     const EngineBody& body = scene_.bodies[a];
     if (!body.collides || padded_[a]) continue;
     const RigidTransform X_WA = base.X_WB[a] * body.X_BS;
     if (scene_.ground && !columns_[a].empty()) {
-      find_ground_contacts(body.shape, X_WA, travel[a] + kSlack, found);
+      find_ground_contacts(body.shape, X_WA, travel_[a] + kSlack, found_);
       keep(a, -1);
     }
     for (int b = a + 1; b < count; ++b) {
@@ -82,58 +103,90 @@ void Multibody::find_touches(const MultibodyState& base, double h, const Eigen::
       if (!other.collides || padded_[b] || (columns_[a].empty() && columns_[b].empty())) continue;
       if (joint_of_[b] >= 0 && scene_.joints[joint_of_[b]].parent == a) continue;
       find_contacts(body.shape, X_WA, other.shape, base.X_WB[b] * other.X_BS,
-                    travel[a] + travel[b] + kSlack, found);
+                    travel_[a] + travel_[b] + kSlack, found_);
       keep(a, b);
     }
   }
+  match_touches(base, h, end);
 }
 
-template <class Rows>
+void Multibody::number_active() {
+  active_size_ = 0;
+  for (int k = 0; k < size_; ++k) active_[k] = active_size_++;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    if (!asleep_[b]) continue;
+    active_size_ = 0;
+    for (int k = 0; k < 6; ++k) active_[free_[b] + k] = -1;
+    for (int& place : active_) {
+      if (place >= 0) place = active_size_++;
+    }
+  }
+}
+
+void Multibody::clear_blocks() {
+  for (Matrix6& block : block_) block.setZero();
+  for (Vector6& force : block_force_) force.setZero();
+  pairs_.clear();
+}
+
+template <class Rows, class Resistance, class Constant>
 void Multibody::add(int a, const Rows& rows_a, int b, const Rows& rows_b,
-                    const Eigen::MatrixXd& resistance, const Eigen::VectorXd& constant, double h) {
-  const Eigen::MatrixXd Qa = rows_a * at_.jacobian[a];
-  const Eigen::MatrixXd Qb = b < 0 ? Eigen::MatrixXd(rows_b.rows(), 0) : rows_b * at_.jacobian[b];
-  const auto scatter = [&](int i, const Eigen::MatrixXd& Qi, int j, const Eigen::MatrixXd& Qj,
-                           double factor) {
-    if (i < 0 || j < 0) return;
-    const Eigen::MatrixXd block = factor * Qi.transpose() * resistance * Qj;
-    for (std::size_t r = 0; r < columns_[i].size(); ++r) {
-      for (std::size_t c = 0; c < columns_[j].size(); ++c) {
-        matrix_(columns_[i][r], columns_[j][c]) +=
-            block(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
-      }
+                    const Resistance& resistance, const Constant& constant, double h) {
+  const Rows pressed_a = h * resistance * rows_a;
+  block_[a].noalias() += rows_a.transpose() * pressed_a;
+  block_force_[a].noalias() += h * rows_a.transpose() * constant;
+  if (b < 0) return;
+  const Rows pressed_b = h * resistance * rows_b;
+  block_[b].noalias() += rows_b.transpose() * pressed_b;
+  block_force_[b].noalias() -= h * rows_b.transpose() * constant;
+  if (pairs_.empty() || pairs_.back().a != a || pairs_.back().b != b) {
+    pairs_.push_back({a, b, Matrix6::Zero()});
+  }
+  pairs_.back().resistance.noalias() += rows_a.transpose() * pressed_b;
+}
+
+// Adds J_a' (factor resistance) J_b, and to the right what prescribed motion of b does.
+void Multibody::project(int a, const Matrix6& resistance, int b, double factor) {
+  const Vector6 drifting = factor * (resistance * at_.drift[b]);
+  for (std::size_t r = 0; r < columns_[a].size(); ++r) {
+    const int row = active_[columns_[a][r]];
+    if (row < 0) continue;
+    const auto column = at_.jacobian[a].col(static_cast<Eigen::Index>(r));
+    const Vector6 pulled = factor * (resistance.transpose() * column);
+    right_[row] -= column.dot(drifting);
+    for (std::size_t c = 0; c < columns_[b].size(); ++c) {
+      const int place = active_[columns_[b][c]];
+      if (place < 0) continue;
+      matrix_(row, place) += pulled.dot(at_.jacobian[b].col(static_cast<Eigen::Index>(c)));
     }
-  };
-  const auto scatter_force = [&](int i, const Eigen::MatrixXd& Qi, double factor) {
-    if (i < 0) return;
-    const Eigen::VectorXd force = factor * Qi.transpose() * constant;
-    for (std::size_t r = 0; r < columns_[i].size(); ++r) {
-      right_[columns_[i][r]] += force[static_cast<Eigen::Index>(r)];
+  }
+}
+
+void Multibody::project_blocks() {
+  for (std::size_t b = 0; b < block_.size(); ++b) {
+    if (columns_[b].empty() || asleep_[b]) continue;
+    const int body = static_cast<int>(b);
+    project(body, block_[b], body, 1);
+    for (std::size_t r = 0; r < columns_[b].size(); ++r) {
+      right_[active_[columns_[b][r]]] +=
+          at_.jacobian[b].col(static_cast<Eigen::Index>(r)).dot(block_force_[b]);
     }
-  };
-  scatter(a, Qa, a, Qa, h);
-  scatter(a, Qa, b, Qb, -h);
-  scatter(b, Qb, a, Qa, -h);
-  scatter(b, Qb, b, Qb, h);
-  scatter_force(a, Qa, h);
-  scatter_force(b, Qb, -h);
+  }
+  for (const PairBlock& pair : pairs_) {
+    project(pair.a, pair.resistance, pair.b, -1);
+    project(pair.b, pair.resistance.transpose(), pair.a, -1);
+  }
 }
 
 void Multibody::add_inertia(const MultibodyState& base, double h) {
-  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-    const EngineJoint& joint = scene_.joints[j];
-    right_[coordinate_[j]] += h * (joint.follows >= 0 ? joint.ratio : 1.0) * joint_force_[j];
-  }
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-    if (columns_[b].empty()) continue;
-    Matrix6 inertia = Matrix6::Zero();
+    if (columns_[b].empty() || asleep_[b]) continue;
+    Matrix6& inertia = block_[b];
+    inertia.setZero();
     inertia.diagonal().head<3>().setConstant(scene_.bodies[b].mass);
     inertia.bottomRightCorner<3, 3>() = inertia_W(static_cast<int>(b), at_.X_WB[b]);
-    Vector6 wrench = wrench_[b];
-    wrench.head<3>() += scene_.bodies[b].mass * scene_.gravity;
-    const Matrix6 identity = Matrix6::Identity();
-    // As an interaction with the world over a step of one second.
-    add(static_cast<int>(b), identity, -1, identity, inertia, base.momenta[b] + h * wrench, 1);
+    block_force_[b] = base.momenta[b] + h * wrench_[b];
+    block_force_[b].head<3>() += h * scene_.bodies[b].mass * scene_.gravity;
   }
 }
 
@@ -153,10 +206,12 @@ void Multibody::add_touch(const MultibodyState& base, TouchPoint& touch, double 
                                            touch.bristle_at_start, slip));
   const contact::LinearisedContact& contact = linearised_.back();
   if (!contact.presses) return;
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
-  add(touch.a, rows_a, touch.b, rows_b,
-      contact.normal_damping * n * n.transpose() + contact.tangential_damping * across,
-      contact.normal_offset * n - contact.bristle_gain * touch.bristle_at_start, h);
+  const Eigen::Matrix3d resistance =
+      contact.tangential_damping * Eigen::Matrix3d::Identity() +
+      (contact.normal_damping - contact.tangential_damping) * n * n.transpose();
+  const Eigen::Vector3d constant =
+      contact.normal_offset * n - contact.bristle_gain * touch.bristle_at_start;
+  add(touch.a, rows_a, touch.b, rows_b, resistance, constant, h);
 }
 
 Vector6 Multibody::pad_twist(std::size_t index, const Eigen::VectorXd& u) const {
@@ -181,10 +236,15 @@ void Multibody::add_pad(std::size_t index, const MultibodyState& base, double h,
       touch.response.constant, h);
 }
 
-double Multibody::surface_speed(const Configuration& at, const Eigen::VectorXd& u) const {
+double Multibody::surface_change(const Configuration& at, const Eigen::VectorXd& from,
+                                 const Eigen::VectorXd& to) const {
   double most = 0;
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-    const Vector6 twist = twist_of(static_cast<int>(b), at, u);
+    Vector6 twist = Vector6::Zero();
+    for (std::size_t k = 0; k < columns_[b].size(); ++k) {
+      const int c = columns_[b][k];
+      twist += at.jacobian[b].col(static_cast<Eigen::Index>(k)) * (to[c] - from[c]);
+    }
     most = std::max(most, twist.head<3>().norm() + reach_[b] * twist.tail<3>().norm());
   }
   return most;
@@ -192,16 +252,27 @@ double Multibody::surface_speed(const Configuration& at, const Eigen::VectorXd& 
 
 void Multibody::implicit_euler(const MultibodyState& base, double h, const MultibodyState& guess,
                                MultibodyState& end) {
-  Eigen::VectorXd u = guess.velocities;
-  std::vector<RigidTransform> free;
+  for (std::size_t b = 0; b < drift_.size(); ++b) {
+    drift_[b].setZero();
+    if (!prescribed_[b]) continue;
+    const RigidTransform& X = X_WPrescribed_[b];
+    const Eigen::Matrix3d turned = X.linear() * base.X_WB[b].linear().transpose();
+    drift_[b] << (X.translation() - base.X_WB[b].translation()) / h,
+        contact::rotation_vector(Eigen::Quaterniond(turned)) / h;
+  }
+  number_active();
+  u_ = guess.velocities;
+  for (int k = 0; k < size_; ++k) {
+    if (active_[k] < 0) u_[k] = 0;
+  }
   place(base.positions, base.X_WB, at_);
-  find_touches(base, h, u, end);
+  find_touches(base, h, u_, end);
   end.pads = base.pads;
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     PadTouch& touch = pads_[k];
     pad_places_[k] = touch.place(base.X_WB[touch.carrier], base.X_WB[touch.body]);
-    const double speed =
-        pad_twist(k, u).head<3>().norm() + reach_[touch.body] * pad_twist(k, u).tail<3>().norm();
+    const Vector6 twist = pad_twist(k, u_);
+    const double speed = twist.head<3>().norm() + reach_[touch.body] * twist.tail<3>().norm();
     double acceleration = scene_.gravity.norm();
     const int joint = joint_of_[touch.carrier];
     if (joint >= 0)
@@ -210,23 +281,46 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     pad_near_[k] = touch.find_depths(pad_places_[k], base.X_WB[touch.body],
                                      2 * h * (speed + h * acceleration), end.pads[k]);
   }
+  solved_ = u_;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    advance_free(base, h, u, free);
-    place(base.positions + h * u.head(joint_coordinates_), free, at_);
-    matrix_.setZero();
-    right_.setZero();
+    advance_free(base, h, u_, free_poses_);
+    positions_ = base.positions + h * u_.head(joint_coordinates_);
+    place(positions_, free_poses_, at_);
+    auto matrix = matrix_.topLeftCorner(active_size_, active_size_);
+    auto right = right_.head(active_size_);
+    matrix.setZero();
+    right.setZero();
     linearised_.clear();
+    clear_blocks();
     add_inertia(base, h);
-    for (TouchPoint& touch : end.touches) add_touch(base, touch, h, u);
-    for (std::size_t k = 0; k < pads_.size(); ++k) {
-      if (pad_near_[k]) add_pad(k, base, h, u, end.pads[k]);
+    if (iteration == 0) {
+      // Rows are as stiff as the inertia alone demands.
+      project_blocks();
+      add_joints(base, h);
+      begin_rows(base, h, u_);
+      matrix.setZero();
+      right.setZero();
     }
-    const Eigen::VectorXd solved = matrix_.llt().solve(right_);
-    const double change = surface_speed(at_, solved - u);
-    u = solved;
-    if (change < kTolerance) break;
+    for (TouchPoint& touch : end.touches) add_touch(base, touch, h, u_);
+    for (std::size_t k = 0; k < pads_.size(); ++k) {
+      if (pad_near_[k]) add_pad(k, base, h, u_, end.pads[k]);
+    }
+    project_blocks();
+    add_joints(base, h);
+    add_rows(h);
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(matrix);
+    factors.solveInPlace(right);
+    for (int k = 0; k < size_; ++k) {
+      if (active_[k] >= 0) solved_[k] = right[active_[k]];
+    }
+    bool changed = false;
+    for (JointRow& row : rows_) changed = row.choose(solved_) || changed;
+    const double change = surface_change(at_, u_, solved_);
+    u_.swap(solved_);
+    if (change < kTolerance && !changed) break;
   }
-  finish(base, h, u, end);
+  finish(base, h, u_, end);
+  std::fill(prescribed_.begin(), prescribed_.end(), 0);
 }
 
 void Multibody::finish(const MultibodyState& base, double h, const Eigen::VectorXd& u,
@@ -236,19 +330,30 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
     const contact::LinearisedContact& contact = linearised_[i];
     touch.normal_force = 0;
     touch.bristle.setZero();
+    touch.force.setZero();
+    touch.turn.setZero();
     const Eigen::Vector3d n = touch.at.n_W;
-    Eigen::Vector3d v =
-        point_rows(touch.at.p_W - base.X_WB[touch.a].translation()) * twist_of(touch.a, at_, u);
+    const Vector6 twist_a = twist_of(touch.a, at_, u);
+    Eigen::Vector3d v = point_rows(touch.at.p_W - base.X_WB[touch.a].translation()) * twist_a;
+    double spin = 0;
     if (touch.b >= 0) {
-      v -= point_rows(touch.at.p_W - base.X_WB[touch.b].translation()) * twist_of(touch.b, at_, u);
+      const Vector6 twist_b = twist_of(touch.b, at_, u);
+      v -= point_rows(touch.at.p_W - base.X_WB[touch.b].translation()) * twist_b;
+      const double spin_a = twist_a.tail<3>().dot(n), spin_b = twist_b.tail<3>().dot(n);
+      if (spin_a * spin_b > 0) spin = std::abs(spin_a) < std::abs(spin_b) ? spin_a : spin_b;
     }
     touch.foreseen = touch.at.depth - h * v.dot(n);
     if (!contact.presses) continue;
     touch.normal_force = std::max(0.0, contact.normal_offset - contact.normal_damping * v.dot(n));
     const Eigen::Vector3d slip = v - v.dot(n) * n;
+    touch.force = touch.normal_force * n - contact.bristle_gain * touch.bristle_at_start -
+                  contact.tangential_damping * slip;
     touch.bristle =
         contact::return_mapped(contact_law(touch.a, touch.b), touch.normal_force,
                                contact::advanced_bristle(contact, h, touch.bristle_at_start, slip));
+    // What is held turns with what holds it; turns across the normal come with the next step's
+    // normal. (Free bodies that tumble over one another keep a contact too briefly.)
+    if (touch.b >= 0 && (free_[touch.a] < 0 || free_[touch.b] < 0)) touch.turn = h * spin * n;
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     if (pad_near_[k] && pads_[k].response.pressing > 0) {
@@ -257,6 +362,9 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
     } else {
       release(end.pads[k]);
     }
+  }
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    drive_force_[j] = drive_row_[j] < 0 ? 0.0 : rows_[drive_row_[j]].force(u);
   }
   end.time = base.time + h;
   end.velocities = u;
