@@ -102,7 +102,8 @@ class Multibody {
   void add_coupling(const JointCoupling& coupling);
   /// What the drive gave in the last step [N m or N].
   double drive_force(int joint) const { return drive_force_.at(joint); }
-  /// In the next step the fixed body moves to X_WB, at constant velocity; later ones leave it there.
+  /// In the next step the fixed body moves to X_WB, at constant velocity; later ones leave it
+  /// there.
   /// @throws std::invalid_argument for a body that is not fixed or a pose that is not finite.
   void prescribe(int body, const geometry::RigidTransform& X_WB);
   /// A free body that sleeps stays where it is, and others touch it as if it were fixed.

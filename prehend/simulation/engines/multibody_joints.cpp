@@ -48,6 +48,8 @@ void validate(const JointDrive& drive, int joint) {
   require_not_negative(drive.stiffness, owner + "stiffness");
   require_not_negative(drive.damping, owner + "damping");
   require_limit(drive.limit, owner + "limit");
+  require(std::isfinite(drive.share), owner + "share", "finite");
+  require(drive.along < 0 || drive.along != joint, owner + "along", "another joint");
 }
 
 void Multibody::set_mechanics(int joint, const JointMechanics& mechanics) {
@@ -61,6 +63,8 @@ void Multibody::set_drive(int joint, const JointDrive& drive) {
   validate(drive, joint);
   require(scene_.joints.at(joint).follows < 0, "joint " + std::to_string(joint),
           "one that follows none to be driven");
+  require(drive.along < 0 || scene_.joints.at(drive.along).follows < 0,
+          "joint " + std::to_string(drive.along), "one that follows none to be driven along");
   drives_[joint] = drive;
 }
 
@@ -115,10 +119,16 @@ void Multibody::begin_rows(const MultibodyState& base, double h, const Eigen::Ve
     const JointDrive& drive = drives_[j];
     if (drive.mode == JointDrive::Mode::kNone) continue;
     const bool positions = drive.mode == JointDrive::Mode::kPosition;
+    double driven = q;
+    if (drive.along >= 0) {
+      row.j = coordinate_[drive.along];
+      row.weight = -drive.share;
+      driven += drive.share * base.positions[row.j];
+    }
     row.gain = drive.damping + (positions ? h * drive.stiffness : 0.0);
-    row.offset = positions
-                     ? drive.stiffness * (drive.target - q) + drive.damping * drive.target_velocity
-                     : drive.damping * drive.target;
+    row.offset = positions ? drive.stiffness * (drive.target - driven) +
+                                 drive.damping * drive.target_velocity
+                           : drive.damping * drive.target;
     row.most = drive.limit;
     row.least = -drive.limit;
     drive_row_[j] = static_cast<int>(rows_.size());

@@ -31,22 +31,26 @@ struct JointDrive {
   double target_velocity = 0;  // rad/s, of kPosition
   double stiffness = 0;        // N m/rad, >= 0, of kPosition
   double damping = 0;          // N m s/rad, >= 0
+  /// The drive moves the sum position + share * (position of joint `along`), as a motor does that
+  /// turns a chain of two links by one tendon or gear. -1: this joint alone.
+  int along = -1;
+  double share = 0;
   double limit = std::numeric_limits<double>::infinity();  // N m, >= 0, of the force
 };
 
 /// Two joints by a gear with a clutch: `first` moves by `ratio` times what `second` moves, as long
-/// as that takes no more than `breakaway` [N m, at `first`]; beyond, the clutch slips and bears just
-/// that. So a BarrettHand's finger goes on with its outer link when the inner one is stopped (Townsend,
-/// "The BarrettHand grasper", Industrial Robot 27(3), 2000: TorqueSwitch).
+/// as that takes no more than `breakaway` [N m, at `first`]; beyond, the clutch slips and bears
+/// just that. So a BarrettHand's finger goes on with its outer link when the inner one is stopped
+/// (Townsend, "The BarrettHand grasper", Industrial Robot 27(3), 2000: TorqueSwitch).
 struct JointCoupling {
   int first = 0, second = 0;  // joints that follow none
   double ratio = 1;
   double breakaway = std::numeric_limits<double>::infinity();  // N m, > 0
 };
 
-/// One force along the velocity w = u_i - weight u_j of a step: clamp(offset - gain w, least, most).
-/// Drives, stops, friction and clutches are all of this kind. The force falls with w, so the step's
-/// equations stay those of a convex function and each has one solution.
+/// One force along the velocity w = u_i - weight u_j of a step: clamp(offset - gain w, least,
+/// most). Drives, stops, friction and clutches are all of this kind. The force falls with w, so the
+/// step's equations stay those of a convex function and each has one solution.
 struct JointRow {
   int i = 0, j = -1;  // coordinates
   double weight = 0;
@@ -55,9 +59,7 @@ struct JointRow {
   double most = std::numeric_limits<double>::infinity();
   int cut = 0;  // -1: at `least`, 1: at `most`, 0: between
 
-  double velocity(const Eigen::VectorXd& u) const {
-    return u[i] - (j < 0 ? 0.0 : weight * u[j]);
-  }
+  double velocity(const Eigen::VectorXd& u) const { return u[i] - (j < 0 ? 0.0 : weight * u[j]); }
   double force(const Eigen::VectorXd& u) const {
     const double free = offset - gain * velocity(u);
     return free < least ? least : (free > most ? most : free);
