@@ -49,8 +49,8 @@ DeviationStatistics deviation(const std::vector<Eigen::Vector3d>& points,
 MeshDeviation mesh_deviation(const geometry::TriangleMesh& first,
                              const geometry::TriangleMesh& second,
                              const DeviationOptions& options) {
-  const auto first_points = sample_surface(first, options.samples, options.seed);
-  const auto second_points = sample_surface(second, options.samples, options.seed);
+  const auto first_points = surface::sample_surface(first, options.samples, options.seed);
+  const auto second_points = surface::sample_surface(second, options.samples, options.seed);
   return {deviation(first_points, geometry::MeshQuery(second)),
           deviation(second_points, geometry::MeshQuery(first))};
 }
