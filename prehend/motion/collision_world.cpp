@@ -6,12 +6,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include "prehend/geometry/errors.h"
+#include "prehend/motion/convex_faces.h"
 
 namespace prehend::motion {
 
 using Eigen::Vector3d;
 using geometry::RigidTransform;
+
+namespace {
+
+constexpr double kLeastSweep = 1e-3;  // m
+
+}  // namespace
 
 void CollisionWorld::add_plane(const std::string& name, const geometry::Plane& plane_B) {
   Obstacle obstacle;
@@ -49,28 +55,13 @@ void CollisionWorld::add_sphere(const std::string& name, const Vector3d& center_
 }
 
 void CollisionWorld::add_convex(const std::string& name, const geometry::TriangleMesh& mesh_B) {
-  const geometry::TriangleMesh hull = geometry::convex_hull(mesh_B.vertices);
+  ConvexFaces convex = convex_faces(name, mesh_B);
   Obstacle obstacle;
   obstacle.name = name;
   obstacle.kind = Obstacle::Kind::kConvex;
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& p : hull.vertices) box.extend(p);
-  obstacle.center = box.center();
-  for (const Vector3d& p : hull.vertices) {
-    obstacle.radius = std::max(obstacle.radius, (p - obstacle.center).norm());
-  }
-  for (const Eigen::Vector3i& t : hull.triangles) {
-    const Vector3d& a = hull.vertices[static_cast<std::size_t>(t.x())];
-    const Vector3d normal = (hull.vertices[static_cast<std::size_t>(t.y())] - a)
-                                .cross(hull.vertices[static_cast<std::size_t>(t.z())] - a);
-    if (!(normal.norm() > 1e-14)) continue;
-    const Vector3d unit = normal.normalized();
-    obstacle.faces.push_back({unit, unit.dot(a)});
-  }
-  if (obstacle.faces.size() < 4) {
-    throw geometry::InputError("The convex obstacle '" + name + "' has no volume",
-                               "Leave it out, or give it a thickness");
-  }
+  obstacle.center = convex.bounds.center();
+  obstacle.radius = convex.radius;
+  obstacle.faces = std::move(convex.faces);
   obstacles_.push_back(std::move(obstacle));
 }
 
@@ -98,7 +89,7 @@ double CollisionWorld::distance(const Obstacle& obstacle, const Vector3d& p_B) {
 
 double CollisionWorld::clearance(const Vector3d& center_B, double radius,
                                  std::string* nearest) const {
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   for (const Obstacle& obstacle : obstacles_) {
     const double gap = distance(obstacle, center_B) - radius;
     if (gap >= least) continue;
@@ -108,13 +99,50 @@ double CollisionWorld::clearance(const Vector3d& center_B, double radius,
   return least;
 }
 
-bool CollisionWorld::touches(const Vector3d& center_B, double radius, double margin) const {
-  const double reach = radius + margin;
-  return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& obstacle) {
+bool CollisionWorld::set_margin(const std::string& name, Part part, double margin) {
+  if (std::isnan(margin)) throw std::invalid_argument("CollisionWorld: a margin is not a number");
+  bool found = false;
+  for (Obstacle& obstacle : obstacles_) {
+    if (obstacle.name != name) continue;
+    obstacle.margin[static_cast<std::size_t>(part)] = margin;
+    found = true;
+  }
+  return found;
+}
+
+bool CollisionWorld::touches(const Vector3d& center_B, double radius, double margin, Part part,
+                             std::string* touched) const {
+  double deepest = 0;
+  for (const Obstacle& obstacle : obstacles_) {
+    const double reach = radius + obstacle.margin_for(part, margin);
     const double far = obstacle.radius + reach;
-    if ((center_B - obstacle.center).squaredNorm() > far * far) return false;
-    return distance(obstacle, center_B) < reach;
-  });
+    if (!(far > 0) || (center_B - obstacle.center).squaredNorm() > far * far) continue;
+    const double depth = reach - distance(obstacle, center_B);
+    if (!(depth > deepest)) continue;
+    if (!touched) return true;
+    deepest = depth;
+    *touched = obstacle.name;
+  }
+  return deepest > 0;
+}
+
+std::vector<std::string> CollisionWorld::names() const {
+  std::vector<std::string> names;
+  for (const Obstacle& obstacle : obstacles_) {
+    if (std::find(names.begin(), names.end(), obstacle.name) == names.end()) {
+      names.push_back(obstacle.name);
+    }
+  }
+  return names;
+}
+
+double CollisionWorld::clearance_from(const std::string& name, const Vector3d& center_B,
+                                      double radius) const {
+  double least = kInfinity;
+  for (const Obstacle& obstacle : obstacles_) {
+    if (obstacle.name == name) least = std::min(least, distance(obstacle, center_B) - radius);
+  }
+  return least;
 }
 
 RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, CollisionWorld world,
@@ -124,7 +152,26 @@ RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, Co
       world_(std::move(world)),
       margin_(margin),
       own_(spheres_.spheres.size()),
-      own_pairs_(spheres_.self_pairs.size()) {}
+      own_pairs_(spheres_.self_pairs.size()) {
+  find_levers();
+}
+
+void RobotInWorld::find_levers() {
+  const auto& joints = chain_.joints();
+  levers_ = robot::Positions::Zero(chain_.size());
+  for (const RobotSphere& ball : spheres_.spheres) {
+    // Its farthest from each joint's origin: the links between, stretched.
+    double length = ball.p_J.norm();
+    for (int j = ball.joint; j >= 0; --j) {
+      const auto i = static_cast<std::size_t>(j);
+      levers_[j] = std::max(levers_[j], joints[i].is_revolute ? length : 1);
+      length += joints[i].X_PJ.translation().norm();
+      if (!joints[i].is_revolute) {
+        length += std::max(std::abs(joints[i].lower), std::abs(joints[i].upper));
+      }
+    }
+  }
+}
 
 void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
   detach();
@@ -137,11 +184,29 @@ void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
       spheres_.self_pairs.emplace_back(static_cast<int>(other), index);
     }
   }
+  find_levers();
 }
 
 void RobotInWorld::detach() {
   spheres_.spheres.resize(own_);
   spheres_.self_pairs.resize(own_pairs_);
+  find_levers();
+}
+
+double RobotInWorld::held_clearance(const std::string& name,
+                                    const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  std::vector<Vector3d> centers;
+  spheres_.centers(chain_, q, centers);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = own_; i < centers.size(); ++i) {
+    least = std::min(least, world_.clearance_from(name, centers[i], spheres_.spheres[i].radius));
+  }
+  return least;
+}
+
+Part RobotInWorld::part_of(std::size_t ball) const {
+  if (ball >= own_) return Part::kHeld;
+  return spheres_.spheres[ball].joint == chain_.size() - 1 ? Part::kHand : Part::kArm;
 }
 
 RobotInWorld::Touch RobotInWorld::first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const {
@@ -150,7 +215,7 @@ RobotInWorld::Touch RobotInWorld::first_touch(const Eigen::Ref<const Eigen::Vect
   for (std::size_t i = 0; i < centers.size(); ++i) {
     // What stands with the base never moves.
     if (spheres_.spheres[i].joint < 0) continue;
-    if (!world_.touches(centers[i], spheres_.spheres[i].radius, margin_)) continue;
+    if (!world_.touches(centers[i], spheres_.spheres[i].radius, margin_, part_of(i))) continue;
     return {static_cast<int>(i), -1, centers[i]};
   }
   for (const auto& [a, b] : spheres_.self_pairs) {
@@ -176,16 +241,28 @@ std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) co
     return "the link of joint '" + chain_.joints()[static_cast<std::size_t>(joint)].name + "'";
   };
   if (touch.other >= 0) return part(touch.ball) + " touches " + part(touch.other);
-  std::string nearest;
-  world_.clearance(touch.center, spheres_.spheres[static_cast<std::size_t>(touch.ball)].radius,
-                   &nearest);
-  return part(touch.ball) + " touches '" + nearest + "'";
+  const auto ball = static_cast<std::size_t>(touch.ball);
+  std::string touched;
+  world_.touches(touch.center, spheres_.spheres[ball].radius, margin_, part_of(ball), &touched);
+  return part(touch.ball) + " touches '" + touched + "'";
 }
 
 bool RobotInWorld::is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                                    const Eigen::Ref<const Eigen::VectorXd>& to, double step) const {
+  const double way = (to - from).cwiseAbs().maxCoeff();
+  return are_free_between(from, to, std::max(1, static_cast<int>(std::ceil(way / step))));
+}
+
+bool RobotInWorld::is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
+                                 const Eigen::Ref<const Eigen::VectorXd>& to) const {
+  const double way = (to - from).cwiseAbs().dot(levers_);
+  const double step = 2 * std::max(margin_, kLeastSweep);
+  return are_free_between(from, to, std::max(1, static_cast<int>(std::ceil(way / step))));
+}
+
+bool RobotInWorld::are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
+                                    const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const {
   const robot::Positions way = to - from;
-  const int steps = std::max(1, static_cast<int>(std::ceil(way.cwiseAbs().maxCoeff() / step)));
   if (!is_free(from) || !is_free(to)) return false;
   // The middles first: strides that halve.
   int stride = 1;

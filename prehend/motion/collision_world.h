@@ -1,6 +1,7 @@
 #pragma once
 
-#include <optional>
+#include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "prehend/motion/robot_spheres.h"
 
 namespace prehend::motion {
+
+/// Who must not touch: the arm, what moves with its last joint, what that holds.
+enum class Part { kArm, kHand, kHeld };
 
 /// What a robot must not touch. Everything in the robot's base frame B, metres.
 class CollisionWorld {
@@ -27,15 +31,26 @@ class CollisionWorld {
   void add_convex(const std::string& name, const geometry::TriangleMesh& mesh_B);
   /// False when there is nothing of that name; all of that name goes.
   bool remove(const std::string& name);
+  /// What `part` keeps from all of that name, instead of the robot's margin [m]; negative: so deep
+  /// it may be in it; -infinity: it may touch. False when there is nothing of that name.
+  bool set_margin(const std::string& name, Part part, double margin);
 
   /// Distance of a ball's surface to the nearest obstacle [m], negative when they overlap, and
   /// never more than the true one; infinite without obstacles. `nearest` gets the obstacle's name.
   double clearance(const Eigen::Vector3d& center_B, double radius,
                    std::string* nearest = nullptr) const;
-  /// Whether the ball comes nearer to an obstacle than `margin` [m].
-  bool touches(const Eigen::Vector3d& center_B, double radius, double margin) const;
+  /// Whether the ball, of `part`, comes nearer to an obstacle than `margin` [m] or what has been
+  /// set for it. `touched` gets the name of the one it is deepest in.
+  bool touches(const Eigen::Vector3d& center_B, double radius, double margin,
+               Part part = Part::kArm, std::string* touched = nullptr) const;
+  /// Names without repetition, in the order in which they came.
+  std::vector<std::string> names() const;
+  /// As clearance(), of the obstacles of one name.
+  double clearance_from(const std::string& name, const Eigen::Vector3d& center_B,
+                        double radius) const;
 
  private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   struct Obstacle {
     enum class Kind { kPlane, kBox, kSphere, kConvex };
     std::string name;
@@ -45,6 +60,13 @@ class CollisionWorld {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();                      // ball round all of it
     double radius = 0;
     std::vector<geometry::Plane> faces;  // outward; plane and convex
+    /// For each Part; infinity: the robot's.
+    std::array<double, 3> margin{kInfinity, kInfinity, kInfinity};
+
+    double margin_for(Part part, double otherwise) const {
+      const double own = margin[static_cast<std::size_t>(part)];
+      return own < kInfinity ? own : otherwise;
+    }
   };
   static double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_B);
   std::vector<Obstacle> obstacles_;
@@ -61,11 +83,15 @@ class RobotInWorld {
   const RobotSpheres& spheres() const { return spheres_; }
   const CollisionWorld& world() const { return world_; }
   CollisionWorld& world() { return world_; }
+  double margin() const { return margin_; }
 
   /// Balls held by the tip, in its frame (a grasped object); they are not tested against the last
   /// two joints' own balls.
   void attach(const std::vector<RobotSphere>& balls_T);
   void detach();
+  /// Distance of what is held from all obstacles of that name at `q` [m], as
+  /// CollisionWorld::clearance(); infinite when nothing is held.
+  double held_clearance(const std::string& name, const Eigen::Ref<const Eigen::VectorXd>& q) const;
 
   /// Within limits, clear of obstacles and of itself.
   bool is_free(const Eigen::Ref<const Eigen::VectorXd>& q) const;
@@ -75,6 +101,10 @@ class RobotInWorld {
   /// joint, both ends included. Tested from coarse to fine, which finds collisions early.
   bool is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const;
+  /// As is_free_between(), at steps so small that no ball moves by more than twice the margin (at
+  /// least 1 mm) in one: between them no ball reaches an obstacle that is given the whole margin.
+  bool is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
+                     const Eigen::Ref<const Eigen::VectorXd>& to) const;
 
  private:
   /// A ball that touches an obstacle, or another ball.
@@ -84,6 +114,10 @@ class RobotInWorld {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
   };
   Touch first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+  Part part_of(std::size_t ball) const;
+  bool are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
+                        const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const;
+  void find_levers();
 
   robot::KinematicChain chain_;
   RobotSpheres spheres_;
@@ -91,6 +125,7 @@ class RobotInWorld {
   double margin_;
   std::size_t own_;  // spheres that are not attached
   std::size_t own_pairs_;
+  robot::Positions levers_;  // m: a ball's way is at most so much for each radian (m: 1) of a joint
 };
 
 }  // namespace prehend::motion

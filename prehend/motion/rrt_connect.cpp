@@ -21,6 +21,7 @@ constexpr double kLargestJump = 0.3;   // rad or m, of a joint on a straight ste
 constexpr double kLargestMiss = 1e-4;  // m and rad
 constexpr double kTurnStep = 0.05;     // rad
 constexpr int kNewtonSteps = 10;
+constexpr int kRefinements = 4;  // of the resolution, by halves
 
 void check(const RrtOptions& options) {
   const auto require = [](bool condition, const char* what) {
@@ -122,7 +123,11 @@ class Search {
       if (from > to) std::swap(from, to);
       std::size_t first = 0, last = 0;
       const Positions a = at(way, from, first), b = at(way, to, last);
-      if (first == last || !robot_.is_free_between(a, b, options_.resolution)) continue;
+      // Coarsely first: most are not free.
+      if (first == last || !robot_.is_free_between(a, b, options_.resolution) ||
+          !robot_.is_swept_free(a, b)) {
+        continue;
+      }
       std::vector<Positions> shorter(way.begin(),
                                      way.begin() + static_cast<std::ptrdiff_t>(first) + 1);
       shorter.push_back(a);
@@ -167,10 +172,18 @@ class Search {
 
 double JointPath::length() const { return Search::length_of(waypoints); }
 
-JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
-                    const std::vector<Positions>& goals, const RrtOptions& options) {
-  check(options);
-  check(robot, start, "plan_path: the start");
+namespace {
+
+bool is_swept_free(const RobotInWorld& robot, const std::vector<Positions>& way) {
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    if (!robot.is_swept_free(way[i - 1], way[i])) return false;
+  }
+  return true;
+}
+
+/// plan_path() at one resolution. `swept_free`: so is the path, which is shortened only then.
+JointPath search(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
+                 const std::vector<Positions>& goals, const RrtOptions& options, bool& swept_free) {
   JointPath path;
   if (goals.empty()) {
     path.reason = "there are no goals";
@@ -184,7 +197,6 @@ JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vec
   std::vector<int> goal_of;  // root of from_goals -> goal
   std::string goal_problem;
   for (std::size_t g = 0; g < goals.size(); ++g) {
-    check(robot, goals[g], "plan_path: a goal");
     const std::string problem = robot.problem(goals[g]);
     if (!problem.empty()) {
       goal_problem = problem;
@@ -200,12 +212,13 @@ JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vec
   }
   const Positions first = start;
   from_start.add(first, -1);
-  Search search(robot, options);
+  Search tree_search(robot, options);
   const auto finish = [&](std::vector<Positions> way, const Positions& reached) {
     for (std::size_t r = 0; r < goal_of.size(); ++r) {
       if (from_goals.nodes[r] == reached) path.goal = goal_of[r];
     }
-    search.shorten(way);
+    swept_free = is_swept_free(robot, way);
+    if (swept_free) tree_search.shorten(way);
     path.waypoints = std::move(way);
     return std::move(path);
   };
@@ -224,10 +237,10 @@ JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vec
       break;
     }
     bool reached = false;
-    const int node = search.grow(*grown, search.sample(), 1, reached);
+    const int node = tree_search.grow(*grown, tree_search.sample(), 1, reached);
     if (node >= 0) {
       const Positions target = grown->nodes[static_cast<std::size_t>(node)];
-      const int met = search.grow(*other, target, std::numeric_limits<int>::max(), reached);
+      const int met = tree_search.grow(*other, target, std::numeric_limits<int>::max(), reached);
       if (reached) {
         std::vector<Positions> way = grown->way_from_root(node);
         std::vector<Positions> rest = other->way_from_root(met);
@@ -245,6 +258,31 @@ JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vec
   std::snprintf(text, sizeof text, "no path was found with %d samples (%zu and %zu positions)",
                 path.iterations, from_start.nodes.size(), from_goals.nodes.size());
   path.reason = text;
+  return path;
+}
+
+}  // namespace
+
+JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
+                    const std::vector<Positions>& goals, const RrtOptions& options) {
+  check(options);
+  check(robot, start, "plan_path: the start");
+  for (const Positions& goal : goals) check(robot, goal, "plan_path: a goal");
+  const auto begin = std::chrono::steady_clock::now();
+  RrtOptions finer = options;
+  JointPath path;
+  for (int k = 0; k <= kRefinements; ++k, finer.resolution /= 2) {
+    if (options.budget > 0) {
+      const std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin;
+      finer.budget = std::max(1e-9, options.budget - used.count());
+    }
+    bool swept_free = true;
+    path = search(robot, start, goals, finer, swept_free);
+    if (!path.found() || swept_free) return path;
+  }
+  path.waypoints.clear();
+  path.goal = -1;
+  path.reason = "every path that was found touches something between tested positions";
   return path;
 }
 
@@ -290,8 +328,8 @@ JointPath straight_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen:
       problem = "the arm cannot follow";
     } else if ((q - before).cwiseAbs().maxCoeff() > kLargestJump) {
       problem = "a joint would jump";
-    } else {
-      problem = robot.problem(q);
+    } else if (problem = robot.problem(q); problem.empty() && !robot.is_swept_free(before, q)) {
+      problem = "something is touched";
     }
     if (!problem.empty()) {
       char text[80];
@@ -300,6 +338,7 @@ JointPath straight_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen:
       path.reason = text + problem;
       return path;
     }
+    path.completed = part;
     waypoints.push_back(q);
   }
   path.waypoints = std::move(waypoints);

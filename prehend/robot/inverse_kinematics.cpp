@@ -122,6 +122,8 @@ struct InverseKinematics::Collector {
   Positions least_beyond{};  // the one that they forbid by the least
   double least = std::numeric_limits<double>::infinity();
   std::string unreachable{};
+  double out_of_reach = 0;  // m
+  InverseFailure failure = InverseFailure::kOutOfReach;
 
   /// Turns revolute joints by whole turns to within their limits; keeps what is.
   void add(Positions q) {
@@ -152,6 +154,8 @@ struct InverseKinematics::Collector {
                        return (a - seed).squaredNorm() < (b - seed).squaredNorm();
                      });
     if (!answer.solutions.empty()) return std::move(answer);
+    answer.failure = beyond > 0 ? InverseFailure::kBeyondLimits : failure;
+    answer.miss = beyond > 0 ? least : out_of_reach;
     if (beyond > 0) {
       answer.reason = std::to_string(beyond) +
                       " solutions are beyond the limits; in the nearest, " +
@@ -265,13 +269,17 @@ void InverseKinematics::spherical_wrist(const RigidTransform& X_BT, Collector& f
     }
   }
   if (first.count == 0) {
+    found.out_of_reach = std::abs(h2.dot(wrist_ - point_[0]) - along) - flat.norm();
     found.unreachable = "out of reach: the wrist would be too near to the first axis";
   } else {
+    const double closest = std::abs(upper.norm() - lower.norm());
+    const double farthest = upper.norm() + lower.norm();
+    found.out_of_reach = std::max(closest - nearest, nearest - farthest);
     char text[160];
     std::snprintf(text, sizeof text,
                   "out of reach: the wrist would be %.3f m from the second axis, which it can be "
                   "%.3f to %.3f m from",
-                  nearest, std::abs(upper.norm() - lower.norm()), upper.norm() + lower.norm());
+                  nearest, closest, farthest);
     found.unreachable = text;
   }
 }
@@ -289,12 +297,14 @@ void InverseKinematics::shoulder_and_wrist(const RigidTransform& X_BT, Collector
   if (fourth.count == 0 || reach < kMeet) {
     const Vector3d flat_arm = arm - h4 * h4.dot(arm);
     const double lengthwise = h4.dot(arm) + h4.dot(fore);
+    const double closest = std::hypot(flat_arm.norm() - flat_fore.norm(), lengthwise);
+    const double farthest = std::hypot(flat_arm.norm() + flat_fore.norm(), lengthwise);
+    found.out_of_reach = std::max(closest - reach, reach - farthest);
     char text[160];
     std::snprintf(text, sizeof text,
                   "out of reach: the wrist would be %.3f m from the shoulder, which it can be %.3f "
                   "to %.3f m from",
-                  reach, std::hypot(flat_arm.norm() - flat_fore.norm(), lengthwise),
-                  std::hypot(flat_arm.norm() + flat_fore.norm(), lengthwise));
+                  reach, closest, farthest);
     found.unreachable = text;
     return;
   }
@@ -374,6 +384,8 @@ void InverseKinematics::numeric(const RigidTransform& X_BT, Collector& found) co
     }
     least = std::min(least, error.head<3>().norm());
   }
+  found.out_of_reach = least;
+  found.failure = InverseFailure::kNotFound;
   char text[160];
   std::snprintf(text, sizeof text,
                 "no solution was found from %d starts; the nearest was %.1f mm away",

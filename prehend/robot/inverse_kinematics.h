@@ -33,11 +33,23 @@ struct InverseOptions {
   std::uint64_t seed = 1;   // kNumeric: of the random starts
 };
 
+/// Why a pose has no solution.
+enum class InverseFailure {
+  kNone,
+  kOutOfReach,    // for the chain without its limits
+  kBeyondLimits,  // there are solutions that the limits forbid
+  kNotFound,      // kNumeric: from no start
+};
+
 struct InverseAnswer {
   /// Within the limits; nearest to the seed first.
   std::vector<Positions> solutions;
   /// Why there are none, in words: out of reach, which limits, no convergence.
   std::string reason;
+  InverseFailure failure = InverseFailure::kNone;
+  /// How near it was: m by which the pose is out of reach or that the search is away from it, rad
+  /// (or m, of a prismatic joint) by which the nearest solution is beyond a limit.
+  double miss = 0;
   /// Two axes coincide at a solution: infinitely many are equivalent, and the joints' sum is shared
   /// out so that the first stays at the seed.
   bool singular = false;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prehend/geometry/plane.h"
+#include "prehend/geometry/triangle_mesh.h"
+
+namespace prehend::motion {
+
+/// A convex body as the planes of its faces, normals outward.
+struct ConvexFaces {
+  std::vector<geometry::Plane> faces;
+  Eigen::AlignedBox3d bounds;
+  double radius = 0;  // m: of the ball round all of it, about the middle of the bounds
+};
+
+/// Of the convex hull of the mesh's vertices. @throws geometry::InputError naming `name` for one
+/// without volume.
+ConvexFaces convex_faces(const std::string& name, const geometry::TriangleMesh& mesh);
+
+}  // namespace prehend::motion

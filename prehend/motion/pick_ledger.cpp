@@ -1,0 +1,96 @@
+#include "prehend/motion/pick_ledger.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace prehend::motion {
+namespace {
+
+void require(bool condition, const std::string& what) {
+  if (!condition) throw std::invalid_argument("plan_pick: " + what);
+}
+
+bool is_unit(const Eigen::Vector3d& v) { return std::abs(v.norm() - 1) < 1e-6; }
+
+}  // namespace
+
+const char* to_string(PickFilter filter) {
+  switch (filter) {
+    case PickFilter::kOutOfReach:
+      return "out of reach";
+    case PickFilter::kBeyondLimits:
+      return "beyond the joints' limits";
+    case PickFilter::kGraspTouches:
+      return "touching when the hand closes";
+    case PickFilter::kApproach:
+      return "no straight approach";
+    case PickFilter::kPregraspTouches:
+      return "touching before the approach";
+    case PickFilter::kLift:
+      return "no straight lift";
+    case PickFilter::kPlace:
+      return "cannot be placed";
+    case PickFilter::kPath:
+      return "no path";
+    case PickFilter::kNotTried:
+      return "not tried";
+  }
+  throw std::invalid_argument("to_string: no such PickFilter");
+}
+
+void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
+                const PickTask& task, const PickOptions& options) {
+  const int size = robot.chain().size();
+  require(inverse.chain().size() == size, "robot and inverse kinematics have different chains");
+  require(task.start.size() == size && task.start.allFinite(),
+          "the start needs " + std::to_string(size) + " finite positions");
+  require(is_unit(task.up_B), "up_B must be a unit vector");
+  require(task.object.X_BO.matrix().allFinite(), "the object's pose must be finite");
+  require(!task.X_BO_place || task.X_BO_place->matrix().allFinite(), "the place must be finite");
+  for (std::size_t i = 0; i < task.grasps.size(); ++i) {
+    const PickGrasp& grasp = task.grasps[i];
+    const std::string name = "grasp " + std::to_string(i);
+    require(grasp.X_BT.matrix().allFinite(), name + " is not finite");
+    require(is_unit(grasp.approach_direction_B), name + " needs a unit approach_direction_B");
+    require(grasp.pregrasp_distance > 0 && std::isfinite(grasp.pregrasp_distance),
+            name + " needs a positive pregrasp_distance");
+  }
+  require(options.lift_height > 0 && std::isfinite(options.lift_height), "lift_height must be > 0");
+  require(options.straight_step > 0 && std::isfinite(options.straight_step),
+          "straight_step must be > 0");
+  require(options.goals >= 1 && options.goals_per_grasp >= 1,
+          "goals and goals_per_grasp must be >= 1");
+  require(options.budget >= 0, "budget must be >= 0");
+  require(options.straight_speed_factor > 0 && options.straight_speed_factor <= 1,
+          "straight_speed_factor must be in (0, 1]");
+  require(options.acceleration.size() == 0 || options.acceleration.size() == size,
+          "acceleration needs one value for each joint, or none");
+}
+
+void PickLedger::add(const PickMiss& miss) {
+  Entry& entry = entries_[miss.filter];
+  if (entry.count++ == 0 || miss.passed > entry.nearest.passed) entry.nearest = miss;
+}
+
+std::vector<PickRejection> PickLedger::rejections() const {
+  std::vector<PickRejection> result;
+  for (const auto& [filter, entry] : entries_) {
+    result.push_back({filter, entry.count, entry.nearest.text});
+  }
+  return result;
+}
+
+std::string PickLedger::problem(std::size_t grasps) const {
+  if (grasps == 0) return "there are no grasps";
+  std::string text = "none of " + std::to_string(grasps) + " grasps can be used: ";
+  bool first = true;
+  for (const auto& [filter, entry] : entries_) {
+    if (!first) text += ", ";
+    first = false;
+    text += std::to_string(entry.count) + " " + to_string(filter);
+    if (!entry.nearest.text.empty()) text += " (nearest: " + entry.nearest.text + ")";
+  }
+  return text;
+}
+
+}  // namespace prehend::motion

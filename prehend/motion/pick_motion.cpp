@@ -1,0 +1,351 @@
+#include "prehend/motion/pick_motion.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "prehend/motion/pick_ledger.h"
+#include "prehend/motion/pick_scenes.h"
+
+namespace prehend::motion {
+namespace {
+
+using geometry::RigidTransform;
+using robot::InverseAnswer;
+using robot::Positions;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kShareForGoals = 0.5;  // of the budget, when there is a goal already
+constexpr int kPlacesPerGrasp = 4;
+
+RigidTransform moved(const RigidTransform& X_BT, const Eigen::Vector3d& by_B) {
+  RigidTransform X = X_BT;
+  X.translation() += by_B;
+  return X;
+}
+
+std::vector<Positions> reversed(std::vector<Positions> way) {
+  std::reverse(way.begin(), way.end());
+  return way;
+}
+
+/// From pregrasp to lifted, for one solution of one grasp.
+struct Goal {
+  std::size_t grasp = 0;
+  std::vector<Positions> approach, lift;
+};
+
+/// From above the place to beside it.
+struct Place {
+  std::vector<Positions> down, retreat;
+};
+
+PickMiss miss_of(const InverseAnswer& answer) {
+  using robot::InverseFailure;
+  const PickFilter filter = answer.failure == InverseFailure::kBeyondLimits
+                                ? PickFilter::kBeyondLimits
+                                : PickFilter::kOutOfReach;
+  return {filter, -answer.miss, answer.reason};
+}
+
+PickMiss miss_of(PickFilter filter, const JointPath& path) {
+  return {filter, path.completed, path.reason};
+}
+
+class Picker {
+ public:
+  Picker(const RobotInWorld& robot, const robot::InverseKinematics& inverse, const PickTask& task,
+         const PickOptions& options)
+      : inverse_(inverse), task_(task), options_(options), scenes_(robot, task) {}
+
+  PickMotion plan() {
+    if (task_.grasps.empty()) return failed("there are no grasps");
+    if (std::string problem = scenes_.reach().problem(task_.start); !problem.empty()) {
+      return failed("at the start, " + problem);
+    }
+    find_goals();
+    lap("goals");
+    result_.goals = static_cast<int>(goals_.size());
+    while (!goals_.empty()) {
+      std::vector<Positions> ends;
+      for (const Goal& goal : goals_) ends.push_back(goal.approach.front());
+      JointPath reach = plan_path(scenes_.reach(), task_.start, ends, searching());
+      lap("reach");
+      if (!reach.found()) {
+        for (const Goal& goal : goals_) drop(goal.grasp, reach.reason);
+        goals_.clear();
+        break;
+      }
+      const Goal goal = goals_[static_cast<std::size_t>(reach.goal)];
+      if (finish(goal, std::move(reach.waypoints))) {
+        settle();
+        return std::move(result_);
+      }
+      goals_.erase(goals_.begin() + reach.goal);
+    }
+    settle();
+    return failed(ledger_.problem(task_.grasps.size()));
+  }
+
+ private:
+  PickMotion failed(std::string problem) {
+    result_.segments.clear();
+    result_.problem = std::move(problem);
+    return std::move(result_);
+  }
+
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  bool is_over(double share) const {
+    return options_.budget > 0 && elapsed() > share * options_.budget;
+  }
+  void lap(const char* name) {
+    const double now = elapsed();
+    const auto known = std::find_if(result_.times.begin(), result_.times.end(),
+                                    [name](const PickStage& stage) { return stage.name == name; });
+    if (known == result_.times.end()) {
+      result_.times.push_back({name, now - last_lap_});
+    } else {
+      known->seconds += now - last_lap_;
+    }
+    last_lap_ = now;
+  }
+
+  /// The search's options with what is left of the budget.
+  RrtOptions searching() const {
+    RrtOptions rrt = options_.rrt;
+    rrt.budget = options_.budget > 0 ? std::max(1e-6, options_.budget - elapsed()) : 0;
+    return rrt;
+  }
+
+  JointPath straight(const RobotInWorld& scene, const Positions& from,
+                     const RigidTransform& X_BT) const {
+    return straight_path(scene, from, X_BT, options_.straight_step);
+  }
+
+  void find_goals() {
+    misses_.resize(task_.grasps.size());
+    places_.resize(task_.grasps.size());
+    for (std::size_t i = 0; i < task_.grasps.size(); ++i) {
+      const bool enough = static_cast<int>(goals_.size()) >= options_.goals;
+      if (enough || is_over(goals_.empty() ? 1 : kShareForGoals)) {
+        misses_[i] = {PickFilter::kNotTried, 0,
+                      enough ? "there were goals enough" : "the budget was used up"};
+        continue;
+      }
+      try_grasp(i);
+    }
+  }
+
+  void try_grasp(std::size_t i) {
+    const PickGrasp& grasp = task_.grasps[i];
+    const InverseAnswer answer = inverse_.solve(grasp.X_BT, task_.start);
+    if (answer.solutions.empty()) {
+      misses_[i] = miss_of(answer);
+      return;
+    }
+    int count = 0;
+    bool place_known = false;
+    for (const Positions& q : answer.solutions) {
+      if (count >= options_.goals_per_grasp || static_cast<int>(goals_.size()) >= options_.goals ||
+          is_over(1)) {
+        break;
+      }
+      Goal goal;
+      goal.grasp = i;
+      PickMiss miss;
+      if (!try_solution(grasp, q, goal, miss)) {
+        if (misses_[i].text.empty() || miss.is_farther_than(misses_[i])) misses_[i] = miss;
+        continue;
+      }
+      if (task_.X_BO_place && !place_known) {
+        place_known = true;
+        miss = find_places(grasp, goal.lift.back(), places_[i]);
+        if (places_[i].empty()) {
+          misses_[i] = miss;
+          return;
+        }
+      }
+      goals_.push_back(std::move(goal));
+      ++count;
+    }
+    if (count == 0 && misses_[i].text.empty()) {
+      misses_[i] = {PickFilter::kNotTried, 0, "the budget was used up"};
+    }
+  }
+
+  bool try_solution(const PickGrasp& grasp, const Positions& q, Goal& goal, PickMiss& miss) const {
+    if (std::string problem = scenes_.approach().problem(q); !problem.empty()) {
+      miss = {PickFilter::kGraspTouches, 0, problem};
+      return false;
+    }
+    const Eigen::Vector3d back = -grasp.pregrasp_distance * grasp.approach_direction_B;
+    JointPath away = straight(scenes_.approach(), q, moved(grasp.X_BT, back));
+    if (!away.found()) {
+      miss = miss_of(PickFilter::kApproach, away);
+      return false;
+    }
+    if (std::string problem = scenes_.reach().problem(away.waypoints.back()); !problem.empty()) {
+      miss = {PickFilter::kPregraspTouches, 0, problem};
+      return false;
+    }
+    JointPath up =
+        straight(scenes_.lift(grasp, q), q, moved(grasp.X_BT, options_.lift_height * task_.up_B));
+    if (!up.found()) {
+      miss = miss_of(PickFilter::kLift, up);
+      return false;
+    }
+    if (task_.X_BO_place) {
+      const std::string problem = scenes_.carry(grasp).problem(up.waypoints.back());
+      if (!problem.empty()) {
+        miss = {PickFilter::kLift, 1, "when lifted, " + problem};
+        return false;
+      }
+    }
+    goal.approach = reversed(std::move(away.waypoints));
+    goal.lift = std::move(up.waypoints);
+    return true;
+  }
+
+  /// Ways down to the object's place and back; the farthest miss when there are none.
+  PickMiss find_places(const PickGrasp& grasp, const Positions& seed,
+                       std::vector<Place>& places) const {
+    const RigidTransform X_BT = scenes_.X_BT_place(grasp);
+    const InverseAnswer answer = inverse_.solve(X_BT, seed);
+    if (answer.solutions.empty()) return {PickFilter::kPlace, -1 - answer.miss, answer.reason};
+    PickMiss farthest{PickFilter::kPlace, -1, ""};
+    const auto note = [&farthest](double passed, std::string text) {
+      if (farthest.text.empty() || passed > farthest.passed) {
+        farthest = {PickFilter::kPlace, passed, std::move(text)};
+      }
+    };
+    const RobotInWorld carry = scenes_.carry(grasp), retreat = scenes_.retreat();
+    for (const Positions& q : answer.solutions) {
+      if (places.size() >= kPlacesPerGrasp || is_over(1)) break;
+      if (const std::string sunk = sinks_in(carry, q); !sunk.empty()) {
+        note(0, "at the place, " + sunk);
+        continue;
+      }
+      const RobotInWorld above = scenes_.lift(grasp, q);
+      const JointPath up = straight(above, q, moved(X_BT, options_.lift_height * task_.up_B));
+      if (!up.found()) {
+        note(1 + up.completed, "on the way down, backwards, " + up.reason);
+        continue;
+      }
+      if (std::string problem = carry.problem(up.waypoints.back()); !problem.empty()) {
+        note(2, "above the place, " + problem);
+        continue;
+      }
+      const Eigen::Vector3d back = -grasp.pregrasp_distance * scenes_.approach_at_place(grasp);
+      JointPath away = straight(retreat, q, moved(X_BT, back));
+      if (!away.found()) {
+        note(3 + away.completed, "on the way back, " + away.reason);
+        continue;
+      }
+      places.push_back({reversed(up.waypoints), std::move(away.waypoints)});
+    }
+    return farthest;
+  }
+
+  /// What the object would be deeper in than its cover's balls are larger than it.
+  std::string sinks_in(const RobotInWorld& carry, const Positions& q) const {
+    for (const std::string& name : carry.world().names()) {
+      const double depth = -carry.held_clearance(name, q);
+      if (depth <= task_.object.cover_O.overshoot + 1e-3) continue;
+      char text[160];
+      std::snprintf(text, sizeof text, "the object would be %.0f mm in '%.80s'",
+                    1e3 * (depth - task_.object.cover_O.overshoot), name.c_str());
+      return text;
+    }
+    return {};
+  }
+
+  /// The way on from a goal that was reached; false when there is none.
+  bool finish(const Goal& goal, std::vector<Positions> reach) {
+    const PickGrasp& grasp = task_.grasps[goal.grasp];
+    result_.segments.clear();
+    add("reach", std::move(reach), false);
+    add("approach", goal.approach, false);
+    add("lift", goal.lift, true);
+    if (task_.X_BO_place) {
+      std::vector<Positions> ends;
+      for (const Place& place : places_[goal.grasp]) ends.push_back(place.down.front());
+      JointPath carry = plan_path(scenes_.carry(grasp), goal.lift.back(), ends, searching());
+      lap("carry");
+      if (!carry.found()) {
+        drop(goal.grasp, "on the way to the place, " + carry.reason);
+        return false;
+      }
+      const Place& place = places_[goal.grasp][static_cast<std::size_t>(carry.goal)];
+      add("carry", std::move(carry.waypoints), true);
+      add("place", place.down, true);
+      add("retreat", place.retreat, false);
+    }
+    if (options_.acceleration.size() > 0) {
+      time_segments(grasp);
+      lap("timing");
+    }
+    result_.grasp = static_cast<int>(goal.grasp);
+    return true;
+  }
+
+  void add(const char* name, std::vector<Positions> waypoints, bool holds) {
+    result_.segments.push_back({name, std::move(waypoints), holds, std::nullopt});
+  }
+
+  void time_segments(const PickGrasp& grasp) {
+    TimingOptions straight = options_.timing;
+    straight.speed_factor *= options_.straight_speed_factor;
+    // Nothing of it may be lost where things are near.
+    straight.deviation = std::min(straight.deviation, 1e-3);
+    for (PickSegment& segment : result_.segments) {
+      const std::vector<Positions>& way = segment.waypoints;
+      const auto timed = [&](const RobotInWorld& scene, const TimingOptions& timing) {
+        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, timing);
+      };
+      if (segment.name == "reach") timed(scenes_.reach(), options_.timing);
+      if (segment.name == "approach") timed(scenes_.approach(), straight);
+      if (segment.name == "lift") timed(scenes_.lift(grasp, way.front()), straight);
+      if (segment.name == "carry") timed(scenes_.carry(grasp), options_.timing);
+      if (segment.name == "place") timed(scenes_.lift(grasp, way.back()), straight);
+      if (segment.name == "retreat") timed(scenes_.retreat(), straight);
+    }
+  }
+
+  void drop(std::size_t grasp, const std::string& reason) {
+    misses_[grasp] = {PickFilter::kPath, 0, reason};
+  }
+
+  /// Every grasp that is of no use is counted once.
+  void settle() {
+    for (std::size_t i = 0; i < misses_.size(); ++i) {
+      const bool is_goal =
+          static_cast<int>(i) == result_.grasp ||
+          std::any_of(goals_.begin(), goals_.end(), [i](const Goal& g) { return g.grasp == i; });
+      if (!is_goal) ledger_.add(misses_[i]);
+    }
+    result_.rejections = ledger_.rejections();
+  }
+
+  const robot::InverseKinematics& inverse_;
+  const PickTask& task_;
+  const PickOptions& options_;
+  PickScenes scenes_;
+  Clock::time_point begin_ = Clock::now();
+  double last_lap_ = 0;
+  std::vector<Goal> goals_;
+  std::vector<PickMiss> misses_;            // of each grasp
+  std::vector<std::vector<Place>> places_;  // of each grasp
+  PickLedger ledger_;
+  PickMotion result_;
+};
+
+}  // namespace
+
+PickMotion plan_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
+                     const PickTask& task, const PickOptions& options) {
+  check_pick(robot, inverse, task, options);
+  return Picker(robot, inverse, task, options).plan();
+}
+
+}  // namespace prehend::motion

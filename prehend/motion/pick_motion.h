@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prehend/motion/ball_cover.h"
+#include "prehend/motion/blended_trajectory.h"
+#include "prehend/motion/rrt_connect.h"
+#include "prehend/robot/inverse_kinematics.h"
+
+namespace prehend::motion {
+
+/// A way to hold the object. Base frame B, tip T.
+struct PickGrasp {
+  geometry::RigidTransform X_BT;  // of the tip when the hand closes
+  Eigen::Vector3d approach_direction_B = -Eigen::Vector3d::UnitZ();  // the hand's way to it; unit
+  double pregrasp_distance = 0.1;                                    // m, of that way, > 0
+};
+
+/// What is grasped. Frame O.
+struct PickObject {
+  std::string name = "object";  // in the collision world; nothing of that name: not an obstacle
+  geometry::RigidTransform X_BO = geometry::RigidTransform::Identity();
+  BallCover cover_O;  // moves with the hand once it is grasped; empty: nothing does
+};
+
+struct PickTask {
+  robot::Positions start;
+  std::vector<PickGrasp> grasps;  // best first
+  PickObject object;
+  std::optional<geometry::RigidTransform> X_BO_place;  // where the object goes; none: only lifted
+  Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();     // away from the table; unit
+};
+
+struct PickOptions {
+  double lift_height = 0.1;      // m, before the carry and above the place, > 0
+  double straight_step = 0.01;   // m, of the straight segments, > 0
+  int goals = 24;                // positions above grasps that are looked for at most, >= 1
+  int goals_per_grasp = 4;       // >= 1
+  double budget = 0;             // s of wall time for all; 0: as long as it takes
+  RrtOptions rrt;                // of reach and carry; its budget is not used
+  Eigen::VectorXd acceleration;  // rad/s^2 or m/s^2 of each joint; empty: segments are not timed
+  TimingOptions timing;
+  double straight_speed_factor = 0.3;  // of straight segments, in (0, 1]
+};
+
+/// What becomes of a grasp, in the order of the tests.
+enum class PickFilter {
+  kOutOfReach,
+  kBeyondLimits,
+  kGraspTouches,     // the arm, or the hand something else than the object, when it closes
+  kApproach,         // not straight to the grasp
+  kPregraspTouches,  // before the approach
+  kLift,             // not straight up with the object
+  kPlace,            // of the place: reach, limits, touch, or the straight ways down and back
+  kPath,             // no path to it, or on from it, was found
+  kNotTried,         // enough goals, or the budget's end, before it
+};
+const char* to_string(PickFilter filter);  // "out of reach"
+
+struct PickRejection {
+  PickFilter filter = PickFilter::kOutOfReach;
+  int count = 0;  // grasps that got as far as this and no farther
+  /// Of the one nearest to passing, in words.
+  std::string nearest_miss;
+};
+
+struct PickSegment {
+  std::string name;  // reach, approach, lift, carry, place, retreat
+  std::vector<robot::Positions> waypoints;
+  bool holds = false;                           // the object moves with the hand
+  std::optional<BlendedTrajectory> trajectory;  // with PickOptions::acceleration
+};
+
+struct PickStage {
+  std::string name;    // goals, reach, carry, timing
+  double seconds = 0;  // wall time
+};
+
+struct PickMotion {
+  std::vector<PickSegment> segments;  // in order; empty: none was found
+  int grasp = -1;                     // the one that is reached
+  std::string problem;                // why there is none, in words
+  std::vector<PickRejection> rejections;
+  std::vector<PickStage> times;
+  int goals = 0;  // positions above grasps that the search could end at
+
+  bool found() const { return !segments.empty(); }
+};
+
+/// A motion that picks an object and, if asked, places it: reach (RRT-Connect to the goal set of
+/// all solutions of all grasps from which the rest is possible), approach (straight), lift
+/// (straight up, with the object), carry (RRT-Connect, with the object), place (straight down),
+/// retreat (straight back). The hand closes between approach and lift, and opens between place and
+/// retreat.
+///
+/// Who may touch what: the hand the object, on the straight segments next to grasp and place. What
+/// is held keeps from each thing what it kept when it was grasped, down to 1 mm less, until it is
+/// lifted: it stands on the table, and beside others. At the place it may be as deep in something
+/// as its cover's overshoot. Everything else keeps the robot's margin. When an arm's other links
+/// touch the object, that counts.
+///
+/// Reentrant. Same task, options and seed, same motion, unless the budget ends a search; then the
+/// best so far is given: fewer goals, or no carry, which is a failure that says so.
+/// @param robot with the object in its world and nothing attached.
+/// @throws std::invalid_argument for a bad option, a start of another size, directions that are not
+/// unit vectors, or what is not finite.
+PickMotion plan_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
+                     const PickTask& task, const PickOptions& options = {});
+
+}  // namespace prehend::motion

@@ -1,0 +1,58 @@
+#include "prehend/motion/pick_scenes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace prehend::motion {
+namespace {
+
+constexpr double kSlack = 1e-3;  // m that what is held may come nearer on its way up
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+PickScenes::PickScenes(const RobotInWorld& robot, const PickTask& task)
+    : task_(task), reach_(robot), approach_(robot), without_(robot) {
+  approach_.world().set_margin(task.object.name, Part::kHand, -kInfinity);
+  without_.world().remove(task.object.name);
+}
+
+RobotInWorld PickScenes::carry(const PickGrasp& grasp) const {
+  RobotInWorld scene = without_;
+  const geometry::RigidTransform X_TO = grasp.X_BT.inverse() * task_.object.X_BO;
+  std::vector<RobotSphere> held;
+  for (const Ball& ball : task_.object.cover_O.balls) {
+    held.push_back({-1, X_TO * ball.center, ball.radius});
+  }
+  scene.attach(held);
+  return scene;
+}
+
+RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q) const {
+  RobotInWorld scene = carry(grasp);
+  for (const std::string& name : scene.world().names()) {
+    const double near = scene.held_clearance(name, q) - kSlack;
+    if (near < scene.margin()) scene.world().set_margin(name, Part::kHeld, near);
+  }
+  return scene;
+}
+
+RobotInWorld PickScenes::retreat() const {
+  RobotInWorld scene = without_;
+  for (const Ball& ball : task_.object.cover_O.balls) {
+    scene.world().add_sphere(task_.object.name, *task_.X_BO_place * ball.center, ball.radius);
+  }
+  scene.world().set_margin(task_.object.name, Part::kHand, -kInfinity);
+  return scene;
+}
+
+geometry::RigidTransform PickScenes::X_BT_place(const PickGrasp& grasp) const {
+  return *task_.X_BO_place * task_.object.X_BO.inverse() * grasp.X_BT;
+}
+
+Eigen::Vector3d PickScenes::approach_at_place(const PickGrasp& grasp) const {
+  return task_.X_BO_place->linear() * task_.object.X_BO.linear().transpose() *
+         grasp.approach_direction_B;
+}
+
+}  // namespace prehend::motion

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "prehend/motion/pick_motion.h"
+
+namespace prehend::motion {
+
+/// The robot's world in the phases of a pick: who may touch what.
+class PickScenes {
+ public:
+  PickScenes(const RobotInWorld& robot, const PickTask& task);
+
+  /// Nothing may touch.
+  const RobotInWorld& reach() const { return reach_; }
+  /// The hand may touch the object.
+  const RobotInWorld& approach() const { return approach_; }
+  /// The object moves with the hand, held as `grasp` does.
+  RobotInWorld carry(const PickGrasp& grasp) const;
+  /// As carry(), but what is held may stay as near to each thing as it is at `q`.
+  RobotInWorld lift(const PickGrasp& grasp, const robot::Positions& q) const;
+  /// The object stands at its place and the hand may touch it.
+  RobotInWorld retreat() const;
+
+  /// Poses of the tip when the object is at its place.
+  geometry::RigidTransform X_BT_place(const PickGrasp& grasp) const;
+  /// The approach's direction there.
+  Eigen::Vector3d approach_at_place(const PickGrasp& grasp) const;
+
+ private:
+  const PickTask& task_;
+  RobotInWorld reach_, approach_, without_;
+};
+
+}  // namespace prehend::motion
