@@ -1,0 +1,55 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "prehend/geometry/mesh_query.h"
+
+namespace prehend::grasp {
+
+/// Unsigned distance to a mesh, on a grid that is filled where it is asked for: many near queries
+/// of one mesh cost some 10 ns each instead of a microsecond. Needs neither a closed mesh nor
+/// outward triangles. Made for balls that touch the mesh from outside: at a ball's centre the
+/// distance is smooth even where the mesh is a needle or an edge.
+///
+/// Reentrant: const calls may run at once (each node is filled with the same value by whoever comes
+/// first), and answers do not depend on their order.
+class DistanceGrid {
+ public:
+  /// Nodes `cell` [m] apart up to `margin` [m] round the mesh; both > 0. A mesh so large that it
+  /// takes more than 8 million nodes is asked directly instead. Keeps a reference to `mesh`.
+  /// @throws std::invalid_argument for a cell or a margin that is not positive and finite.
+  explicit DistanceGrid(const geometry::MeshQuery& mesh, double cell = 0.0025,
+                        double margin = 0.03);
+
+  /// Distance [m] within kNear of the mesh, by linear interpolation: wrong by at most cell^2 / (4
+  /// d), and exact beside flat faces. Farther away a lower bound of it, larger than kNear.
+  double distance(const Eigen::Vector3d& p) const;
+  /// Direction away from the mesh, of unit length but where it is undefined (0).
+  Eigen::Vector3d away(const Eigen::Vector3d& p) const;
+
+  const geometry::MeshQuery& mesh() const { return *mesh_; }
+
+  static constexpr double kNear = 0.012;  // m
+
+ private:
+  struct Cell {
+    Eigen::Vector3i node;
+    Eigen::Vector3d part;  // of the cell, 0 to 1
+  };
+  bool find_cell(const Eigen::Vector3d& p, Cell& cell) const;
+  double node(int x, int y, int z) const;
+  void corners(const Cell& cell, double (&values)[8]) const;
+
+  const geometry::MeshQuery* mesh_;
+  Eigen::AlignedBox3d box_;  // of the mesh
+  Eigen::Vector3d origin_;   // of the nodes
+  double cell_;
+  Eigen::Vector3i count_;
+  std::unique_ptr<std::atomic<float>[]> nodes_;  // NaN: not filled; null: too many
+};
+
+}  // namespace prehend::grasp

@@ -1,0 +1,97 @@
+#include "prehend/grasp/touch_scene.h"
+
+namespace prehend::grasp {
+namespace {
+
+using Eigen::Vector3d;
+
+class Search {
+ public:
+  Search(const LinkBalls& link, const geometry::RigidTransform& X_WL, const TouchScene& scene)
+      : link_(link), X_WL_(X_WL), scene_(scene) {}
+
+  NearBall run() {
+    const double root = lower_bound(0);
+    // All of it is far: the bound is as good.
+    if (root > DistanceGrid::kNear) return {root, 0, Touched::kNothing};
+    visit(0);
+    return best_;
+  }
+
+ private:
+  const LinkBalls::Node& node(int i) const { return link_.nodes[static_cast<std::size_t>(i)]; }
+  double lower_bound(int i) const {
+    return scene_.distance(X_WL_ * node(i).center) - node(i).radius;
+  }
+
+  void visit(int index) {
+    const LinkBalls::Node& here = node(index);
+    if (here.leaf()) {
+      for (int i = here.first; i < here.last; ++i) {
+        Touched what = Touched::kNothing;
+        const double clearance =
+            scene_.distance(X_WL_ * link_.centers[static_cast<std::size_t>(i)], &what) -
+            link_.radii[static_cast<std::size_t>(i)];
+        if (clearance < best_.clearance) best_ = {clearance, i, what};
+      }
+      return;
+    }
+    int near = here.first, far = here.right;
+    double near_bound = lower_bound(near), far_bound = lower_bound(far);
+    if (far_bound < near_bound) {
+      std::swap(near, far);
+      std::swap(near_bound, far_bound);
+    }
+    if (near_bound < best_.clearance) visit(near);
+    if (far_bound < best_.clearance) visit(far);
+  }
+
+  const LinkBalls& link_;
+  const geometry::RigidTransform& X_WL_;
+  const TouchScene& scene_;
+  NearBall best_;
+};
+
+}  // namespace
+
+double TouchScene::distance(const Vector3d& p_W, Touched* what) const {
+  double least = object_W->distance(p_W);
+  Touched nearest = Touched::kObject;
+  if (table_W) {
+    const double height = table_W->signed_distance(p_W);
+    if (height < least) {
+      least = height;
+      nearest = Touched::kTable;
+    }
+  }
+  if (obstacles_W != nullptr) {
+    const double other = obstacles_W->distance(p_W);
+    if (other < least) {
+      least = other;
+      nearest = Touched::kObstacle;
+    }
+  }
+  if (what != nullptr) *what = nearest;
+  return least;
+}
+
+double TouchScene::exact_distance(const Vector3d& p_W, Touched what, Vector3d* away_W) const {
+  if (what == Touched::kTable) {
+    *away_W = table_W->normal;
+    return table_W->signed_distance(p_W);
+  }
+  const DistanceGrid& grid = what == Touched::kObstacle ? *obstacles_W : *object_W;
+  const auto found = grid.mesh().nearest(p_W);
+  if (!found) return std::numeric_limits<double>::infinity();
+  const Vector3d way = p_W - found->point;
+  *away_W = way.norm() > 1e-9 ? Vector3d(way.normalized()) : Vector3d::Zero();
+  return found->distance;
+}
+
+NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
+                      const TouchScene& scene) {
+  if (link.nodes.empty()) return {};
+  return Search(link, X_WL, scene).run();
+}
+
+}  // namespace prehend::grasp
