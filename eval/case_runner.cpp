@@ -30,15 +30,6 @@ Eigen::Vector3d area_centroid(const geometry::TriangleMesh& mesh) {
   return sum / total;
 }
 
-perception::SegmentedScene seen_scene(const RenderedScene& rendered,
-                                      const simulation::StereoImages& images) {
-  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  const perception::DisparityImage disparity =
-      perception::disparity_by_sgbm(images.left, images.right, camera);
-  return perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
-                             camera.left, rendered.scene.camera.X_WC());
-}
-
 }  // namespace
 
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
@@ -79,6 +70,15 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
                           geometry::bounds(truth_B).sizes().norm();
   result.watertight = geometry::find_defects(mesh_B).watertight();
   return result;
+}
+
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images) {
+  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
+  const perception::DisparityImage disparity =
+      perception::disparity_by_sgbm(images.left, images.right, camera);
+  return perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
+                             camera.left, rendered.scene.camera.X_WC());
 }
 
 CaseResult run_case(const Case& one, const std::vector<Method>& methods) {

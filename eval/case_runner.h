@@ -20,6 +20,11 @@ double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int1
 std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
                                      const geometry::Image<std::int16_t>& labels);
 
+/// What stereo matching and segmentation make of a rendered pair.
+/// @throws geometry::InputError when they find no table.
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images);
+
 /// Renders the case's stereo pair, matches it, segments it and lets each method complete the object
 /// at the table's centre; then measures each mesh against the truth in its known pose.
 ///

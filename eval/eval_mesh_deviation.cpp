@@ -1,8 +1,6 @@
 // The paper's evaluation of predicted shapes (Bohg et al., "Mind the Gap", ICRA 2011, figures 10 to
 // 12) on rendered stereo pairs of known bodies.
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,20 +8,17 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
 #include <thread>
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <opencv2/core.hpp>
 
 #include "eval/case_runner.h"
+#include "eval/case_runs.h"
 #include "eval/confidence_fit.h"
 #include "eval/mesh_deviation_report.h"
-#include "eval/process_pool.h"
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 
@@ -49,22 +44,6 @@ struct Options {
   std::vector<std::string> methods;
 };
 
-std::vector<eval::DataSet> data_sets_of(const Options& options) {
-  if (!options.meshes.empty()) {
-    const fs::path folder = fs::canonical(options.meshes);
-    return eval::make_data_sets(folder.filename().string(), eval::objects_of_folder(folder));
-  }
-  std::vector<eval::DataSet> sets = eval::make_data_sets("household", eval::household_objects());
-  const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (shared != nullptr && *shared != '\0') {
-    const auto scanned = eval::make_data_sets("scanned", eval::scanned_objects(shared));
-    sets.insert(sets.end(), scanned.begin(), scanned.end());
-  } else {
-    std::printf("Without scanned meshes: PREHEND_SHARED_DATA does not name a folder.\n");
-  }
-  return sets;
-}
-
 std::vector<eval::Method> methods_of(const Options& options) {
   std::vector<eval::Method> methods = eval::compared_methods();
   if (options.methods.empty()) return methods;
@@ -73,26 +52,6 @@ std::vector<eval::Method> methods_of(const Options& options) {
            options.methods.end();
   });
   return methods;
-}
-
-// Results of another build are no results of this one.
-std::string identity_of_this_program() {
-  const fs::path self = fs::canonical("/proc/self/exe");
-  return fmt::format("{} bytes, changed {}\n", fs::file_size(self),
-                     fs::last_write_time(self).time_since_epoch().count());
-}
-
-void prepare_cases_folder(const fs::path& folder, bool fresh) {
-  const fs::path stamp = folder / "made_by";
-  std::string made_by;
-  if (std::ifstream stream(stamp); stream) std::getline(stream, made_by);
-  const std::string self = identity_of_this_program();
-  if (fresh || (!made_by.empty() && made_by + "\n" != self)) {
-    std::printf("Starting afresh: the results in '%s' are %s.\n", folder.c_str(),
-                fresh ? "not wanted" : "of another build");
-    fs::remove_all(folder);
-  }
-  eval::write_text(stamp, self);
 }
 
 // The file's result, if it has one of every method.
@@ -113,21 +72,6 @@ std::optional<eval::CaseResult> known_result(const fs::path& file,
     std::printf("%s\n", error.what());
     return std::nullopt;
   }
-}
-
-void show_progress(const eval::PoolProgress& progress, std::size_t known) {
-  static const bool terminal = isatty(STDOUT_FILENO) != 0;
-  static int last = -1;
-  if (progress.done == last && !terminal) return;
-  const bool every = terminal || progress.done == progress.total || progress.done % 16 == 0;
-  if (!every || (progress.done == last && progress.done == 0)) return;
-  last = progress.done;
-  const double left =
-      progress.done > 0 ? progress.seconds / progress.done * (progress.total - progress.done) : 0;
-  std::printf("%s%d of %d cases (%zu known before), %.0f s, about %.0f s left%s",
-              terminal ? "\r" : "", progress.done, progress.total, known, progress.seconds, left,
-              terminal ? "   " : "\n");
-  std::fflush(stdout);
 }
 
 // Learns what the confidence is made of from one group and tries it on the others.
@@ -158,7 +102,7 @@ void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path
 }
 
 int run(const Options& options) {
-  const std::vector<eval::DataSet> sets = data_sets_of(options);
+  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.meshes);
   std::vector<eval::Case> cases;
   for (const eval::Case& one :
        eval::make_cases(sets, options.quick ? kQuickOrientations : kOrientations, options.seed)) {
@@ -172,27 +116,20 @@ int run(const Options& options) {
     return EXIT_FAILURE;
   }
   const std::vector<eval::Method> methods = methods_of(options);
-  const fs::path folder = options.out / "cases";
-  prepare_cases_folder(folder, options.fresh);
-  const auto file_of = [&](const eval::Case& one) { return folder / (one.name() + ".yaml"); };
-
-  std::vector<eval::Case> open;
-  for (const eval::Case& one : cases) {
-    if (!known_result(file_of(one), methods)) open.push_back(one);
-  }
-  cv::setNumThreads(1);  // the processes share the cores
-  std::vector<eval::CrashedTask> crashed;
-  if (!open.empty()) {
-    crashed = eval::run_in_processes(
-        static_cast<int>(open.size()), options.processes, options.out / "output.txt",
-        [&](int i) { eval::write_case_result(file_of(open[i]), eval::run_case(open[i], methods)); },
-        [&](const eval::PoolProgress& p) { show_progress(p, cases.size() - open.size()); });
-  }
-  std::printf("\n");
+  const eval::CaseRunOptions runs{options.out, options.processes, options.fresh};
+  std::vector<std::string> case_names;
+  for (const eval::Case& one : cases) case_names.push_back(one.name());
+  const auto crashed = eval::run_cases(
+      runs, case_names,
+      [&](int, const fs::path& file) { return known_result(file, methods).has_value(); },
+      [&](int i, const fs::path& file) {
+        eval::write_case_result(file, eval::run_case(cases[i], methods));
+      });
   // Not written to the folder: the next run tries crashed cases again.
   std::vector<eval::CaseResult> results;
-  for (const eval::Case& one : cases) {
-    if (auto result = known_result(file_of(one), methods)) {
+  for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
+    const eval::Case& one = cases[i];
+    if (auto result = known_result(eval::case_file(runs, one.name()), methods)) {
       results.push_back(std::move(*result));
       continue;
     }
@@ -201,10 +138,9 @@ int run(const Options& options) {
     result.group = one.data_set->group;
     result.data_set = one.data_set->name;
     result.orientation = one.orientation;
-    result.problem = "There is no result";
-    for (const eval::CrashedTask& task : crashed) {
-      if (open[task.task].name() == one.name()) result.problem = "The process ended: " + task.how;
-    }
+    const auto crash = crashed.find(i);
+    result.problem =
+        crash == crashed.end() ? "There is no result" : "The process ended: " + crash->second;
     results.push_back(std::move(result));
   }
   std::printf("%s", eval::mesh_deviation_text(results, methods).c_str());

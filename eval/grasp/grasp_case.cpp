@@ -1,0 +1,120 @@
+#include "eval/grasp/grasp_case.h"
+
+#include <algorithm>
+
+#include <yaml-cpp/yaml.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/whole_file.h"
+
+namespace prehend::eval {
+namespace {
+
+// The figures of a trial by their names in the file.
+struct Figure {
+  const char* name;
+  double GraspTrial::*value;
+};
+constexpr Figure kFigures[] = {{"plan_seconds", &GraspTrial::plan_seconds},
+                               {"slip", &GraspTrial::slip},
+                               {"contact_error", &GraspTrial::contact_error},
+                               {"opening_error", &GraspTrial::opening_error},
+                               {"robustness", &GraspTrial::robustness},
+                               {"guessed_contact", &GraspTrial::guessed_contact}};
+struct Count {
+  const char* name;
+  int GraspTrial::*value;
+};
+constexpr Count kCounts[] = {{"candidates", &GraspTrial::candidates},
+                             {"grasps", &GraspTrial::grasps},
+                             {"attempts", &GraspTrial::attempts}};
+
+template <class Value>
+void put(YAML::Emitter& out, const char* key, const Value& value) {
+  out << YAML::Key << key << YAML::Value << value;
+}
+
+void put_text(YAML::Emitter& out, const char* key, const std::string& text) {
+  out << YAML::Key << key << YAML::Value << YAML::DoubleQuoted << text;
+}
+
+}  // namespace
+
+const char* to_string(PlannedOn planned_on) {
+  switch (planned_on) {
+    case PlannedOn::kPredicted:
+      return "predicted";
+    case PlannedOn::kTruth:
+      return "truth";
+    case PlannedOn::kDelaunay:
+      return "delaunay";
+  }
+  return "";
+}
+
+const GraspTrial* GraspCase::trial(const std::string& setting) const {
+  const auto found = std::find_if(trials.begin(), trials.end(),
+                                  [&](const GraspTrial& t) { return t.setting == setting; });
+  return found == trials.end() ? nullptr : &*found;
+}
+
+bool GraspCase::fits() const {
+  const GraspTrial* truth = trial(to_string(PlannedOn::kTruth));
+  return truth != nullptr && truth->grasps > 0;
+}
+
+void write_grasp_case(const std::filesystem::path& file, const GraspCase& result) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(17);
+  out << YAML::BeginMap;
+  put_text(out, "case", result.case_name);
+  put_text(out, "group", result.group);
+  put_text(out, "data_set", result.data_set);
+  put_text(out, "hand", result.hand);
+  put(out, "orientation", result.orientation);
+  put_text(out, "problem", result.problem);
+  put(out, "predict_seconds", result.predict_seconds);
+  out << YAML::Key << "trials" << YAML::Value << YAML::BeginSeq;
+  for (const GraspTrial& trial : result.trials) {
+    out << YAML::BeginMap;
+    put_text(out, "setting", trial.setting);
+    put_text(out, "problem", trial.problem);
+    put_text(out, "outcome", trial.outcome);
+    put(out, "lifted", trial.lifted);
+    for (const Count& count : kCounts) put(out, count.name, trial.*count.value);
+    for (const Figure& figure : kFigures) put(out, figure.name, trial.*figure.value);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  geometry::write_whole_file(file, std::string(out.c_str()) + "\n");
+}
+
+GraspCase read_grasp_case(const std::filesystem::path& file) {
+  try {
+    const YAML::Node node = YAML::LoadFile(file.string());
+    GraspCase result;
+    result.case_name = node["case"].as<std::string>();
+    result.group = node["group"].as<std::string>();
+    result.data_set = node["data_set"].as<std::string>();
+    result.hand = node["hand"].as<std::string>();
+    result.orientation = node["orientation"].as<int>();
+    result.problem = node["problem"].as<std::string>();
+    result.predict_seconds = node["predict_seconds"].as<double>();
+    for (const YAML::Node& one : node["trials"]) {
+      GraspTrial trial;
+      trial.setting = one["setting"].as<std::string>();
+      trial.problem = one["problem"].as<std::string>();
+      trial.outcome = one["outcome"].as<std::string>();
+      trial.lifted = one["lifted"].as<bool>();
+      for (const Count& count : kCounts) trial.*count.value = one[count.name].as<int>();
+      for (const Figure& figure : kFigures) trial.*figure.value = one[figure.name].as<double>();
+      result.trials.push_back(trial);
+    }
+    return result;
+  } catch (const YAML::Exception& error) {
+    throw geometry::InputError("'" + file.string() + "' is no result of a grasp: " + error.what(),
+                               "Remove it and run the evaluation again");
+  }
+}
+
+}  // namespace prehend::eval

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/case_result.h"
+
+namespace prehend::eval {
+
+/// What grasps are planned on. They are executed on the truth all the same.
+enum class PlannedOn { kPredicted, kTruth, kDelaunay };
+const char* to_string(PlannedOn planned_on);
+
+/// Planning and executing the grasps of one object by one setting of the planner.
+struct GraspTrial {
+  std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
+  std::string problem;  // why nothing was executed
+  std::string outcome;  // of the execution, in words
+  int candidates = 0;   // of the plan
+  int grasps = 0;       // in the plan
+  int attempts = 0;     // that were executed
+  bool lifted = false;  // and carried, and put down
+  double plan_seconds = kUnknown;   // processor time of planning, one thread
+  double slip = kUnknown;           // m, in the hand while it was lifted and carried
+  double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
+  double opening_error = kUnknown;  // m, of the opening at the touch, felt less predicted
+  double robustness = kUnknown;     // predicted of the executed grasp
+  double guessed_contact = kUnknown;
+
+  bool lifted_at_first() const { return lifted && attempts == 1; }
+};
+
+/// One view of an object, and what each way of planning made of it.
+struct GraspCase {
+  std::string case_name;
+  std::string group;
+  std::string data_set;
+  std::string hand;
+  int orientation = 0;                // degrees
+  std::string problem;                // nothing was segmented or completed, or the process crashed
+  double predict_seconds = kUnknown;  // processor time from segmented cloud to mesh
+  std::vector<GraspTrial> trials;
+
+  const GraspTrial* trial(const std::string& setting) const;
+  /// The planner finds a grasp when it knows the truth.
+  bool fits() const;
+};
+
+/// Writes the result as YAML so that the file is whole or absent.
+/// @throws geometry::InputError when the folder cannot be written.
+void write_grasp_case(const std::filesystem::path& file, const GraspCase& result);
+/// @throws geometry::InputError naming the file when it is no result.
+GraspCase read_grasp_case(const std::filesystem::path& file);
+
+}  // namespace prehend::eval

@@ -1,0 +1,322 @@
+#include "eval/grasp/grasp_report.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "eval/text_files.h"
+#include "prehend/report/charts.h"
+#include "prehend/report/page.h"
+
+namespace prehend::eval {
+namespace {
+
+double median(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return std::isnan(v); });
+  if (values.empty()) return kUnknown;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+std::vector<std::string> distinct(const std::vector<GraspCase>& cases,
+                                  const std::function<std::string(const GraspCase&)>& name_of) {
+  std::vector<std::string> names;
+  for (const GraspCase& one : cases) {
+    const std::string name = name_of(one);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> hands_of(const std::vector<GraspCase>& cases) {
+  return distinct(cases, [](const GraspCase& one) { return one.hand; });
+}
+
+std::vector<std::string> settings_of(const std::vector<GraspCase>& cases) {
+  std::vector<std::string> names;
+  for (const GraspCase& one : cases) {
+    for (const GraspTrial& trial : one.trials) {
+      if (std::find(names.begin(), names.end(), trial.setting) == names.end()) {
+        names.push_back(trial.setting);
+      }
+    }
+  }
+  return names;
+}
+
+std::vector<GraspCase> selected(const std::vector<GraspCase>& cases,
+                                const std::function<bool(const GraspCase&)>& wanted) {
+  std::vector<GraspCase> result;
+  std::copy_if(cases.begin(), cases.end(), std::back_inserter(result), wanted);
+  return result;
+}
+
+GraspTotals totals_of(const std::vector<GraspCase>& cases, const std::string& hand,
+                      const std::string& setting) {
+  GraspTotals totals;
+  totals.hand = hand;
+  totals.setting = setting;
+  std::vector<double> slips, contacts, openings, seconds;
+  for (const GraspCase& one : cases) {
+    const GraspTrial* trial = one.trial(setting);
+    if (one.hand != hand || trial == nullptr || !one.fits()) continue;
+    ++totals.cases;
+    totals.unplanned += trial->grasps == 0 ? 1 : 0;
+    totals.first += trial->lifted_at_first() ? 1 : 0;
+    totals.within_three += trial->lifted ? 1 : 0;
+    if (trial->lifted) slips.push_back(trial->slip);
+    contacts.push_back(trial->contact_error);
+    openings.push_back(std::abs(trial->opening_error));
+    seconds.push_back(trial->plan_seconds);
+  }
+  totals.slip = median(slips);
+  totals.contact_error = median(contacts);
+  totals.opening_error = median(openings);
+  totals.plan_seconds = median(seconds);
+  return totals;
+}
+
+std::string share_text(int part, int whole) {
+  return whole > 0 ? fmt::format("{} of {} ({:.0f} %)", part, whole, 100.0 * part / whole) : "-";
+}
+
+std::string millimetres(double metres) {
+  return std::isnan(metres) ? "-" : fmt::format("{:.2f}", metres * 1e3);
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+const std::vector<std::string> kTotalsHeader{
+    "hand",      "planned on",         "at first",           "within three", "no grasp",
+    "slip [mm]", "contact error [mm]", "opening error [mm]", "plan [ms]"};
+
+Rows totals_rows(const std::vector<GraspCase>& cases) {
+  Rows rows;
+  for (const GraspTotals& t : grasp_totals(cases)) {
+    rows.push_back(
+        {t.hand, t.setting, share_text(t.first, t.cases), share_text(t.within_three, t.cases),
+         fmt::format("{}", t.unplanned), millimetres(t.slip), millimetres(t.contact_error),
+         millimetres(t.opening_error),
+         std::isnan(t.plan_seconds) ? "-" : fmt::format("{:.1f}", t.plan_seconds * 1e3)});
+  }
+  return rows;
+}
+
+std::vector<std::string> objects_header(const std::vector<GraspCase>& cases) {
+  std::vector<std::string> header{"hand", "object", "fits"};
+  for (const auto& setting : settings_of(cases)) header.push_back(setting);
+  return header;
+}
+
+// For each setting: at first / within three.
+Rows objects_rows(const std::vector<GraspCase>& cases) {
+  Rows rows;
+  for (const auto& hand : hands_of(cases)) {
+    const auto of_hand = selected(cases, [&](const GraspCase& c) { return c.hand == hand; });
+    for (const auto& object : distinct(of_hand, [](const GraspCase& c) { return c.data_set; })) {
+      const auto views =
+          selected(of_hand, [&](const GraspCase& c) { return c.data_set == object; });
+      const auto fitting =
+          std::count_if(views.begin(), views.end(), [](const GraspCase& c) { return c.fits(); });
+      rows.push_back({hand, object, fmt::format("{} of {}", fitting, views.size())});
+      for (const auto& setting : settings_of(cases)) {
+        const GraspTotals t = totals_of(views, hand, setting);
+        rows.back().push_back(t.cases > 0 ? fmt::format("{} / {}", t.first, t.within_three) : "-");
+      }
+    }
+  }
+  return rows;
+}
+
+// Reasons with their figures left out, so that they can be counted.
+std::string without_numbers(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (!digit) {
+      result += c;
+    } else if (result.empty() || result.back() != '#') {
+      result += '#';
+    }
+  }
+  return result;
+}
+
+const std::vector<std::string> kReasonsHeader{"hand", "planned on", "cases", "why not at first"};
+
+Rows reasons_rows(const std::vector<GraspCase>& cases) {
+  std::map<std::vector<std::string>, int> counts;
+  for (const GraspCase& one : cases) {
+    if (!one.fits()) continue;
+    for (const GraspTrial& trial : one.trials) {
+      if (trial.lifted_at_first()) continue;
+      const std::string why = trial.grasps == 0 ? trial.problem
+                              : trial.lifted
+                                  ? "lifted by a later attempt"
+                                  : (trial.outcome.empty() ? trial.problem : trial.outcome);
+      ++counts[{one.hand, trial.setting, without_numbers(why)}];
+    }
+  }
+  Rows rows;
+  for (const auto& [key, count] : counts) {
+    rows.push_back({key[0], key[1], fmt::format("{}", count), key[2]});
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return std::stoi(a[2]) > std::stoi(b[2]); });
+  return rows;
+}
+
+std::string table_text(const std::vector<std::string>& header, const Rows& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& cell : header) widths.push_back(cell.size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      text += fmt::format("{:<{}}  ", row[i], i + 1 < row.size() ? widths[i] : 0);
+    }
+    text += "\n";
+  };
+  add(header);
+  for (const auto& row : rows) add(row);
+  return text + "\n";
+}
+
+struct Goal {
+  std::string text;
+  bool met = false;
+};
+
+// At first and within three attempts, of objects that fit.
+std::vector<Goal> goals_of(const std::vector<GraspCase>& cases) {
+  std::vector<Goal> goals;
+  for (const auto& hand : hands_of(cases)) {
+    const GraspTotals predicted = totals_of(cases, hand, to_string(PlannedOn::kPredicted));
+    const GraspTotals delaunay = totals_of(cases, hand, to_string(PlannedOn::kDelaunay));
+    if (predicted.cases == 0) continue;
+    const double first = hand == "pg70" ? 0.9 : 0.85;
+    goals.push_back({fmt::format("{}: {:.1f} % at the first attempt, goal {:.0f} %", hand,
+                                 100 * predicted.first_share(), 100 * first),
+                     predicted.first_share() >= first});
+    if (hand == "pg70") {
+      goals.push_back({fmt::format("{}: {:.1f} % within three attempts, goal 97 %", hand,
+                                   100 * predicted.within_three_share()),
+                       predicted.within_three_share() >= 0.97});
+    }
+    if (delaunay.cases > 0) {
+      goals.push_back({fmt::format("{}: {:.1f} % at the first attempt on the Delaunay baseline, "
+                                   "goal: clearly below the prediction",
+                                   hand, 100 * delaunay.first_share()),
+                       delaunay.first_share() < predicted.first_share() - 0.05});
+    }
+  }
+  return goals;
+}
+
+std::string success_chart(const std::vector<GraspCase>& cases, const std::string& hand) {
+  report::BarChart chart;
+  chart.title = "Lifted at the first attempt: " + hand;
+  chart.y_label = "share of views [%]";
+  const auto of_hand =
+      selected(cases, [&](const GraspCase& c) { return c.hand == hand && c.fits(); });
+  chart.categories = distinct(of_hand, [](const GraspCase& c) { return c.data_set; });
+  for (const auto& setting : settings_of(of_hand)) {
+    report::BarChart::Bars bars;
+    bars.name = setting;
+    for (const auto& object : chart.categories) {
+      const auto views =
+          selected(of_hand, [&](const GraspCase& c) { return c.data_set == object; });
+      bars.values.push_back(100 * totals_of(views, hand, setting).first_share());
+    }
+    chart.series.push_back(bars);
+  }
+  return draw_bar_chart(chart);
+}
+
+std::string cases_csv(const std::vector<GraspCase>& cases) {
+  std::string csv =
+      "hand,case,object,orientation_deg,setting,grasps,attempts,lifted,slip_m,contact_error_m,"
+      "opening_error_m,robustness,guessed_contact,plan_s,why\n";
+  for (const GraspCase& one : cases) {
+    for (const GraspTrial& t : one.trials) {
+      std::string why = t.outcome.empty() ? t.problem : t.outcome;
+      std::replace(why.begin(), why.end(), '"', '\'');
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
+                         one.case_name, one.data_set, one.orientation, t.setting, t.grasps,
+                         t.attempts, t.lifted, t.slip, t.contact_error, t.opening_error,
+                         t.robustness, t.guessed_contact, t.plan_seconds, why);
+    }
+  }
+  return csv;
+}
+
+}  // namespace
+
+std::vector<GraspTotals> grasp_totals(const std::vector<GraspCase>& cases) {
+  std::vector<GraspTotals> totals;
+  for (const auto& hand : hands_of(cases)) {
+    for (const auto& setting : settings_of(cases)) {
+      totals.push_back(totals_of(cases, hand, setting));
+    }
+  }
+  return totals;
+}
+
+std::string grasp_text(const std::vector<GraspCase>& cases) {
+  std::string text = table_text(kTotalsHeader, totals_rows(cases)) +
+                     table_text(objects_header(cases), objects_rows(cases)) +
+                     table_text(kReasonsHeader, reasons_rows(cases));
+  for (const Goal& goal : goals_of(cases)) {
+    text += fmt::format("{} {}\n", goal.met ? "met:   " : "missed:", goal.text);
+  }
+  return text;
+}
+
+std::string grasp_json(const std::vector<GraspCase>& cases) {
+  std::string totals, goals;
+  for (const GraspTotals& t : grasp_totals(cases)) {
+    totals += fmt::format(
+        "{}{{\"hand\": {}, \"setting\": {}, \"cases\": {}, \"no_grasp\": {}, \"first\": {}, "
+        "\"within_three\": {}, \"slip_m\": {}, \"contact_error_m\": {}, \"opening_error_m\": {}, "
+        "\"plan_s\": {}}}",
+        totals.empty() ? "" : ",\n  ", json_string(t.hand), json_string(t.setting), t.cases,
+        t.unplanned, json_number(t.first_share()), json_number(t.within_three_share()),
+        json_number(t.slip), json_number(t.contact_error), json_number(t.opening_error),
+        json_number(t.plan_seconds));
+  }
+  for (const Goal& goal : goals_of(cases)) {
+    goals += fmt::format("{}{{\"goal\": {}, \"met\": {}}}", goals.empty() ? "" : ",\n  ",
+                         json_string(goal.text), goal.met);
+  }
+  return fmt::format("{{\"totals\": [\n  {}],\n \"goals\": [\n  {}]}}\n", totals, goals);
+}
+
+void write_grasp_report(const std::filesystem::path& folder, const std::vector<GraspCase>& cases) {
+  report::Page page("Grasps planned on predicted shapes");
+  page.add_paragraph(
+      "Each object is seen once, by a rendered stereo pair; grasps are planned on the predicted "
+      "shape, on the true one and on the Delaunay surface of what was seen, and executed in "
+      "simulation on the true one. Counted are views in which the planner finds a grasp when it "
+      "knows the truth.");
+  for (const Goal& goal : goals_of(cases)) page.add_verdict(goal.text, goal.met);
+  page.add_table(kTotalsHeader, totals_rows(cases));
+  for (const auto& hand : hands_of(cases)) {
+    if (std::any_of(cases.begin(), cases.end(),
+                    [&](const GraspCase& c) { return c.hand == hand && c.fits(); })) {
+      page.add_chart(success_chart(cases, hand), "Views lifted at the first attempt");
+    }
+  }
+  page.add_heading("Objects: views lifted at the first attempt / within three");
+  page.add_table(objects_header(cases), objects_rows(cases));
+  page.add_heading("Why not at the first attempt");
+  page.add_table(kReasonsHeader, reasons_rows(cases));
+  page.write(folder / "index.html");
+  write_text(folder / "cases.csv", cases_csv(cases));
+}
+
+}  // namespace prehend::eval
