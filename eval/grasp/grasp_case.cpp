@@ -86,7 +86,7 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
     out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
-  geometry::write_whole_file(file, std::string(out.c_str()) + "\n");
+  geometry::write_whole_file(file, out.c_str(), "The result");
 }
 
 GraspCase read_grasp_case(const std::filesystem::path& file) {

@@ -15,9 +15,9 @@ double uniform(std::mt19937_64& random) { return static_cast<double>(random() >>
 
 }  // namespace
 
-std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, int samples,
-                                          std::uint64_t seed) {
-  if (samples < 1) throw std::invalid_argument("sample_surface: samples must be >= 1");
+std::vector<SurfaceSample> surface_samples(const TriangleMesh& mesh, int samples,
+                                           std::uint64_t seed) {
+  if (samples < 1) throw std::invalid_argument("surface_samples: samples must be >= 1");
   std::vector<double> cumulated_area;
   double area = 0;
   for (const Eigen::Vector3i& t : mesh.triangles) {

@@ -15,7 +15,7 @@ struct SurfaceSample {
 /// `samples` points [m] distributed uniformly over the area of `mesh`, one in each of as many equal
 /// parts of it; the same seed gives the same points.
 /// @throws InputError for a mesh without area, std::invalid_argument for samples < 1.
-std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, int samples,
-                                          std::uint64_t seed);
+std::vector<SurfaceSample> surface_samples(const TriangleMesh& mesh, int samples,
+                                           std::uint64_t seed);
 
 }  // namespace prehend::geometry

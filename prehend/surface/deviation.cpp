@@ -11,7 +11,7 @@ namespace prehend::surface {
 std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, int samples,
                                             std::uint64_t seed) {
   std::vector<Eigen::Vector3d> points;
-  for (const auto& sample : geometry::sample_surface(mesh, samples, seed)) {
+  for (const auto& sample : geometry::surface_samples(mesh, samples, seed)) {
     points.push_back(sample.point);
   }
   return points;

@@ -23,7 +23,7 @@ class Antipodal : public CandidateGenerator {
     const auto& mesh = target.query_W.mesh();
     std::mt19937_64 random(options_.seed);
     const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
-    for (const auto& sample : geometry::sample_surface(mesh, options_.samples, options_.seed)) {
+    for (const auto& sample : geometry::surface_samples(mesh, options_.samples, options_.seed)) {
       const auto& t = mesh.triangles[sample.triangle];
       const Eigen::Vector3d& a = mesh.vertices[t[0]];
       const Eigen::Vector3d normal =

@@ -22,7 +22,7 @@ class MedialAxis : public CandidateGenerator {
   std::vector<Candidate> generate(const GraspTarget& target) const override {
     std::vector<Candidate> candidates;
     const auto& mesh = target.query_W.mesh();
-    for (const auto& sample : geometry::sample_surface(mesh, options_.samples, options_.seed)) {
+    for (const auto& sample : geometry::surface_samples(mesh, options_.samples, options_.seed)) {
       const auto& t = mesh.triangles[sample.triangle];
       const Eigen::Vector3d& a = mesh.vertices[t[0]];
       const Eigen::Vector3d normal =
