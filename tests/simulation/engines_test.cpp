@@ -27,6 +27,9 @@ const std::map<std::string, std::set<std::string>> kCannotDo{
 // precision.
 double precision(const std::string& engine) { return engine == "bullet" ? 2e-4 : 1e-6; }
 
+// What a pair may lose of its momentum [kg m/s]: 1e-12 of 0.1, which goes to and fro.
+double momentum_precision(const std::string& engine) { return engine == "bullet" ? 1e-7 : 1e-13; }
+
 class EachEngine : public ::testing::TestWithParam<std::string> {
  protected:
   // False when the engine says that it cannot do the scene and that is known.
@@ -103,7 +106,7 @@ TEST_P(EachEngine, CollidingBallsKeepTheirMomentum) {
   if (!load(scene, "pair")) return;
   run(0.3);
   const double left = engine_->body(0).velocity.x(), right = engine_->body(1).velocity.x();
-  EXPECT_NEAR(0.5 * left + 0.1 * right, 0.05, precision(GetParam()));
+  EXPECT_NEAR(0.5 * left + 0.1 * right, 0.05, momentum_precision(GetParam()));
   EXPECT_GE(right, left - precision(GetParam())) << "they do not pass through one another";
 }
 
@@ -302,7 +305,7 @@ TEST_P(EachEngine, PadsTakeEnergyFromAnImpact) {
     engine_->step();
     most = std::max(most, total(engine_->pad_forces(0)));
     const double v1 = engine_->body(0).velocity.z(), v2 = engine_->body(1).velocity.z();
-    EXPECT_NEAR(0.1 * v1 + 0.05 * v2, -0.03, precision(GetParam())) << "momentum";
+    EXPECT_NEAR(0.1 * v1 + 0.05 * v2, -0.03, momentum_precision(GetParam())) << "momentum";
     EXPECT_LE(0.5 * (0.1 * v1 * v1 + 0.05 * v2 * v2), 0.0045 + precision(GetParam())) << "energy";
   }
   EXPECT_GT(most, 1);
