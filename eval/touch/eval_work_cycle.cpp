@@ -68,8 +68,8 @@ void add_images(report::Page& page, const WorkCycleResult& result, bool realisti
   std::vector<geometry::ColorImage> pictures;
   std::vector<std::string> captions;
   const PhaseEnd& press = result.ends[static_cast<int>(CyclePhase::kPress)];
-  const double full =
-      1.3 / 0.0014 * *std::max_element(press.left_image.begin(), press.left_image.end());
+  const double full = 1.3 / options.newton_per_count *
+                      *std::max_element(press.left_image.begin(), press.left_image.end());
   for (const PhaseEnd& end : result.ends) {
     const bool last = end.sample.phase == CyclePhase::kRelease;
     const bool shown = end.sample.phase == CyclePhase::kClose ||

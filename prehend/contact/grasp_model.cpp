@@ -91,6 +91,7 @@ void validate(const SlideCommand& command) {
   require_not_negative(command.damping, "SlideCommand::damping");
   require(std::isfinite(command.speed), "SlideCommand::speed", "finite");
   require(command.limit >= 0, "SlideCommand::limit", "not negative");
+  require_not_negative(command.more_friction, "SlideCommand::more_friction");
 }
 
 }  // namespace prehend::contact

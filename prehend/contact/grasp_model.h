@@ -46,6 +46,7 @@ struct SlideCommand {
   double damping = 0;                                      // N s/m
   double speed = 0;                                        // m/s
   double limit = std::numeric_limits<double>::infinity();  // N, of the servo's part
+  double more_friction = 0;  // N, >= 0, on top of the slide's, static and dynamic
 };
 
 /// The plane z = 0 of the world under the body's support points (a stiff texel each).

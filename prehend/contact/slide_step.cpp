@@ -7,7 +7,8 @@
 
 namespace prehend::contact {
 
-SlideStep::SlideStep(const SlideModel& slide) {
+SlideStep::SlideStep(const SlideModel& slide)
+    : static_friction_(slide.static_friction), dynamic_friction_(slide.dynamic_friction) {
   friction_.static_friction = slide.static_friction;
   friction_.dynamic_friction = slide.dynamic_friction;
   friction_.viscous_friction = slide.viscous_friction;
@@ -22,6 +23,8 @@ void SlideStep::set_command(const SlideCommand& command, double time) {
   validate(command);
   command_ = command;
   command_time_ = time;
+  friction_.static_friction = static_friction_ + command.more_friction;
+  friction_.dynamic_friction = dynamic_friction_ + command.more_friction;
 }
 
 double SlideStep::servo_force(double t, double q, double v) const {

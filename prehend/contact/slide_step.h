@@ -41,7 +41,8 @@ class SlideStep {
   const TexelLaw& friction() const { return friction_; }
 
  private:
-  TexelLaw friction_;  // a bristle under a normal force of 1 N
+  TexelLaw friction_;                          // a bristle under a normal force of 1 N
+  double static_friction_, dynamic_friction_;  // N, the slide's own
   SlideCommand command_;
   double command_time_ = 0;  // s
   double offset_ = 0, slope_ = 0, inverse_decay_ = 0;

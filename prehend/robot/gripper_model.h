@@ -9,15 +9,19 @@
 
 namespace prehend::robot {
 
+/// Force of one count of a Weiss DSA 9205 texel [N]: 250 kPa of full scale on 3.4 mm x 3.4 mm in
+/// 4095 steps. An estimate from quoted figures, not a calibration: see docs/touch.md.
+constexpr double kDsaNewtonPerCount = 0.000706;
+
 /// A tactile pad: `rows` x `columns` texels on a flat face. Rows run along the finger (row 0 at the
 /// fingertip), columns across it.
 struct TactilePadModel {
   int rows = 14;
   int columns = 6;
-  double texel_pitch = 0.0034;       // m, square
-  double thickness = 0.003;          // m, of the foam: the deepest penetration it can show
-  double newton_per_count = 0.0014;  // N per count of the 12-bit image
-  int full_scale = 4095;             // counts
+  double texel_pitch = 0.0034;  // m, square
+  double thickness = 0.003;     // m, of the foam: the deepest penetration it can show
+  double newton_per_count = kDsaNewtonPerCount;  // N per count of the 12-bit image
+  int full_scale = 4095;                         // counts
   contact::TexelLaw law;
 
   double length() const { return rows * texel_pitch; }    // m, along the finger (z)

@@ -29,10 +29,16 @@ double SpindleDriveModel::reflected_mass() const {
   return 0.5 * jaw_mass + rotor_inertia * ratio() * ratio();
 }
 
+PowerScrew SpindleDriveModel::screw() const {
+  return {0.5 * spindle_lead, thread->mean_diameter, thread->friction, thread->flank_angle};
+}
+
 double SpindleDriveModel::back_drive_force() const {
-  if (efficiency <= 0.5) return std::numeric_limits<double>::infinity();
   // Of a force from the jaws the share 2 - 1/efficiency reaches the rotor.
-  return static_friction / (2 - 1 / efficiency);
+  double share = 2 - 1 / efficiency;
+  if (thread) share *= 1 - screw().friction_along_load();
+  if (efficiency <= 0.5 || share <= 0) return std::numeric_limits<double>::infinity();
+  return static_friction / share;
 }
 
 // 0.03 N m/A * 2 pi 4 / 18 mm * 0.716 = 30 N/A; at 24 V and no load 0.57 m/s, so that the limit of
@@ -56,10 +62,13 @@ SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriv
   model.static_friction = std::isfinite(stiction)
                               ? stiction * gripper.friction_force
                               : std::max(gripper.friction_force, rest.static_friction);
-  model.efficiency = gripper.force_per_current / (model.torque_constant * model.ratio());
+  // The quoted force is what is left after all friction that grows with it.
+  const double of_thread = model.thread ? model.screw().efficiency() : 1.0;
+  model.efficiency =
+      gripper.force_per_current / (model.torque_constant * model.ratio() * of_thread);
   contact::require(model.efficiency > 0 && model.efficiency <= 1, "force_per_current",
                    "at most what the drive's torque_constant, gear_ratio and spindle_lead give "
-                   "without loss");
+                   "without loss, or with the thread's");
   validate(model);
   return model;
 }
@@ -76,6 +85,7 @@ void validate(const SpindleDriveModel& model) {
   require_positive(model.spindle_lead, "SpindleDriveModel::spindle_lead");
   require(model.efficiency > 0 && model.efficiency <= 1, "SpindleDriveModel::efficiency",
           "above 0 and at most 1");
+  if (model.thread) validate(model.screw(), "SpindleDriveModel::thread");
   require_positive(model.jaw_mass, "SpindleDriveModel::jaw_mass");
   require_not_negative(model.coulomb_friction, "SpindleDriveModel::coulomb_friction");
   require(std::isfinite(model.static_friction) && model.static_friction >= model.coulomb_friction,
@@ -161,6 +171,17 @@ void SpindleDrive::lead(double h, double position, double velocity, double limit
 }
 
 contact::SlideCommand SpindleDrive::drive(double h, double position, double velocity) {
+  contact::SlideCommand command = motor(h, position, velocity);
+  if (!model_.thread || load_ == 0) return command;
+  const PowerScrew screw = model_.screw();
+  const double against = screw.friction_against_load(), along = screw.friction_along_load();
+  command.more_friction = 0.5 * (against + along) * std::abs(load_);
+  command.force -= 0.5 * (against - along) * load_;
+  return command;
+}
+
+// The motor's force on the slide, which is kept in last_ for observe().
+contact::SlideCommand SpindleDrive::motor(double h, double position, double velocity) {
   const double K = model_.force_per_current(), emf = model_.torque_constant * model_.ratio();
   const double R = resistance(), limit = current_limit();
   last_ = {};

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "prehend/contact/grasp_model.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/power_screw.h"
 
 namespace prehend::simulation {
 
@@ -36,6 +39,17 @@ struct SpindleDriveModel {
   double efficiency = 0.7;      // of gear and spindle, from motor to jaws; estimate
   double jaw_mass = 0.1;        // kg, of each of two jaws; estimate
 
+  /// Friction of the spindle's thread, which grows with the force that it transmits; then
+  /// `efficiency` is the gear's alone and the thread's lead is half of `spindle_lead`, since two
+  /// threads move a jaw each. Without: friction as below, whatever the load.
+  struct Thread {
+    double mean_diameter = 0.010;  // m
+    double friction = 0.1;         // Coulomb, of the flanks
+    double flank_angle = 0;        // rad, see PowerScrew
+  };
+  std::optional<Thread> thread;
+  PowerScrew screw() const;  // @pre thread
+
   // Friction of gear, spindle and guides, at the jaws.
   double static_friction = 10;       // N, stiction
   double coulomb_friction = 8;       // N
@@ -58,10 +72,11 @@ struct SpindleDriveModel {
   double velocity_gain = 4000;   // N s/m; critical damping of 4 kg
 
   double ratio() const;              // rad of the rotor for each metre of the opening
-  double force_per_current() const;  // N of each jaw for each A
+  double force_per_current() const;  // N of each jaw for each A, before friction
   double reflected_mass() const;     // kg of the coordinate: rotor and jaws
   /// Least force on the jaws that turns the motor by itself [N]; infinity when the transmission
-  /// locks itself (efficiency of 1/2 or less).
+  /// locks itself (efficiency of 1/2 or less, or a thread whose friction exceeds the tangent of its
+  /// lead angle).
   double back_drive_force() const;
 };
 
@@ -93,6 +108,11 @@ class SpindleDrive : public Actuator {
   contact::SlideCommand drive(double h, double position, double velocity) override;
   void observe(double h, double position, double velocity) override;
   contact::SlideModel slide() const override;
+  /// The force that opposes closing [N] from outside, at each jaw, in the last step; counts only
+  /// with a thread, whose friction in the next step is that of this load: against it
+  /// friction_against_load(), along with it friction_along_load() times the load. Half the
+  /// difference of the two is a force against the load, half the sum is friction.
+  void observe_load(double load) { load_ = load; }
   double current() const override { return current_; }
   double temperature() const { return temperature_; }  // degrees Celsius
   double current_limit() const;                        // A, now
@@ -103,10 +123,12 @@ class SpindleDrive : public Actuator {
   void archive(Archive& archive) {
     archive(mode_, target_, most_current_, most_speed_, begins_, reference_, speed_reference_,
             current_, temperature_);
+    if (model_.thread) archive(load_);
   }
 
  private:
   double resistance() const;  // Ohm at the present temperature
+  contact::SlideCommand motor(double h, double position, double velocity);
   void lead(double h, double position, double velocity, double limit);
 
   SpindleDriveModel model_;
@@ -118,6 +140,7 @@ class SpindleDrive : public Actuator {
   double speed_reference_ = 0;                // m/s
   double current_ = 0;                        // A
   double temperature_;                        // degrees Celsius
+  double load_ = 0;                           // N, see observe_load
   contact::SlideCommand last_;
 };
 

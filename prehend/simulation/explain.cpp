@@ -68,6 +68,14 @@ void explain_gripper(const Scene& scene, Explanation& out) {
                      "%g A and %g mm/s; both jaws on one slide",
                      drive.force_per_current(), drive.reflected_mass(), drive.static_friction,
                      drive.peak_current, 1e3 * drive.max_speed)});
+  if (drive.thread) {
+    const PowerScrew screw = drive.screw();
+    out.modelled.push_back(
+        {"thread of the drive",
+         text("friction of %.3g against and %.3g along the load: efficiency %.3g, %s",
+              screw.friction_against_load(), screw.friction_along_load(), screw.efficiency(),
+              screw.is_self_locking() ? "locks itself" : "does not lock itself")});
+  }
   out.modelled.push_back({"fingers, housing", "stiff boxes that touch objects' surface points"});
   out.modelled.push_back({"wrist", scene.wrench ? "force and torque sensor with its errors"
                                                 : "forces and torques as they are"});

@@ -24,6 +24,8 @@ class GripperAxis {
   contact::SlideCommand begin_step(double h, double position, double velocity);
   /// What the solved step did.
   void end_step(double h, double position, double velocity);
+  /// See SpindleDrive::observe_load.
+  void observe_load(double load) { drive_.observe_load(load); }
 
   contact::SlideModel slide() const { return drive_.slide(); }
   double current() const { return -drive_.current(); }  // A, negative closes

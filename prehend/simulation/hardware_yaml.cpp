@@ -20,6 +20,14 @@ void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
   map.read("torque_constant", drive.torque_constant);
   map.read("gear_ratio", drive.gear_ratio);
   map.read("spindle_lead", drive.spindle_lead);
+  if (const YAML::Node node_of_thread = map.child("thread")) {
+    YamlMap thread(node_of_thread, file, "drive.thread");
+    drive.thread.emplace();
+    thread.read("mean_diameter", drive.thread->mean_diameter);
+    thread.read("friction", drive.thread->friction);
+    thread.read("flank_angle", drive.thread->flank_angle);
+    thread.finish();
+  }
   map.read("static_friction", drive.static_friction);
   map.read("viscous_friction", drive.viscous_friction);
   map.read("stribeck_velocity", drive.stribeck_velocity);

@@ -11,9 +11,9 @@
 /// throw geometry::InputError "file:line: ..." for unknown keys and wrong types.
 namespace prehend::simulation {
 
-/// `drive:` of a gripper file: SpindleDriveModel's motor, gear, static friction, winding and servo.
-/// Speed, acceleration, currents, jaw_mass, force_per_current and friction_force stand in the file
-/// itself.
+/// `drive:` of a gripper file: SpindleDriveModel's motor, gear, thread, static friction, winding
+/// and servo. Speed, acceleration, currents, jaw_mass, force_per_current and friction_force stand
+/// in the file itself.
 void read_drive(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
 /// `tactile:` of either file: `realistic: true` begins from TactileSensorOptions::realistic(); then

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "prehend/robot/gripper_model.h"
 #include "prehend/simulation/state_bytes.h"
 
 namespace prehend::simulation {
@@ -23,7 +24,7 @@ struct TactileFrameReading {
 /// From texel forces to counts. The defaults are an ideal 12-bit pad; realistic() is not.
 struct TactileSensorOptions {
   int rows = 14, columns = 6;
-  double newton_per_count = 0.0014;
+  double newton_per_count = robot::kDsaNewtonPerCount;
   int full_scale = 4095;
   int threshold = 10;        // counts
   double gain_spread = 0;    // standard deviation of the texels' gains, relative

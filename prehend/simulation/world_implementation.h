@@ -154,6 +154,7 @@ struct World::Implementation {
   void second_order(double h);
   void extrapolate();
   void step();
+  double load_on_slide() const;
   void fall_asleep(double h);
   void read_sensors(double h);
   TactileImage image(int pad, const TactileFrameReading& frame) const;

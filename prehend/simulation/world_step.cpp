@@ -260,11 +260,24 @@ void World::Implementation::step() {
   } else {
     stage(h, h, state.motion);
   }
+  if (scene.drive.thread) state.gripper.observe_load(load_on_slide());
   read_sensors(h);
   fall_asleep(h);
   state.gripper.end_step(h, state.motion.slide, state.motion.slide_velocity);
   state.carrier.end_step(h);
   ++state.steps;
+}
+
+// What pads and fingers felt in the last stage, against closing [N].
+double World::Implementation::load_on_slide() const {
+  double load = 0;
+  for (const ContactPoint& contact : contacts) load += contact.force.dot(contact.slide_motion);
+  for (const PadContact& pad : pads) {
+    if (pad.response->pressing == 0) continue;
+    const Eigen::Vector3d motion = stage_start.X_WG.linear() * pad.mount->direction_G;
+    load += pad.wrench_W.head<3>().dot(motion);
+  }
+  return load;
 }
 
 void World::Implementation::fall_asleep(double h) {

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -38,6 +39,7 @@ struct Driven {
       stepper.system().set_command(0, command, stepper.state().time);
       stepper.step(end);
       drive.observe(1e-3, position(), speed());
+      drive.observe_load(felt() - push);
     }
   }
   double felt() const { return stepper.system().pad_force(stepper.state(), 0); }
@@ -175,6 +177,86 @@ TEST(SpindleDrive, IsBackDrivenAboveItsFrictionOnly) {
   EXPECT_GT(pg70_drive().back_drive_force(), 10);
 }
 
+TEST(PowerScrew, ShigleysExample) {
+  // Example 8-1: square thread, double-threaded, 32 mm x 4 mm, 6.4 kN, without its collar.
+  const PowerScrew screw{.lead = 0.008, .mean_diameter = 0.030, .friction = 0.08};
+  EXPECT_NEAR(6400 * screw.raising_torque(), 15.94, 0.005);
+  EXPECT_NEAR(6400 * screw.lowering_torque(), -0.466, 0.0005);
+  EXPECT_FALSE(screw.is_self_locking());
+}
+
+TEST(PowerScrew, IsAWedgeWoundUp) {
+  for (const double friction : {0.0, 0.05, 0.15, 0.4}) {
+    for (const double flank : {0.0, 0.26, 0.5}) {
+      const PowerScrew screw{0.009, 0.010, friction, flank};
+      const double lead = std::atan2(screw.lead, std::numbers::pi * screw.mean_diameter);
+      const double angle = std::atan(friction / std::cos(flank));
+      EXPECT_NEAR(screw.raising_torque(), 0.005 * std::tan(lead + angle), 1e-15);
+      EXPECT_NEAR(screw.lowering_torque(), 0.005 * std::tan(angle - lead), 1e-15);
+      EXPECT_NEAR(screw.efficiency(), std::tan(lead) / std::tan(lead + angle), 1e-12);
+      EXPECT_EQ(screw.is_self_locking(), friction / std::cos(flank) > std::tan(lead));
+      EXPECT_NEAR(screw.friction_along_load(), 1 - std::tan(lead - angle) / std::tan(lead), 1e-12);
+    }
+  }
+}
+
+// Against a load W the motor must do W / efficiency; as little as W (1 - along) holds it.
+TEST(SpindleDrive, ThreadFrictionGrowsWithTheLoad) {
+  SpindleDriveModel model = pg70_drive();
+  model.static_friction = model.coulomb_friction = model.viscous_friction = 0;
+  model.thread.emplace();
+  const PowerScrew screw = model.screw();
+  EXPECT_DOUBLE_EQ(screw.lead, 0.009) << "each jaw has its thread";
+  for (const double load : {10.0, 40.0}) {
+    const double raising = load / screw.efficiency();
+    const double holding = load * (1 - screw.friction_along_load());
+    ASSERT_GT(holding, 0.3 * load);
+    const auto moved = [&](double force) {
+      Driven jaws(model, 0.2);
+      jaws.drive.observe_load(load);
+      jaws.drive.command(ControlMode::kCurrent, force / model.force_per_current());
+      jaws.run(0.3, -load);
+      return jaws.position();
+    };
+    EXPECT_GT(moved(1.02 * raising), 2e-4) << load;
+    EXPECT_LT(std::abs(moved(0.98 * raising)), 5e-5) << load;
+    EXPECT_LT(std::abs(moved(1.02 * holding)), 5e-5) << load;
+    EXPECT_LT(moved(0.98 * holding), -1e-4) << load;
+    // What is over accelerates the mass, once the friction's bristle has been bent.
+    EXPECT_NEAR(moved(raising + 4), 0.5 * 4 / model.reflected_mass() * 0.09, 0.03 * 0.045) << load;
+  }
+}
+
+TEST(SpindleDrive, AFlatThreadLocksItself) {
+  SpindleDriveModel model = pg70_drive();
+  model.static_friction = model.coulomb_friction = 1;
+  model.thread.emplace();
+  for (const double friction : {0.25, 0.32}) {  // the tangent of the lead angle is 0.286
+    model.thread->friction = friction;
+    const bool locks = model.screw().is_self_locking();
+    EXPECT_EQ(locks, friction > 0.286);
+    Driven jaws(model, 0.2);
+    jaws.drive.observe_load(100);
+    jaws.drive.command(ControlMode::kCurrent, 0);
+    jaws.run(0.3, -100);
+    EXPECT_EQ(jaws.position() > -1e-3, locks) << jaws.position();
+    EXPECT_EQ(model.back_drive_force() == std::numeric_limits<double>::infinity(), locks);
+  }
+  model.efficiency = 1;
+  model.thread->friction = 0.1;
+  const double holds = 1 - model.screw().friction_along_load();
+  EXPECT_NEAR(model.back_drive_force(), 1 / holds, 1e-12) << "what gets through beats 1 N";
+}
+
+TEST(SpindleDrive, AThreadIsOfItsGrippersDataSheet) {
+  SpindleDriveModel rest = pg70_drive();
+  rest.thread.emplace();
+  const SpindleDriveModel model = drive_of(robot::GripperModel{}, rest);
+  EXPECT_NEAR(model.force_per_current() * model.screw().efficiency(), 30, 1e-12);
+  rest.thread->friction = 0.2;  // leaves less than 30 N/A even with a perfect gear
+  EXPECT_THROW(drive_of(robot::GripperModel{}, rest), std::invalid_argument);
+}
+
 TEST(SpindleDrive, RefusesBadConstantsByName) {
   const auto refused = [](auto change, const std::string& name) {
     SpindleDriveModel model;
@@ -187,6 +269,12 @@ TEST(SpindleDrive, RefusesBadConstantsByName) {
     }
   };
   refused([](SpindleDriveModel& m) { m.resistance = 0; }, "resistance");
+  refused([](SpindleDriveModel& m) { m.thread.emplace().friction = std::nan(""); },
+          "thread.friction");
+  refused([](SpindleDriveModel& m) { m.thread.emplace().friction = 4; }, "thread.friction");
+  refused([](SpindleDriveModel& m) { m.thread.emplace().mean_diameter = 0; },
+          "thread.mean_diameter");
+  refused([](SpindleDriveModel& m) { m.thread.emplace().flank_angle = 2; }, "thread.flank_angle");
   refused([](SpindleDriveModel& m) { m.efficiency = 1.2; }, "efficiency");
   refused([](SpindleDriveModel& m) { m.static_friction = 1; }, "static_friction");
   refused([](SpindleDriveModel& m) { m.peak_current = 1; }, "peak_current");
@@ -196,25 +284,26 @@ TEST(SpindleDrive, RefusesBadConstantsByName) {
 }
 
 TEST(TactileSensor, IdealPadRoundsCutsAndThresholds) {
-  TactileSensor sensor({});
+  const TactileSensorOptions options;
+  TactileSensor sensor(options);
   std::vector<double> forces(84, 0.0);
-  forces[0] = 0.14;
-  forces[1] = 0.0133;
-  forces[2] = 0.0126;
+  forces[0] = 100 * options.newton_per_count;
+  forces[1] = 9.6 * options.newton_per_count;
+  forces[2] = 9 * options.newton_per_count;
   forces[3] = 100;
   const TactileFrameReading frame = sensor.sample(forces, 0.03);
   EXPECT_EQ(frame.counts[0], 100);
-  EXPECT_EQ(frame.counts[1], 10) << "9.5 rounds to the threshold";
+  EXPECT_EQ(frame.counts[1], 10) << "9.6 rounds to the threshold";
   EXPECT_EQ(frame.counts[2], 0) << "9 is below it";
   EXPECT_EQ(frame.counts[3], 4095);
-  EXPECT_NEAR(frame.sum, 0.0014 * (100 + 10 + 4095), 1e-12);
+  EXPECT_NEAR(frame.sum, options.newton_per_count * (100 + 10 + 4095), 1e-12);
 }
 
 TEST(TactileSensor, ImperfectionsAreOfTheirSize) {
   TactileSensorOptions options;
   options.gain_spread = 0.1;
   TactileSensor spread(options);
-  const std::vector<double> one(84, 1.4);  // 1000 counts
+  const std::vector<double> one(84, 1000 * options.newton_per_count);
   const auto counts = spread.sample(one, 1).counts;
   const double mean = std::accumulate(counts.begin(), counts.end(), 0.0) / 84;
   double variance = 0;
@@ -237,7 +326,7 @@ TEST(TactileSensor, ImperfectionsAreOfTheirSize) {
   options.hysteresis = 0.08;
   TactileSensor hysteretic(options);
   EXPECT_EQ(hysteretic.sample(one, 1).counts[5], 1000) << "loading is exact";
-  EXPECT_NEAR(hysteretic.sample(std::vector<double>(84, 0.7), 1).counts[5], 580, 1);
+  EXPECT_NEAR(hysteretic.sample(std::vector<double>(84, 0.5 * one[0]), 1).counts[5], 580, 1);
   EXPECT_EQ(hysteretic.sample(std::vector<double>(84, 0.0), 1).counts[5], 0);
 
   options = {};

@@ -95,7 +95,7 @@ TEST(Grasp, OppositePadsFeelEqualForcesOfTheDrive) {
     touched += left.counts[i] > 0;
   }
   EXPECT_EQ(touched, 84) << "the box is larger than the pads";
-  EXPECT_NEAR(left.counts[40] * 0.0014, left.sum / 84, 0.01);
+  EXPECT_NEAR(left.counts[40] * world.scene().gripper.pad.newton_per_count, left.sum / 84, 0.01);
   const GripperReading gripper = world.gripper();
   EXPECT_TRUE(gripper.blocked);
   EXPECT_NEAR(gripper.opening, 0.048 - 2 * left.sum / 84 / 1000, 1e-9) << "F = N k d at each pad";

@@ -100,7 +100,8 @@ TEST(Pads, ACanIsFeltAsACircle) {
     const double expected = std::max(0.0, 1000 * depth);
     for (int row = 2; row < 12; ++row) {
       const int counts = image.counts[static_cast<std::size_t>(row * image.columns + column)];
-      EXPECT_NEAR(counts * 0.0014, expected, 0.02) << row << ", " << column;
+      EXPECT_NEAR(counts * scene.gripper.pad.newton_per_count, expected, 0.02)
+          << row << ", " << column;
     }
     sum += 14 * expected;
   }

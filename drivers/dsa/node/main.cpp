@@ -8,6 +8,7 @@
 #include "drivers/wire/node/device_report.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/gripper_model.h"
 
 namespace {
 
@@ -49,10 +50,11 @@ std::vector<Pad> declare_pads(graph::Node& node) {
        .read_only = true});
   const double newton_per_count = node.declare_parameter<double>(
       {.name = "newton_per_count",
-       .default_value = 0.0014,
+       .default_value = robot::kDsaNewtonPerCount,
        .unit = "N",
        .minimum = 0,
-       .description = "calibration: force of a texel for one count; that of the simulated pads",
+       .description =
+           "calibration: force of a texel for one count; that of the simulated pads, estimated",
        .read_only = true});
   if (names.size() != matrices.size()) {
     throw geometry::InputError(

@@ -6,6 +6,7 @@
 #include "drivers/dsa/codec/frame.h"
 #include "drivers/dsa/codec/structures.h"
 #include "msgs/sensors.pb.h"
+#include "prehend/robot/gripper_model.h"
 
 namespace prehend::drivers::dsa {
 
@@ -15,7 +16,7 @@ struct Pad {
   std::size_t matrix = 0;  // index in the controller
   bool flip_rows = false;  // the controller's row 0 is at the palm
   bool flip_columns = false;
-  double newton_per_count = 0.0014;
+  double newton_per_count = robot::kDsaNewtonPerCount;
 };
 
 /// The part of a frame that is this pad's, row 0 nearest the fingertip. `stamp` [ns]. The texel
