@@ -202,7 +202,8 @@ void ContactSolver::add_body(int i) {
   matrix.block<3, 3>(row, row).diagonal().setConstant(body.mass);
   matrix.block<3, 3>(row + 3, row + 3) = R1 * body.inertia * R1.transpose();
   right.segment<3>(row) = body.mass * body.velocity + h_ * body.force;
-  right.segment<3>(row + 3) = R0 * (body.inertia * (R0.transpose() * body.angular_velocity));
+  right.segment<3>(row + 3) =
+      R0 * (body.inertia * (R0.transpose() * body.angular_velocity)) + h_ * body.torque;
 }
 
 void ContactSolver::add_slide() {

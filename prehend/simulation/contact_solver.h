@@ -21,6 +21,7 @@ struct SolverBody {
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
   Eigen::Vector3d center = Eigen::Vector3d::Zero();            // m, centre of mass
   Eigen::Vector3d force = Eigen::Vector3d::Zero();             // N, outer
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();            // N m, outer
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // m/s: before, then after the step
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s: before, then after
   Eigen::Vector3d velocity_guess = Eigen::Vector3d::Zero();    // m/s, of the step's end

@@ -59,6 +59,18 @@ void explain_integration(const Scene& scene, Explanation& out) {
                     scene.physics.most_iterations)});
 }
 
+void explain_engine(const Scene& scene, const WorldEngine* engine, Explanation& out) {
+  if (!engine) {
+    out.modelled.push_back({"engine", "native: all bodies that touch one another in one system"});
+    return;
+  }
+  out.modelled.push_back(
+      {"engine", scene.physics.engine + " (" + engine->version() + ")" +
+                     (scene.physics.solver.empty() ? "" : ", solver " + scene.physics.solver) +
+                     ": objects, table and what is between them; pads, fingers and drive are "
+                     "native's and push the objects"});
+}
+
 void explain_gripper(const Scene& scene, Explanation& out) {
   const robot::TactilePadModel& pad = scene.gripper.pad;
   const ModelRules& rules = scene.physics.rules;
@@ -167,7 +179,7 @@ void explain_rules(const Scene& scene, std::size_t n, bool any_mesh, Explanation
                             "skip_distant_pairs", 0, "m", "none: bitwise the same",
                             "in each step in which their bounds do not meet"});
   }
-  if (rules.sleep && n > 0) {
+  if (rules.sleep && n > 0 && scene.physics.engine == "native") {
     out.left_out.push_back({"objects at rest", "sleep", 2e-5, "m",
                             "20 um of further settling, as measured; a slower roll is stopped",
                             "once an object has stood still on the table alone for 0.3 s"});
@@ -197,6 +209,7 @@ void explain_rules(const Scene& scene, std::size_t n, bool any_mesh, Explanation
 Explanation World::explained() const {
   const Implementation& world = *implementation_;
   Explanation out;
+  explain_engine(world.scene, world.engine.get(), out);
   explain_integration(world.scene, out);
   explain_gripper(world.scene, out);
   out.modelled.push_back(

@@ -2,6 +2,7 @@
 
 #include "prehend/robot/texel_law_yaml.h"
 #include "prehend/robot/yaml_map.h"
+#include "prehend/simulation/world_engine.h"
 
 namespace prehend::simulation {
 
@@ -94,6 +95,11 @@ void read_physics(const YAML::Node& node, const Path& file, bool has_step, Scene
                                    {{"first_order", contact::Integration::kFirstOrder},
                                     {"second_order", contact::Integration::kSecondOrder}},
                                    physics.integration);
+  map.read("engine", physics.engine);
+  if (const auto trouble = engine_trouble(physics.engine)) {
+    map.fail("engine", trouble->wrong, trouble->mend);
+  }
+  map.read("solver", physics.solver);
   if (map.child("step").IsDefined() && has_step) {
     map.fail("step", "stands beside the scene's own step", "Keep one of the two");
   }

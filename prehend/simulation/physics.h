@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "prehend/contact/grasp_stepper.h"
 
 namespace prehend::simulation {
@@ -37,6 +39,11 @@ struct ModelRules {
 
 /// How a World is integrated and what it models.
 struct PhysicsOptions {
+  /// native, or a plug-in that has objects and table while the gripper stays native's: WorldEngine.
+  /// A plug-in has boxes, cans and balls, steps as it does (first_order here), and can neither be
+  /// saved nor restored; its objects do not sleep.
+  std::string engine = "native";
+  std::string solver;  // one of the plug-in's, empty: its first
   /// kFirstOrder: backward Euler; kSecondOrder: SDIRK2, see GraspStepper; twice the work a step.
   contact::Integration integration = contact::Integration::kFirstOrder;
   double velocity_tolerance = 1e-9;  // m/s, see contact::SolveOptions

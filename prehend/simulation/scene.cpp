@@ -7,6 +7,7 @@
 #include "prehend/contact/require.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/simulation/shapes.h"
+#include "prehend/simulation/world_engine.h"
 
 namespace prehend::simulation {
 namespace {
@@ -56,6 +57,20 @@ void validate_texture(const Texture& texture, const std::string& owner) {
   require_positive(texture.scale, owner + ".texture.scale");
 }
 
+void validate_plug_in(const Scene& scene) {
+  if (const auto trouble = engine_trouble(scene.physics.engine)) {
+    throw std::invalid_argument("physics.engine " + trouble->wrong + ". " + trouble->mend);
+  }
+  const std::string engine = scene.physics.engine + " as engine";
+  require(scene.physics.integration == contact::Integration::kFirstOrder,
+          "physics.integration with " + engine, "first_order");
+  require(scene.physics.rules.primitives, "physics.rules.primitives with " + engine, "true");
+  for (const SceneObject& object : scene.objects) {
+    require(primitive_shape(object).has_value(),
+            "object '" + object.name + "'.shape with " + engine, "box, can or ball");
+  }
+}
+
 }  // namespace
 
 geometry::RigidTransform CarrierModel::gripper_pose(const Eigen::Vector3d& position,
@@ -97,6 +112,10 @@ void validate(const Scene& scene) {
   require(integration == contact::Integration::kFirstOrder ||
               integration == contact::Integration::kSecondOrder,
           "physics.integration", "first_order or second_order");
+  if (scene.physics.engine != "native")
+    validate_plug_in(scene);
+  else
+    require(scene.physics.solver.empty(), "physics.solver", "left out: native has one");
   require_positive(scene.physics.velocity_tolerance, "physics.velocity_tolerance");
   require(scene.physics.most_iterations >= 1 && scene.physics.most_iterations <= 100,
           "physics.most_iterations", "1 to 100");

@@ -51,6 +51,7 @@ World::Implementation::Implementation(const Scene& scene_in)
       slide_step(slide_model),
       solver(scene_in.physics.velocity_tolerance, scene_in.physics.most_iterations) {
   if (scene.wrench) state.wrist.emplace(*scene.wrench);
+  if (scene.physics.engine != "native") engine = std::make_unique<WorldEngine>(scene);
   state.motion.slide = -scene.start_opening;
   for (const GripperBox& part : gripper_boxes(scene.gripper, scene.gripper.max_opening)) {
     gripper_radius = std::max(
@@ -96,7 +97,7 @@ void World::Implementation::wake_all() {
     BodyState& body = state.motion.bodies[i];
     body.still_time = 0;
     const bool at_rest = body.velocity.isZero(0) && body.angular_velocity.isZero(0);
-    body.asleep = scene.physics.rules.out_of_reach && at_rest && !models[i].is_static &&
+    body.asleep = !engine && scene.physics.rules.out_of_reach && at_rest && !models[i].is_static &&
                   !in_reach(static_cast<int>(i)) && stands_stably(models[i], body, kMargin);
     if (body.asleep) body.touches_table = true;
   }
@@ -159,6 +160,7 @@ World::World(const Scene& scene) {
     implementation_->add(std::move(model), X_WB);
   }
   implementation_->wake_all();
+  implementation_->reload_engine();
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -225,6 +227,9 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   if (!box.isEmpty()) X_WB.translation() = box.center();
   BodyModel model = implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()),
                                                 mass, friction, std::nullopt);
+  if (implementation_->engine) {
+    WorldEngine::require_primitive(model, implementation_->scene.physics.engine);
+  }
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());
@@ -232,6 +237,7 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   if (existing >= 0) implementation_->remove(existing);
   implementation_->add(std::move(model), X_WB);
   implementation_->wake_all();
+  implementation_->reload_engine();
   ++implementation_->generation;
   WorldCommand command;
   command.kind = WorldCommand::Kind::kAddObject;
@@ -248,6 +254,7 @@ bool World::remove_object(const std::string& name) {
   const int index = implementation_->index_of(name);
   if (index < 0) return false;
   implementation_->remove(index);
+  implementation_->reload_engine();
   ++implementation_->generation;
   WorldCommand command;
   command.kind = WorldCommand::Kind::kRemoveObject;
@@ -264,6 +271,7 @@ void World::place_object(const std::string& name, const RigidTransform& X_WB) {
   implementation_->state.motion.bodies[index] = body;
   for (PadTouch& touch : implementation_->state.motion.touches[index]) clear(touch);
   implementation_->wake_all();
+  implementation_->reload_engine();
   ++implementation_->generation;
   WorldCommand command;
   command.kind = WorldCommand::Kind::kPlaceObject;

@@ -96,6 +96,8 @@ struct VisibleBody {
 /// speed and active set agree with the solution. Stable for any step. What is left out of a scene,
 /// by which rule: ModelRules.
 ///
+/// With `physics.engine` objects and table are another engine's, see WorldEngine.
+///
 /// Same scene and same calls -> bitwise the same states. Not thread-safe: lock around it.
 class World {
  public:
@@ -150,7 +152,8 @@ class World {
   /// the centre of the mesh's bounds as origin. An object of that name is replaced. The mesh is
   /// raised when it reaches below the table, and convexity is not required.
   /// @throws std::invalid_argument when mass is not positive and finite;
-  /// geometry::InputError when the mesh is empty, not finite or encloses no volume.
+  /// geometry::InputError when the mesh is empty, not finite or encloses no volume, and for every
+  /// mesh with a plug-in engine.
   void add_object(const std::string& name, const geometry::TriangleMesh& mesh_W, double mass,
                   bool is_static = false, double friction = 0.7, const Texture& texture = {});
   /// False when there is no such object.
@@ -167,7 +170,8 @@ class World {
   std::vector<VisibleBody> visible_bodies() const;
 
   /// Everything that changes in a step; restoring it continues bitwise as before. Valid for this
-  /// world while no object was added or removed. @throws std::invalid_argument otherwise.
+  /// world while no object was added or removed. @throws std::invalid_argument otherwise;
+  /// std::logic_error with a plug-in engine, as all saving and restoring.
   struct State;
   std::shared_ptr<const State> save() const;
   void restore(const State& state);

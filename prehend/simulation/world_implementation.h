@@ -17,6 +17,7 @@
 #include "prehend/simulation/state_bytes.h"
 #include "prehend/simulation/world.h"
 #include "prehend/simulation/world_commands.h"
+#include "prehend/simulation/world_engine.h"
 
 /// The inside of World: for its own files only.
 namespace prehend::simulation {
@@ -97,6 +98,7 @@ struct World::Implementation {
   State state;
   std::uint64_t generation = 1;
   std::uint32_t next_id = 1;
+  std::unique_ptr<WorldEngine> engine;  // null: native
   std::shared_ptr<const geometry::TriangleMesh> finger_mesh, housing_mesh, pad_mesh;
 
   // The gripper's pads and slide.
@@ -117,7 +119,8 @@ struct World::Implementation {
   GripperPlacement stage_start;
   Motion base, first;  // of second-order steps
   std::vector<char> free_standing;
-  std::vector<double> forces;  // N, of one pad's texels
+  std::vector<double> forces;                  // N, of one pad's texels
+  std::vector<WorldEngine::Vector6> wrenches;  // of the gripper on each body
 
   bool records = false;
   std::vector<WorldCommand> commands;
@@ -144,6 +147,7 @@ struct World::Implementation {
   double reach_of(int i, double h) const;
   void detect(double h);
   void detect_pads(int i, double h);
+  void sort_contacts();
   // Both lists are sorted by key. Pads keep their bristles in their own frame.
   void fetch_bristles(const Eigen::Matrix3d& R_WG);
   void store_bristles(const Eigen::Matrix3d& R_WG);
@@ -151,6 +155,9 @@ struct World::Implementation {
   // One implicit stage of length h whose end is `t_end` after the step's beginning. Its first
   // guess of the end's velocities: those of `guess`.
   void stage(double h, double t_end, const Motion& guess);
+  void step_engine();
+  void reload_engine();
+  void refuse_with_engine(const char* what) const;
   void second_order(double h);
   void extrapolate();
   void step();

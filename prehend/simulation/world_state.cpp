@@ -16,11 +16,19 @@ constexpr std::string_view kKind = "world-state";
 
 }  // namespace
 
+void World::Implementation::refuse_with_engine(const char* what) const {
+  if (!engine) return;
+  throw std::logic_error(std::string("a world with engine '") + scene.physics.engine +
+                         "' cannot be " + what + ": that engine's state is its own. Take native");
+}
+
 std::shared_ptr<const World::State> World::save() const {
+  implementation_->refuse_with_engine("saved");
   return std::make_shared<const State>(implementation_->state);
 }
 
 void World::restore(const State& state) {
+  implementation_->refuse_with_engine("restored");
   if (state.body_ids != implementation_->state.body_ids) {
     throw std::invalid_argument("the saved state is of other objects than the world's");
   }
@@ -74,6 +82,7 @@ std::uint64_t World::Implementation::description() const {
 }
 
 std::string World::save_bytes() const {
+  implementation_->refuse_with_engine("saved");
   StateWriter writer;
   writer(implementation_->description());
   writer(static_cast<std::uint64_t>(body_count()));
@@ -84,6 +93,7 @@ std::string World::save_bytes() const {
 }
 
 void World::restore_bytes(std::string_view bytes, const std::string& what) {
+  implementation_->refuse_with_engine("restored");
   Implementation& world = *implementation_;
   StateReader reader(unframed(kKind, bytes, what), what);
   const auto foreign = [&](const std::string& wrong) {

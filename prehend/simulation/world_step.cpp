@@ -78,6 +78,7 @@ void World::Implementation::detect(double h) {
     if (!rules.rigid_pads) detect_pads(i, h);
   }
   for (const ContactPoint& contact : contacts) wake(contact.a);
+  if (engine) return sort_contacts();
   // Waking spreads from body to body.
   bool woken = true;
   while (woken) {
@@ -99,6 +100,10 @@ void World::Implementation::detect(double h) {
   for (int i = 0; i < count; ++i) {
     if (moves(i)) detect_table(models[i], state.motion.bodies[i], i, h, contacts);
   }
+  sort_contacts();
+}
+
+void World::Implementation::sort_contacts() {
   std::sort(contacts.begin(), contacts.end(),
             [](const ContactPoint& x, const ContactPoint& y) { return x.key < y.key; });
 }
@@ -155,6 +160,10 @@ void World::Implementation::fill_solver_bodies(const Motion& guess) {
     solver_body.inertia = model.inertia;
     solver_body.q_WB = body.q_WB;
     solver_body.force = Eigen::Vector3d(0, 0, -scene.gravity * model.mass);
+    if (engine) {
+      solver_body.force += engine->reaction(i).head<3>();
+      solver_body.torque = engine->reaction(i).tail<3>();
+    }
     solver_body.velocity = body.velocity;
     solver_body.angular_velocity = body.angular_velocity;
     solver_body.velocity_guess = guess.bodies[i].velocity;
@@ -189,7 +198,8 @@ void World::Implementation::stage(double h, double t_end, const Motion& guess) {
   slide.velocity_guess = guess.slide_velocity;
   solver.solve(h, slide, solver_bodies, contacts, pads);
 
-  for (std::size_t i = 0; i < models.size(); ++i) {
+  if (engine) step_engine();
+  for (std::size_t i = 0; !engine && i < models.size(); ++i) {
     if (!solver_bodies[i].is_free) continue;
     motion.bodies[i].velocity = solver_bodies[i].velocity;
     motion.bodies[i].angular_velocity = solver_bodies[i].angular_velocity;
@@ -204,6 +214,26 @@ void World::Implementation::stage(double h, double t_end, const Motion& guess) {
   motion.slide += h * slide.velocity;
   motion.slide_bristle = slide_step.advanced_bristle(slide.bristle, h, slide.velocity);
   store_bristles(stage_start.X_WG.linear());
+}
+
+// Moves the objects by the engine under what the gripper does to them in this stage.
+void World::Implementation::step_engine() {
+  wrenches.assign(models.size(), WorldEngine::Vector6::Zero());
+  const auto push = [&](int body, const Eigen::Vector3d& point, const Eigen::Vector3d& force) {
+    wrenches[body].head<3>() += force;
+    wrenches[body].tail<3>() += (point - solver_bodies[body].center).cross(force);
+  };
+  for (const ContactPoint& contact : contacts) push(contact.a, contact.point, contact.force);
+  for (const PadContact& pad : pads) {
+    if (pad.response->pressing == 0) continue;
+    push(pad.body, pad.place->p_WP, pad.wrench_W.head<3>());
+    wrenches[pad.body].tail<3>() += pad.wrench_W.tail<3>();
+  }
+  engine->step(wrenches, models, state.motion.bodies);
+}
+
+void World::Implementation::reload_engine() {
+  if (engine) engine->load(models, state.motion.bodies);
 }
 
 void World::Implementation::second_order(double h) {
@@ -281,7 +311,7 @@ double World::Implementation::load_on_slide() const {
 }
 
 void World::Implementation::fall_asleep(double h) {
-  if (!scene.physics.rules.sleep) return;
+  if (!scene.physics.rules.sleep || engine) return;
   free_standing.assign(models.size(), true);
   for (const ContactPoint& contact : contacts) {
     if (contact.partner != kTable) free_standing[contact.a] = false;

@@ -50,6 +50,13 @@ TEST_F(SceneFile, ShippedScenesAreRead) {
   EXPECT_TRUE(read_scene("config/scenes/replay.yaml").objects.empty());
 }
 
+TEST_F(SceneFile, AnEngineIsNamedOrTheNearestIsSaid) {
+  EXPECT_EQ(read("physics: {engine: native}\n").physics.engine, "native");
+  const std::string error = error_of("step: 0.001\nphysics:\n  engine: bulet\n");
+  EXPECT_NE(error.find(":3"), std::string::npos) << error;
+  EXPECT_NE(error.find("Did you mean 'bullet'"), std::string::npos) << error;
+}
+
 TEST_F(SceneFile, ValuesArriveInTheirFields) {
   const Scene scene = read(
       "step: 0.002\ncamera: {eye: [1, 2, 3], baseline: 0.2}\ntable: {friction: 0.9}\n"
