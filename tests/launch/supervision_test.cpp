@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "tests/launch/supervision_fixture.h"
+#include "tests/system/launched.h"
 
 namespace prehend::testing {
 namespace {
@@ -58,6 +59,39 @@ TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
   EXPECT_THAT(program->output(), HasSubstr("weak: exit code 2; starting it again in 0.5 s"));
   EXPECT_THAT(program->output(), HasSubstr("starting it again in 1.0 s"));
   expect_none_running();
+}
+
+// Without an end, a wrong configuration would keep the launch starting it for ever.
+TEST_F(SupervisionTest, ANodeThatNeverComesUpIsGivenUpWithItsReason) {
+  const auto program = launch(node("idle", "after: 500") +
+                              node("weak", "say: no such device, after: 0, exit: 2",
+                                   "respawn: {first_delay: 0.05, longest_delay: 0.05}"));
+  EXPECT_EQ(program->wait(seconds(60)), 1);
+  EXPECT_THAT(program->output(),
+              HasSubstr("node weak: exit code 2, 5 times in a row before it was ready; it said "
+                        "last: no such device; it is given up"));
+  EXPECT_EQ(pids().size(), 6u);  // one of idle
+  expect_none_running();
+}
+
+TEST_F(SupervisionTest, ANodeThatWasReadyOnceIsDoneWithoutWhenItDoesNotComeUpAgain) {
+  scratch_.write("kept/readme", "");
+  const auto program =
+      launch(node("idle", "after: 500, exit: 0", "after: [recorder]") +
+             "  - {node: recorder, parameters: {output: " + scratch_.path("kept/a.mcap") +
+             "}, respawn: {first_delay: 0.05, longest_delay: 0.05}}\n");
+  ASSERT_TRUE(wait_for_pids(1));  // which is started when the recorder is ready
+  std::filesystem::remove_all(scratch_.path("kept"));
+  scratch_.write("kept", "in the way of the folder");
+  const auto recorders = descendants(program->pid(), "recorder");
+  ASSERT_EQ(recorders.size(), 1u);
+  ::kill(recorders[0], SIGKILL);
+  EXPECT_TRUE(
+      program->wait_for_output("it is given up, and the others go on without it", seconds(60)))
+      << program->output();
+  EXPECT_TRUE(is_running(pids()[0]));
+  ::kill(program->pid(), SIGINT);
+  EXPECT_EQ(program->wait(seconds(20)), 0);
 }
 
 TEST_F(SupervisionTest, AKilledNodeIsStartedAgain) {

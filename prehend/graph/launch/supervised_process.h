@@ -46,9 +46,11 @@ class SupervisedProcess {
   std::int64_t peak_memory() const { return peak_memory_; }
 
   bool ready = false;                           ///< the registry has it as ready, since its start
+  bool was_ready = false;                       ///< in any of its runs
   std::optional<Clock::time_point> restart_at;  ///< when to start it again
   std::chrono::duration<double> delay{0};       ///< of the last restart
   bool succeeded = false;                       ///< its last run ended with exit code 0
+  int failed_starts = 0;                        ///< runs in a row that failed before it was ready
 
  private:
   void show_line(std::string_view line);

@@ -22,6 +22,9 @@ using std::chrono::milliseconds;
 using Seconds = std::chrono::duration<double>;
 
 constexpr milliseconds kReadyPoll{50};  // between questions to the registry
+// Of a respawned process in a row, before it was ready: starting it again does not mend a wrong
+// configuration. As StartLimitBurst of systemd.unit(5).
+constexpr int kMostFailedStarts = 5;
 
 double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - start).count(); }
 
@@ -92,7 +95,7 @@ class Supervisor {
   }
 
   void step() {
-    auto deadline = Clock::now() + (all_ready_ ? milliseconds(1000) : kReadyPoll);
+    auto deadline = Clock::now() + (some_get_ready() ? kReadyPoll : milliseconds(1000));
     const auto processes = all_processes();
     for (SupervisedProcess* process : processes) {
       if (process->restart_at) deadline = std::min(deadline, *process->restart_at);
@@ -100,7 +103,7 @@ class Supervisor {
     wait_for_events(signals_, processes, deadline);
     if (const int signal = signals_.take_stop()) stop_for(signal);
     for (SupervisedProcess* process : processes) process->forward_output();
-    if (!all_ready_ && !exit_code_) look_for_readiness();
+    if (some_get_ready() && !exit_code_) look_for_readiness();
     for (const auto& member : members_) {
       if (const auto status = member->process.reap()) ended(*member, *status);
     }
@@ -164,8 +167,10 @@ class Supervisor {
         output_.error("required node " + words + last);
         exit_code_ = 1;
       }
-    } else if (member.plan->respawn.wanted) {
+    } else if (member.plan->respawn.wanted && may_start_again(process, status)) {
       plan_restart(member, words);
+    } else if (member.plan->respawn.wanted) {
+      give_up(process, words, last);
     } else if (is_success(status)) {
       output_.progress(process.name() + " finished");
     } else if (!process.ready) {
@@ -174,6 +179,26 @@ class Supervisor {
     } else {
       output_.error("node " + words + last + "; the others go on without it");
     }
+  }
+
+  bool may_start_again(SupervisedProcess& process, int status) const {
+    const bool is_failed_start = !process.ready && !is_success(status);
+    process.failed_starts = is_failed_start ? process.failed_starts + 1 : 0;
+    return process.failed_starts < kMostFailedStarts;
+  }
+
+  // One that has been ready in this launch is done without; else the launch is not what was asked
+  // for.
+  void give_up(const SupervisedProcess& process, const std::string& words,
+               const std::string& last) {
+    const std::string text = fmt::format("node {}, {} times in a row before it was ready{}", words,
+                                         process.failed_starts, last);
+    if (process.was_ready) {
+      output_.error(text + "; it is given up, and the others go on without it");
+      return;
+    }
+    output_.error(text + "; it is given up");
+    exit_code_ = 1;
   }
 
   void plan_restart(Member& member, const std::string& words) {
@@ -189,6 +214,12 @@ class Supervisor {
 
   // --- readiness ---------------------------------------------------------------------------------
 
+  bool some_get_ready() const {
+    return !all_ready_ || std::any_of(members_.begin(), members_.end(), [](const auto& member) {
+      return member->process.running() && !member->process.ready;
+    });
+  }
+
   void look_for_readiness() {
     if (!readiness_->ask()) return;
     std::size_t ready_count = 0;
@@ -196,9 +227,11 @@ class Supervisor {
       SupervisedProcess& process = member->process;
       if (!process.ready && process.running()) {
         process.ready = readiness_->is_ready(*member->plan, process.child()->pid());
+        process.was_ready |= process.ready;
       }
       ready_count += process.ready || !process.is_wanted() ? 1 : 0;
     }
+    if (all_ready_) return;
     if (ready_count == members_.size()) {
       all_ready_ = true;
       output_.success(fmt::format("{} ready after {:.1f} s", nodes_text(), seconds_since(begun_)));

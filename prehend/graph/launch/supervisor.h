@@ -28,7 +28,8 @@ struct SupervisorOptions {
 /// they are ready, and keeps them running until
 /// - SIGINT, SIGTERM or SIGHUP comes: returns 0;
 /// - a required process ends: returns 0 if its exit code was 0, else 1 and says why;
-/// - one that is neither required nor respawned fails before it was ready: returns 1;
+/// - one that is not required fails before it was ever ready, if respawned five times in a row:
+///   returns 1;
 /// - all have ended: returns 0 if all their exit codes were 0.
 /// Then all others are stopped: SIGINT, later SIGTERM, later SIGKILL; a second SIGINT goes straight
 /// to SIGKILL. No child outlives the call, nor this process, however it ends.
