@@ -138,7 +138,10 @@ void run(graph::Node& node) {
       report.taker());
   const GripperOffers offers(node, device);
   const auto silence = node.create_timer(0.5, [&] {
-    if (is_told || device.reading().state != DriverState::kConnecting) return;
+    constexpr double kQuiet = 5;  // s
+    const DriverState state = device.reading().state;
+    if (state > DriverState::kFault) report.recover_when_quiet(kQuiet, to_string(state));
+    if (is_told || state != DriverState::kConnecting) return;
     if (steady_now() - connecting_since < std::chrono::seconds(1)) return;
     is_told = true;
     report.problem(fmt::format(

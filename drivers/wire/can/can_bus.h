@@ -17,7 +17,7 @@ struct CanEvent {
   enum class Kind {
     kDisturbed,      ///< errors on the wire; frames still pass
     kBusOff,         ///< the controller has left the bus: nothing is sent or received
-    kRestarted,      ///< it is back on the bus
+    kRestarted,      ///< it is back on the bus, or free of errors again
     kInterfaceDown,  ///< nothing is sent or received until the interface is up again
     kClosed,         ///< the interface is gone; open the bus anew
   };

@@ -12,6 +12,7 @@
 
 #include "drivers/wire/can/can_bus.h"
 #include "drivers/wire/can/can_interface.h"
+#include "drivers/wire/can/raw_frame.h"
 #include "drivers/wire/can/slcan.h"
 #include "prehend/geometry/errors.h"
 
@@ -19,22 +20,6 @@ namespace prehend::drivers {
 namespace {
 
 using Kind = CanEvent::Kind;
-
-CanEvent event_of(const can_frame& frame) {
-  if (frame.can_id & CAN_ERR_BUSOFF) {
-    return {Kind::kBusOff, "bus-off: too many errors on the wire (termination, bit rate, wiring)"};
-  }
-  if (frame.can_id & CAN_ERR_RESTARTED) return {Kind::kRestarted, "the controller was restarted"};
-  if (frame.can_id & CAN_ERR_ACK) {
-    return {Kind::kDisturbed, "nobody acknowledges frames: is the device on, the bit rate right?"};
-  }
-  if (frame.can_id & CAN_ERR_CRTL) {
-    return {Kind::kDisturbed, frame.data[1] & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)
-                                  ? "frames were lost in the controller"
-                                  : "the controller counts errors on the wire"};
-  }
-  return {Kind::kDisturbed, "errors on the wire"};
-}
 
 /// A raw socket of Linux' SocketCAN, bound to one interface. It survives the interface going down
 /// and up; when the interface is removed it has to be opened anew.
@@ -85,19 +70,11 @@ class SocketCan : public CanBus {
       return CanEvent{Kind::kClosed, name_ + " is gone: " + problem()};
     }
     if (size != sizeof raw) return CanEvent{Kind::kDisturbed, "a frame of odd size"};
-    if (raw.can_id & CAN_ERR_FLAG) return event_of(raw);
-    if (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) return std::nullopt;
-    CanFrame frame{.identifier = static_cast<std::uint16_t>(raw.can_id & CAN_SFF_MASK),
-                   .size = std::min<std::uint8_t>(raw.can_dlc, CAN_MAX_DLEN)};
-    std::copy_n(raw.data, frame.size, frame.data.begin());
-    return frame;
+    return input_of(raw);
   }
 
   std::string send(const CanFrame& frame) override {
-    can_frame raw{};
-    raw.can_id = frame.identifier;
-    raw.can_dlc = frame.size;
-    std::copy_n(frame.data.begin(), frame.size, raw.data);
+    const can_frame raw = raw_frame_of(frame);
     constexpr int kTries = 5;  // a full queue of a slow bus empties within some frames' time
     for (int i = 0; i < kTries; ++i) {
       if (::write(descriptor_, &raw, sizeof raw) == sizeof raw) return {};

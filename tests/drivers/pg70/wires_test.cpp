@@ -1,7 +1,9 @@
 // Driver and emulated module as threads of their own, over every kind of wire.
 
 #include <gtest/gtest.h>
+#include <linux/can/error.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
@@ -10,6 +12,7 @@
 #include "drivers/pg70/driver/device.h"
 #include "drivers/pg70/emulator/served_module.h"
 #include "drivers/wire/can/in_process_can.h"
+#include "drivers/wire/can/raw_frame.h"
 #include "drivers/wire/can/slcan.h"
 #include "drivers/wire/faults/faulty_can.h"
 #include "drivers/wire/stream/pseudo_terminal.h"
@@ -213,6 +216,75 @@ TEST_F(Pg70Wire, InterfaceThatGoesDownAndUpIsUsedAgain) {
   ASSERT_TRUE(becomes(DriverState::kDisconnected));
   hub->set_down(false);
   ASSERT_TRUE(becomes(DriverState::kStanding));
+}
+
+/// Passes raw frames of the kernel through the parser of CAN sockets.
+class CraftedCan : public CanBus {
+ public:
+  explicit CraftedCan(std::unique_ptr<CanBus> bus) : bus_(std::move(bus)) {}
+  void inject(std::uint32_t classes) {
+    can_frame raw{};
+    raw.can_id = CAN_ERR_FLAG | classes;
+    raw.can_dlc = CAN_ERR_DLC;
+    const std::lock_guard lock(mutex_);
+    raw_.push_back(raw);
+  }
+  std::optional<CanInput> receive(std::chrono::nanoseconds timeout) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!raw_.empty()) {
+        const can_frame raw = raw_.front();
+        raw_.erase(raw_.begin());
+        is_off_ = is_off_ ? !(raw.can_id & CAN_ERR_RESTARTED) : (raw.can_id & CAN_ERR_BUSOFF) != 0;
+        return input_of(raw);
+      }
+    }
+    auto input = bus_->receive(timeout);
+    return is_off_ ? std::nullopt : input;  // off the bus nothing is heard
+  }
+  std::string send(const CanFrame& frame) override {
+    return is_off_ ? "off the bus" : bus_->send(frame);
+  }
+  const std::string& name() const override { return bus_->name(); }
+
+ private:
+  std::unique_ptr<CanBus> bus_;
+  std::mutex mutex_;  // guards raw_
+  std::vector<can_frame> raw_;
+  std::atomic<bool> is_off_ = false;
+};
+
+// As a controller tells it: error frames of the kernel. The gripper moves on meanwhile, and is
+// stopped by the first message after the restart.
+TEST_F(Pg70Wire, BusOffByErrorFramesIsReportedAndEndsInAStop) {
+  const auto hub = InProcessCan::create();
+  CraftedCan* bus = nullptr;
+  start({make_can_link(hub->join(), kModule, Side::kModule), [&] {
+           auto crafted = std::make_unique<CraftedCan>(hub->join());
+           bus = crafted.get();
+           return make_can_link(std::move(crafted), kModule, Side::kMaster);
+         }});
+  ASSERT_TRUE(becomes(DriverState::kStanding));
+  std::uint64_t ticket = 0;
+  device_->with_driver([&](Driver& d, Time now) { d.move_to(0.0, 0.002, 0, now, ticket); });
+  ASSERT_TRUE(becomes(DriverState::kMoving));
+  const auto stops = [this] {
+    return module_->with_module([](Module& module, Time) { return module.stops(); });
+  };
+  const auto stops_before = stops();
+  bus->inject(CAN_ERR_CRTL | CAN_ERR_PROT);
+  ASSERT_TRUE(eventually([&] { return noted("the controller counts errors on the wire"); }));
+  EXPECT_EQ(device_->reading().state, DriverState::kMoving);  // frames still pass
+  bus->inject(CAN_ERR_BUSOFF | CAN_ERR_CRTL);
+  ASSERT_TRUE(becomes(DriverState::kDisconnected));
+  EXPECT_TRUE(noted("bus-off: too many errors on the wire"));
+  EXPECT_EQ(device_->with_driver([&](Driver& d, Time) { return d.report(ticket).kind; }),
+            MotionReport::Kind::kFailed);
+  EXPECT_TRUE(module_->with_module([](Module& module, Time) { return module.is_moving(); }));
+  bus->inject(CAN_ERR_RESTARTED);
+  ASSERT_TRUE(becomes(DriverState::kStanding));
+  EXPECT_GT(stops(), stops_before);
+  EXPECT_GT(device_->reading().opening, 0.01);  // a speed of 2 mm/s would take half a minute
 }
 
 TEST_F(Pg70Wire, AnotherModuleIdGetsNoCommandAndIsNotHeard) {
