@@ -158,7 +158,8 @@ class Driver {
     bool is_repeat = false;  // of one that is blocked
     double target = 0;       // m, kPosition
     Time started{};
-    Time standing_since{};
+    Time accepted_at{};
+    std::optional<Time> standing_since;  // arrival of the first state that says so
     std::string failure;
   };
 

@@ -108,7 +108,7 @@ std::string Driver::begin_motion(MotionMode mode, double value, double speed, do
                        : value < 0                   ? 0.0
                                                      : limits.max_opening,
              .started = now,
-             .standing_since = now,
+             .standing_since = {},
              .failure = {}};
   const std::string problem = transmit(request_of(mode, value, speed, current), now, true);
   if (!problem.empty()) end_motion(problem);
@@ -184,7 +184,8 @@ std::string Driver::acknowledge(Time now) {
 }
 
 // Ends are concluded from states; impulse messages, which can be lost or switched off, only make
-// that quicker (take_motion_end).
+// that quicker (take_motion_end). How long it stands counts from state to state, not by the clock:
+// a computer that was held up has not seen it standing meanwhile.
 void Driver::update_motion(Time now) {
   if (motion_.continuous && reading_.moving && now - last_command_ > to_time(options_.watchdog)) {
     note_(true, "no gripper command for " + number(options_.watchdog) + " s while moving: stopped");
@@ -195,14 +196,15 @@ void Driver::update_motion(Time now) {
   if (motion_.ended || !motion_.accepted) return;
   if (reading_.moving) {
     motion_.seen_moving = true;
-    motion_.standing_since = now;
+    motion_.standing_since.reset();
     reading_.blocked = false;
     return;
   }
-  if (last_state_ < motion_.started) return;  // says nothing of this motion
+  if (last_state_ <= motion_.accepted_at) return;  // says nothing of this motion
+  if (!motion_.standing_since) motion_.standing_since = last_state_;
   const double rest = std::abs(reading_.opening - motion_.target);
   const bool is_there = rest < options_.opening_tolerance;
-  const bool stands = now - motion_.standing_since > to_time(options_.blocked_time);
+  const bool stands = last_state_ - *motion_.standing_since > to_time(options_.blocked_time);
   if (is_there && (motion_.seen_moving || stands)) {
     motion_.ended = true;
   } else if (stands) {

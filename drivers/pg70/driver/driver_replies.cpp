@@ -55,7 +55,7 @@ void Driver::answered(Command command, Time now) {
   if (command == Command::kStop) stop_confirmed_ = true;
   if (is_motion_command(command) && !motion_.ended && !motion_.accepted) {
     motion_.accepted = true;
-    motion_.standing_since = now;
+    motion_.accepted_at = now;
   }
 }
 
@@ -144,7 +144,6 @@ void Driver::take_motion_end(const MotionEnd& end, Time now) {
   reading_.opening = opening;
   reading_.moving = false;
   reading_.velocity = 0;
-  motion_.standing_since = now;
   motion_.ended = true;
   reading_.blocked = end.kind == Command::kMoveBlocked && rest > options_.opening_tolerance;
 }

@@ -20,7 +20,13 @@ GraphGripper::GraphGripper(graph::Node& node)
           "/world/gripper/state", graph::QoS::queue(10),
           [this](const graph::Received<msgs::GripperState>& state) {
             const std::lock_guard lock(mutex_);
-            motion_ = {state->opening(), state->velocity(), state->current()};
+            const std::int64_t stamp = state->header().stamp();
+            // The first one, and those of a simulation begun anew, begin where time stands.
+            const std::int64_t passed = last_stamp_ > 0 ? stamp - last_stamp_ : 0;
+            last_stamp_ = stamp;
+            motion_ = {
+                state->opening(), state->velocity(), state->current(),
+                motion_.time + 1e-9 * static_cast<double>(std::max<std::int64_t>(0, passed))};
           })) {}
 
 void GraphGripper::command(const Command& command) {

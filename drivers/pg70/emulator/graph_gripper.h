@@ -25,6 +25,7 @@ class GraphGripper : public GripperPlant {
   mutable std::mutex mutex_;  // guards what follows
   Command command_;
   Motion motion_;
+  std::int64_t last_stamp_ = 0;  // ns, of the simulation
   bool stuck_ = false;
   double since_sent_ = 0;  // s
   graph::Publisher<msgs::GripperCommand> publisher_;

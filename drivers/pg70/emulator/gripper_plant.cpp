@@ -35,6 +35,7 @@ GripperPlant::Motion SimpleGripper::advance(double seconds) {
   while (seconds > 0) {
     const double h = std::min(seconds, kStep);
     seconds -= h;
+    motion_.time += h;
     const double a = command_.acceleration > 0 ? command_.acceleration : kAcceleration;
     const double wanted = wanted_speed();
     motion_.velocity += std::clamp(wanted - motion_.velocity, -a * h, a * h);

@@ -25,6 +25,7 @@ class GripperPlant {
     double opening = 0;   // m
     double velocity = 0;  // m/s
     double current = 0;   // A
+    double time = 0;      // s of the plant's own clock, which may run slower than the module's
   };
 
   virtual ~GripperPlant() = default;

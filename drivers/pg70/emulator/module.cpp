@@ -72,7 +72,7 @@ void Module::take(const PlainRequest& request, Time now) {
              .speed = 0.5 * options_.max_speed,
              .acceleration = options_.max_acceleration,
              .current = options_.nominal_current},
-            Command::kReference, now);
+            Command::kReference);
       referencing_ = true;
       return;
     case Command::kReferenceHand:
@@ -160,10 +160,10 @@ std::optional<InfoCode> Module::reason_against(const Move& move) const {
 
 void Module::take(const Move& request, Time now) {
   if (const auto reason = reason_against(request)) return refuse(request.command, *reason);
-  drive(request, now);
+  drive(request);
 }
 
-void Module::drive(const Move& move, Time now) {
+void Module::drive(const Move& move) {
   GripperPlant::Command command{.acceleration = acceleration_, .current = current_};
   switch (move.command) {
     case Command::kMoveCurrent:
@@ -172,13 +172,13 @@ void Module::drive(const Move& move, Time now) {
       command.value = move.values[0];
       command.acceleration = options_.max_acceleration;
       say(Confirmation{move.command});
-      return begin(command, move.command, now);
+      return begin(command, move.command);
     case Command::kMoveVelocity:
       command.drive = Drive::kVelocity;
       command.value = move.values[0] * unit();
       if (move.count > 1) command.current = current_ = move.values[1];
       say(Confirmation{move.command});
-      return begin(command, move.command, now);
+      return begin(command, move.command);
     default:
       break;
   }
@@ -201,17 +201,17 @@ void Module::drive(const Move& move, Time now) {
   } else {
     say(Confirmation{move.command});
   }
-  begin(command, move.command, now);
+  begin(command, move.command);
 }
 
-void Module::begin(const GripperPlant::Command& command, Command by, Time now) {
+void Module::begin(const GripperPlant::Command& command, Command by) {
   ++motions_;
   plant_.command(command);
   target_ = command.value;
   moved_by_ = by;
   moving_ = true;
   referencing_ = ended_ = reached_ = brake_ = false;
-  started_ = standing_since_ = now;
+  standing_since_ = motion_.time;
 }
 
 void Module::take(const GetState& request, Time now) {

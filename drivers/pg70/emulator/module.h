@@ -67,12 +67,12 @@ class Module {
   void take(const SetConfig& request, Time now);
   void take(const OtherRequest& request, Time now);
   std::optional<InfoCode> reason_against(const Move& move) const;
-  void drive(const Move& move, Time now);
-  void begin(const GripperPlant::Command& command, Command by, Time now);
+  void drive(const Move& move);
+  void begin(const GripperPlant::Command& command, Command by);
   void halt(GripperPlant::Drive drive);
   void acknowledge(Time now);
   void tell_state();
-  void update_motion(Time now);
+  void update_motion();
   void update_faults(Time now);
   State state() const;
   double unit() const;
@@ -92,9 +92,8 @@ class Module {
   bool brake_ = false;
   bool referencing_ = false;
   Command moved_by_ = Command::kStop;
-  double target_ = 0;  // m
-  Time standing_since_{};
-  Time started_{};
+  double target_ = 0;          // m
+  double standing_since_ = 0;  // s, by the plant's time
   ErrorCode error_ = ErrorCode::kNone;
   bool persists_ = false;
   bool warning_ = false;  // acknowledged, but the cause persists

@@ -20,7 +20,7 @@ void Module::update(Time now) {
     boots_until_.reset();
     say(Info{static_cast<std::uint16_t>(InfoCode::kBoot)});
   }
-  update_motion(now);
+  update_motion();
   update_faults(now);
   if (period_ > Time{} && now >= next_state_) {
     next_state_ += period_;
@@ -29,14 +29,15 @@ void Module::update(Time now) {
   }
 }
 
-void Module::update_motion(Time now) {
+// By the plant's time: a world that is held up stands still, but is not blocked.
+void Module::update_motion() {
   if (!moving_) return;
   const bool is_position = moved_by_ != Command::kMoveVelocity &&
                            moved_by_ != Command::kMoveCurrent && moved_by_ != Command::kMoveGrip;
   const bool stands = std::abs(motion_.velocity) < kStandingSpeed;
-  if (!stands) standing_since_ = now;
+  if (!stands) standing_since_ = motion_.time;
   const bool is_there = is_position && std::abs(motion_.opening - target_) < kReachedTolerance;
-  const bool is_blocked = now - standing_since_ > to_time(options_.blocked_time);
+  const bool is_blocked = motion_.time - standing_since_ > options_.blocked_time;
   if (referencing_ && stands && (is_there || is_blocked)) {
     moving_ = referencing_ = false;
     referenced_ = ended_ = true;

@@ -70,6 +70,31 @@ TEST(Pg70Driver, BlockedByWhatItGrips) {
   EXPECT_FALSE(g.driver.reading().blocked);
 }
 
+// Only states can tell that it stands; a computer that was held up has seen none.
+TEST(Pg70Driver, BeingHeldUpIsNotTakenForABlockedGripper) {
+  DriverOptions options;
+  options.loss_time = 5;
+  VirtualGripper g(options);
+  ASSERT_TRUE(g.connect());
+  const auto ticket = move(g, 0.01);
+  const auto say = [&](const Response& response) {
+    g.now += std::chrono::milliseconds(2);
+    g.driver.receive({Direction::kResponse, encode(response)}, g.now);
+    g.driver.update(g.now);
+  };
+  const State standing{69.f, 0.f, 0.f, kReferenced, 0};
+  say(standing);  // sent before the command came
+  say(MoveStarted{Command::kMovePosition, 1.f});
+  g.now += std::chrono::seconds(1);
+  g.driver.update(g.now);
+  EXPECT_EQ(g.driver.report(ticket).kind, Kind::kRunning);
+  say(standing);
+  EXPECT_EQ(g.driver.report(ticket).kind, Kind::kRunning);
+  g.now += std::chrono::seconds(1);
+  say(standing);  // it stood at both ends of this second
+  EXPECT_EQ(g.driver.report(ticket).kind, Kind::kBlocked);
+}
+
 TEST(Pg70Driver, EndsOfMotionsAreSeenWithoutImpulseMessages) {
   ModuleOptions quiet;
   quiet.impulse_messages = false;
