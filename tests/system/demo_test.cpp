@@ -151,9 +151,14 @@ class KilledNode : public ::testing::Test {
   std::optional<int> run_and_kill(const std::string& node, const std::string& moment) {
     std::filesystem::create_directories(out_);
     Launched demo("prehend", demo_arguments(out_), scratch_.path() / "demo.txt");
-    const bool came = demo.wait_for_output(moment, kRunTimeout);
-    const auto victims = descendants(demo.pid(), node);
-    EXPECT_TRUE(came && victims.size() == 1) << demo.output();
+    EXPECT_TRUE(demo.wait_for_output(moment, kRunTimeout)) << demo.output();
+    // A process has its program's name only once it has got so far, which may be later.
+    std::vector<pid_t> victims = descendants(demo.pid(), node);
+    for (int i = 0; i < 600 && victims.empty(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      victims = descendants(demo.pid(), node);
+    }
+    EXPECT_EQ(victims.size(), 1u) << demo.output();
     if (!victims.empty()) kill(victims.front(), SIGKILL);
     const auto exit_code = demo.wait(kRunTimeout);
     output_ = demo.output();

@@ -107,6 +107,7 @@ class RobotUnderTest {
 
   graph::Node& node() { return node_; }
   std::string output() const { return launched_.output(); }
+  pid_t pid() const { return launched_.pid(); }
   void command(msgs::GripperCommand::Mode mode, double value, double current_limit = 0,
                std::int64_t stamp = 0) {
     msgs::GripperCommand message;
