@@ -2,6 +2,7 @@
 // GLPK's linear programme and Qhull's whole hull; inverse kinematics.
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <functional>
 #include <random>
@@ -223,5 +224,40 @@ void BM_IsFree(benchmark::State& state) {
   state.counters["balls"] = static_cast<double>(task().robot.spheres().spheres.size());
 }
 BENCHMARK(BM_IsFree);
+
+/// The PA10 among 30 balls of 0.2 m as near as 0.5 m, after VAMP's scene; 8 positions at once.
+void BM_EightPositions(benchmark::State& state) {
+  std::mt19937_64 random(4);
+  const auto uniform = [&random] { return 2 * robot::uniform(random) - 1; };
+  motion::CollisionWorld world;
+  while (world.obstacles().size() < 30) {
+    const Eigen::Vector3d p(1.2 * uniform(), 1.2 * uniform(), 0.4 + uniform());
+    if (p.head<2>().norm() > 0.5) world.add_sphere("ball", p, 0.1);
+  }
+  const motion::RobotInWorld robot(
+      task().shelves.chain,
+      motion::make_robot_spheres(task().shelves.model, "base_link", "tool0", 0.05), world);
+  const bool only_free = state.range(0) == 1;  // nothing ends a test early
+  std::vector<std::array<robot::Positions, motion::kBatch>> batches(64);
+  for (auto& batch : batches) {
+    for (robot::Positions& q : batch) {
+      do {
+        q = robot::random_positions(task().shelves.chain, random);
+      } while (only_free && !robot.is_free(q));
+    }
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(robot.not_free(batches[i++ % 64].data(), motion::kBatch));
+  }
+  std::size_t k = 0;
+  const double single = seconds_each(std::vector<int>(4096), [&](int) {
+    const auto& batch = batches[k / 8 % 64];
+    return robot.is_free(batch[k++ % 8]);
+  });
+  state.counters["times_one_at_a_time"] = {8 * single,
+                                           benchmark::Counter::kIsIterationInvariantRate};
+}
+BENCHMARK(BM_EightPositions)->ArgName("only_free")->Arg(0)->Arg(1);
 
 }  // namespace

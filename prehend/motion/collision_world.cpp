@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "prehend/motion/batch_kernel.h"
 #include "prehend/motion/convex_faces.h"
 
 namespace prehend::motion {
@@ -145,6 +146,11 @@ double CollisionWorld::clearance_from(const std::string& name, const Vector3d& c
   return least;
 }
 
+Part part_of_ball(const RobotSphere& ball, bool is_held, int joints) {
+  if (is_held) return Part::kHeld;
+  return ball.joint == joints - 1 ? Part::kHand : Part::kArm;
+}
+
 RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, CollisionWorld world,
                            double margin)
     : chain_(std::move(chain)),
@@ -153,6 +159,11 @@ RobotInWorld::RobotInWorld(robot::KinematicChain chain, RobotSpheres spheres, Co
       margin_(margin),
       own_(spheres_.spheres.size()),
       own_pairs_(spheres_.self_pairs.size()) {
+  compile();
+}
+
+void RobotInWorld::compile() {
+  batch_ = make_batch_scene(chain_, spheres_, own_, world_, margin_);
   find_levers();
 }
 
@@ -184,13 +195,13 @@ void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
       spheres_.self_pairs.emplace_back(static_cast<int>(other), index);
     }
   }
-  find_levers();
+  compile();
 }
 
 void RobotInWorld::detach() {
   spheres_.spheres.resize(own_);
   spheres_.self_pairs.resize(own_pairs_);
-  find_levers();
+  compile();
 }
 
 double RobotInWorld::held_clearance(const std::string& name,
@@ -204,18 +215,17 @@ double RobotInWorld::held_clearance(const std::string& name,
   return least;
 }
 
-Part RobotInWorld::part_of(std::size_t ball) const {
-  if (ball >= own_) return Part::kHeld;
-  return spheres_.spheres[ball].joint == chain_.size() - 1 ? Part::kHand : Part::kArm;
-}
-
 RobotInWorld::Touch RobotInWorld::first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const {
   thread_local std::vector<Vector3d> centers;
   spheres_.centers(chain_, q, centers);
   for (std::size_t i = 0; i < centers.size(); ++i) {
     // What stands with the base never moves.
     if (spheres_.spheres[i].joint < 0) continue;
-    if (!world_.touches(centers[i], spheres_.spheres[i].radius, margin_, part_of(i))) continue;
+    const RobotSphere& ball = spheres_.spheres[i];
+    if (!world_.touches(centers[i], ball.radius, margin_,
+                        part_of_ball(ball, i >= own_, chain_.size()))) {
+      continue;
+    }
     return {static_cast<int>(i), -1, centers[i]};
   }
   for (const auto& [a, b] : spheres_.self_pairs) {
@@ -241,9 +251,11 @@ std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) co
     return "the link of joint '" + chain_.joints()[static_cast<std::size_t>(joint)].name + "'";
   };
   if (touch.other >= 0) return part(touch.ball) + " touches " + part(touch.other);
-  const auto ball = static_cast<std::size_t>(touch.ball);
+  const auto index = static_cast<std::size_t>(touch.ball);
+  const RobotSphere& ball = spheres_.spheres[index];
   std::string touched;
-  world_.touches(touch.center, spheres_.spheres[ball].radius, margin_, part_of(ball), &touched);
+  world_.touches(touch.center, ball.radius, margin_,
+                 part_of_ball(ball, index >= own_, chain_.size()), &touched);
   return part(touch.ball) + " touches '" + touched + "'";
 }
 
@@ -262,17 +274,47 @@ bool RobotInWorld::is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
 
 bool RobotInWorld::are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                                     const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const {
-  const robot::Positions way = to - from;
-  if (!is_free(from) || !is_free(to)) return false;
-  // The middles first: strides that halve.
+  // Limits are a box: what is between two positions within is within.
+  if (!chain_.within_limits(from) || !chain_.within_limits(to)) return false;
+  const int n = chain_.size();
+  const int batches = (steps + kBatch) / kBatch;  // of steps + 1 positions
+  std::array<float, robot::kMostChainJoints * kBatch> q;
+  const auto is_batch_free = [&](int batch) {
+    for (int lane = 0; lane < kBatch; ++lane) {
+      const double share = std::min(1.0, static_cast<double>(batch + lane * batches) / steps);
+      for (int j = 0; j < n; ++j) {
+        q[static_cast<std::size_t>(j * kBatch + lane)] =
+            static_cast<float>(from[j] + share * (to[j] - from[j]));
+      }
+    }
+    return touching_lanes(batch_, q.data(), true) == 0;
+  };
+  if (!is_batch_free(0)) return false;
+  // The middles of what is between the tested next: strides that halve.
   int stride = 1;
-  while (stride < steps) stride *= 2;
+  while (stride < batches) stride *= 2;
   for (; stride >= 2; stride /= 2) {
-    for (int i = stride / 2; i < steps; i += stride) {
-      if (!is_free(from + way * (static_cast<double>(i) / steps))) return false;
+    for (int batch = stride / 2; batch < batches; batch += stride) {
+      if (!is_batch_free(batch)) return false;
     }
   }
   return true;
+}
+
+std::uint32_t RobotInWorld::not_free(const robot::Positions* q, int count) const {
+  if (count < 1 || count > kBatch) {
+    throw std::invalid_argument("RobotInWorld::not_free: 1 to 8 positions at once");
+  }
+  std::array<float, robot::kMostChainJoints * kBatch> lanes;
+  std::uint32_t beyond = 0;
+  for (int lane = 0; lane < kBatch; ++lane) {
+    const robot::Positions& from = q[std::min(lane, count - 1)];
+    if (lane < count && !chain_.within_limits(from)) beyond |= 1u << lane;
+    for (int j = 0; j < chain_.size(); ++j) {
+      lanes[static_cast<std::size_t>(j * kBatch + lane)] = static_cast<float>(from[j]);
+    }
+  }
+  return (beyond | touching_lanes(batch_, lanes.data(), false)) & ((1u << count) - 1);
 }
 
 }  // namespace prehend::motion

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/motion/batch_scene.h"
 #include "prehend/motion/robot_spheres.h"
 
 namespace prehend::motion {
@@ -17,6 +19,26 @@ enum class Part { kArm, kHand, kHeld };
 /// What a robot must not touch. Everything in the robot's base frame B, metres.
 class CollisionWorld {
  public:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  /// X_OB, half and center of a box; center and radius: a ball round all of it.
+  struct Obstacle {
+    enum class Kind { kPlane, kBox, kSphere, kConvex };
+    std::string name;
+    Kind kind = Kind::kPlane;
+    geometry::RigidTransform X_OB = geometry::RigidTransform::Identity();  // box
+    Eigen::Vector3d half = Eigen::Vector3d::Zero();                        // box
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();                      // ball round all of it
+    double radius = 0;
+    std::vector<geometry::Plane> faces;  // outward; plane and convex
+    /// For each Part; infinity: the robot's.
+    std::array<double, 3> margin{kInfinity, kInfinity, kInfinity};
+
+    double margin_for(Part part, double otherwise) const {
+      const double own = margin[static_cast<std::size_t>(part)];
+      return own < kInfinity ? own : otherwise;
+    }
+  };
+
   /// A half-space: collides with what is below the plane.
   void add_plane(const std::string& name, const geometry::Plane& plane_B);
   /// @throws std::invalid_argument for sides that are not positive.
@@ -43,6 +65,7 @@ class CollisionWorld {
   /// set for it. `touched` gets the name of the one it is deepest in.
   bool touches(const Eigen::Vector3d& center_B, double radius, double margin,
                Part part = Part::kArm, std::string* touched = nullptr) const;
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   /// Names without repetition, in the order in which they came.
   std::vector<std::string> names() const;
   /// As clearance(), of the obstacles of one name.
@@ -50,27 +73,12 @@ class CollisionWorld {
                         double radius) const;
 
  private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  struct Obstacle {
-    enum class Kind { kPlane, kBox, kSphere, kConvex };
-    std::string name;
-    Kind kind = Kind::kPlane;
-    geometry::RigidTransform X_OB = geometry::RigidTransform::Identity();  // box
-    Eigen::Vector3d half = Eigen::Vector3d::Zero();                        // box
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();                      // ball round all of it
-    double radius = 0;
-    std::vector<geometry::Plane> faces;  // outward; plane and convex
-    /// For each Part; infinity: the robot's.
-    std::array<double, 3> margin{kInfinity, kInfinity, kInfinity};
-
-    double margin_for(Part part, double otherwise) const {
-      const double own = margin[static_cast<std::size_t>(part)];
-      return own < kInfinity ? own : otherwise;
-    }
-  };
   static double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_B);
   std::vector<Obstacle> obstacles_;
 };
+
+/// The part that a ball is of. @param joints of the chain.
+Part part_of_ball(const RobotSphere& ball, bool is_held, int joints);
 
 /// A robot in a world: which positions are free.
 class RobotInWorld {
@@ -82,7 +90,12 @@ class RobotInWorld {
   const robot::KinematicChain& chain() const { return chain_; }
   const RobotSpheres& spheres() const { return spheres_; }
   const CollisionWorld& world() const { return world_; }
-  CollisionWorld& world() { return world_; }
+  /// Lets `change` change the world.
+  template <class Change>
+  void change_world(Change change) {
+    change(world_);
+    compile();
+  }
   double margin() const { return margin_; }
 
   /// Balls held by the tip, in its frame (a grasped object); they are not tested against the last
@@ -97,8 +110,12 @@ class RobotInWorld {
   bool is_free(const Eigen::Ref<const Eigen::VectorXd>& q) const;
   /// "link of joint 'e2' touches 'table'"; empty when free.
   std::string problem(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+  /// Which of up to kBatch positions are not: bit i for q[i]. As is_free() in single precision:
+  /// what is within 2 um of touching may count as touching, and nothing that touches as free.
+  std::uint32_t not_free(const robot::Positions* q, int count) const;
   /// Whether the straight line in joint space is free at steps of at most `step` [rad or m] of any
-  /// joint, both ends included. Tested from coarse to fine, which finds collisions early.
+  /// joint, both ends included, by kBatch positions at once as not_free(). Each batch is spread
+  /// over the whole line, which finds collisions early.
   bool is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const;
   /// As is_free_between(), at steps so small that no ball moves by more than twice the margin (at
@@ -114,9 +131,9 @@ class RobotInWorld {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
   };
   Touch first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const;
-  Part part_of(std::size_t ball) const;
   bool are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                         const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const;
+  void compile();
   void find_levers();
 
   robot::KinematicChain chain_;
@@ -125,6 +142,7 @@ class RobotInWorld {
   double margin_;
   std::size_t own_;  // spheres that are not attached
   std::size_t own_pairs_;
+  BatchScene batch_;
   robot::Positions levers_;  // m: a ball's way is at most so much for each radian (m: 1) of a joint
 };
 

@@ -13,8 +13,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 PickScenes::PickScenes(const RobotInWorld& robot, const PickTask& task)
     : task_(task), reach_(robot), approach_(robot), without_(robot) {
-  approach_.world().set_margin(task.object.name, Part::kHand, -kInfinity);
-  without_.world().remove(task.object.name);
+  approach_.change_world([&task](CollisionWorld& world) {
+    world.set_margin(task.object.name, Part::kHand, -kInfinity);
+  });
+  without_.change_world([&task](CollisionWorld& world) { world.remove(task.object.name); });
 }
 
 RobotInWorld PickScenes::carry(const PickGrasp& grasp) const {
@@ -30,19 +32,23 @@ RobotInWorld PickScenes::carry(const PickGrasp& grasp) const {
 
 RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q) const {
   RobotInWorld scene = carry(grasp);
-  for (const std::string& name : scene.world().names()) {
-    const double near = scene.held_clearance(name, q) - kSlack;
-    if (near < scene.margin()) scene.world().set_margin(name, Part::kHeld, near);
-  }
+  scene.change_world([&](CollisionWorld& world) {
+    for (const std::string& name : world.names()) {
+      const double near = scene.held_clearance(name, q) - kSlack;
+      if (near < scene.margin()) world.set_margin(name, Part::kHeld, near);
+    }
+  });
   return scene;
 }
 
 RobotInWorld PickScenes::retreat() const {
   RobotInWorld scene = without_;
-  for (const Ball& ball : task_.object.cover_O.balls) {
-    scene.world().add_sphere(task_.object.name, *task_.X_BO_place * ball.center, ball.radius);
-  }
-  scene.world().set_margin(task_.object.name, Part::kHand, -kInfinity);
+  scene.change_world([this](CollisionWorld& world) {
+    for (const Ball& ball : task_.object.cover_O.balls) {
+      world.add_sphere(task_.object.name, *task_.X_BO_place * ball.center, ball.radius);
+    }
+    world.set_margin(task_.object.name, Part::kHand, -kInfinity);
+  });
   return scene;
 }
 

@@ -217,7 +217,7 @@ TEST(BlendedPath, ArcsThatAreNotFreeAreMadeSmaller) {
   // Round a ball that stands where a wide arc would pass.
   Positions a = Positions::Zero(7), corner = a, b = a;
   a << 0, 0.9, 0, 0.9, 0, 0, 0;
-  robot.world() = CollisionWorld();
+  robot.change_world([](CollisionWorld& world) { world = CollisionWorld(); });
   corner = a;
   corner[0] = 1.5;
   b = corner;
@@ -226,7 +226,9 @@ TEST(BlendedPath, ArcsThatAreNotFreeAreMadeSmaller) {
   const BlendedPath wide(robot, {a, corner, b}, 0.3);
   ASSERT_EQ(wide.pieces().size(), 3u);
   const Positions inside = wide.pieces()[1].position(wide.pieces()[1].length / 2);
-  robot.world().add_sphere("ball", robot.chain().forward(inside).translation(), 0.02);
+  robot.change_world([&](CollisionWorld& world) {
+    world.add_sphere("ball", robot.chain().forward(inside).translation(), 0.02);
+  });
   ASSERT_FALSE(robot.is_free(inside));
   const BlendedPath blended(robot, {a, corner, b}, 0.3);
   ASSERT_EQ(blended.pieces().size(), 3u);
@@ -236,7 +238,9 @@ TEST(BlendedPath, ArcsThatAreNotFreeAreMadeSmaller) {
       EXPECT_TRUE(robot.is_free(piece.position(piece.length * i / 500)));
   }
   // Where even the waypoint is not, the corner is left as it is.
-  robot.world().add_sphere("wall", robot.chain().forward(corner).translation(), 0.4);
+  robot.change_world([&](CollisionWorld& world) {
+    world.add_sphere("wall", robot.chain().forward(corner).translation(), 0.4);
+  });
   EXPECT_EQ(BlendedPath(robot, {a, corner, b}, 0.3).stops(), 1);
 }
 
@@ -244,7 +248,7 @@ TEST(BlendTrajectory, IsNeverSlowerThanStopping) {
   // Accelerations that differ a thousandfold, for which circles are the wrong shape.
   const Shelves shelves;
   RobotInWorld robot = shelves.in_world();
-  robot.world() = CollisionWorld();
+  robot.change_world([](CollisionWorld& world) { world = CollisionWorld(); });
   std::mt19937_64 random(7);
   int stopping = 0;
   for (int n = 0; n < 60; ++n) {

@@ -152,7 +152,7 @@ TEST(RobotInWorld, SaysWhatTouchesWhat) {
   q[5] = 0;
   q[3] = 2.39;  // and a long tool onto the base
   EXPECT_TRUE(robot.is_free(q));
-  robot.world().remove("table");
+  robot.change_world([&](CollisionWorld& world) { world.remove("table"); });
   robot.attach({{0, {0, 0, 0.3}, 0.55}});
   EXPECT_THAT(robot.problem(q), HasSubstr("touches what is held"));
   robot.detach();
@@ -160,7 +160,7 @@ TEST(RobotInWorld, SaysWhatTouchesWhat) {
   EXPECT_THAT(robot.problem(q), HasSubstr("beyond"));
   // What is held counts.
   q = robot::Positions::Zero(7);
-  robot.world().add_sphere("lamp", {0, 0, 1.9}, 0.1);
+  robot.change_world([&](CollisionWorld& world) { world.add_sphere("lamp", {0, 0, 1.9}, 0.1); });
   EXPECT_TRUE(robot.is_free(q));
   robot.attach({{0, {0, 0, 0.4}, 0.06}});
   EXPECT_THAT(robot.problem(q), HasSubstr("what is held touches 'lamp'"));
