@@ -102,6 +102,9 @@ class Multibody {
   void add_coupling(const JointCoupling& coupling);
   /// What the drive gave in the last step [N m or N].
   double drive_force(int joint) const { return drive_force_.at(joint); }
+  /// All of them, to keep and to give back.
+  const std::vector<double>& drive_forces() const { return drive_force_; }
+  void set_drive_forces(const std::vector<double>& forces) { drive_force_ = forces; }
   /// In the next step the fixed body moves to X_WB, at constant velocity; later ones leave it
   /// there.
   /// @throws std::invalid_argument for a body that is not fixed or a pose that is not finite.

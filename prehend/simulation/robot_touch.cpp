@@ -1,0 +1,249 @@
+#include "prehend/simulation/robot_touch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "prehend/simulation/contact_detection.h"
+#include "prehend/simulation/engines/convex_contact.h"
+#include "prehend/simulation/engines/pad_contact.h"
+
+namespace prehend::simulation {
+namespace {
+
+using engines::EngineShape;
+using engines::TouchPoint;
+using engines::Vector6;
+using geometry::RigidTransform;
+
+constexpr double kSlack = 1e-4;        // m, looked ahead beyond what speeds say
+constexpr double kArmSpacing = 0.015;  // m, between points on the arm
+constexpr double kCell = 0.005;        // m, of the grid of what is near
+constexpr int kMostCells = 40;         // along each side
+
+geometry::TriangleMesh mesh_of(const EngineShape& shape) {
+  switch (shape.kind) {
+    case EngineShape::Kind::kBox:
+      return geometry::make_box(shape.size);
+    case EngineShape::Kind::kSphere:
+      return geometry::make_sphere(shape.radius, 24);
+    case EngineShape::Kind::kCylinder:
+    case EngineShape::Kind::kCapsule:
+      return geometry::make_revolution(
+          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 24);
+  }
+  return {};
+}
+
+}  // namespace
+
+RobotTouch::RobotTouch(const RobotBodies& robot, std::vector<Object> objects)
+    : objects_(std::move(objects)) {
+  const int root = robot.body_of_link[0];
+  for (const RobotBodies::Part& own : robot.parts) {
+    const std::size_t body = static_cast<std::size_t>(own.body);
+    const bool carried = robot.bodies[body].is_fixed;
+    const bool palm = own.body == robot.body_of_link[robot.hand_root];
+    // The arm's base is bolted to the table.
+    if (own.body == root && !palm) continue;
+    Part part{own.body,
+              robot.finger_of_body[body],
+              robot.rank_of_body[body],
+              carried,
+              own.shape,
+              own.X_BS,
+              engines::felt_shape(own.shape),
+              engines::bounding_radius(own.shape),
+              sample_surface(mesh_of(own.shape), carried && !palm ? kArmSpacing : kPointSpacing)};
+    parts_.push_back(std::move(part));
+  }
+  for (const Object& object : objects_) near_.push_back(make_near(object.model));
+}
+
+RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
+  Near near;
+  if (model.felt.shape.kind() != contact::Shape::Kind::kMesh) return near;
+  near.box = model.box;
+  near.side = std::max(kCell, model.box.sizes().maxCoeff() / kMostCells);
+  near.box.min().array() -= 1.5 * near.side;
+  near.box.max().array() += 1.5 * near.side;
+  near.cells = (near.box.sizes() / near.side).array().ceil().cast<int>();
+  near.close.assign(static_cast<std::size_t>(near.cells.prod()), 0);
+  // Points are asked for within a millimetre or two of the surface, or inside, not too deep.
+  const double reach = 0.5 * std::sqrt(3.0) * near.side + 0.003;
+  std::size_t k = 0;
+  for (int z = 0; z < near.cells.z(); ++z) {
+    for (int y = 0; y < near.cells.y(); ++y) {
+      for (int x = 0; x < near.cells.x(); ++x, ++k) {
+        const Eigen::Vector3d center =
+            near.box.min() + near.side * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
+        near.close[k] = model.query->nearest(center, reach).has_value() ||
+                        (model.box.contains(center) && model.query->contains(center));
+      }
+    }
+  }
+  return near;
+}
+
+bool RobotTouch::Near::at(const Eigen::Vector3d& p_B) const {
+  const Eigen::Vector3d cell = (p_B - box.min()) / side;
+  if (!(cell.minCoeff() >= 0)) return false;
+  const Eigen::Vector3i i = cell.cast<int>();
+  if ((i.array() >= cells.array()).any()) return false;
+  return close[static_cast<std::size_t>(i.x() + cells.x() * (i.y() + cells.y() * i.z()))] != 0;
+}
+
+bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B,
+                         double margin, Eigen::Vector3d& normal_B, double& depth) const {
+  const FeltShape& felt = object.model.felt;
+  if (felt.shape.kind() != contact::Shape::Kind::kMesh) {
+    depth = felt.shape.depth_inside(felt.X_BS.inverse(Eigen::Isometry) * p_B, normal_B);
+    normal_B = felt.X_BS.linear() * normal_B;
+    return depth > 0 && depth < kDeepest;
+  }
+  if (!near.at(p_B)) return false;
+  const auto nearest = object.model.query->nearest(p_B, kDeepest);
+  if (!nearest) return false;
+  const geometry::TriangleMesh& mesh = *object.model.mesh;
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  normal_B = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                 .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+                 .normalized();
+  const double out = normal_B.dot(p_B - nearest->point);
+  depth = out < 0 ? nearest->distance : -nearest->distance;
+  return depth > -margin;
+}
+
+void RobotTouch::add(int a, int b, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W,
+                     double depth, std::vector<TouchPoint>& touches) const {
+  TouchPoint& touch = touches.emplace_back();
+  touch.a = a;
+  touch.b = b;
+  touch.at = {p_W, n_W, depth};
+  touch.p_A = base_->X_WB[static_cast<std::size_t>(a)].inverse(Eigen::Isometry) * p_W;
+}
+
+void RobotTouch::find_table(int body, const std::vector<Eigen::Vector3d>& points,
+                            const RigidTransform& X_WP, double reach,
+                            std::vector<TouchPoint>& touches) {
+  const Eigen::RowVector3d up = X_WP.linear().row(2);
+  const double base = X_WP.translation().z();
+  for (const Eigen::Vector3d& p : points) {
+    const double z = base + up * p;
+    if (z > reach) continue;
+    add(body, -1, X_WP * p, Eigen::Vector3d::UnitZ(), -z, touches);
+  }
+}
+
+// a: the object. Normals point from the part into it.
+void RobotTouch::find_part_object(const Part& part, std::size_t index, double margin,
+                                  std::vector<TouchPoint>& touches) {
+  const Object& object = objects_[index];
+  const RigidTransform X_WB = base_->X_WB[static_cast<std::size_t>(object.body)] * object.X_CB;
+  const RigidTransform X_WS = base_->X_WB[static_cast<std::size_t>(part.body)] * part.X_BS;
+  const RigidTransform X_BS = X_WB.inverse(Eigen::Isometry) * X_WS;
+  Eigen::AlignedBox3d box = object.model.box;
+  box.min().array() -= margin;
+  box.max().array() += margin;
+  if (box.squaredExteriorDistance(X_BS.translation()) > part.radius * part.radius) return;
+  Eigen::Vector3d normal;
+  double depth = 0;
+  const bool precise = box.exteriorDistance(X_BS.translation()) < part.radius;
+  if (!precise) return;
+  for (const Eigen::Vector3d& p_S : part.points_S) {
+    const Eigen::Vector3d p_B = X_BS * p_S;
+    if (!box.contains(p_B) || !surface(object, near_[index], p_B, margin, normal, depth)) continue;
+    add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * normal), depth, touches);
+  }
+  const RigidTransform X_SB = X_BS.inverse(Eigen::Isometry);
+  const Eigen::AlignedBox3d part_B = transformed_box(X_BS, part.felt.bounds());
+  for (const Eigen::Vector3d& p_B : object.model.surface_points) {
+    if (!part_B.contains(p_B)) continue;
+    depth = part.felt.depth_inside(X_SB * p_B, normal);
+    if (!(depth > 0 && depth < kDeepest)) continue;
+    add(object.body, part.body, X_WB * p_B, X_WS.linear() * normal, depth, touches);
+  }
+}
+
+void RobotTouch::find_objects(std::size_t a, std::size_t b, std::vector<TouchPoint>& touches) {
+  const RigidTransform X_WA =
+      base_->X_WB[static_cast<std::size_t>(objects_[a].body)] * objects_[a].X_CB;
+  const RigidTransform X_WB =
+      base_->X_WB[static_cast<std::size_t>(objects_[b].body)] * objects_[b].X_CB;
+  if (!transformed_box(X_WA, objects_[a].model.box)
+           .intersects(transformed_box(X_WB, objects_[b].model.box))) {
+    return;
+  }
+  Eigen::Vector3d normal;
+  double depth = 0;
+  const auto points_in = [&](std::size_t of, const RigidTransform& X_WOf, std::size_t in,
+                             const RigidTransform& X_WIn, double sign) {
+    const RigidTransform X_InOf = X_WIn.inverse(Eigen::Isometry) * X_WOf;
+    for (const Eigen::Vector3d& p : objects_[of].model.surface_points) {
+      const Eigen::Vector3d p_In = X_InOf * p;
+      if (!objects_[in].model.box.contains(p_In)) continue;
+      if (!surface(objects_[in], near_[in], p_In, 0, normal, depth)) continue;
+      add(objects_[a].body, objects_[b].body, X_WIn * p_In, sign * (X_WIn.linear() * normal), depth,
+          touches);
+    }
+  };
+  points_in(a, X_WA, b, X_WB, 1);
+  points_in(b, X_WB, a, X_WA, -1);
+}
+
+void RobotTouch::find(const engines::Multibody& system, const engines::MultibodyState& base,
+                      double h, const Eigen::VectorXd& u, std::vector<TouchPoint>& touches) {
+  base_ = &base;
+  speed_.assign(base.X_WB.size(), 0.0);
+  const auto set_speed = [&](int body, double radius) {
+    const Vector6 twist = system.twist(body, u);
+    double& speed = speed_[static_cast<std::size_t>(body)];
+    speed = std::max(speed, twist.head<3>().norm() + radius * twist.tail<3>().norm());
+  };
+  for (const Part& part : parts_) {
+    set_speed(part.body, part.radius + part.X_BS.translation().norm());
+  }
+  for (const Object& object : objects_) set_speed(object.body, object.model.radius);
+  const auto margin = [&](int a, int b) {
+    const double speed =
+        speed_[static_cast<std::size_t>(a)] + (b < 0 ? 0.0 : speed_[static_cast<std::size_t>(b)]);
+    return std::min(0.002, kSlack + 2 * h * speed);
+  };
+  for (std::size_t o = 0; o < objects_.size(); ++o) {
+    const Object& object = objects_[o];
+    const bool fixed = system.scene().bodies[static_cast<std::size_t>(object.body)].is_fixed;
+    if (!fixed && !system.asleep(object.body)) {
+      find_table(object.body, object.model.hull_points,
+                 base.X_WB[static_cast<std::size_t>(object.body)] * object.X_CB,
+                 margin(object.body, -1), touches);
+    }
+    for (const Part& part : parts_) {
+      find_part_object(part, o, margin(object.body, part.body), touches);
+    }
+    for (std::size_t other = o + 1; other < objects_.size(); ++other) {
+      find_objects(o, other, touches);
+    }
+  }
+  for (const Part& part : parts_) {
+    const RigidTransform X_WS = base.X_WB[static_cast<std::size_t>(part.body)] * part.X_BS;
+    if (X_WS.translation().z() > part.radius + 0.002) continue;
+    find_table(part.body, part.points_S, X_WS, margin(part.body, -1), touches);
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    for (std::size_t j = i + 1; j < parts_.size(); ++j) {
+      const Part &a = parts_[i], &b = parts_[j];
+      // The links at the palm are built into one another.
+      if (a.finger < 0 || b.finger < 0 || a.finger == b.finger || (a.rank == 0 && b.rank == 0)) {
+        continue;
+      }
+      found_.clear();
+      engines::find_contacts(a.shape, base.X_WB[static_cast<std::size_t>(a.body)] * a.X_BS, b.shape,
+                             base.X_WB[static_cast<std::size_t>(b.body)] * b.X_BS,
+                             margin(a.body, b.body), found_);
+      for (const engines::ConvexContact& at : found_) {
+        add(a.body, b.body, at.p_W, at.n_W, at.depth, touches);
+      }
+    }
+  }
+}
+
+}  // namespace prehend::simulation

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "prehend/contact/shape.h"
+#include "prehend/simulation/engines/multibody.h"
+#include "prehend/simulation/rigid_body.h"
+#include "prehend/simulation/robot_bodies.h"
+
+namespace prehend::simulation {
+
+/// Where robot, objects and table (z = 0) touch. Robot parts are boxes, cylinders and spheres;
+/// objects are met as what they are (box, ball, can) or as their meshes: points on the parts, a few
+/// millimetres apart, against the object's surface, and points of the object's surface against the
+/// parts. Fingers meet one another as primitives. So meshes need not be convex.
+class RobotTouch : public engines::TouchFinder {
+ public:
+  struct Object {
+    int body = 0;  // of the Multibody
+    BodyModel model;
+    geometry::RigidTransform X_CB = geometry::RigidTransform::Identity();  // mesh in the body
+  };
+
+  static constexpr double kPointSpacing = 0.004;  // m, on fingers
+  static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
+
+  RobotTouch(const RobotBodies& robot, std::vector<Object> objects);
+
+  void find(const engines::Multibody& system, const engines::MultibodyState& base, double h,
+            const Eigen::VectorXd& u, std::vector<engines::TouchPoint>& touches) override;
+
+  const std::vector<Object>& objects() const { return objects_; }
+
+ private:
+  struct Part {
+    int body, finger, rank;
+    bool carried;
+    engines::EngineShape shape;
+    geometry::RigidTransform X_BS;
+    contact::Shape felt;
+    double radius;                          // m, of a ball round S's origin that holds it
+    std::vector<Eigen::Vector3d> points_S;  // m
+  };
+  /// Least distances to an object's surface over a grid of cells: what is far is not asked.
+  struct Near {
+    Eigen::AlignedBox3d box;  // m, in B
+    Eigen::Vector3i cells = Eigen::Vector3i::Zero();
+    double side = 0;          // m
+    std::vector<char> close;  // of each cell: the surface passes within reach of it
+    bool at(const Eigen::Vector3d& p_B) const;
+  };
+
+  static Near make_near(const BodyModel& model);
+  bool surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B, double margin,
+               Eigen::Vector3d& normal_B, double& depth) const;
+  void find_part_object(const Part& part, std::size_t object, double margin,
+                        std::vector<engines::TouchPoint>& touches);
+  void find_table(int body, const std::vector<Eigen::Vector3d>& points,
+                  const geometry::RigidTransform& X_WP, double reach,
+                  std::vector<engines::TouchPoint>& touches);
+  void find_objects(std::size_t a, std::size_t b, std::vector<engines::TouchPoint>& touches);
+  void add(int a, int b, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W, double depth,
+           std::vector<engines::TouchPoint>& touches) const;
+
+  std::vector<Part> parts_;
+  std::vector<Object> objects_;
+  std::vector<Near> near_;
+  // Of the call under way.
+  const engines::MultibodyState* base_ = nullptr;
+  std::vector<double> speed_;  // m/s, of each body's surface at most
+  std::vector<engines::ConvexContact> found_;
+};
+
+}  // namespace prehend::simulation

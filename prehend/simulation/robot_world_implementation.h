@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prehend/simulation/robot_world.h"
+
+namespace prehend::simulation {
+
+struct RobotWorld::Implementation {
+  struct Thing {  // an object
+    BodyModel model;
+    geometry::RigidTransform X_CB = geometry::RigidTransform::Identity();
+    Eigen::Vector3d moments = Eigen::Vector3d::Ones();  // kg m^2
+    double friction = 0;
+    int body = 0;
+    engines::BodyMotion motion;  // when the system was last built
+    double still_time = 0;       // s
+    bool asleep = false;
+  };
+  struct Path {  // of the carrier of a hand alone
+    geometry::RigidTransform from, to;
+    double time = 0, duration = 1;  // s
+  };
+
+  Implementation(const robot::RobotModel& model, const robot::HandModel& hand,
+                 const std::string& prefix, const geometry::RigidTransform& X_WR,
+                 std::optional<ArmDrive> arm, const RobotWorldOptions& options);
+
+  void build();
+  void add(BodyModel model, double friction, const geometry::RigidTransform& X_WB);
+  void read_motions();
+  void set_arm_positions();
+  void move_carried();
+  void put_to_sleep();
+  void step();
+  ContactWrench wrist_wrench() const;
+  Thing& thing(const std::string& name);
+  RobotBodyReading reading(const Thing& thing) const;
+  geometry::RigidTransform X_WL(int link) const {
+    const std::size_t l = static_cast<std::size_t>(link);
+    return state.X_WB[static_cast<std::size_t>(robot.body_of_link[l])] * robot.X_BL[l];
+  }
+  bool is_hands(int body) const;
+
+  RobotWorldOptions options;
+  robot::HandModel hand_model;
+  std::string prefix;  // of the hand's names
+  std::optional<ArmDrive> arm;
+  std::vector<int> arm_joints;  // of the model
+  geometry::RigidTransform X_WR;
+  Eigen::VectorXd all;  // of the model's joints; the hand's are 0
+  RobotBodies robot;
+  std::vector<std::string> motor_names;
+  std::optional<HandDrive> hand;
+  std::vector<Thing> things;
+  std::unique_ptr<RobotTouch> touch;
+  std::unique_ptr<engines::Multibody> system;
+  engines::MultibodyState state, next;
+  std::optional<Path> path;
+  double contact_limit = 0;  // N, 0: none
+  bool contact = false;
+  std::uint64_t generation = 0;
+  std::vector<geometry::RigidTransform> link_poses;
+};
+
+}  // namespace prehend::simulation

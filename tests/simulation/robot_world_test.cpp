@@ -1,0 +1,174 @@
+// Arm and hand in the simulated world: what they hold through a lift, and what their sensors say.
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/simulation/hand_grasp.h"
+#include "prehend/simulation/robot_world.h"
+#include "prehend/simulation/shapes.h"
+
+namespace prehend::simulation {
+namespace {
+
+using geometry::RigidTransform;
+
+/// H above `p_W`, its z straight down, so that the tool of `preshape` is at `p_W`.
+RigidTransform above(const robot::HandModel& hand, const std::string& preshape,
+                     const Eigen::Vector3d& p_W) {
+  RigidTransform X_WG = RigidTransform::Identity();
+  X_WG.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  X_WG.translation() = p_W;
+  return X_WG * (hand.X_HP * hand.preshape(preshape).X_PG).inverse();
+}
+
+void run(RobotWorld& world, double seconds) {
+  for (long i = std::lround(seconds / world.options().step); i > 0; --i) world.step();
+}
+
+/// Positions that the closing joints of `preshape` run towards, as far as their limits let them.
+Eigen::VectorXd closed(const robot::HandModel& hand, const std::string& preshape, double way) {
+  const robot::Preshape& shape = hand.preshape(preshape);
+  Eigen::VectorXd q = shape.open;
+  for (int i = 0; i < hand.size(); ++i) {
+    const robot::Joint& joint =
+        hand.model.joints[static_cast<std::size_t>(hand.actuated[static_cast<std::size_t>(i)])];
+    q[i] = std::clamp(q[i] + way * shape.closing[static_cast<std::size_t>(i)].rate, joint.lower,
+                      joint.upper);
+  }
+  return q;
+}
+
+struct Held {
+  double slip = 0;  // m, between hand and object from the lift's start to its end
+  double height = 0;
+  double force = 0;  // N, on the hand at the end, vertical
+  double creep = 0;  // m, in the last half second
+};
+
+Held lift(RobotWorld& world, const std::string& object, double way, const Eigen::VectorXd& target,
+          double effort_share) {
+  HandCommand close;
+  close.position = target;
+  close.speed = 0.3;
+  close.until_contact = true;
+  close.effort.resize(target.size());
+  for (int i = 0; i < close.effort.size(); ++i) {
+    const robot::HandModel& hand = world.hand_model();
+    close.effort[i] =
+        effort_share *
+        hand.model.joints[static_cast<std::size_t>(hand.actuated[static_cast<std::size_t>(i)])]
+            .max_effort;
+  }
+  world.move_hand(close);
+  for (int i = 0; i < 8000 && world.hand().moving(); ++i) world.step();
+  EXPECT_TRUE(world.hand().blocked());
+  run(world, 0.3);
+  const RigidTransform X_HB = world.X_WH().inverse() * world.body(object).X_WB;
+  RigidTransform up = world.X_WH();
+  up.translation().z() += way;
+  world.carry(up, 1.0);
+  run(world, 1.5);
+  EXPECT_TRUE(world.carried());
+  const RigidTransform before = world.X_WH().inverse() * world.body(object).X_WB;
+  run(world, 0.5);
+  const RigidTransform now = world.X_WH().inverse() * world.body(object).X_WB;
+  Held held;
+  held.slip = (now.translation() - X_HB.translation()).norm();
+  held.creep = (now.translation() - before.translation()).norm();
+  held.height = world.body(object).height;
+  held.force = (world.X_WH().linear() * world.wrist_wrench().force).z();
+  return held;
+}
+
+geometry::TriangleMesh at(const geometry::TriangleMesh& mesh, const Eigen::Vector3d& p) {
+  RigidTransform X = RigidTransform::Identity();
+  X.translation() = p;
+  return geometry::transformed(mesh, X);
+}
+
+class Holds : public testing::TestWithParam<std::tuple<const char*, const char*, double>> {};
+
+TEST_P(Holds, ABoxThroughALift) {
+  const auto [file, preshape, mass] = GetParam();
+  const robot::HandModel hand = robot::read_hand_model(std::string("config/robots/") + file);
+  RobotWorld world(hand, above(hand, preshape, {0, 0, 0.07}), preshape);
+  world.add_object("box", at(make_standing_box({0.06, 0.06, 0.12}), {0, 0, 0}), mass);
+  const Held held = lift(world, "box", 0.12, closed(hand, preshape, 1.6), 0.5);
+  EXPECT_GT(held.height, 0.115);
+  EXPECT_LT(held.slip, 0.005) << "what the fingers give way to the weight";
+  EXPECT_LT(held.creep, 2e-5);
+  EXPECT_NEAR(held.force, -mass * 9.81, 0.05 * mass * 9.81) << "the wrist bears the weight";
+  EXPECT_TRUE(world.body("box").touches_robot);
+  EXPECT_FALSE(world.body("box").touches_table);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hands, Holds,
+                         testing::Values(std::tuple("sdh2.yaml", "parallel", 0.2),
+                                         std::tuple("sdh2.yaml", "parallel", 1.0),
+                                         std::tuple("sdh2.yaml", "cylindrical", 0.5),
+                                         std::tuple("bh8.yaml", "spread_0", 0.2),
+                                         std::tuple("bh8.yaml", "spread_0", 1.0)));
+
+TEST(HandGrasp, HoldsABottleAndSaysWhereItTouched) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
+  HandGrasp grasp;
+  grasp.preshape = "parallel";
+  grasp.X_WG.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  grasp.X_WG.translation() = Eigen::Vector3d(0, 0, 0.07);
+  grasp.closed = closed(hand, "parallel", 0.35);
+  grasp.contacts = {{0, 0.03, 0.07}, {0, -0.03, 0.07}};
+  HandGraspOptions options;
+  options.mass = 0.4;
+  const geometry::TriangleMesh bottle = make_bottle(0.03, 0.13);
+  const HandGraspOutcome outcome = execute_hand_grasp(hand, grasp, bottle, options);
+  EXPECT_TRUE(outcome.held) << outcome.reason;
+  EXPECT_EQ(outcome.fingers, 3);
+  EXPECT_FALSE(outcome.touched_early);
+  EXPECT_LT(outcome.contact_error, 0.03);
+  EXPECT_LT(outcome.slip, 0.01);
+  const HandGraspOutcome again = execute_hand_grasp(hand, grasp, bottle, options);
+  EXPECT_EQ(outcome.slip, again.slip) << "bitwise";
+  EXPECT_EQ(outcome.contact_error, again.contact_error);
+}
+
+TEST(HandGrasp, SaysWhyNothingIsHeld) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/bh8.yaml");
+  HandGrasp grasp;
+  grasp.X_WG.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  grasp.X_WG.translation() = Eigen::Vector3d(0.3, 0, 0.08);
+  grasp.closed = closed(hand, "spread_0", 0.8);
+  const geometry::TriangleMesh box = make_standing_box({0.05, 0.05, 0.1});
+  const HandGraspOutcome beside = execute_hand_grasp(hand, grasp, box);
+  EXPECT_FALSE(beside.held);
+  EXPECT_EQ(beside.fingers, 0);
+  EXPECT_EQ(beside.reason, "the fingers closed beside the object");
+  grasp.X_WG.translation().x() = 0;
+  HandGraspOptions slippery;
+  slippery.friction = 0.02;
+  slippery.mass = 2;
+  const HandGraspOutcome slips = execute_hand_grasp(hand, grasp, box, slippery);
+  EXPECT_FALSE(slips.held) << slips.reason;
+  EXPECT_GT(slips.fingers, 1);
+}
+
+TEST(HandGrasp, RefusesWhatIsNoGrasp) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/bh8.yaml");
+  const geometry::TriangleMesh box = make_standing_box({0.05, 0.05, 0.1});
+  HandGrasp grasp;
+  EXPECT_THROW(execute_hand_grasp(hand, grasp, box), std::invalid_argument) << "no positions";
+  grasp.closed = hand.preshapes.front().open;
+  grasp.closed[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(execute_hand_grasp(hand, grasp, box), std::invalid_argument);
+  grasp.closed = hand.preshapes.front().open;
+  grasp.preshape = "spread_61";
+  EXPECT_THROW(execute_hand_grasp(hand, grasp, box), geometry::InputError);
+  grasp.preshape.clear();
+  EXPECT_THROW(execute_hand_grasp(hand, grasp, {}), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::simulation
