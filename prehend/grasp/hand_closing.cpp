@@ -16,25 +16,6 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 constexpr double kLeastApproach = 0.02;  // share of the speed that must be towards what is touched
 
-/// The motor behind each joint, over chains of mimics; -1 for fixed ones.
-struct Drives {
-  std::vector<int> motor;
-  std::vector<double> ratio;
-
-  explicit Drives(const robot::HandModel& hand)
-      : motor(hand.model.joints.size(), -1), ratio(hand.model.joints.size(), 1) {
-    for (std::size_t j = 0; j < hand.model.joints.size(); ++j) {
-      int joint = static_cast<int>(j);
-      while (hand.model.joints[at(joint)].mimic) {
-        ratio[j] *= hand.model.joints[at(joint)].mimic->multiplier;
-        joint = hand.model.joints[at(joint)].mimic->joint;
-      }
-      const auto found = std::find(hand.actuated.begin(), hand.actuated.end(), joint);
-      if (found != hand.actuated.end()) motor[j] = static_cast<int>(found - hand.actuated.begin());
-    }
-  }
-};
-
 class Closing {
  public:
   Closing(const HandToClose& hand, const RigidTransform& X_WH, const robot::Preshape& preshape,
@@ -316,7 +297,7 @@ class Closing {
   const robot::Preshape& preshape_;
   const TouchScene& scene_;
   const HandClosingOptions& options_;
-  Drives drives_;
+  DriveRatios drives_;
   std::vector<double> rate_;           // of the joints, now
   std::vector<RigidTransform> poses_;  // X_WL
   std::vector<int> joints_, links_;    // of the group that closes
@@ -325,6 +306,19 @@ class Closing {
 };
 
 }  // namespace
+
+DriveRatios::DriveRatios(const robot::HandModel& hand)
+    : motor(hand.model.joints.size(), -1), ratio(hand.model.joints.size(), 1) {
+  for (std::size_t j = 0; j < hand.model.joints.size(); ++j) {
+    int joint = static_cast<int>(j);
+    while (hand.model.joints[at(joint)].mimic) {
+      ratio[j] *= hand.model.joints[at(joint)].mimic->multiplier;
+      joint = hand.model.joints[at(joint)].mimic->joint;
+    }
+    const auto found = std::find(hand.actuated.begin(), hand.actuated.end(), joint);
+    if (found != hand.actuated.end()) motor[j] = static_cast<int>(found - hand.actuated.begin());
+  }
+}
 
 void HandClosingOptions::validate() const {
   const auto positive = [](double value, const char* field) {

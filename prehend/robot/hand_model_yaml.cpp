@@ -119,6 +119,10 @@ class HandReader {
         map.fail("actuated", "names '" + name + "', which does not move by itself",
                  "Name joints that are neither fixed nor mimic another");
       }
+      if (!std::isfinite(moved.max_effort)) {
+        map.fail("actuated", "names '" + name + "', which has no effort in the URDF",
+                 "Give its limit there, in N m or N");
+      }
       if (std::count(hand_.actuated.begin(), hand_.actuated.end(), joint) > 0) {
         map.fail("actuated", "names '" + name + "' twice", "Name it once");
       }

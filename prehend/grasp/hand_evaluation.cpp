@@ -1,0 +1,244 @@
+#include "prehend/grasp/hand_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "prehend/grasp/force_limits.h"
+
+namespace prehend::grasp {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+using Quantity = Miss::Quantity;
+
+constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kPoint = 1e-5;    // m, size of the triangle that stands for a point of a cloud
+constexpr double kMeeting =
+    1e-3;  // m, by which links' balls may overlap without being said to meet
+
+/// All obstacles as one mesh to measure distances to.
+geometry::TriangleMesh obstacle_mesh(const Obstacles& obstacles) {
+  geometry::TriangleMesh all = geometry::concatenated(obstacles.meshes_W);
+  for (const auto& point : obstacles.cloud_W.points) {
+    if (!point.allFinite()) continue;
+    const int first = static_cast<int>(all.vertices.size());
+    const Vector3d p = point.cast<double>();
+    all.vertices.push_back(p);
+    all.vertices.push_back(p + kPoint * Vector3d::UnitX());
+    all.vertices.push_back(p + kPoint * Vector3d::UnitY());
+    all.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return all;
+}
+
+/// Whether balls of two links overlap by more than kMeeting.
+bool overlap(const LinkBalls& a, const RigidTransform& X_WA, const LinkBalls& b,
+             const RigidTransform& X_WB, int node_a = 0, int node_b = 0) {
+  if (a.nodes.empty() || b.nodes.empty()) return false;
+  const auto& na = a.nodes[static_cast<std::size_t>(node_a)];
+  const auto& nb = b.nodes[static_cast<std::size_t>(node_b)];
+  const double reach = na.radius + nb.radius - kMeeting;
+  if (reach <= 0 || (X_WA * na.center - X_WB * nb.center).squaredNorm() >= reach * reach) {
+    return false;
+  }
+  if (na.leaf() && nb.leaf()) {
+    for (int i = na.first; i < na.last; ++i) {
+      const auto ia = static_cast<std::size_t>(i);
+      for (int j = nb.first; j < nb.last; ++j) {
+        const auto jb = static_cast<std::size_t>(j);
+        const double touch = a.radii[ia] + b.radii[jb] - kMeeting;
+        if ((X_WA * a.centers[ia] - X_WB * b.centers[jb]).squaredNorm() < touch * touch) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+  if (!na.leaf() && (nb.leaf() || na.radius > nb.radius)) {
+    return overlap(a, X_WA, b, X_WB, na.first, node_b) ||
+           overlap(a, X_WA, b, X_WB, na.right, node_b);
+  }
+  return overlap(a, X_WA, b, X_WB, node_a, nb.first) || overlap(a, X_WA, b, X_WB, node_a, nb.right);
+}
+
+}  // namespace
+
+HandEvaluator::HandEvaluator(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
+                             const HandToClose& hand, const Reachability& reachability,
+                             const HandPlannerOptions& options)
+    : solid_(std::move(solid)),
+      query_(solid_.mesh_W),
+      grid_(query_),
+      table_(table),
+      hand_(hand),
+      reachability_(reachability),
+      options_(options) {
+  geometry::TriangleMesh others = obstacle_mesh(obstacles);
+  if (others.empty()) return;
+  obstacle_query_.emplace(std::move(others));
+  obstacle_grid_.emplace(*obstacle_query_);
+}
+
+// Moves the open hand in until something is as near as its margin lets it be.
+std::optional<Refusal> HandEvaluator::approach(const robot::Preshape& preshape, HandGrasp* grasp,
+                                               Advance* advance) const {
+  const Eigen::VectorXd open = hand_.hand->all_positions(preshape.open);
+  const double way = options_.pregrasp_distance;
+  RigidTransform start = grasp->X_WH;
+  start.translation() -= way * grasp->approach_W;
+  *advance = {way, Touched::kNothing, -1};
+  const auto move = [&](const TouchScene& scene, double margin, Touched obstacle) {
+    const Advance one =
+        advance_hand(hand_, start, open, grasp->approach_W, advance->distance, margin, scene);
+    if (one.what == Touched::kNothing) return;
+    *advance = one;
+    if (obstacle != Touched::kNothing) advance->what = obstacle;
+  };
+  // The table's margin is kept by a table that much higher, so that both are one way.
+  geometry::Plane higher = table_;
+  higher.offset += options_.collision.table_margin - options_.collision.object_margin;
+  move({&grid_, higher, nullptr}, options_.collision.object_margin, Touched::kNothing);
+  if (obstacle_grid_) {
+    move({&*obstacle_grid_, std::nullopt, nullptr}, options_.collision.obstacle_margin,
+         Touched::kObstacle);
+  }
+  const double short_by = way - advance->distance;
+  const Miss miss{Quantity::kLength, short_by, options_.largest_shortfall};
+  if (advance->what == Touched::kObstacle) {
+    return Refusal{reason::kObstacle, Miss{Quantity::kLength, short_by, 0}};
+  }
+  if (short_by > options_.largest_shortfall) {
+    return Refusal{advance->what == Touched::kTable ? reason::kTable : reason::kObject, miss};
+  }
+  grasp->X_WH.translation() -= short_by * grasp->approach_W;
+  return std::nullopt;
+}
+
+bool HandEvaluator::fingers_meet(const HandGrasp& grasp) const {
+  const robot::HandModel& hand = *hand_.hand;
+  std::vector<RigidTransform> poses;
+  hand.link_poses(grasp.closed_all, poses);
+  for (std::size_t a = 0; a < hand.fingers.size(); ++a) {
+    for (std::size_t b = a + 1; b < hand.fingers.size(); ++b) {
+      for (const int la : hand.fingers[a].links) {
+        for (const int lb : hand.fingers[b].links) {
+          const auto ia = static_cast<std::size_t>(la), ib = static_cast<std::size_t>(lb);
+          if (overlap(hand_.balls.links[ia], poses[ia], hand_.balls.links[ib], poses[ib])) {
+            return true;
+          }
+        }
+      }
+    }
+  }
+  return false;
+}
+
+std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
+                                               const robot::Preshape& preshape,
+                                               HandGrasp* grasp) const {
+  const robot::HandModel& hand = *hand_.hand;
+  if (!reachability_.reaches_direction(candidate.approach_W)) {
+    const double angle =
+        std::acos(std::clamp(reachability_.approach_W->dot(candidate.approach_W), -1.0, 1.0));
+    return Refusal{reason::kDirection,
+                   Miss{Quantity::kAngle, angle, reachability_.approach_tolerance}};
+  }
+  const RigidTransform X_GH = (hand.X_HP * preshape.X_PG).inverse();
+  grasp->preshape = preshape.name;
+  grasp->approach_W = candidate.approach_W;
+  grasp->roll = candidate.roll;
+  grasp->pregrasp_distance = options_.pregrasp_distance;
+  grasp->open = preshape.open;
+  grasp->X_WH = candidate.X_WG * X_GH;
+  Advance advance;
+  if (auto refusal = approach(preshape, grasp, &advance)) return refusal;
+  grasp->X_WG = grasp->X_WH * X_GH.inverse();
+  const Vector3d p_W = grasp->X_WG.translation();
+  for (const Vector3d& p : {p_W, Vector3d(p_W - options_.pregrasp_distance * grasp->approach_W)}) {
+    if (!reachability_.reaches_point(p)) return Refusal{reason::kWorkspace, {}};
+  }
+
+  TouchScene scene{&grid_, table_, obstacle_grid_ ? &*obstacle_grid_ : nullptr};
+  ClosedFingers closed =
+      close_fingers(hand_, grasp->X_WH, preshape, preshape.open, scene, options_.closing);
+  if (closed.other == Touched::kTable) return Refusal{reason::kFingerTable, {}};
+  if (closed.other == Touched::kObstacle) return Refusal{reason::kFingerObstacle, {}};
+  auto fingers = std::count(closed.finger_touches.begin(), closed.finger_touches.end(), true);
+  fingers += std::any_of(closed.contacts.begin(), closed.contacts.end(),
+                         [](const HandContact& contact) { return contact.finger < 0; });
+  if (fingers < options_.least_fingers) {
+    // A hand that the object stopped short of its standoff closes before it.
+    return Refusal{advance.what == Touched::kObject ? reason::kObject : reason::kFewFingers, {}};
+  }
+  std::vector<Contact> contacts;
+  for (const HandContact& contact : closed.contacts) contacts.push_back(contact.contact_W);
+  const Wrenches wrenches =
+      primitive_wrenches(contacts, solid_.center_of_mass_W, solid_.radius, options_.cone_edges);
+  const WrenchHull closure = wrench_hull(wrenches, {.closure_only = true});
+  if (!closure.closed) {
+    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -closure.distance, 0}};
+  }
+  grasp->closed_all = std::move(closed.all);
+  grasp->contacts = std::move(closed.contacts);
+  if (fingers_meet(*grasp)) return Refusal{reason::kFingersMeet, {}};
+  if (options_.reaches) {
+    RigidTransform pregrasp = grasp->X_WH;
+    pregrasp.translation() -= options_.pregrasp_distance * grasp->approach_W;
+    if (!options_.reaches(grasp->X_WH) || !options_.reaches(pregrasp)) {
+      return Refusal{reason::kArm, {}};
+    }
+  }
+  grasp->closed.resize(hand.size());
+  for (int i = 0; i < hand.size(); ++i) {
+    grasp->closed[i] = grasp->closed_all[hand.actuated[static_cast<std::size_t>(i)]];
+  }
+  grasp->quality = wrench_hull(wrenches).epsilon;
+  return std::nullopt;
+}
+
+std::optional<Refusal> HandEvaluator::assess_forces(HandGrasp* grasp) const {
+  ClosedFingers closed;
+  closed.all = grasp->closed_all;
+  closed.contacts = grasp->contacts;
+  const robot::HandModel& hand = *hand_.hand;
+  const Eigen::VectorXd coupled = hand.all_positions(grasp->closed);
+  for (const robot::Breakaway& breakaway : hand.breakaways) {
+    closed.broken_away.push_back(std::max(
+        0.0, std::abs(grasp->closed_all[breakaway.joint] - coupled[breakaway.joint]) - 1e-9));
+  }
+  const HandForces forces = hand_forces(hand, grasp->X_WH, closed, solid_.center_of_mass_W,
+                                        solid_.radius, options_.cone_edges);
+  Vector6 load = Vector6::Zero();
+  load.head<3>() = -solid_.mass * (kGravity + options_.lift_acceleration) * table_.normal;
+  const Holding holding = hold(forces, load);
+  grasp->effort = options_.safety_factor * holding.share;
+  if (!(grasp->effort <= 1)) {
+    return Refusal{reason::kTooWeak, std::isfinite(grasp->effort)
+                                         ? std::optional(Miss{Quantity::kQuality, grasp->effort, 1})
+                                         : std::nullopt};
+  }
+  grasp->torques = options_.safety_factor * holding.torques;
+  grasp->margin = disturbance_margin(forces, load);
+  return std::nullopt;
+}
+
+double HandEvaluator::score(const HandGrasp& grasp) const {
+  const HandScoreWeights& w = options_.weights;
+  Vector3d mean = Vector3d::Zero();
+  double on_pads = 0;
+  for (const HandContact& contact : grasp.contacts) {
+    mean += contact.contact_W.point / static_cast<double>(grasp.contacts.size());
+    const bool on_pad = contact.pad >= 0 || hand_.hand->pads.empty();
+    on_pads += (on_pad ? 1.0 : 0.0) / static_cast<double>(grasp.contacts.size());
+  }
+  const double weight = solid_.mass * kGravity;
+  const double sum = w.quality * grasp.quality / (grasp.quality + 0.05) +
+                     w.margin * grasp.margin / (grasp.margin + weight) +
+                     w.centredness * std::exp(-(mean - solid_.center_of_mass_W).norm() / 0.03) +
+                     w.pads * on_pads;
+  return sum / (w.quality + w.margin + w.centredness + w.pads);
+}
+
+}  // namespace prehend::grasp

@@ -1,0 +1,282 @@
+#include "prehend/grasp/hand_planner.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "prehend/grasp/hand_evaluation.h"
+
+namespace prehend::grasp {
+namespace {
+
+using geometry::RigidTransform;
+using std::chrono::steady_clock;
+
+// In the order of the tests: who fails late was nearly a grasp.
+constexpr std::array kStages{reason::kDirection,      reason::kObstacle,   reason::kTable,
+                             reason::kWorkspace,      reason::kObject,     reason::kFingerTable,
+                             reason::kFingerObstacle, reason::kFewFingers, reason::kNotClosed,
+                             reason::kFingersMeet,    reason::kArm,        reason::kTooWeak};
+
+struct Tried {
+  std::size_t generator = 0, preshape = 0;
+  Candidate candidate;
+};
+
+struct Listed {
+  HandGrasp grasp;
+  std::size_t order = 0;  // of the candidate
+};
+
+// Different standoffs that the same contact ends are one grasp.
+bool same(const HandGrasp& a, const HandGrasp& b) {
+  constexpr double kPosition = 2e-3, kAngle = 0.04;  // m, rad
+  return a.preshape == b.preshape &&
+         (a.X_WH.translation() - b.X_WH.translation()).norm() < kPosition &&
+         Eigen::AngleAxisd(a.X_WH.linear().transpose() * b.X_WH.linear()).angle() < kAngle;
+}
+
+class Planner {
+ public:
+  Planner(const surface::ObjectModel& object, const geometry::Plane& table,
+          const Obstacles& obstacles, const HandToClose& hand, const Reachability& reachability,
+          const HandPlannerOptions& options)
+      : object_(object),
+        evaluator_(make_solid(object.mesh_W, options.density), table, obstacles, hand, reachability,
+                   options),
+        table_(table),
+        hand_(hand),
+        reachability_(reachability),
+        options_(options) {
+    for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
+    if (options.preshapes.empty()) {
+      for (const auto& preshape : hand.hand->preshapes) preshapes_.push_back(&preshape);
+    }
+  }
+
+  HandPlan plan();
+
+ private:
+  std::vector<Tried> candidates() const;
+  void assess_surface(HandGrasp* grasp) const;
+  std::string problem(const HandPlan& result, const Ledger& ledger) const;
+
+  const surface::ObjectModel& object_;
+  HandEvaluator evaluator_;
+  geometry::Plane table_;
+  const HandToClose& hand_;
+  const Reachability& reachability_;
+  const HandPlannerOptions& options_;
+  std::vector<const robot::Preshape*> preshapes_;
+};
+
+std::vector<Tried> Planner::candidates() const {
+  std::vector<Tried> all;
+  for (std::size_t s = 0; s < preshapes_.size(); ++s) {
+    const GraspTarget target{evaluator_.query(), evaluator_.solid().center_of_mass_W, table_,
+                             hand_reach(hand_, *preshapes_[s]), reachability_};
+    for (std::size_t i = 0; i < options_.generators.size(); ++i) {
+      const auto generator = make_generator(options_.generators[i], options_.candidates);
+      for (const Candidate& candidate : generator->generate(target)) {
+        all.push_back({i, s, candidate});
+        if (!options_.both_ways) continue;
+        Candidate turned = candidate;
+        turned.X_WG.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+        turned.roll += std::numbers::pi;
+        all.push_back({i, s, turned});
+      }
+    }
+  }
+  return all;
+}
+
+// How many of the contacts are on surface that nobody saw.
+void Planner::assess_surface(HandGrasp* grasp) const {
+  if (object_.vertex_origin.size() != object_.mesh_W.vertices.size()) return;
+  for (const HandContact& contact : grasp->contacts) {
+    const auto nearest = evaluator_.query().nearest(contact.contact_W.point);
+    if (!nearest) continue;
+    const Eigen::Vector3i& t =
+        object_.mesh_W.triangles[static_cast<std::size_t>(nearest->triangle)];
+    double unseen = 0;
+    for (int k = 0; k < 3; ++k) {
+      unseen +=
+          object_.vertex_origin[static_cast<std::size_t>(t[k])] == surface::SurfaceOrigin::kSeen
+              ? 0
+              : 1.0 / 3;
+    }
+    grasp->guessed_contact += unseen / static_cast<double>(grasp->contacts.size());
+  }
+  if (grasp->guessed_contact > 0.005) {
+    grasp->remark = fmt::format("{:.0f} % of the contacts are on surface that nobody saw",
+                                100 * std::min(1.0, grasp->guessed_contact));
+  }
+}
+
+// The one reason to tell: the last test that at least a tenth of the candidates got to.
+std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const {
+  const int reachable = result.candidates - ledger.count(reason::kDirection);
+  if (reachable == 0) return "cannot be grasped: no approach to it is within the robot's reach";
+  const char* last = reason::kNoTime;
+  for (const char* stage : kStages) {
+    if (stage != reason::kDirection && 10 * ledger.count(stage) >= reachable) last = stage;
+  }
+  return fmt::format("cannot be grasped: {} ({} of {} reachable candidates)", last,
+                     ledger.count(last), reachable);
+}
+
+HandPlan Planner::plan() {
+  const auto start = steady_clock::now();
+  const std::vector<Tried> tried = candidates();
+  HandPlan result;
+  result.candidates = static_cast<int>(tried.size());
+  result.mass = evaluator_.solid().mass;
+  Ledger ledger;
+  // With a budget in strides, so that whatever is tried is spread over all candidates.
+  std::size_t stride = 1;
+  if (options_.budget > 0 && tried.size() > 2) {
+    stride = static_cast<std::size_t>(static_cast<double>(tried.size()) / std::numbers::phi);
+    while (std::gcd(stride, tried.size()) != 1) ++stride;
+  }
+  std::vector<Listed> listed;
+  bool out_of_time = false;
+  for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
+    out_of_time =
+        out_of_time ||
+        (options_.budget > 0 &&
+         std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget);
+    const std::string& generator = options_.generators[tried[at].generator];
+    if (out_of_time) {
+      ledger.reject(reason::kNoTime, generator);
+      continue;
+    }
+    HandGrasp grasp;
+    grasp.generator = generator;
+    if (const auto refusal =
+            evaluator_.evaluate(tried[at].candidate, *preshapes_[tried[at].preshape], &grasp)) {
+      ledger.reject(refusal->reason, generator, refusal->miss);
+      continue;
+    }
+    grasp.score = evaluator_.score(grasp);
+    listed.push_back({std::move(grasp), at});
+  }
+  const auto better = [](const Listed& a, const Listed& b) {
+    return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
+  };
+  std::sort(listed.begin(), listed.end(), better);
+  // Forces take longest: of the best alone, until there are enough.
+  std::vector<Listed> best;
+  for (Listed& one : listed) {
+    if (static_cast<int>(best.size()) == options_.largest_count) {
+      ledger.reject(reason::kRankedBelow, one.grasp.generator);
+    } else if (std::any_of(best.begin(), best.end(),
+                           [&one](const Listed& other) { return same(one.grasp, other.grasp); })) {
+      ledger.reject(reason::kSame, one.grasp.generator);
+    } else if (const auto refusal = evaluator_.assess_forces(&one.grasp)) {
+      ledger.reject(refusal->reason, one.grasp.generator, refusal->miss);
+    } else {
+      assess_surface(&one.grasp);
+      one.grasp.score = evaluator_.score(one.grasp);
+      best.push_back(std::move(one));
+    }
+  }
+  std::sort(best.begin(), best.end(), better);
+  for (Listed& one : best) result.grasps.push_back(std::move(one.grasp));
+  result.rejections = ledger.rejections();
+  if (result.grasps.empty()) result.problem = problem(result, ledger);
+  return result;
+}
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument("HandPlannerOptions." + message);
+}
+
+}  // namespace
+
+HandPlannerOptions::HandPlannerOptions() {
+  candidates.circles.directions_per_circle = 12;
+  candidates.circles.rolls = 6;
+  candidates.circles.standoffs = 3;
+  candidates.circles.lateral_offsets = {0.0};
+  candidates.samples = 40;
+}
+
+void HandPlannerOptions::validate() const {
+  require(!generators.empty(), "generators must name at least one generator");
+  candidates.validate();
+  closing.validate();
+  collision.validate();
+  require(cone_edges >= 3, "cone_edges must be at least 3");
+  require(density > 0, "density must be positive");
+  require(safety_factor >= 1, "safety_factor must be at least 1");
+  require(lift_acceleration >= 0, "lift_acceleration must not be negative");
+  require(pregrasp_distance > 0, "pregrasp_distance must be positive");
+  require(largest_shortfall >= 0, "largest_shortfall must not be negative");
+  require(least_fingers > 0, "least_fingers must be positive");
+  require(largest_count > 0, "largest_count must be positive");
+  require(budget >= 0, "budget must not be negative");
+  const auto& w = weights;
+  require(w.quality >= 0 && w.margin >= 0 && w.centredness >= 0 && w.pads >= 0 &&
+              w.quality + w.margin + w.centredness + w.pads > 0,
+          "weights must not be negative, nor all zero");
+}
+
+HandReach hand_reach(const HandToClose& hand, const robot::Preshape& preshape) {
+  constexpr int kSteps = 16;
+  const robot::HandModel& model = *hand.hand;
+  const RigidTransform X_GH = (model.X_HP * preshape.X_PG).inverse();
+  HandReach reach;
+  reach.tip_z = -std::numeric_limits<double>::infinity();
+  double inner[2] = {std::numeric_limits<double>::infinity(),
+                     -std::numeric_limits<double>::infinity()};  // at +y and -y
+  std::vector<RigidTransform> poses;
+  Eigen::VectorXd motors = preshape.open;
+  for (int step = 0; step <= kSteps; ++step) {
+    // Over a right angle of closing, or until a joint is at its limit.
+    const Eigen::VectorXd all = model.all_positions(motors);
+    if (step > 0 && !model.limit_problem(all).empty()) break;
+    model.link_poses(all, poses);
+    for (const robot::Finger& finger : model.fingers) {
+      for (const int link : finger.links) {
+        const LinkBalls& balls = hand.balls.links[static_cast<std::size_t>(link)];
+        for (std::size_t b = 0; b < balls.centers.size(); ++b) {
+          const Eigen::Vector3d p_G =
+              X_GH * (poses[static_cast<std::size_t>(link)] * balls.centers[b]);
+          reach.tip_z = std::max(reach.tip_z, p_G.z() + balls.radii[b]);
+          if (step > 0 || link != finger.links.back()) continue;
+          if (p_G.y() > 0) inner[0] = std::min(inner[0], p_G.y() - balls.radii[b]);
+          if (p_G.y() < 0) inner[1] = std::max(inner[1], p_G.y() + balls.radii[b]);
+        }
+      }
+    }
+    for (int i = 0; i < model.size(); ++i) {
+      const bool turns =
+          model.model.joints[static_cast<std::size_t>(model.actuated[static_cast<std::size_t>(i)])]
+              .kind == robot::Joint::Kind::kRevolute;
+      motors[i] += preshape.closing[static_cast<std::size_t>(i)].rate *
+                   (turns ? std::numbers::pi / 2 : 0.1) / kSteps;
+    }
+  }
+  reach.max_opening = std::isfinite(inner[0] - inner[1]) ? std::max(0.0, inner[0] - inner[1]) : 0;
+  reach.pad_length = 0.04;
+  for (const auto& pad : model.pads)
+    reach.pad_length = std::max(reach.pad_length, pad.model.length());
+  return reach;
+}
+
+HandPlan plan_hand_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
+                          const Obstacles& obstacles, const HandToClose& hand,
+                          const Reachability& reachability, const HandPlannerOptions& options) {
+  options.validate();
+  return Planner(object, table, obstacles, hand, reachability, options).plan();
+}
+
+}  // namespace prehend::grasp

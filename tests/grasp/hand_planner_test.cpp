@@ -1,0 +1,254 @@
+#include "prehend/grasp/hand_planner.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/grasp/hand_evaluation.h"
+#include "tests/grasp/hand_scene.h"
+
+namespace prehend::grasp {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+const geometry::Plane kTable{};
+
+surface::ObjectModel standing(const geometry::TriangleMesh& mesh) {
+  const double lowest = geometry::bounds(mesh).min().z();
+  surface::ObjectModel object;
+  object.mesh_W = moved(mesh, Vector3d(0, 0, -lowest));
+  return object;
+}
+
+/// Few candidates, so that tests are quick.
+HandPlannerOptions quick() {
+  HandPlannerOptions options;
+  options.candidates.circles.directions_per_circle = 6;
+  options.candidates.circles.rolls = 3;
+  options.candidates.circles.standoffs = 2;
+  options.largest_count = 8;
+  return options;
+}
+
+int counted(const HandPlan& plan) {
+  int sum = static_cast<int>(plan.grasps.size());
+  for (const Rejection& rejection : plan.rejections) sum += rejection.count;
+  return sum;
+}
+
+int count(const HandPlan& plan, const std::string& reason) {
+  int sum = 0;
+  for (const Rejection& rejection : plan.rejections) {
+    sum += rejection.reason == reason ? rejection.count : 0;
+  }
+  return sum;
+}
+
+/// What a grasp claims, by other means: exact distances, the linear programme.
+void check_grasp(const TestHand& hand, const surface::ObjectModel& object, const HandGrasp& grasp,
+                 const std::string& what) {
+  const geometry::MeshQuery query(object.mesh_W);
+  // On its way the open hand keeps clear; closed it enters neither object nor table.
+  const Eigen::VectorXd open = hand.model.all_positions(grasp.open);
+  const auto clearance = [&](const Eigen::VectorXd& all, double back, bool table) {
+    std::vector<RigidTransform> poses;
+    hand.model.link_poses(all, poses);
+    double least = 1;
+    for (std::size_t l = 0; l < poses.size(); ++l) {
+      const LinkBalls& balls = hand.ready.balls.links[l];
+      for (std::size_t b = 0; b < balls.centers.size(); b += table ? 1 : 7) {
+        const Vector3d p = grasp.X_WH * (poses[l] * balls.centers[b]) - back * grasp.approach_W;
+        const auto near = query.nearest(p, 0.03);
+        least = std::min({least, kTable.signed_distance(p) - balls.radii[b],
+                          near ? near->distance - balls.radii[b] : 1});
+      }
+    }
+    return least;
+  };
+  for (int i = 0; i <= 10; ++i) {
+    EXPECT_GT(clearance(open, grasp.pregrasp_distance * i / 10, false), 0.0012) << what;
+  }
+  EXPECT_GT(clearance(grasp.closed_all, 0, true), -4e-4) << what;
+  EXPECT_EQ(hand.model.limit_problem(grasp.closed_all), "") << what;
+
+  const Solid solid = make_solid(object.mesh_W, 800);
+  std::vector<Contact> contacts;
+  for (const HandContact& contact : grasp.contacts) contacts.push_back(contact.contact_W);
+  const ForceClosure closure =
+      evaluate_force_closure(contacts, solid.center_of_mass_W, solid.radius);
+  EXPECT_TRUE(closure.closed) << what;
+  EXPECT_GT(grasp.quality, 0) << what;
+  EXPECT_LE(grasp.quality, closure.quality + 1e-6) << what;
+  EXPECT_LE(grasp.effort, 1) << what;
+  EXPECT_GT(grasp.effort, 0) << what;
+  EXPECT_GE(grasp.margin, 0) << what;
+  EXPECT_GT(grasp.score, 0) << what;
+  EXPECT_LE(grasp.score, 1) << what;
+  for (int m = 0; m < hand.model.size(); ++m) {
+    const auto& joint =
+        hand.model.model
+            .joints[static_cast<std::size_t>(hand.model.actuated[static_cast<std::size_t>(m)])];
+    EXPECT_LE(std::abs(grasp.torques[m]), joint.max_effort * (1 + 1e-9)) << what;
+  }
+}
+
+TEST(PlanHandGrasps, GraspsEverydayThingsAndEachClaimHolds) {
+  const std::pair<const char*, geometry::TriangleMesh> things[] = {
+      {"ball", geometry::make_sphere(0.035, 48)},
+      {"carton", geometry::make_box({0.05, 0.07, 0.12})},
+      {"can", geometry::make_revolution({{0.033, 0}, {0.033, 0.12}})},
+      {"bar", geometry::make_box({0.15, 0.02, 0.03})}};
+  for (const char* name : {"sdh2", "bh8"}) {
+    const TestHand hand(name);
+    for (const auto& [thing, mesh] : things) {
+      const surface::ObjectModel object = standing(mesh);
+      const HandPlan plan = plan_hand_grasps(object, kTable, {}, hand.ready, {}, quick());
+      EXPECT_GE(plan.grasps.size(), 3u) << name << " " << thing << ": " << plan.problem;
+      EXPECT_EQ(counted(plan), plan.candidates);
+      EXPECT_TRUE(plan.problem.empty());
+      for (std::size_t i = 0; i < plan.grasps.size(); ++i) {
+        check_grasp(hand, object, plan.grasps[i],
+                    std::string(name) + " " + thing + " " + std::to_string(i));
+        EXPECT_LE(plan.grasps[i].score, plan.grasps[i == 0 ? 0 : i - 1].score);
+      }
+    }
+  }
+}
+
+bool equal(const HandPlan& a, const HandPlan& b) {
+  if (a.grasps.size() != b.grasps.size() || a.rejections.size() != b.rejections.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.grasps.size(); ++i) {
+    if (a.grasps[i].score != b.grasps[i].score ||
+        a.grasps[i].X_WH.matrix() != b.grasps[i].X_WH.matrix() ||
+        a.grasps[i].closed_all != b.grasps[i].closed_all) {
+      return false;
+    }
+  }
+  for (std::size_t i = 0; i < a.rejections.size(); ++i) {
+    if (a.rejections[i].count != b.rejections[i].count ||
+        a.rejections[i].nearest_miss != b.rejections[i].nearest_miss) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TEST(PlanHandGrasps, IsTheSameAgainAndInSeveralThreads) {
+  const TestHand hand("sdh2");
+  const surface::ObjectModel object = standing(geometry::make_box({0.04, 0.06, 0.1}));
+  const auto plan = [&] { return plan_hand_grasps(object, kTable, {}, hand.ready, {}, quick()); };
+  const HandPlan first = plan();
+  HandPlan others[2];
+  std::thread one([&] { others[0] = plan(); }), two([&] { others[1] = plan(); });
+  one.join();
+  two.join();
+  EXPECT_TRUE(equal(first, others[0]));
+  EXPECT_TRUE(equal(first, others[1]));
+}
+
+TEST(PlanHandGrasps, SaysWhyThereIsNoGrasp) {
+  const TestHand hand("sdh2");
+  // Larger than the hand.
+  const HandPlan large = plan_hand_grasps(standing(geometry::make_box({0.5, 0.5, 0.5})), kTable, {},
+                                          hand.ready, {}, quick());
+  EXPECT_TRUE(large.grasps.empty());
+  EXPECT_NE(large.problem.find("cannot be grasped: "), std::string::npos);
+  EXPECT_EQ(counted(large), large.candidates);
+  // Of osmium, a hundredweight.
+  const surface::ObjectModel carton = standing(geometry::make_box({0.05, 0.07, 0.12}));
+  HandPlannerOptions heavy = quick();
+  heavy.density = 120000;
+  const HandPlan too_heavy = plan_hand_grasps(carton, kTable, {}, hand.ready, {}, heavy);
+  EXPECT_TRUE(too_heavy.grasps.empty());
+  EXPECT_GT(count(too_heavy, reason::kTooWeak), 0);
+  EXPECT_NEAR(too_heavy.mass, 120000 * 0.05 * 0.07 * 0.12, 1e-6);
+  // Walled in.
+  Obstacles walls;
+  for (const double side : {-1.0, 1.0}) {
+    walls.meshes_W.push_back(
+        moved(geometry::make_box({0.02, 0.5, 0.5}), Vector3d(0.05 * side, 0, 0.25)));
+    walls.meshes_W.push_back(
+        moved(geometry::make_box({0.5, 0.02, 0.5}), Vector3d(0, 0.06 * side, 0.25)));
+  }
+  const HandPlan walled = plan_hand_grasps(carton, kTable, walls, hand.ready, {}, quick());
+  EXPECT_TRUE(walled.grasps.empty());
+  EXPECT_GT(count(walled, reason::kObstacle), 0);
+  // A cloud of points in the way does the same as a mesh.
+  Obstacles cloud;
+  for (int i = -8; i <= 8; ++i) {
+    for (int j = -8; j <= 8; ++j) cloud.cloud_W.points.emplace_back(0.02 * i, 0.02 * j, 0.2);
+  }
+  Reachability from_above;
+  from_above.approach_W = -Vector3d::UnitZ();
+  const HandPlan under = plan_hand_grasps(carton, kTable, cloud, hand.ready, from_above, quick());
+  EXPECT_TRUE(under.grasps.empty());
+  EXPECT_GT(count(under, reason::kObstacle), 0);
+  EXPECT_GT(count(under, reason::kDirection), 0);
+  // An arm that reaches nothing.
+  HandPlannerOptions nowhere = quick();
+  nowhere.reaches = [](const RigidTransform&) { return false; };
+  const HandPlan unreached = plan_hand_grasps(carton, kTable, {}, hand.ready, {}, nowhere);
+  EXPECT_TRUE(unreached.grasps.empty());
+  EXPECT_GT(count(unreached, reason::kArm), 0);
+}
+
+TEST(PlanHandGrasps, ContactOnGuessedSurfaceIsTold) {
+  const TestHand hand("bh8");
+  surface::ObjectModel object = standing(geometry::make_sphere(0.035, 48));
+  for (const auto& v : object.mesh_W.vertices) {
+    object.vertex_origin.push_back(v.x() > 0 ? surface::SurfaceOrigin::kSeen
+                                             : surface::SurfaceOrigin::kPredicted);
+  }
+  const HandPlan plan = plan_hand_grasps(object, kTable, {}, hand.ready, {}, quick());
+  ASSERT_FALSE(plan.grasps.empty());
+  int told = 0;
+  for (const HandGrasp& grasp : plan.grasps) {
+    EXPECT_GE(grasp.guessed_contact, 0);
+    EXPECT_LE(grasp.guessed_contact, 1 + 1e-12);
+    EXPECT_EQ(grasp.remark.empty(), grasp.guessed_contact <= 0.005);
+    told += static_cast<int>(!grasp.remark.empty());
+  }
+  EXPECT_GT(told, 0);
+}
+
+TEST(PlanHandGrasps, BudgetEndsItAndCountsTheRest) {
+  const TestHand hand("sdh2");
+  const surface::ObjectModel object = standing(geometry::make_box({0.04, 0.06, 0.1}));
+  HandPlannerOptions options = quick();
+  options.budget = 1e-9;
+  const HandPlan plan = plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  EXPECT_TRUE(plan.grasps.empty());
+  EXPECT_EQ(count(plan, reason::kNoTime), plan.candidates);
+}
+
+TEST(PlanHandGrasps, OptionsAndNamesAreChecked) {
+  const TestHand hand("sdh2");
+  const surface::ObjectModel object = standing(geometry::make_box({0.04, 0.06, 0.1}));
+  const auto plan = [&](const auto& change) {
+    HandPlannerOptions options = quick();
+    change(options);
+    return plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  };
+  EXPECT_THROW(plan([](auto& o) { o.cone_edges = 2; }), std::invalid_argument);
+  EXPECT_THROW(plan([](auto& o) { o.density = 0; }), std::invalid_argument);
+  EXPECT_THROW(plan([](auto& o) { o.safety_factor = std::nan(""); }), std::invalid_argument);
+  EXPECT_THROW(plan([](auto& o) { o.generators = {}; }), std::invalid_argument);
+  EXPECT_THROW(plan([](auto& o) { o.generators = {"circle"}; }), std::invalid_argument);
+  EXPECT_THROW(plan([](auto& o) { o.preshapes = {"sferical"}; }), geometry::InputError);
+  const HandPlan one = plan([](auto& o) { o.preshapes = {"cylindrical"}; });
+  ASSERT_FALSE(one.grasps.empty());
+  for (const HandGrasp& grasp : one.grasps) EXPECT_EQ(grasp.preshape, "cylindrical");
+  surface::ObjectModel nothing;
+  EXPECT_THROW(plan_hand_grasps(nothing, kTable, {}, hand.ready, {}, quick()),
+               geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::grasp
