@@ -10,6 +10,7 @@
 #include "prehend/contact/pad_kernel.h"
 #include "prehend/simulation/engines/registry.h"
 #include "prehend/simulation/work_cycle.h"
+#include "prehend/simulation/world.h"
 
 namespace {
 
@@ -145,6 +146,68 @@ BENCHMARK(BM_WorkCycle)
                    {0, 1},
                    {100, 300, 1000}})
     ->Unit(benchmark::kMillisecond);
+
+// simulation::World closes, presses, lifts, holds 5 s, puts down, opens and goes: 18 s. Returns the
+// box's places at the phases' ends at which the carrier stands.
+std::vector<Eigen::Vector3d> world_cycle(const simulation::Scene& scene, double& spent) {
+  simulation::World world(scene);
+  std::vector<Eigen::Vector3d> places;
+  const auto at = [&](double height) { return scene.carrier.gripper_pose({0, 0, height}, 0); };
+  const auto advance = [&](double seconds) {
+    const std::clock_t begin = std::clock();
+    world.advance(seconds);
+    spent += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    places.emplace_back(world.body("box").X_WB.translation());
+  };
+  world.set_gripper_command(simulation::GripperMode::kVelocity, -0.01, 0.4);
+  advance(1.5);
+  world.set_gripper_command(simulation::GripperMode::kCurrent, -1.0);
+  advance(0.5);
+  world.move_carrier(at(0.17), 0.05);
+  advance(3);
+  advance(5);
+  world.move_carrier(at(0.0705), 0.05);
+  advance(3);
+  world.set_gripper_command(simulation::GripperMode::kPosition, 0.069);
+  advance(2);
+  world.move_carrier(at(0.3), 0.1);
+  advance(3);
+  return places;
+}
+
+// Argument: 0 steps of 1 ms, first order; 1 second order; 2 adaptive, 10 um.
+void BM_WorldCycle(benchmark::State& state) {
+  simulation::Scene scene;
+  scene.start_opening = 0.06;
+  scene.carrier.start = {0, 0, 0.07};
+  scene.gripper.pad.law = law();
+  simulation::SceneObject box;
+  box.name = "box";
+  box.size = {0.07, 0.048, 0.1};
+  scene.objects.push_back(box);
+  scene.physics.integration =
+      state.range(0) == 1 ? Integration::kSecondOrder : Integration::kFirstOrder;
+  scene.physics.adaptive = state.range(0) == 2;
+  double spent = 0, simulated = 0;
+  std::vector<Eigen::Vector3d> places;
+  for (auto _ : state) {
+    places = world_cycle(scene, spent);
+    simulated += 18;
+  }
+  scene.step = 1e-4;
+  scene.physics.adaptive = false;
+  scene.physics.integration = Integration::kSecondOrder;
+  double other = 0, worst = 0;
+  const std::vector<Eigen::Vector3d> fine = world_cycle(scene, other);
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    worst = std::max(worst, (places[i] - fine[i]).norm());
+  }
+  state.counters["real_time_factor"] = simulated / spent;
+  state.counters["error_um"] = 1e6 * worst;
+  constexpr const char* kNames[] = {"1 ms, first order", "1 ms, second order", "adaptive, 10 um"};
+  state.SetLabel(std::string("World, ") + kNames[state.range(0)]);
+}
+BENCHMARK(BM_WorldCycle)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 // The same held cube on MuJoCo, each texel a contact; and ours in turn with it.
 void BM_HeldStepBesideMujoco(benchmark::State& state) {

@@ -145,6 +145,23 @@ contact::SlideModel SpindleDrive::slide() const {
   return slide;
 }
 
+double SpindleDrive::steady_time(double position) const {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  if (mode_ == ControlMode::kCurrent || mode_ == ControlMode::kVoltage) return kForever;
+  if (begins_) return 0;
+  const double lead = model_.servo_stiffness * std::abs(reference_ - position);
+  if (lead >= model_.force_per_current() * current_limit()) return kForever;  // blocked
+  const double most = most_speed_ > 0 ? std::min(most_speed_, model_.max_speed) : model_.max_speed;
+  const double speed = std::abs(speed_reference_);
+  if (mode_ == ControlMode::kVelocity) {
+    return speed_reference_ == std::clamp(target_, -most, most) ? kForever : 0;
+  }
+  const double left = std::abs(target_ - reference_);
+  if (left < 1e-12 && speed == 0) return kForever;
+  const bool runs = speed >= most * (1 - 1e-9);
+  return runs ? std::max(0.0, left / speed - 0.5 * speed / model_.max_acceleration) : 0;
+}
+
 // The servo's reference over the coming step; `limit` is that of the force [N].
 void SpindleDrive::lead(double h, double position, double velocity, double limit) {
   const double a = model_.max_acceleration;

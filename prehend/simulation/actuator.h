@@ -116,6 +116,9 @@ class SpindleDrive : public Actuator {
   double current() const override { return current_; }
   double temperature() const { return temperature_; }  // degrees Celsius
   double current_limit() const;                        // A, now
+  /// For how long [s] the servo's speed stays as it is, unless something gets in its way, with the
+  /// slide at `position` [m]: 0 while it speeds up or brakes, infinity when blocked or not asked.
+  double steady_time(double position) const;
   const SpindleDriveModel& model() const { return model_; }
 
   /// All that changes, for saving: see StateWriter.

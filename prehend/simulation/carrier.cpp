@@ -1,5 +1,6 @@
 #include "prehend/simulation/carrier.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -84,12 +85,54 @@ void Carrier::end_step(double h) {
   position_ += h * velocity();
   yaw_ += h * yaw_rate();
   path_remaining_ = std::max(0.0, path_remaining_ - h * path_speed_);
-  if (!braking_ && path_remaining_ < 1e-9 && path_speed_ <= path_acceleration_ * h) {
+  if (!braking_ && path_remaining_ < 1e-9 && path_speed_ <= path_acceleration_ * h) arrive();
+}
+
+void Carrier::arrive() {
+  path_remaining_ = 0;
+  path_speed_ = 0;
+  position_ = goal_->position;
+  yaw_ = goal_->yaw;
+}
+
+// Speeds up, goes on or brakes, so that it stands at the goal.
+Carrier::Segment Carrier::segment() {
+  constexpr double kSame = 1e-9;  // relative
+  if (braking_ && path_speed_ == 0) {
+    braking_ = false;
     path_remaining_ = 0;
-    path_speed_ = 0;
-    position_ = goal_->position;
-    yaw_ = goal_->yaw;
   }
+  if (!braking_ && next_) {
+    const Target target = *next_;
+    next_.reset();
+    start(target);
+  }
+  const double v = path_speed_, A = path_acceleration_, left = path_remaining_;
+  if (braking_) return {-A, v / A};
+  if (left <= 0) return {0, std::numeric_limits<double>::infinity()};
+  const double braking = v * v / (2 * A);
+  if (left <= braking * (1 + kSame)) return {-v * v / (2 * left), 2 * left / v};
+  if (v >= path_max_speed_ * (1 - kSame)) return {0, (left - braking) / v};
+  // To the full speed, or to where braking has to begin: v t + A t^2 / 2 + (v + A t)^2 / (2 A).
+  const double to_brake = (std::sqrt(0.5 * v * v + A * left) - v) / A;
+  return {A, std::min((path_max_speed_ - v) / A, to_brake)};
+}
+
+double Carrier::time_to_bend() { return segment().duration; }
+
+void Carrier::begin_exact_step() { ramp_ = segment().ramp; }
+
+void Carrier::end_exact_step(double h) {
+  const double way = h * (path_speed_ + 0.5 * h * ramp_);
+  position_ += way * path_direction_;
+  yaw_ += way * path_yaw_;
+  path_remaining_ = std::max(0.0, path_remaining_ - way);
+  path_speed_ = std::clamp(path_speed_ + h * ramp_, 0.0, path_max_speed_);
+  // Rounding of a braking's end.
+  const bool slow = path_speed_ < 1e-9 * path_max_speed_;
+  if (ramp_ < 0 && slow) path_speed_ = 0;
+  if (ramp_ < 0 && slow && !braking_) arrive();
+  ramp_ = 0;
 }
 
 double Carrier::remaining() const {

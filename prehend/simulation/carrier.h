@@ -22,11 +22,25 @@ class Carrier {
   /// Moves the pose by that velocity.
   void end_step(double h);
 
+  // Steps of any length, on the trapezoid itself: position and speed are exact while no step goes
+  // beyond time_to_bend(). Not to be mixed with the steps above.
+  /// For how long [s] the acceleration now stays the same; infinity at rest. Starts what waits.
+  double time_to_bend();
+  /// Chooses the acceleration of the coming step; pose_after and velocity_after follow it.
+  void begin_exact_step();
+  void end_exact_step(double h);
+
   geometry::RigidTransform pose() const { return model_.gripper_pose(position_, yaw_); }
-  /// Where it is `t` [s] after the step's beginning.
+  /// Where it is `t` [s] after the step's beginning, and how fast then.
   geometry::RigidTransform pose_after(double t) const {
-    return model_.gripper_pose(position_ + t * velocity(), yaw_ + t * yaw_rate());
+    if (ramp_ == 0) return model_.gripper_pose(position_ + t * velocity(), yaw_ + t * yaw_rate());
+    const double way = t * (path_speed_ + 0.5 * t * ramp_);
+    return model_.gripper_pose(position_ + way * path_direction_, yaw_ + way * path_yaw_);
   }
+  Eigen::Vector3d velocity_after(double t) const {
+    return (path_speed_ + t * ramp_) * path_direction_;
+  }
+  double yaw_rate_after(double t) const { return (path_speed_ + t * ramp_) * path_yaw_; }
   Eigen::Vector3d velocity() const { return path_speed_ * path_direction_; }  // m/s
   double yaw_rate() const { return path_speed_ * path_yaw_; }                 // rad/s
   bool moving() const { return path_speed_ != 0 || path_remaining_ > 0 || next_.has_value(); }
@@ -48,7 +62,13 @@ class Carrier {
       archive(position, yaw, speed);
     }
   };
+  struct Segment {
+    double ramp = 0;      // 1/s^2
+    double duration = 0;  // s, infinity at rest
+  };
+  Segment segment();
   void start(const Target& target);
+  void arrive();
 
   CarrierModel model_;
   Eigen::Vector3d position_;
@@ -59,6 +79,7 @@ class Carrier {
   double path_remaining_ = 0;                                 // units
   double path_speed_ = 0, path_max_speed_ = 0, path_acceleration_ = 0;
   bool braking_ = false;
+  double ramp_ = 0;  // 1/s^2, of the exact step under way
   std::optional<Target> goal_;
   std::optional<Target> next_;  // begins when the running motion has stopped
 };

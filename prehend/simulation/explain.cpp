@@ -52,6 +52,13 @@ const char* shape_text(contact::Shape::Kind kind) {
 }
 
 void explain_integration(const Scene& scene, Explanation& out) {
+  if (scene.physics.adaptive) {
+    out.modelled.push_back(
+        {"time", text("implicit steps of second order (SDIRK2), up to 0.1 s, for a tolerance of %g "
+                      "um; at most %g ms while the drive speeds up or brakes",
+                      1e6 * scene.physics.tolerance, 1e3 * scene.step)});
+    return;
+  }
   const bool second = scene.physics.integration == contact::Integration::kSecondOrder;
   out.modelled.push_back(
       {"time", text("implicit steps of %g ms, %s; at most %d solutions each", 1e3 * scene.step,

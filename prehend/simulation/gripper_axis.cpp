@@ -61,6 +61,15 @@ double GripperAxis::to_end(double position) const {
   return target_ < 0 ? -position : gripper_.max_opening + position;
 }
 
+double GripperAxis::steady_time(double position) const {
+  const double of_drive = drive_.steady_time(position);
+  if (mode_ == GripperMode::kPosition || target_ == 0) return of_drive;
+  const double left = to_end(position), speed = std::abs(target_);
+  if (left < kPositionTolerance && !moving_) return of_drive;  // stands at the end of its stroke
+  const double to_brake = left / speed - 0.5 * speed / gripper_.max_acceleration;
+  return std::max(0.0, std::min(of_drive, to_brake));
+}
+
 contact::SlideCommand GripperAxis::begin_step(double h, double position, double velocity) {
   if (mode_ != GripperMode::kPosition && target_ != 0) {
     // No faster than what stops at the end of the stroke.

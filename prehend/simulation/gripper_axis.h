@@ -27,6 +27,9 @@ class GripperAxis {
   /// See SpindleDrive::observe_load.
   void observe_load(double load) { drive_.observe_load(load); }
 
+  /// For how long [s] it goes on as it does, see SpindleDrive::steady_time.
+  double steady_time(double position) const;
+
   contact::SlideModel slide() const { return drive_.slide(); }
   double current() const { return -drive_.current(); }  // A, negative closes
   double temperature() const { return drive_.temperature(); }

@@ -100,10 +100,13 @@ void read_physics(const YAML::Node& node, const Path& file, bool has_step, Scene
     map.fail("engine", trouble->wrong, trouble->mend);
   }
   map.read("solver", physics.solver);
-  if (map.child("step").IsDefined() && has_step) {
+  const YAML::Node step = map.child("step");
+  physics.adaptive = step.IsDefined() && step.IsScalar() && step.Scalar() == "adaptive";
+  if (step.IsDefined() && !physics.adaptive && has_step) {
     map.fail("step", "stands beside the scene's own step", "Keep one of the two");
   }
-  map.read("step", scene.step);
+  if (!physics.adaptive) map.read("step", scene.step);
+  map.read("tolerance", physics.tolerance);
   map.read("velocity_tolerance", physics.velocity_tolerance);
   map.read("most_iterations", physics.most_iterations);
   map.choose<bool>("pads", {{"texels", false}, {"rigid", true}}, physics.rules.rigid_pads);

@@ -46,6 +46,9 @@ struct PhysicsOptions {
   std::string solver;  // one of the plug-in's, empty: its first
   /// kFirstOrder: backward Euler; kSecondOrder: SDIRK2, see GraspStepper; twice the work a step.
   contact::Integration integration = contact::Integration::kFirstOrder;
+  /// Steps of second order, as long as `tolerance` allows: see World::advance.
+  bool adaptive = false;
+  double tolerance = 1e-5;           // m, > 0
   double velocity_tolerance = 1e-9;  // m/s, see contact::SolveOptions
   int most_iterations = 6;
   ModelRules rules;

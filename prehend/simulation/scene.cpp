@@ -64,6 +64,7 @@ void validate_plug_in(const Scene& scene) {
   const std::string engine = scene.physics.engine + " as engine";
   require(scene.physics.integration == contact::Integration::kFirstOrder,
           "physics.integration with " + engine, "first_order");
+  require(!scene.physics.adaptive, "physics.step with " + engine, "a number");
   require(scene.physics.rules.primitives, "physics.rules.primitives with " + engine, "true");
   for (const SceneObject& object : scene.objects) {
     require(primitive_shape(object).has_value(),
@@ -116,6 +117,7 @@ void validate(const Scene& scene) {
     validate_plug_in(scene);
   else
     require(scene.physics.solver.empty(), "physics.solver", "left out: native has one");
+  require_positive(scene.physics.tolerance, "physics.tolerance");
   require_positive(scene.physics.velocity_tolerance, "physics.velocity_tolerance");
   require(scene.physics.most_iterations >= 1 && scene.physics.most_iterations <= 100,
           "physics.most_iterations", "1 to 100");

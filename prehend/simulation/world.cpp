@@ -44,7 +44,8 @@ World::Implementation::Implementation(const Scene& scene_in)
             {},
             0,
             {},
-            {}},
+            {},
+            scene_in.physics.adaptive ? scene_in.step : 0.0},
       mounts{mount_of(scene_in.gripper, 0), mount_of(scene_in.gripper, 1)},
       reaches{contact::PadReach(mounts[0].layout), contact::PadReach(mounts[1].layout)},
       slide_model(state.gripper.slide()),
@@ -167,6 +168,16 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 void World::step() { implementation_->step(); }
+void World::advance(double duration) {
+  const double step = implementation_->scene.step, count = std::round(duration / step);
+  if (!(count >= 0 && std::abs(count * step - duration) <= 1e-6 * step)) {
+    throw std::invalid_argument("duration must be a whole number of steps of " +
+                                std::to_string(step) + " s, not negative");
+  }
+  const auto ticks = static_cast<std::int64_t>(count);
+  if (implementation_->scene.physics.adaptive) return implementation_->advance_adaptively(ticks);
+  for (std::int64_t i = 0; i < ticks; ++i) implementation_->step();
+}
 double World::time() const { return implementation_->state.steps * implementation_->scene.step; }
 const Scene& World::scene() const { return implementation_->scene; }
 

@@ -111,6 +111,17 @@ class World {
   /// Advances by scene().step. Cost: 0.5 us, and 2 to 15 us for each object that is awake, held or
   /// not; more where objects touch one another. Allocates nothing once its buffers have grown.
   void step();
+  /// Advances by `duration` [s], a whole number of scene().step. With fixed steps the same as that
+  /// many step(). With `physics.adaptive` in steps of second order that are as long as can be, at
+  /// most 0.1 s: each is taken whole and in halves, and is taken again shorter when the two differ
+  /// by more than a tenth of `physics.tolerance` [m] in any point of a body that moves or in the
+  /// jaws, down to scene().step / 64; the halves count. A step ends where the carrier's
+  /// acceleration changes, where the drive begins to brake (while it speeds up or brakes steps are
+  /// at most scene().step), and at the next tactile frame of pads that are not ideal. The carrier's
+  /// ramps are exact. Errors against a fine run: tests/simulation/adaptive_test.cpp. The same calls
+  /// repeat bitwise; another division of the duration need not.
+  /// @throws std::invalid_argument when duration is negative or no such number.
+  void advance(double duration);
   double time() const;  // s, number of steps times the step
   const Scene& scene() const;
 

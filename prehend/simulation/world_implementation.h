@@ -83,12 +83,14 @@ struct World::State {
   double frame_age = 0;                // s
   std::optional<WrenchSensor> wrist;
   ContactWrench wrench;  // in G, as the wrist shows it
+  double next_step = 0;  // s, proposed, of adaptive steps; 0: steps are fixed
 
   template <class Archive>
   void archive(Archive& archive) {
     archive(steps, same_size(body_ids));
     archive(motion, carrier, gripper, pads, frames, frame_age, wrench.force, wrench.torque);
     if (wrist) archive(*wrist);
+    if (next_step > 0) archive(next_step);
   }
 };
 
@@ -117,7 +119,8 @@ struct World::Implementation {
   std::vector<SolverBody> solver_bodies;
   std::vector<StoredBristle> kept;
   GripperPlacement stage_start;
-  Motion base, first;  // of second-order steps
+  Motion base, first;                             // of second-order steps
+  std::unique_ptr<State> step_start, whole_step;  // of adaptive steps
   std::vector<char> free_standing;
   std::vector<double> forces;                  // N, of one pad's texels
   std::vector<WorldEngine::Vector6> wrenches;  // of the gripper on each body
@@ -161,6 +164,10 @@ struct World::Implementation {
   void second_order(double h);
   void extrapolate();
   void step();
+  void advance_adaptively(std::int64_t ticks);
+  double most_steady(double h);
+  void exact_step(double h);
+  double difference(const Motion& a, const Motion& b) const;
   double load_on_slide() const;
   void fall_asleep(double h);
   void read_sensors(double h);

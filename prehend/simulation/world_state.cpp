@@ -60,6 +60,7 @@ std::uint64_t World::Implementation::description() const {
   writer(d.supply, d.resistance, d.rotor_inertia, d.torque_constant, d.gear_ratio, d.spindle_lead,
          d.static_friction, d.coulomb_friction, d.viscous_friction, d.stribeck_velocity, d.ambient,
          d.thermal_resistance, d.thermal_capacity, d.hottest, d.servo_stiffness, d.velocity_gain);
+  if (physics.adaptive) writer(physics.tolerance);
   if (d.thread) writer(d.thread->mean_diameter, d.thread->friction, d.thread->flank_angle);
   const CarrierModel& c = scene.carrier;
   writer(c.minimum, c.maximum, c.max_speed, c.max_acceleration, c.max_yaw_rate,

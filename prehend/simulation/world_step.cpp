@@ -175,8 +175,9 @@ void World::Implementation::stage(double h, double t_end, const Motion& guess) {
   Motion& motion = state.motion;
   // The gripper is where its velocity would have it come from to where it is at the end.
   const RigidTransform X_WG_end = state.carrier.pose_after(t_end);
-  const Eigen::Vector3d angular(0, 0, state.carrier.yaw_rate());
-  stage_start = {X_WG_end, state.carrier.velocity(), state.carrier.yaw_rate(), opening()};
+  const double yaw_rate = state.carrier.yaw_rate_after(t_end);
+  const Eigen::Vector3d angular(0, 0, yaw_rate);
+  stage_start = {X_WG_end, state.carrier.velocity_after(t_end), yaw_rate, opening()};
   stage_start.X_WG.translation() -= h * stage_start.velocity;
   stage_start.X_WG.linear() =
       contact::rotation_by(-h * angular).toRotationMatrix() * X_WG_end.linear();
@@ -281,6 +282,7 @@ void World::Implementation::extrapolate() {
 }
 
 void World::Implementation::step() {
+  if (scene.physics.adaptive) return advance_adaptively(1);
   const double h = scene.step;
   state.carrier.begin_step(h);
   slide_step.set_command(

@@ -57,6 +57,17 @@ TEST_F(SceneFile, AnEngineIsNamedOrTheNearestIsSaid) {
   EXPECT_NE(error.find("Did you mean 'bullet'"), std::string::npos) << error;
 }
 
+TEST_F(SceneFile, StepsAreANumberOrAdaptive) {
+  const Scene scene = read("step: 0.002\nphysics: {step: adaptive, tolerance: 2e-6}\n");
+  EXPECT_TRUE(scene.physics.adaptive);
+  EXPECT_DOUBLE_EQ(scene.physics.tolerance, 2e-6);
+  EXPECT_DOUBLE_EQ(scene.step, 0.002);
+  EXPECT_FALSE(read("physics: {step: 0.003}\n").physics.adaptive);
+  EXPECT_NE(error_of("physics: {step: adaptiv}\n"), "");
+  EXPECT_NE(error_of("physics: {step: adaptive, tolerance: -1}\n").find("tolerance"),
+            std::string::npos);
+}
+
 TEST_F(SceneFile, ValuesArriveInTheirFields) {
   const Scene scene = read(
       "step: 0.002\ncamera: {eye: [1, 2, 3], baseline: 0.2}\ntable: {friction: 0.9}\n"
