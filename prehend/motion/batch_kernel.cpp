@@ -71,22 +71,29 @@ HWY_INLINE void sine_cosine(V x, V& sine, V& cosine) {
   cosine = hn::IfThenElse(minus_cosine, hn::Neg(swapped_c), swapped_c);
 }
 
-HWY_INLINE Pose after(const Pose& X, const BatchScene::Joint& joint, V q) {
-  const Point t = add(combine(X, joint.t[0], joint.t[1], joint.t[2]), X.t);
+/// Written in place: a pose that is copied is read in wider pieces than it was written in, which
+/// stalls.
+HWY_INLINE void move(const Pose& X, const BatchScene::Joint& joint, V q, Pose& after) {
+  after.t = add(combine(X, joint.t[0], joint.t[1], joint.t[2]), X.t);
+  after.c = combine(X, joint.R[2], joint.R[5], joint.R[8]);
   const Point a = combine(X, joint.R[0], joint.R[3], joint.R[6]);
   const Point b = combine(X, joint.R[1], joint.R[4], joint.R[7]);
-  const Point c = combine(X, joint.R[2], joint.R[5], joint.R[8]);
   if (!joint.is_revolute) {
-    return {a, b, c, {hn::MulAdd(c.x, q, t.x), hn::MulAdd(c.y, q, t.y), hn::MulAdd(c.z, q, t.z)}};
+    after.a = a;
+    after.b = b;
+    after.t.x = hn::MulAdd(after.c.x, q, after.t.x);
+    after.t.y = hn::MulAdd(after.c.y, q, after.t.y);
+    after.t.z = hn::MulAdd(after.c.z, q, after.t.z);
+    return;
   }
   V sine, cosine;
   sine_cosine(q, sine, cosine);
-  const auto along = [&](V u, V v) { return hn::MulAdd(u, cosine, hn::Mul(v, sine)); };
-  const auto across = [&](V u, V v) { return hn::MulSub(v, cosine, hn::Mul(u, sine)); };
-  return {{along(a.x, b.x), along(a.y, b.y), along(a.z, b.z)},
-          {across(a.x, b.x), across(a.y, b.y), across(a.z, b.z)},
-          c,
-          t};
+  after.a.x = hn::MulAdd(a.x, cosine, hn::Mul(b.x, sine));
+  after.a.y = hn::MulAdd(a.y, cosine, hn::Mul(b.y, sine));
+  after.a.z = hn::MulAdd(a.z, cosine, hn::Mul(b.z, sine));
+  after.b.x = hn::MulSub(b.x, cosine, hn::Mul(a.x, sine));
+  after.b.y = hn::MulSub(b.y, cosine, hn::Mul(a.y, sine));
+  after.b.z = hn::MulSub(b.z, cosine, hn::Mul(a.z, sine));
 }
 
 /// Lanes in which two balls with these centres and this sum of radii touch.
@@ -99,11 +106,11 @@ HWY_INLINE V over(const BatchScene::Face& face, const Point& p) {
                     hn::MulAdd(p.y, set(face.y), hn::MulSub(p.z, set(face.z), set(face.offset))));
 }
 
-/// Lanes in which something within `radius` of p may touch the obstacle: quick, and never too few.
+/// Lanes in which a ball at p may touch the obstacle: quick, and never too few. `reach`: its radius
+/// and the margin.
 HWY_INLINE M may_touch(const BatchScene& scene, const BatchScene::Obstacle& obstacle,
-                       const Point& p, float radius, int part) {
+                       const Point& p, float reach) {
   const D d;
-  const float reach = radius + obstacle.margin[static_cast<std::size_t>(part)];
   if (obstacle.kind == BatchScene::Obstacle::Kind::kPlane) {
     return hn::Lt(over(scene.faces[static_cast<std::size_t>(obstacle.first)], p), set(reach));
   }
@@ -120,10 +127,10 @@ HWY_INLINE V coordinate(const BatchScene::Obstacle& box, std::size_t row, const 
 
 /// Lanes of those that may_touch() for which it is so.
 HWY_INLINE M touches(const BatchScene& scene, const BatchScene::Obstacle& obstacle, const Point& p,
-                     float radius, int part, M near) {
+                     float reach_m, M near) {
   using Kind = BatchScene::Obstacle::Kind;
   const D d;
-  const V reach = set(radius + obstacle.margin[static_cast<std::size_t>(part)]);
+  const V reach = set(reach_m);
   if (obstacle.kind == Kind::kBox) {
     const V zero = hn::Zero(d);
     const V x = hn::Sub(hn::Abs(coordinate(obstacle, 0, p)), set(obstacle.half[0]));
@@ -142,29 +149,79 @@ HWY_INLINE M touches(const BatchScene& scene, const BatchScene::Obstacle& obstac
   return near;  // a plane and a ball are what may_touch() takes them for
 }
 
-HWY_INLINE Point load(const float* centers, std::size_t ball) {
+HWY_INLINE Point load(const float* points, std::size_t index) {
   const D d;
-  const float* from = centers + 3 * kBatch * ball;
+  const float* from = points + 3 * kBatch * index;
   return {hn::LoadU(d, from), hn::LoadU(d, from + kBatch), hn::LoadU(d, from + 2 * kBatch)};
 }
 
-HWY_INLINE void store(const Point& p, float* centers, std::size_t ball) {
+HWY_INLINE void store(const Point& p, float* points, std::size_t index) {
   const D d;
-  float* to = centers + 3 * kBatch * ball;
+  float* to = points + 3 * kBatch * index;
   hn::StoreU(p.x, d, to);
   hn::StoreU(p.y, d, to + kBatch);
   hn::StoreU(p.z, d, to + 2 * kBatch);
 }
 
-/// `centers` and `bounds`: room for 3 x kBatch numbers for each ball and group.
-M touching(const BatchScene& scene, const float* q, bool stop_at_first, float* centers,
+/// Lanes in which a group's balls touch an obstacle that its bound may.
+HWY_INLINE M group_touches(const BatchScene& scene, const BatchScene::Group& group, const Pose& X,
+                           const BatchScene::Obstacle& obstacle, float swell) {
+  const D d;
+  M result = hn::FirstN(d, 0);
+  const float margin = obstacle.margin[static_cast<std::size_t>(group.part)] + swell;
+  for (int i = group.first; i < group.last; ++i) {
+    const BatchScene::Ball& ball = scene.balls[static_cast<std::size_t>(i)];
+    const Point p = at(X, ball);
+    const M near = may_touch(scene, obstacle, p, ball.radius + margin);
+    if (hn::AllFalse(d, near)) continue;
+    result = hn::Or(result, touches(scene, obstacle, p, ball.radius + margin, near));
+  }
+  return result;
+}
+
+HWY_INLINE M near_candidate(const BatchScene::Candidate& candidate, const Point& p, float swell) {
+  return touch(p, set(candidate.x), set(candidate.y), set(candidate.z), candidate.far + swell);
+}
+
+/// Lanes in which a group touches the world.
+HWY_INLINE M world_touches(const BatchScene& scene, const BatchScene::Group& group, const Pose& X,
+                           const Point& bound, float swell) {
+  const D d;
+  M result = hn::FirstN(d, 0);
+  for (const int i : scene.planes) {
+    const BatchScene::Obstacle& plane = scene.obstacles[static_cast<std::size_t>(i)];
+    const float reach =
+        group.bound.radius + plane.margin[static_cast<std::size_t>(group.part)] + swell;
+    if (hn::AllFalse(d, may_touch(scene, plane, bound, reach))) continue;
+    result = hn::Or(result, group_touches(scene, group, X, plane, swell));
+  }
+  for (int i = group.first_candidate; i < group.last_candidate; i += BatchScene::kCandidates) {
+    const BatchScene::Candidate* four = &scene.candidates[static_cast<std::size_t>(i)];
+    const M near = hn::Or(
+        hn::Or(near_candidate(four[0], bound, swell), near_candidate(four[1], bound, swell)),
+        hn::Or(near_candidate(four[2], bound, swell), near_candidate(four[3], bound, swell)));
+    if (hn::AllFalse(d, near)) continue;
+    for (int k = 0; k < BatchScene::kCandidates; ++k) {
+      if (four[k].obstacle < 0 || hn::AllFalse(d, near_candidate(four[k], bound, swell))) continue;
+      const auto at_obstacle = static_cast<std::size_t>(four[k].obstacle);
+      result = hn::Or(result, group_touches(scene, group, X, scene.obstacles[at_obstacle], swell));
+    }
+  }
+  return result;
+}
+
+/// `bounds`: room for 3 x kBatch numbers for each group.
+M touching(const BatchScene& scene, const float* q, bool stop_at_first, const float* swell,
            float* bounds) {
   const D d;
   const V zero = hn::Zero(d), one = set(1);
   Pose poses[17];
-  poses[0] = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
+  poses[0].a = {one, zero, zero};
+  poses[0].b = {zero, one, zero};
+  poses[0].c = {zero, zero, one};
+  poses[0].t = {zero, zero, zero};
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    poses[j + 1] = after(poses[j], scene.joints[j], hn::LoadU(d, q + j * kBatch));
+    move(poses[j], scene.joints[j], hn::LoadU(d, q + j * kBatch), poses[j + 1]);
   }
   M result = hn::FirstN(d, 0);
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
@@ -172,51 +229,39 @@ M touching(const BatchScene& scene, const float* q, bool stop_at_first, float* c
     const Pose& X = poses[group.joint + 1];
     const Point bound = at(X, group.bound);
     store(bound, bounds, g);
-    for (int i = group.first; i < group.last; ++i) {
-      const auto ball = static_cast<std::size_t>(i);
-      store(at(X, scene.balls[ball]), centers, ball);
-    }
     if (group.joint < 0) continue;  // what stands with the base never moves
-    for (const BatchScene::Obstacle& obstacle : scene.obstacles) {
-      const M near = may_touch(scene, obstacle, bound, group.bound.radius, group.part);
-      if (hn::AllFalse(d, near)) continue;
-      for (int i = group.first; i < group.last; ++i) {
-        const auto ball = static_cast<std::size_t>(i);
-        const float radius = scene.balls[ball].radius;
-        const Point p = load(centers, ball);
-        const M nearer = may_touch(scene, obstacle, p, radius, group.part);
-        if (hn::AllFalse(d, nearer)) continue;
-        result = hn::Or(result, touches(scene, obstacle, p, radius, group.part, nearer));
-      }
-      if (stop_at_first && !hn::AllFalse(d, result)) return result;
-    }
+    const float larger = swell ? swell[group.joint] : 0;
+    result = hn::Or(result, world_touches(scene, group, X, bound, larger));
+    if (stop_at_first && !hn::AllFalse(d, result)) return result;
   }
   for (const BatchScene::GroupPair& pair : scene.group_pairs) {
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
+    const BatchScene::Group &first = scene.groups[a], &second = scene.groups[b];
     const Point other = load(bounds, b);
-    const M near = touch(load(bounds, a), other.x, other.y, other.z,
-                         scene.groups[a].bound.radius + scene.groups[b].bound.radius);
+    const M near =
+        touch(load(bounds, a), other.x, other.y, other.z, first.bound.radius + second.bound.radius);
     if (hn::AllFalse(d, near)) continue;
     for (int i = pair.first; i < pair.last; ++i) {
       const BatchScene::BallPair& balls = scene.ball_pairs[static_cast<std::size_t>(i)];
-      const Point second = load(centers, static_cast<std::size_t>(balls.b));
-      result = hn::Or(result, touch(load(centers, static_cast<std::size_t>(balls.a)), second.x,
-                                    second.y, second.z, balls.reach));
+      const Point p = at(poses[second.joint + 1], scene.balls[static_cast<std::size_t>(balls.b)]);
+      result = hn::Or(
+          result, touch(at(poses[first.joint + 1], scene.balls[static_cast<std::size_t>(balls.a)]),
+                        p.x, p.y, p.z, balls.reach));
     }
     if (stop_at_first && !hn::AllFalse(d, result)) return result;
   }
   return result;
 }
 
-std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first) {
+std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first,
+                             const float* swell) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
   thread_local std::vector<float> room;
-  const std::size_t for_balls = 3 * kBatch * scene.balls.size();
-  room.resize(for_balls + 3 * kBatch * scene.groups.size());
+  room.resize(3 * kBatch * scene.groups.size());
   std::uint32_t result = 0;
   for (std::size_t first = 0; first < kBatch; first += lanes) {
-    const M mask = touching(scene, q + first, stop_at_first, room.data(), room.data() + for_balls);
+    const M mask = touching(scene, q + first, stop_at_first, swell, room.data());
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);
     result |= static_cast<std::uint32_t>(bits[0] & ((1u << lanes) - 1)) << first;
@@ -236,8 +281,9 @@ HWY_EXPORT(touching_lanes);
 
 }  // namespace
 
-std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first) {
-  return HWY_DYNAMIC_DISPATCH(touching_lanes)(scene, q, stop_at_first);
+std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first,
+                             const float* swell) {
+  return HWY_DYNAMIC_DISPATCH(touching_lanes)(scene, q, stop_at_first, swell);
 }
 
 }  // namespace prehend::motion

@@ -12,6 +12,9 @@ namespace prehend::motion {
 /// of joints are not looked at.
 /// @param q positions [rad or m], lanes of one joint together: joints x kBatch, |q| < 1000.
 /// @param stop_at_first end as soon as one lane touches: other bits may be missing then.
-std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first);
+/// @param swell by how much the balls of each joint are larger towards obstacles [m], >= 0; null:
+/// not.
+std::uint32_t touching_lanes(const BatchScene& scene, const float* q, bool stop_at_first,
+                             const float* swell = nullptr);
 
 }  // namespace prehend::motion

@@ -1,6 +1,7 @@
 #include "prehend/motion/batch_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -68,6 +69,58 @@ void group(std::vector<Placed> balls, int joint, Part part, BatchScene& scene,
   result.last = static_cast<int>(scene.balls.size());
   result.bound = make_ball(box.center(), radius + kRounding);
   scene.groups.push_back(result);
+}
+
+/// A point that never moves, and how far from it a ball of each joint's frame can be, beside its
+/// own distance from that frame's origin: on the first axis, beside the second joint.
+struct Reach {
+  Vector3d anchor = Vector3d::Zero();
+  std::vector<double> length;  // m, of each joint's origin
+};
+
+Reach reach_of(const robot::KinematicChain& chain) {
+  const auto& joints = chain.joints();
+  Reach reach;
+  reach.anchor = joints[0].X_PJ.translation();
+  double length = 0;
+  const auto travel = [](const robot::ChainJoint& joint) {
+    return joint.is_revolute ? 0 : std::max(std::abs(joint.lower), std::abs(joint.upper));
+  };
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (j == 1 && joints[0].is_revolute) {
+      const Vector3d way = joints[1].X_PJ.translation();
+      const double along = way.dot(joints[0].axis_J);
+      reach.anchor += joints[0].X_PJ.linear() * (along * joints[0].axis_J);
+      reach.length[0] = std::abs(along);
+      length = (way - along * joints[0].axis_J).norm();
+    } else if (j > 0) {
+      length += joints[j].X_PJ.translation().norm();
+    }
+    length += travel(joints[j]);
+    reach.length.push_back(length);
+  }
+  return reach;
+}
+
+/// Lists what each group can come near to.
+void find_candidates(const Reach& reach, BatchScene& scene) {
+  for (BatchScene::Group& group : scene.groups) {
+    group.first_candidate = static_cast<int>(scene.candidates.size());
+    for (std::size_t i = 0; group.joint >= 0 && i < scene.obstacles.size(); ++i) {
+      const BatchScene::Obstacle& obstacle = scene.obstacles[i];
+      if (obstacle.kind == BatchScene::Obstacle::Kind::kPlane) continue;
+      const BatchScene::Ball& ball = obstacle.bound;
+      const float far =
+          ball.radius + group.bound.radius + obstacle.margin[static_cast<std::size_t>(group.part)];
+      const double arm = reach.length[static_cast<std::size_t>(group.joint)] +
+                         Vector3d(group.bound.x, group.bound.y, group.bound.z).norm();
+      // A millimetre for what single precision loses.
+      if (!((Vector3d(ball.x, ball.y, ball.z) - reach.anchor).norm() < arm + far + 1e-3)) continue;
+      scene.candidates.push_back({ball.x, ball.y, ball.z, far, static_cast<int>(i)});
+    }
+    while (scene.candidates.size() % BatchScene::kCandidates != 0) scene.candidates.push_back({});
+    group.last_candidate = static_cast<int>(scene.candidates.size());
+  }
 }
 
 }  // namespace
@@ -138,8 +191,11 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
       scene.faces.push_back({n[0], n[1], n[2], static_cast<float>(face.offset)});
     }
     obstacle.last = static_cast<int>(scene.faces.size());
+    if (obstacle.kind == To::kPlane)
+      scene.planes.push_back(static_cast<int>(scene.obstacles.size()));
     scene.obstacles.push_back(obstacle);
   }
+  find_candidates(reach_of(chain), scene);
   return scene;
 }
 

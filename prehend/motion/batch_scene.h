@@ -25,6 +25,9 @@ constexpr int kBatch = 8;
 /// Frames of joints are turned so that each joint's axis is z. Distances that count as touching are
 /// 1 um larger than the world's, more than single precision loses.
 struct BatchScene {
+  static constexpr int kCandidates = 4;     // tested in one go
+  static constexpr float kNowhere = 1e15f;  // m: its square is a number still
+
   struct Joint {
     std::array<float, 9> R{};  // to the frame before, by rows
     std::array<float, 3> t{};
@@ -33,12 +36,19 @@ struct BatchScene {
   struct Ball {
     float x = 0, y = 0, z = 0, radius = 0;
   };
+  /// An obstacle (not a plane) that a group's bound may reach, in any position. `far`: the sum of
+  /// radii and margin.
+  struct Candidate {
+    float x = kNowhere, y = 0, z = 0, far = 0;
+    int obstacle = -1;  // none: fills up
+  };
   /// Balls [first, last) of one joint and part, and one that holds them all.
   struct Group {
     int joint = -1;  // -1: stands with the base, never tested against the world
     int part = 0;
     int first = 0, last = 0;
     Ball bound;
+    int first_candidate = 0, last_candidate = 0;  // a multiple of kCandidates
   };
   /// Pairs [first, last) of balls of two groups that must not touch each other.
   struct GroupPair {
@@ -67,7 +77,9 @@ struct BatchScene {
   std::vector<Group> groups;
   std::vector<GroupPair> group_pairs;
   std::vector<BallPair> ball_pairs;
+  std::vector<Candidate> candidates;
   std::vector<Obstacle> obstacles;
+  std::vector<int> planes;  // of the obstacles
   std::vector<Face> faces;
 };
 

@@ -17,6 +17,7 @@ using geometry::RigidTransform;
 namespace {
 
 constexpr double kLeastSweep = 1e-3;  // m
+constexpr double kOwnStep = 0.05;     // rad or m
 
 }  // namespace
 
@@ -169,13 +170,14 @@ void RobotInWorld::compile() {
 
 void RobotInWorld::find_levers() {
   const auto& joints = chain_.joints();
-  levers_ = robot::Positions::Zero(chain_.size());
+  levers_ = Eigen::MatrixXd::Zero(chain_.size(), chain_.size());
   for (const RobotSphere& ball : spheres_.spheres) {
     // Its farthest from each joint's origin: the links between, stretched.
     double length = ball.p_J.norm();
     for (int j = ball.joint; j >= 0; --j) {
       const auto i = static_cast<std::size_t>(j);
-      levers_[j] = std::max(levers_[j], joints[i].is_revolute ? length : 1);
+      double& lever = levers_(ball.joint, j);
+      lever = std::max(lever, joints[i].is_revolute ? length : 1);
       length += joints[i].X_PJ.translation().norm();
       if (!joints[i].is_revolute) {
         length += std::max(std::abs(joints[i].lower), std::abs(joints[i].upper));
@@ -262,31 +264,18 @@ std::string RobotInWorld::problem(const Eigen::Ref<const Eigen::VectorXd>& q) co
 bool RobotInWorld::is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                                    const Eigen::Ref<const Eigen::VectorXd>& to, double step) const {
   const double way = (to - from).cwiseAbs().maxCoeff();
-  return are_free_between(from, to, std::max(1, static_cast<int>(std::ceil(way / step))));
-}
-
-bool RobotInWorld::is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
-                                 const Eigen::Ref<const Eigen::VectorXd>& to) const {
-  const double way = (to - from).cwiseAbs().dot(levers_);
-  const double step = 2 * std::max(margin_, kLeastSweep);
-  return are_free_between(from, to, std::max(1, static_cast<int>(std::ceil(way / step))));
-}
-
-bool RobotInWorld::are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
-                                    const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const {
+  const int steps = std::max(1, static_cast<int>(std::ceil(way / step)));
   // Limits are a box: what is between two positions within is within.
   if (!chain_.within_limits(from) || !chain_.within_limits(to)) return false;
-  const int n = chain_.size();
   const int batches = (steps + kBatch) / kBatch;  // of steps + 1 positions
   std::array<float, robot::kMostChainJoints * kBatch> q;
+  std::array<double, kBatch> shares;
   const auto is_batch_free = [&](int batch) {
-    for (int lane = 0; lane < kBatch; ++lane) {
-      const double share = std::min(1.0, static_cast<double>(batch + lane * batches) / steps);
-      for (int j = 0; j < n; ++j) {
-        q[static_cast<std::size_t>(j * kBatch + lane)] =
-            static_cast<float>(from[j] + share * (to[j] - from[j]));
-      }
+    for (std::size_t lane = 0; lane < kBatch; ++lane) {
+      shares[lane] =
+          std::min(1.0, static_cast<double>(batch + static_cast<int>(lane) * batches) / steps);
     }
+    fill_lanes(from, to, shares.data(), kBatch, q.data());
     return touching_lanes(batch_, q.data(), true) == 0;
   };
   if (!is_batch_free(0)) return false;
@@ -299,6 +288,59 @@ bool RobotInWorld::are_free_between(const Eigen::Ref<const Eigen::VectorXd>& fro
     }
   }
   return true;
+}
+
+bool RobotInWorld::is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
+                                 const Eigen::Ref<const Eigen::VectorXd>& to) const {
+  if (!chain_.within_limits(from) || !chain_.within_limits(to)) return false;
+  const Eigen::VectorXd way = (to - from).cwiseAbs();
+  const double longest = way.size() > 0 ? way.maxCoeff() : 0;
+  // Middles of pieces, as shares of the line; all pieces are of one size.
+  std::vector<double> middles(
+      static_cast<std::size_t>(std::max(1, static_cast<int>(std::ceil(longest / kOwnStep)))));
+  double half = 0.5 / static_cast<double>(middles.size());
+  for (std::size_t i = 0; i < middles.size(); ++i)
+    middles[i] = (2 * static_cast<double>(i) + 1) * half;
+  const Eigen::VectorXd sweep = levers_ * way;  // m, of the balls of each joint on the whole line
+  const double allowed = std::max(margin_, kLeastSweep);
+  std::array<float, robot::kMostChainJoints * kBatch> q;
+  std::array<float, robot::kMostChainJoints> swell{};
+  for (; !middles.empty(); half /= 2) {
+    bool swells = false;
+    for (int k = 0; k < chain_.size(); ++k) {
+      const double more = std::max(0.0, sweep[k] * half - allowed);
+      swell[static_cast<std::size_t>(k)] = static_cast<float>(more * (1 + 1e-6));
+      swells = swells || more > 0;
+    }
+    std::vector<double> unknown;
+    for (std::size_t first = 0; first < middles.size(); first += kBatch) {
+      const std::size_t count = std::min<std::size_t>(kBatch, middles.size() - first);
+      fill_lanes(from, to, middles.data() + first, count, q.data());
+      std::uint32_t mask = touching_lanes(batch_, q.data(), !swells, swell.data());
+      if (mask != 0 && !swells) return false;
+      for (std::size_t lane = 0; lane < count; ++lane) {
+        if (!((mask >> lane) & 1u)) continue;
+        unknown.push_back(middles[first + lane] - half / 2);
+        unknown.push_back(middles[first + lane] + half / 2);
+      }
+    }
+    middles = std::move(unknown);
+  }
+  const std::array<double, 2> ends{0, 1};
+  fill_lanes(from, to, ends.data(), ends.size(), q.data());
+  return touching_lanes(batch_, q.data(), true) == 0;
+}
+
+void RobotInWorld::fill_lanes(const Eigen::Ref<const Eigen::VectorXd>& from,
+                              const Eigen::Ref<const Eigen::VectorXd>& to, const double* shares,
+                              std::size_t count, float* q) const {
+  for (std::size_t lane = 0; lane < kBatch; ++lane) {
+    const double share = shares[std::min(lane, count - 1)];
+    for (int j = 0; j < chain_.size(); ++j) {
+      q[static_cast<std::size_t>(j) * kBatch + lane] =
+          static_cast<float>(from[j] + share * (to[j] - from[j]));
+    }
+  }
 }
 
 std::uint32_t RobotInWorld::not_free(const robot::Positions* q, int count) const {

@@ -118,8 +118,12 @@ class RobotInWorld {
   /// over the whole line, which finds collisions early.
   bool is_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
                        const Eigen::Ref<const Eigen::VectorXd>& to, double step) const;
-  /// As is_free_between(), at steps so small that no ball moves by more than twice the margin (at
-  /// least 1 mm) in one: between them no ball reaches an obstacle that is given the whole margin.
+  /// Whether the straight line in joint space is free, and no ball reaches an obstacle that is
+  /// given the whole margin (at least 1 mm) between tested positions either. By bisection: a piece
+  /// is free when, in its middle, balls that are larger by what they can move on half of the piece
+  /// are (F. Schwarzer, M. Saha, J.-C. Latombe, "Exact collision checking of robot paths", WAFR
+  /// 2002). The robot's own parts are tested at the middles only, at steps of at most 0.05 rad or
+  /// m.
   bool is_swept_free(const Eigen::Ref<const Eigen::VectorXd>& from,
                      const Eigen::Ref<const Eigen::VectorXd>& to) const;
 
@@ -131,8 +135,10 @@ class RobotInWorld {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
   };
   Touch first_touch(const Eigen::Ref<const Eigen::VectorXd>& q) const;
-  bool are_free_between(const Eigen::Ref<const Eigen::VectorXd>& from,
-                        const Eigen::Ref<const Eigen::VectorXd>& to, int steps) const;
+  /// Positions at `shares` of the way, as touching_lanes() takes them; the last one fills up.
+  void fill_lanes(const Eigen::Ref<const Eigen::VectorXd>& from,
+                  const Eigen::Ref<const Eigen::VectorXd>& to, const double* shares,
+                  std::size_t count, float* q) const;
   void compile();
   void find_levers();
 
@@ -143,7 +149,8 @@ class RobotInWorld {
   std::size_t own_;  // spheres that are not attached
   std::size_t own_pairs_;
   BatchScene batch_;
-  robot::Positions levers_;  // m: a ball's way is at most so much for each radian (m: 1) of a joint
+  /// m: the way of a ball of joint k is at most (k, j) for each radian (for each m: 1) of joint j.
+  Eigen::MatrixXd levers_;
 };
 
 }  // namespace prehend::motion

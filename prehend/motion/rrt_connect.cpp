@@ -1,6 +1,7 @@
 #include "prehend/motion/rrt_connect.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,8 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "prehend/motion/nearest_kernel.h"
 
 namespace prehend::motion {
 namespace {
@@ -46,22 +49,28 @@ void check(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& q
 struct Tree {
   std::vector<Positions> nodes;
   std::vector<int> parents;
+  std::vector<float> blocks;  // as nearest_point() takes them
 
   int add(const Positions& q, int parent) {
+    const auto joints = static_cast<std::size_t>(q.size());
+    const std::size_t lane = nodes.size() % std::size_t{kBatch};
+    // What is not there is far.
+    if (lane == 0) blocks.resize(blocks.size() + joints * kBatch, kFar);
+    float* block = blocks.data() + blocks.size() - joints * kBatch;
+    for (std::size_t j = 0; j < joints; ++j) {
+      block[j * kBatch + lane] = static_cast<float>(q[static_cast<Eigen::Index>(j)]);
+    }
     nodes.push_back(q);
     parents.push_back(parent);
     return static_cast<int>(nodes.size()) - 1;
   }
   int nearest(const Positions& q) const {
-    int best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const double distance = (nodes[i] - q).squaredNorm();
-      if (distance >= least) continue;
-      least = distance;
-      best = static_cast<int>(i);
+    std::array<float, robot::kMostChainJoints> at;
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      at[static_cast<std::size_t>(j)] = static_cast<float>(q[j]);
     }
-    return best;
+    return static_cast<int>(
+        nearest_point(blocks.data(), nodes.size(), at.data(), static_cast<std::size_t>(q.size())));
   }
   std::vector<Positions> way_from_root(int node) const {
     std::vector<Positions> way;
@@ -71,6 +80,9 @@ struct Tree {
     std::reverse(way.begin(), way.end());
     return way;
   }
+
+ private:
+  static constexpr float kFar = 1e15f;
 };
 
 class Search {
@@ -196,14 +208,19 @@ JointPath search(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vector
   Tree from_start, from_goals;
   std::vector<int> goal_of;  // root of from_goals -> goal
   std::string goal_problem;
-  for (std::size_t g = 0; g < goals.size(); ++g) {
-    const std::string problem = robot.problem(goals[g]);
-    if (!problem.empty()) {
-      goal_problem = problem;
-      continue;
+  for (std::size_t first = 0; first < goals.size(); first += kBatch) {
+    const auto count = static_cast<int>(std::min<std::size_t>(kBatch, goals.size() - first));
+    const std::uint32_t not_free = robot.not_free(&goals[first], count);
+    for (int i = 0; i < count; ++i) {
+      const std::size_t g = first + static_cast<std::size_t>(i);
+      if ((not_free >> i) & 1u) {
+        // Within single precision of touching it may be free after all: as touching as need be.
+        goal_problem = robot.problem(goals[g]);
+        if (!goal_problem.empty()) continue;
+      }
+      from_goals.add(goals[g], -1);
+      goal_of.push_back(static_cast<int>(g));
     }
-    from_goals.add(goals[g], -1);
-    goal_of.push_back(static_cast<int>(g));
   }
   if (from_goals.nodes.empty()) {
     path.reason =

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "prehend/motion/nearest_kernel.h"
 #include "tests/motion/pick_scene.h"
 
 namespace prehend::motion {
@@ -130,6 +131,40 @@ TEST(NotFree, CarriesAPrismaticJointAndRefusesBadCounts) {
   const Positions q = chain.middle();
   EXPECT_THROW(robot.not_free(&q, 0), std::invalid_argument);
   EXPECT_THROW(robot.not_free(&q, kBatch + 1), std::invalid_argument);
+}
+
+TEST(NearestPoint, IsTheFirstOfTheNearest) {
+  std::mt19937_64 random(5);
+  for (const std::size_t joints : {1u, 6u, 7u, 16u}) {
+    for (const std::size_t count : {1u, 7u, 8u, 9u, 100u}) {
+      std::vector<float> blocks((count + kBatch - 1) / kBatch * kBatch * joints, 1e15f);
+      const auto number = [&](std::size_t point, std::size_t j) -> float& {
+        return blocks[point / kBatch * kBatch * joints + j * kBatch + point % kBatch];
+      };
+      // On a coarse grid, so that several are as near.
+      for (std::size_t point = 0; point < count; ++point) {
+        for (std::size_t j = 0; j < joints; ++j) {
+          number(point, j) = std::floor(4 * static_cast<float>(robot::uniform(random)));
+        }
+      }
+      for (int n = 0; n < 50; ++n) {
+        std::vector<float> q(joints);
+        for (float& one : q) one = std::floor(4 * static_cast<float>(robot::uniform(random)));
+        std::size_t best = 0;
+        float least = std::numeric_limits<float>::infinity();
+        for (std::size_t point = 0; point < count; ++point) {
+          float sum = 0;
+          for (std::size_t j = 0; j < joints; ++j) {
+            sum += (number(point, j) - q[j]) * (number(point, j) - q[j]);
+          }
+          if (sum >= least) continue;
+          least = sum;
+          best = point;
+        }
+        ASSERT_EQ(nearest_point(blocks.data(), count, q.data(), joints), best);
+      }
+    }
+  }
 }
 
 TEST(IsFreeBetween, TestsEveryStep) {
