@@ -10,10 +10,10 @@
 
 namespace prehend::nodes {
 
-Camera::Camera(graph::Node& node, SimulatedRobot& robot, const simulation::Scene& scene,
+Camera::Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
                const simulation::RenderOptions& options)
     : node_(node),
-      robot_(robot),
+      view_(std::move(view)),
       scene_(scene),
       options_(options),
       info_(node.advertise<msgs::CameraInfo>("/camera/info", graph::QoS::latched())),
@@ -58,14 +58,7 @@ void Camera::run() {
 }
 
 void Camera::render() {
-  struct View {
-    std::vector<simulation::VisibleBody> bodies;
-    double time = 0;
-    std::uint64_t generation = 0;
-  };
-  const View view = robot_.with_world([](simulation::World& world) {
-    return View{world.visible_bodies(), world.time(), world.scene_generation()};
-  });
+  const View view = view_();
   const auto start = std::chrono::steady_clock::now();
   simulation::StereoImages images =
       simulation::render_stereo(scene_, view.bodies, frame_++, options_);

@@ -2,11 +2,12 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "msgs/sensors.pb.h"
-#include "nodes/simulation/simulated_robot.h"
 #include "prehend/graph/node.h"
 #include "prehend/simulation/stereo_renderer.h"
 
@@ -16,7 +17,14 @@ namespace prehend::nodes {
 /// latched). A thread of its own renders, so that a picture holds up neither physics nor commands.
 class Camera {
  public:
-  Camera(graph::Node& node, SimulatedRobot& robot, const simulation::Scene& scene,
+  struct View {
+    std::vector<simulation::VisibleBody> bodies;
+    double time = 0;  // s
+    std::uint64_t generation = 0;
+  };
+
+  /// `view` tells what there is to see; it is called by the camera's thread.
+  Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
          const simulation::RenderOptions& options);
   ~Camera();
 
@@ -28,7 +36,7 @@ class Camera {
   void render();
 
   graph::Node& node_;
-  SimulatedRobot& robot_;
+  std::function<View()> view_;
   simulation::Scene scene_;
   simulation::RenderOptions options_;
   graph::Publisher<msgs::CameraInfo> info_;

@@ -6,6 +6,9 @@
 #include "msgs/convert/geometry.h"
 #include "nodes/simulation/camera.h"
 #include "nodes/simulation/motion_actions.h"
+#include "nodes/simulation/robot_actions.h"
+#include "nodes/simulation/robot_messages.h"
+#include "nodes/simulation/robot_runner.h"
 #include "nodes/simulation/sensor_messages.h"
 #include "nodes/simulation/simulated_robot.h"
 #include "prehend/geometry/errors.h"
@@ -18,7 +21,7 @@ namespace {
 using namespace prehend;
 
 struct Settings {
-  std::string scene;
+  std::string scene, robot;
   bool paused = false;
   bool camera = true;
   double camera_period = 0;
@@ -30,6 +33,10 @@ Settings declare_settings(graph::Node& node) {
   Settings s;
   s.scene = node.declare_parameter<std::string>(
       {.name = "scene", .default_value = "config/scenes/demo.yaml", .description = "scene file"});
+  s.robot = node.declare_parameter<std::string>(
+      {.name = "robot",
+       .default_value = "",
+       .description = "platform (config/robots) that stands in the scene in place of its gripper"});
   s.paused = node.declare_parameter<bool>(
       {.name = "paused",
        .default_value = false,
@@ -63,7 +70,8 @@ Settings declare_settings(graph::Node& node) {
   return s;
 }
 
-msgs::SpawnResponse spawn(nodes::SimulatedRobot& robot, const msgs::SpawnRequest& request) {
+template <class Robot>
+msgs::SpawnResponse spawn(Robot& robot, const msgs::SpawnRequest& request) {
   msgs::SpawnResponse response;
   try {
     const geometry::TriangleMesh mesh_W = convert::from_message(request.mesh());
@@ -72,9 +80,8 @@ msgs::SpawnResponse spawn(nodes::SimulatedRobot& robot, const msgs::SpawnRequest
     if (!(mass > 0)) {
       throw std::invalid_argument("the mesh of '" + request.name() + "' encloses no volume");
     }
-    robot.with_world([&](simulation::World& world) {
-      world.add_object(request.name(), mesh_W, mass, request.is_static());
-    });
+    robot.with_world(
+        [&](auto& world) { world.add_object(request.name(), mesh_W, mass, request.is_static()); });
     response.set_success(true);
   } catch (const std::invalid_argument& error) {
     response.set_reason(error.what());
@@ -84,10 +91,106 @@ msgs::SpawnResponse spawn(nodes::SimulatedRobot& robot, const msgs::SpawnRequest
   return response;
 }
 
-struct StopAtEnd {
-  nodes::SimulatedRobot& robot;
-  ~StopAtEnd() { robot.stop(); }
+/// What the simulated world's node has, whatever robot stands in it.
+template <class Robot>
+class World {
+ public:
+  World(graph::Node& node, const Settings& settings, const simulation::Scene& scene, Robot& robot)
+      : robot_(robot) {
+    if (settings.camera) {
+      camera_ = std::make_unique<nodes::Camera>(
+          node,
+          [&robot] {
+            return robot.with_world([](auto& world) {
+              return nodes::Camera::View{world.visible_bodies(), world.time(),
+                                         world.scene_generation()};
+            });
+          },
+          scene, settings.render);
+      camera_->request();
+    }
+    spawn_ = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
+        "/simulation/spawn",
+        [&robot](const msgs::SpawnRequest& request) { return spawn(robot, request); });
+    render_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+        "/simulation/render", [this](const msgs::Empty&) {
+          msgs::Acknowledge answer;
+          answer.set_success(camera_ != nullptr);
+          answer.set_reason(camera_ ? "the stereo pair follows" : "started with camera:=false");
+          if (camera_) camera_->request();
+          return answer;
+        });
+  }
+  ~World() { robot_.stop(); }  // before the camera goes, which the robot's thread asks
+
+  nodes::Camera* camera() { return camera_.get(); }
+
+ private:
+  Robot& robot_;
+  std::unique_ptr<nodes::Camera> camera_;
+  graph::Service spawn_, render_;
 };
+
+/// Asks for the further pictures.
+class PictureClock {
+ public:
+  explicit PictureClock(double period) : period_(graph::nanoseconds(period)), next_(period_) {}
+  void set_camera(nodes::Camera* camera) { camera_ = camera; }
+  void tell(std::int64_t stamp) {
+    if (!camera_ || period_ <= 0 || stamp < next_) return;
+    next_ += period_;
+    camera_->request();
+  }
+
+ private:
+  std::int64_t period_, next_;  // ns
+  nodes::Camera* camera_ = nullptr;
+};
+
+void run_gripper(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
+                 graph::ClockPacer& pacer) {
+  using namespace prehend::nodes;
+  SensorPublisher sensors(node, scene);
+  PictureClock pictures(settings.camera_period);
+  SimulatedRobot robot(
+      scene, pacer,
+      [&](const SensorReadings& readings) {
+        sensors.publish_clock(readings.stamp, pacer.state());
+        sensors.publish(readings);
+        pictures.tell(readings.stamp);
+      },
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
+      [&node](const std::string& note) { node.log_warning("{}", note); });
+  World world(node, settings, scene, robot);
+  pictures.set_camera(world.camera());
+  const MotionActions motion(node, robot);
+  robot.start();
+  node.spin();
+}
+
+void run_arm(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
+             graph::ClockPacer& pacer) {
+  using namespace prehend::nodes;
+  const robot::Platform platform = robot::read_platform(scene.robot);
+  RobotPublisher sensors(node, platform.hand);
+  PictureClock pictures(settings.camera_period);
+  RobotRunner robot(
+      simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
+      SimulatedRobot::slice_of(scene),
+      [&](const RobotReadings& readings) {
+        sensors.publish_clock(readings.stamp, pacer.state());
+        sensors.publish(readings);
+        pictures.tell(readings.stamp);
+      },
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
+      [&node](const std::string& note) { node.log_warning("{}", note); });
+  World world(node, settings, scene, robot);
+  pictures.set_camera(world.camera());
+  const RobotActions actions(node, robot);
+  node.log_info("robot {}", platform.name);
+  robot.start();
+  node.spin();
+}
 
 void run(graph::Node& node) {
   using namespace prehend::nodes;
@@ -103,6 +206,7 @@ void run(graph::Node& node) {
          if (running) running->set_speed(value);
        }});
   simulation::Scene scene = simulation::read_scene(settings.scene);
+  if (!settings.robot.empty()) scene.robot = settings.robot;
   if (settings.noise_seed >= 0) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
   }
@@ -116,42 +220,12 @@ void run(graph::Node& node) {
   const graph::ClockControl clock_control(node, pacer, [&node](double value) {
     node.set_parameter("speed", fmt::format("{}", value));
   });
-  SensorPublisher sensors(node, scene);
-  Camera* camera_to_ask = nullptr;
-  std::int64_t next_picture = graph::nanoseconds(settings.camera_period);
-  SimulatedRobot robot(
-      scene, pacer,
-      [&](const SensorReadings& readings) {
-        sensors.publish_clock(readings.stamp, pacer.state());
-        sensors.publish(readings);
-        if (!camera_to_ask || settings.camera_period <= 0 || readings.stamp < next_picture) return;
-        next_picture += graph::nanoseconds(settings.camera_period);
-        camera_to_ask->request();
-      },
-      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
-      [&node](const std::string& note) { node.log_warning("{}", note); });
-  std::unique_ptr<Camera> camera;
-  const StopAtEnd stop_at_end{robot};  // before the camera goes, which the robot's thread asks
-  if (settings.camera) {
-    camera = std::make_unique<Camera>(node, robot, scene, settings.render);
-    camera_to_ask = camera.get();
-    camera->request();
-  }
-  const MotionActions motion(node, robot);
-  const graph::Service spawn_service = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
-      "/simulation/spawn",
-      [&](const msgs::SpawnRequest& request) { return spawn(robot, request); });
-  const graph::Service render_service =
-      node.serve<msgs::Empty, msgs::Acknowledge>("/simulation/render", [&](const msgs::Empty&) {
-        msgs::Acknowledge answer;
-        answer.set_success(camera != nullptr);
-        answer.set_reason(camera ? "the stereo pair follows" : "started with camera:=false");
-        if (camera) camera->request();
-        return answer;
-      });
   node.log_info("scene {}: {} objects", settings.scene, scene.objects.size());
-  robot.start();
-  node.spin();
+  if (scene.robot.empty()) {
+    run_gripper(node, settings, scene, pacer);
+  } else {
+    run_arm(node, settings, scene, pacer);
+  }
 }
 
 const prehend::graph::RegisteredNodeProgram registered(

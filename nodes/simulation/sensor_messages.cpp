@@ -1,6 +1,7 @@
 #include "nodes/simulation/sensor_messages.h"
 
 #include "msgs/convert/geometry.h"
+#include "nodes/simulation/clock_message.h"
 
 namespace prehend::nodes {
 namespace {
@@ -23,14 +24,6 @@ msgs::GripperState gripper_message(const SensorReadings& readings) {
   message.set_referenced(true);
   message.set_moving(readings.gripper.moving);
   message.set_blocked(readings.gripper.blocked);
-  return message;
-}
-
-msgs::Wrench wrench_message(const SensorReadings& readings) {
-  auto message = stamped<msgs::Wrench>(readings.stamp, "gripper");
-  *message.mutable_wrench()->mutable_force() = convert::to_message(readings.wrench.force);
-  *message.mutable_wrench()->mutable_torque() = convert::to_message(readings.wrench.torque);
-  message.set_biased(true);
   return message;
 }
 
@@ -75,15 +68,12 @@ SensorPublisher::SensorPublisher(graph::Node& node, const simulation::Scene& sce
 }
 
 void SensorPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace) {
-  msgs::Clock clock;
-  clock.set_time(stamp);
-  clock.set_speed(pace.paused ? 0 : pace.speed);
-  clock_.publish(clock);
+  clock_.publish(clock_message(stamp, pace));
 }
 
 void SensorPublisher::publish(const SensorReadings& readings) {
   gripper_.publish(gripper_message(readings));
-  wrench_.publish(wrench_message(readings));
+  wrench_.publish(wrench_message(readings.stamp, "gripper", readings.wrench));
   if (count_++ % 2 != 0) return;
   if (has_touch_) {
     left_.publish(tactile(readings.left, readings.stamp, "left_pad"));

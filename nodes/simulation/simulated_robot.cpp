@@ -25,40 +25,25 @@ SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, graph::ClockPacer
                                std::function<void(std::int64_t)> on_pace,
                                std::function<void(const std::string&)> on_note)
     : world_(scene),
-      pacer_(pacer),
-      slice_(slice_of(scene)),
       on_readings_(std::move(on_readings)),
-      on_pace_(std::move(on_pace)),
-      on_note_(std::move(on_note)) {}
+      on_note_(std::move(on_note)),
+      loop_(
+          pacer, slice_of(scene), [this] { slice(); }, std::move(on_pace),
+          [this](const std::string& note) { on_note_(note); }) {}
 
-SimulatedRobot::~SimulatedRobot() { stop(); }
-
-void SimulatedRobot::start() {
-  running_ = true;
-  thread_ = std::thread([this] { run(); });
-}
-
-void SimulatedRobot::stop() {
-  running_ = false;
-  if (thread_.joinable()) thread_.join();
-}
-
-void SimulatedRobot::run() {
-  while (running_) {
-    if (!wait_for_pace()) continue;
-    SensorReadings readings;
-    bool watchdog_fired = false;
-    {
-      const std::lock_guard lock(mutex_);
-      step_slice();
-      readings = read();
-      ++slices_;
-      watchdog_fired = std::exchange(watchdog_fired_, false);
-    }
-    slice_done_.notify_all();
-    if (watchdog_fired) on_note_("no gripper command for 0.2 s while moving: stopped");
-    on_readings_(readings);
+void SimulatedRobot::slice() {
+  SensorReadings readings;
+  bool watchdog_fired = false;
+  {
+    const std::lock_guard lock(mutex_);
+    step_slice();
+    readings = read();
+    ++slices_;
+    watchdog_fired = std::exchange(watchdog_fired_, false);
   }
+  slice_done_.notify_all();
+  if (watchdog_fired) on_note_("no gripper command for 0.2 s while moving: stopped");
+  on_readings_(readings);
 }
 
 void SimulatedRobot::step_slice() {
@@ -91,24 +76,6 @@ SensorReadings SimulatedRobot::read() const {
   readings.wrench = world_.wrist_wrench();
   for (std::size_t i = 0; i < world_.body_count(); ++i) readings.bodies.push_back(world_.body(i));
   return readings;
-}
-
-// True when the next slice is due; false now and then, so that the thread can end.
-bool SimulatedRobot::wait_for_pace() {
-  constexpr auto kLongestWait = std::chrono::milliseconds(50);
-  constexpr auto kMostLag = std::chrono::milliseconds(300);
-  std::this_thread::yield();  // lets waiting commands in: a mutex is not fair
-  const bool is_due = pacer_.wait_for(time_ + slice_, kLongestWait) >= time_ + slice_;
-  if (is_due) {
-    time_ += slice_;
-    if (pacer_.give_up_lag(kMostLag) && !std::exchange(slow_, true)) {
-      on_note_("this machine is too slow for the speed asked for; simulated time lags");
-    }
-  }
-  const auto pace = pacer_.state();
-  if (!is_due && (pace.paused != pace_.paused || pace.speed != pace_.speed)) on_pace_(time_);
-  pace_ = pace;
-  return is_due;
 }
 
 void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit,

@@ -1,16 +1,13 @@
 #pragma once
 
-#include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "prehend/graph/clock_pacer.h"
+#include "nodes/simulation/paced_loop.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::nodes {
@@ -44,10 +41,10 @@ class SimulatedRobot {
                  std::function<void(const SensorReadings&)> on_readings,
                  std::function<void(std::int64_t)> on_pace,
                  std::function<void(const std::string&)> on_note);
-  ~SimulatedRobot();
+  ~SimulatedRobot() { stop(); }
 
-  void start();
-  void stop();
+  void start() { loop_.start(); }
+  void stop() { loop_.stop(); }
 
   /// Runs `work` on the world between two steps.
   template <class Work>
@@ -78,19 +75,13 @@ class SimulatedRobot {
   void wait_for_slice();
 
  private:
-  void run();
+  void slice();
   void step_slice();
   SensorReadings read() const;
-  bool wait_for_pace();
 
   simulation::World world_;
-  graph::ClockPacer& pacer_;
-  const std::int64_t slice_;  // ns
   std::function<void(const SensorReadings&)> on_readings_;
-  std::function<void(std::int64_t)> on_pace_;
   std::function<void(const std::string&)> on_note_;
-  std::atomic<bool> running_{false};
-  std::thread thread_;
 
   std::mutex mutex_;  // guards what follows and world_
   std::condition_variable slice_done_;
@@ -103,10 +94,7 @@ class SimulatedRobot {
   double contact_force_ = 0;  // N, 0: not watched
   bool contact_ = false;
 
-  // Of the thread alone.
-  std::int64_t time_ = 0;  // ns, at the end of the last slice
-  graph::ClockPacer::State pace_;
-  bool slow_ = false;
+  PacedLoop loop_;
 };
 
 }  // namespace prehend::nodes

@@ -208,6 +208,13 @@ void ArmDrive::stop() {
   if (status_ == Status::kMoving) status_ = Status::kStopped;
 }
 
+void ArmDrive::forget() {
+  status_ = Status::kIdle;
+  largest_error_ = 0;
+  time_ = 0;
+  reason_.clear();
+}
+
 void ArmDrive::step(double h) {
   const bool follows = status_ == Status::kMoving;
   if (!follows && at_rest()) return;

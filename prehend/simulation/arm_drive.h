@@ -66,6 +66,8 @@ class ArmDrive {
   void follow(const ArmTrajectory& trajectory, const std::vector<double>& tolerance = {});
   /// Brakes each joint with the acceleration limit.
   void stop();
+  /// Forgets the last trajectory, its error and reason.
+  void forget();
   void step(double h);
 
   const robot::KinematicChain& chain() const { return chain_; }

@@ -169,6 +169,20 @@ void HandDrive::before_step(double h, engines::Multibody& system,
   }
 }
 
+Eigen::VectorXd HandDrive::targets() const {
+  Eigen::VectorXd q(size());
+  for (int m = 0; m < size(); ++m) q[m] = motors_[static_cast<std::size_t>(m)].target;
+  return q;
+}
+
+Eigen::VectorXd HandDrive::most_efforts() const {
+  Eigen::VectorXd effort(size());
+  for (int m = 0; m < size(); ++m) {
+    effort[m] = motors_[static_cast<std::size_t>(m)].joint.max_effort;
+  }
+  return effort;
+}
+
 bool HandDrive::moving() const {
   return std::any_of(groups_.begin(), groups_.end(), [&](const Group& group) {
     return group.share < 1 && group.stuck < options_.blocked_time;

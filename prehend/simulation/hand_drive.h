@@ -52,6 +52,9 @@ class HandDrive {
   /// Sets drives and the stops of inner joints for the coming step.
   void before_step(double h, engines::Multibody& system, const engines::MultibodyState& state);
 
+  Eigen::VectorXd targets() const;       // rad, where the motors were sent
+  Eigen::VectorXd most_efforts() const;  // N m, of the motors' joints
+
   bool moving() const;   // some finger is still on its way
   bool blocked() const;  // some finger is stopped by what it presses on
   bool reached() const;  // all are where they were sent

@@ -98,6 +98,10 @@ struct Scene {
   TableModel table;
   PhysicsOptions physics;
   robot::GripperModel gripper;  // YAML: path of config/robots/*.yaml, relative to the scene file
+  /// YAML: path of a platform of config/robots, relative to the scene file: an arm and a hand in
+  /// place of gripper and carrier, for RobotWorld. Empty: none.
+  std::filesystem::path robot;
+  std::string robot_home = "home";  // of the platform's homes, where the arm stands at the start
   SpindleDriveModel drive = pg70_drive();  // what `gripper` says goes before, see drive_of
   TactileOptions tactile;
   std::optional<WrenchSensorOptions> wrench;  // none: forces as they are

@@ -130,6 +130,10 @@ Scene read_scene(const std::filesystem::path& path) {
   std::string gripper;
   map.read("gripper", gripper);
   if (!gripper.empty()) read_gripper(path.parent_path() / gripper, scene);
+  std::string robot;
+  map.read("robot", robot);
+  if (!robot.empty()) scene.robot = path.parent_path() / robot;
+  map.read("robot_home", scene.robot_home);
   if (const YAML::Node node = map.child("tactile")) read_tactile(node, path, scene);
   if (const YAML::Node node = map.child("wrench")) read_wrench(node, path, scene);
   if (const YAML::Node node = map.child("physics")) {

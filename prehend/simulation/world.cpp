@@ -150,6 +150,11 @@ bool World::Implementation::moves(int i) const {
 
 World::World(const Scene& scene) {
   validate(scene);
+  if (!scene.robot.empty()) {
+    throw std::invalid_argument(
+        "Scene::robot must be empty: a World has a gripper on a carrier; "
+        "arms and hands are for RobotWorld");
+  }
   implementation_ = std::make_unique<Implementation>(scene);
   for (const SceneObject& object : scene.objects) {
     RigidTransform X_WB = RigidTransform::Identity();

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "prehend/graph/clock_pacer.h"
+
+namespace prehend::nodes {
+
+/// A thread that does the simulation's slices as the pacer allows.
+class PacedLoop {
+ public:
+  /// `pacer` begins at 0 with slices of `slice` [ns] and must outlive the object. All functions are
+  /// called by the thread: `work` for each slice; `on_pace` with the simulated time [ns] when the
+  /// clock was paused, resumed or got another speed; `on_note` takes rare remarks.
+  PacedLoop(graph::ClockPacer& pacer, std::int64_t slice, std::function<void()> work,
+            std::function<void(std::int64_t)> on_pace,
+            std::function<void(const std::string&)> on_note);
+  ~PacedLoop() { stop(); }
+
+  void start();
+  void stop();
+
+ private:
+  bool wait_for_pace();
+
+  graph::ClockPacer& pacer_;
+  const std::int64_t slice_;  // ns
+  std::function<void()> work_;
+  std::function<void(std::int64_t)> on_pace_;
+  std::function<void(const std::string&)> on_note_;
+  std::atomic<bool> running_{false};
+  std::thread thread_;
+  // Of the thread alone.
+  std::int64_t time_ = 0;  // ns, at the end of the last slice
+  graph::ClockPacer::State pace_;
+  bool slow_ = false;
+};
+
+}  // namespace prehend::nodes

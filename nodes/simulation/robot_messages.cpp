@@ -1,0 +1,74 @@
+#include "nodes/simulation/robot_messages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "msgs/convert/geometry.h"
+#include "nodes/simulation/clock_message.h"
+
+namespace prehend::nodes {
+
+using graph::QoS;
+
+RobotPublisher::RobotPublisher(graph::Node& node, const robot::HandModel& hand)
+    : clock_(node.advertise<msgs::Clock>("/clock", QoS::latched(20))),
+      joints_(node.advertise<msgs::JointState>("/joint_states", QoS::queue(100))),
+      wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
+      truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {
+  for (const robot::HandPad& pad : hand.pads) {
+    pads_.emplace(pad.name, Pad{pad.model, node.advertise<msgs::TactileFrame>(
+                                               "/tactile/" + pad.name, QoS::queue(50))});
+  }
+}
+
+void RobotPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::State& pace) {
+  clock_.publish(clock_message(stamp, pace));
+}
+
+void RobotPublisher::publish(const RobotReadings& readings) {
+  msgs::JointState joints;
+  joints.mutable_header()->set_stamp(readings.stamp);
+  for (const simulation::JointReading& joint : readings.joints) {
+    joints.add_name(joint.name);
+    joints.add_position(joint.position);
+    joints.add_velocity(joint.velocity);
+    joints.add_effort(joint.effort);
+  }
+  joints_.publish(joints);
+  wrench_.publish(wrench_message(readings.stamp, "hand", readings.wrench));
+  if (count_++ % 2 != 0) return;
+  for (const simulation::HandPadReading& reading : readings.pads) {
+    Pad& pad = pads_.at(reading.name);
+    msgs::TactileFrame frame;
+    frame.mutable_header()->set_stamp(readings.stamp);
+    frame.mutable_header()->set_frame_id(reading.name);
+    frame.set_rows(static_cast<std::uint32_t>(reading.rows));
+    frame.set_columns(static_cast<std::uint32_t>(reading.columns));
+    frame.set_texel_width(pad.model.texel_pitch);
+    frame.set_texel_height(pad.model.texel_pitch);
+    frame.set_full_scale(static_cast<std::uint32_t>(pad.model.full_scale));
+    frame.set_newton_per_count(pad.model.newton_per_count);
+    for (const double force : reading.force) {
+      const double counts = std::floor(force / pad.model.newton_per_count);
+      frame.add_intensity(
+          static_cast<std::uint32_t>(std::min<double>(counts, pad.model.full_scale)));
+    }
+    frame.set_sum(reading.sum);
+    pad.publisher.publish(frame);
+  }
+  msgs::GroundTruth truth;
+  truth.mutable_header()->set_stamp(readings.stamp);
+  truth.mutable_header()->set_frame_id("world");
+  for (const simulation::RobotBodyReading& body : readings.bodies) {
+    msgs::GroundTruth::Body& out = *truth.add_bodies();
+    out.set_name(body.name);
+    *out.mutable_x_wb() = convert::to_message(body.X_WB);
+    *out.mutable_velocity() = convert::to_message(body.velocity);
+    out.set_mass(body.mass);
+    out.set_height(body.height);
+    out.set_touches_table(body.touches_table);
+  }
+  truth_.publish(truth);
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "nodes/simulation/paced_loop.h"
+#include "prehend/simulation/robot_world.h"
+
+namespace prehend::nodes {
+
+/// What the sensors of arm and hand show at one instant.
+struct RobotReadings {
+  std::int64_t stamp = 0;  // ns, simulated
+  std::vector<simulation::JointReading> joints;
+  std::vector<simulation::HandPadReading> pads;
+  simulation::ContactWrench wrench;
+  std::vector<simulation::RobotBodyReading> bodies;
+};
+
+/// A world with an arm and a hand, and its clock: like SimulatedRobot. Commands may come from any
+/// thread; the arm and the hand belong to who asked last, known by a ticket.
+class RobotRunner {
+ public:
+  RobotRunner(simulation::RobotWorld world, graph::ClockPacer& pacer, std::int64_t slice,
+              std::function<void(const RobotReadings&)> on_readings,
+              std::function<void(std::int64_t)> on_pace,
+              std::function<void(const std::string&)> on_note);
+  ~RobotRunner() { stop(); }
+
+  void start() { loop_.start(); }
+  void stop() { loop_.stop(); }
+
+  /// Runs `work` on the world between two steps.
+  template <class Work>
+  auto with_world(Work&& work) {
+    const std::lock_guard lock(mutex_);
+    return work(world_);
+  }
+
+  /// Takes the arm (hand) over from whoever had it.
+  std::uint64_t take_arm();
+  bool holds_arm(std::uint64_t ticket);
+  /// Brakes the arm, if it is still the ticket's.
+  void stop_arm(std::uint64_t ticket);
+  std::uint64_t take_hand();
+  bool holds_hand(std::uint64_t ticket);
+
+  /// Waits for the next slice, at most 100 ms of wall time.
+  void wait_for_slice();
+
+ private:
+  void slice();
+  RobotReadings read() const;
+
+  simulation::RobotWorld world_;
+  const int steps_;
+  std::function<void(const RobotReadings&)> on_readings_;
+  std::mutex mutex_;  // guards what follows and world_
+  std::condition_variable slice_done_;
+  std::uint64_t slices_ = 0, arm_ticket_ = 0, hand_ticket_ = 0;
+  PacedLoop loop_;
+};
+
+}  // namespace prehend::nodes
