@@ -237,7 +237,9 @@ const prehend::graph::RegisteredNodeProgram registered(
      "while moving), the actions /carrier/move and /gripper/move, and the services "
      "/gripper/stop, "
      "/gripper/acknowledge, /simulation/spawn, /simulation/render and /clock/control (pause, "
-     "resume, step, speed)."},
+     "resume, step, speed). With a platform of arm and hand (robot) in place of gripper and "
+     "carrier it publishes /joint_states and the hand's /tactile/PAD, and takes the actions "
+     "/arm/follow and /hand/move and the services /arm/stop and /hand/stop."},
     run);
 
 }  // namespace
