@@ -13,8 +13,9 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using Quantity = Miss::Quantity;
 
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kPoint = 1e-5;    // m, size of the triangle that stands for a point of a cloud
+constexpr double kGravity = 9.81;    // m/s^2
+constexpr double kPrecision = 0.05;  // of epsilon while candidates are compared
+constexpr double kPoint = 1e-5;      // m, size of the triangle that stands for a point of a cloud
 constexpr double kMeeting =
     1e-3;  // m, by which links' balls may overlap without being said to meet
 
@@ -194,7 +195,7 @@ std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
   for (int i = 0; i < hand.size(); ++i) {
     grasp->closed[i] = grasp->closed_all[hand.actuated[static_cast<std::size_t>(i)]];
   }
-  grasp->quality = wrench_hull(wrenches).epsilon;
+  grasp->quality = wrench_hull(wrenches, {.precision = kPrecision}).epsilon;
   return std::nullopt;
 }
 
@@ -221,6 +222,8 @@ std::optional<Refusal> HandEvaluator::assess_forces(HandGrasp* grasp) const {
   }
   grasp->torques = options_.safety_factor * holding.torques;
   grasp->margin = disturbance_margin(forces, load);
+  grasp->quality = wrench_hull(forces.wrenches).epsilon;
+  if (options_.volume) grasp->volume = wrench_volume(forces.wrenches);
   return std::nullopt;
 }
 

@@ -31,10 +31,12 @@ class HandEvaluator {
   const Solid& solid() const { return solid_; }
   const geometry::MeshQuery& query() const { return query_; }
 
-  /// Fills `grasp` unless there is a reason not to; margin, effort and score are left out.
+  /// Fills `grasp` unless there is a reason not to; its quality is a lower bound within 5 %, and
+  /// margin, effort, volume and score are left out.
   std::optional<Refusal> evaluate(const Candidate& candidate, const robot::Preshape& preshape,
                                   HandGrasp* grasp) const;
-  /// What the motors must do, and how well they do it: fills effort, torques and margin.
+  /// What the motors must do, and how well they do it: fills effort, torques, margin and volume,
+  /// and makes the quality exact.
   std::optional<Refusal> assess_forces(HandGrasp* grasp) const;
   double score(const HandGrasp& grasp) const;
 

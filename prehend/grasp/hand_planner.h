@@ -62,6 +62,7 @@ struct HandGrasp {
   Eigen::VectorXd torques;  // of the motors, that hold the load with the safety factor [N m or N]
   double effort = 0;   // share of the limits of the motor that needs most, with the safety factor
   double quality = 0;  // epsilon, see wrench_hull.h; torques over the object's radius
+  double volume = 0;   // of the wrench space, see wrench_volume(); 0 unless asked for
   double margin = 0;   // N, see disturbance_margin(); torques over the object's radius
   double score = 0;    // what the list is ranked by, 0 to 1
   double guessed_contact = 0;  // share of the contacts on surface that nobody saw

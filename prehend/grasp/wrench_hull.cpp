@@ -1,11 +1,8 @@
 #include "prehend/grasp/wrench_hull.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,8 +11,9 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <Eigen/SVD>
+
+#include "prehend/grasp/wrench_polytope.h"
 
 namespace prehend::grasp {
 namespace {
@@ -23,9 +21,6 @@ namespace {
 constexpr int kDimension = 6;
 constexpr int kMostSteps = 1000;
 constexpr int kMostFacets = 20000;
-constexpr double kThin =
-    1e-10;  // smallest edge of a facet across the others, of the largest wrench
-
 /// Qhull's whole hull of unit wrenches.
 class FullHull {
  public:
@@ -176,116 +171,6 @@ int extend(const Wrenches& wrenches, std::vector<int>& corral, double tolerance)
   return static_cast<int>(basis.size());
 }
 
-/// A simplicial polytope round a point, grown by points outside it.
-class Polytope {
- public:
-  /// @param simplex seven columns in general position.
-  Polytope(const Wrenches& wrenches, const std::vector<int>& simplex) : wrenches_(wrenches) {
-    inside_.setZero();
-    for (const int i : simplex) inside_ += wrenches.col(i) / (kDimension + 1);
-    for (int out = 0; out <= kDimension; ++out) {
-      Vertices vertices{};
-      for (int i = 0, n = 0; i <= kDimension; ++i) {
-        if (i != out)
-          vertices[static_cast<std::size_t>(n++)] = simplex[static_cast<std::size_t>(i)];
-      }
-      add(vertices);
-    }
-  }
-
-  /// A facet was too thin to have a normal.
-  bool failed() const { return failed_; }
-  int made() const { return made_; }
-
-  /// The facet nearest to the origin.
-  int nearest() const {
-    return static_cast<int>(std::min_element(offsets_.begin(), offsets_.end()) - offsets_.begin());
-  }
-  double offset(int facet) const { return offsets_[static_cast<std::size_t>(facet)]; }
-  Vector6 normal(int facet) const { return normals_.col(facet); }
-
-  /// Replaces the facets that `point` is beyond by ones with it.
-  void grow(int point, double tolerance) {
-    const Vector6 p = wrenches_.col(point);
-    std::vector<Ridge> ridges;
-    const Eigen::VectorXd heights =
-        normals_.leftCols(static_cast<Eigen::Index>(offsets_.size())).transpose() * p;
-    for (std::size_t f = 0; f < offsets_.size(); ++f) {
-      if (!(heights[static_cast<Eigen::Index>(f)] > offsets_[f] + tolerance)) continue;
-      for (int out = 0; out < kDimension; ++out) ridges.push_back(ridge(vertices_[f], out));
-      offsets_[f] = std::numeric_limits<double>::infinity();  // gone
-      free_.push_back(f);
-    }
-    std::sort(ridges.begin(), ridges.end());
-    for (std::size_t i = 0; i < ridges.size(); ++i) {
-      const bool twice = (i > 0 && ridges[i] == ridges[i - 1]) ||
-                         (i + 1 < ridges.size() && ridges[i] == ridges[i + 1]);
-      if (twice) continue;
-      Vertices vertices{};
-      std::copy(ridges[i].begin(), ridges[i].end(), vertices.begin());
-      vertices.back() = point;
-      add(vertices);
-    }
-  }
-
- private:
-  using Vertices = std::array<int, kDimension>;
-  using Ridge = std::array<int, kDimension - 1>;
-
-  static Ridge ridge(const Vertices& vertices, int out) {
-    Ridge result{};
-    for (int i = 0, n = 0; i < kDimension; ++i) {
-      if (i != out) result[static_cast<std::size_t>(n++)] = vertices[static_cast<std::size_t>(i)];
-    }
-    std::sort(result.begin(), result.end());
-    return result;
-  }
-
-  void add(const Vertices& vertices) {
-    Eigen::Matrix<double, kDimension, kDimension - 1> edges;
-    for (int i = 1; i < kDimension; ++i) {
-      edges.col(i - 1) =
-          wrenches_.col(vertices[static_cast<std::size_t>(i)]) - wrenches_.col(vertices[0]);
-    }
-    const Eigen::HouseholderQR<decltype(edges)> qr(edges);
-    for (int i = 0; i < kDimension - 1; ++i) {
-      failed_ = failed_ || !(std::abs(qr.matrixQR()(i, i)) > kThin);
-    }
-    Vector6 normal = Vector6::Unit(kDimension - 1);
-    normal.applyOnTheLeft(qr.householderQ());
-    double offset = normal.dot(wrenches_.col(vertices[0]));
-    if (normal.dot(inside_) > offset) {
-      normal = -normal;
-      offset = -offset;
-    }
-    ++made_;
-    std::size_t place = offsets_.size();
-    if (!free_.empty()) {
-      place = free_.back();
-      free_.pop_back();
-    } else {
-      if (normals_.cols() <= static_cast<Eigen::Index>(place)) {
-        normals_.conservativeResize(Eigen::NoChange,
-                                    std::max<Eigen::Index>(64, 2 * normals_.cols()));
-      }
-      offsets_.push_back(0);
-      vertices_.emplace_back();
-    }
-    normals_.col(static_cast<Eigen::Index>(place)) = normal;
-    offsets_[place] = offset;
-    vertices_[place] = vertices;
-  }
-
-  const Wrenches& wrenches_;
-  Vector6 inside_;
-  Wrenches normals_;
-  std::vector<double> offsets_;
-  std::vector<Vertices> vertices_;
-  std::vector<std::size_t> free_;  // places of facets that are gone
-  int made_ = 0;
-  bool failed_ = false;
-};
-
 /// Of wrenches of at most unit norm.
 WrenchHull unit_hull(const Wrenches& wrenches, const WrenchHullOptions& options) {
   WrenchHull result;
@@ -306,25 +191,28 @@ WrenchHull unit_hull(const Wrenches& wrenches, const WrenchHullOptions& options)
   if (nearest.corral.size() != kDimension + 1) {
     return reference_wrench_hull(wrenches, options.tolerance);
   }
-  Polytope polytope(wrenches, nearest.corral);
+  WrenchPolytope polytope(wrenches, nearest.corral);
+  // The hull reaches at least as far as epsilon in every direction: the least reach seen bounds it.
+  double bound = std::numeric_limits<double>::infinity();
   while (true) {
-    const int facet = polytope.nearest();
-    const Vector6 normal = polytope.normal(facet);
-    const double offset = polytope.offset(facet);
-    Eigen::Index farthest = 0;
-    const double reach = (normal.transpose() * wrenches).maxCoeff(&farthest);
-    const bool final = reach <= offset + 1e-12;
-    if (final || (options.closure_only && offset > options.tolerance)) {
-      result.facets = polytope.made();
-      result.closed = offset > options.tolerance;
-      result.epsilon = result.closed ? offset : 0;
-      result.weakest = -normal;
-      return result;
-    }
-    polytope.grow(static_cast<int>(farthest), 1e-12);
-    if (polytope.failed() || polytope.made() > kMostFacets) {
+    const int facet = polytope.nearest(bound);
+    if (facet < 0 || polytope.failed() || polytope.made() > kMostFacets) {
       return reference_wrench_hull(wrenches, options.tolerance);
     }
+    const double offset = polytope.offset(facet);
+    Eigen::Index farthest = 0;
+    const double reach = (polytope.normal(facet).transpose() * wrenches).maxCoeff(&farthest);
+    bound = std::min(bound, reach + 1e-9);
+    const bool final = reach <= offset + 1e-12 || reach <= offset * (1 + options.precision);
+    if (final || (options.closure_only && offset > options.tolerance)) {
+      polytope.refine(facet);
+      result.facets = polytope.made();
+      result.closed = polytope.offset(facet) > options.tolerance;
+      result.epsilon = result.closed ? polytope.offset(facet) : 0;
+      result.weakest = -polytope.normal(facet);
+      return result;
+    }
+    polytope.grow(static_cast<int>(farthest), facet, 1e-12);
   }
 }
 
@@ -340,6 +228,9 @@ bool may_be_closed(const Wrenches& wrenches) {
 
 WrenchHull wrench_hull(const Wrenches& wrenches, const WrenchHullOptions& options) {
   check(wrenches, options.tolerance);
+  if (!(options.precision >= 0 && options.precision < 1)) {
+    throw std::invalid_argument("wrench_hull: precision must be in [0, 1)");
+  }
   const double scale = largest_norm(wrenches);
   if (!(scale > 0)) return {};
   WrenchHull result = unit_hull(wrenches / scale, options);

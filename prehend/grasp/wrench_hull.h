@@ -27,6 +27,9 @@ struct WrenchHullOptions {
   /// Stop as soon as it is known whether the grasp is closed; epsilon is then a lower bound of the
   /// true one, above 0 when closed.
   bool closure_only = false;
+  /// Stop when epsilon is known to this fraction of itself, in [0, 1): it is then a lower bound,
+  /// and at most that much below the true one. 0: to rounding.
+  double precision = 0;
   /// What counts as zero, as a fraction of the largest wrench. Larger than rounding, smaller than
   /// what friction makes of a grasp.
   double tolerance = 1e-9;

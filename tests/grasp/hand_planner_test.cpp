@@ -244,7 +244,20 @@ TEST(PlanHandGrasps, OptionsAndNamesAreChecked) {
   EXPECT_THROW(plan([](auto& o) { o.preshapes = {"sferical"}; }), geometry::InputError);
   const HandPlan one = plan([](auto& o) { o.preshapes = {"cylindrical"}; });
   ASSERT_FALSE(one.grasps.empty());
-  for (const HandGrasp& grasp : one.grasps) EXPECT_EQ(grasp.preshape, "cylindrical");
+  for (const HandGrasp& grasp : one.grasps) {
+    EXPECT_EQ(grasp.preshape, "cylindrical");
+    EXPECT_EQ(grasp.volume, 0);
+  }
+  const HandPlan measured = plan([](auto& o) {
+    o.preshapes = {"parallel"};
+    o.volume = true;
+    o.largest_count = 2;
+  });
+  ASSERT_FALSE(measured.grasps.empty());
+  // A ball of radius epsilon is in the wrench space: pi^3 / 6 of its sixth power.
+  for (const HandGrasp& grasp : measured.grasps) {
+    EXPECT_GT(grasp.volume, 5.1677 * std::pow(grasp.quality, 6));
+  }
   surface::ObjectModel nothing;
   EXPECT_THROW(plan_hand_grasps(nothing, kTable, {}, hand.ready, {}, quick()),
                geometry::InputError);

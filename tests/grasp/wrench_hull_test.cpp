@@ -124,6 +124,24 @@ TEST(WrenchHull, IsQhullsForRandomGrasps) {
   EXPECT_LT(closed, 390);
 }
 
+TEST(WrenchHull, PrecisionBoundsEpsilonFromBelow) {
+  std::mt19937_64 random(12);
+  int closed = 0, fewer = 0;
+  for (int n = 0; n < 200; ++n) {
+    const auto grasp = random_grasp(random, 3 + n % 6);
+    const Wrenches w = primitive_wrenches(grasp, Eigen::Vector3d::Zero(), 0.04, 8);
+    const WrenchHull exact = wrench_hull(w), rough = wrench_hull(w, {.precision = 0.2});
+    ASSERT_EQ(rough.closed, exact.closed);
+    EXPECT_LE(rough.epsilon, exact.epsilon + 1e-12);
+    EXPECT_GE(rough.epsilon * 1.2, exact.epsilon - 1e-9);
+    closed += exact.closed;
+    fewer += rough.facets < exact.facets;
+  }
+  EXPECT_GT(closed, 50);
+  EXPECT_GT(fewer, closed / 2);
+  EXPECT_THROW(wrench_hull(octahedron(), {.precision = 1}), std::invalid_argument);
+}
+
 TEST(WrenchHull, AgreesWithTheLinearProgramme) {
   std::mt19937_64 random(2);
   int closed = 0;
