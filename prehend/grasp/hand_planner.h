@@ -40,6 +40,7 @@ struct HandPlannerOptions {
   double largest_shortfall = 0.03;  // m, >= 0, by which the hand may be stopped before its standoff
   int least_fingers = 2;            // > 0, that must touch the object (the palm counts as one)
   int largest_count = 32;           // > 0, of grasps in the result
+  bool volume = false;              // also HandGrasp::volume, some ms for each grasp in the result
   double budget = 0;                // s of wall time, as PlannerOptions::budget
   /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp.
   /// Empty: it reaches all. Must give the same answer for the same pose.
