@@ -14,12 +14,26 @@ using namespace prehend::eval::touch;
 struct Contender {
   std::string engine, solver;
   bool pads;
+  bool world = false;  // simulation::World on that engine
 };
+
+std::string name_of(const Contender& contender) {
+  if (contender.world) return "World on " + contender.engine;
+  return contender.engine + " " + contender.solver + (contender.pads ? " with pads" : "");
+}
+
+HoldResult run(const simulation::engines::EngineRegistry& registry, const Contender& contender,
+               const HoldTest& test) {
+  if (contender.world) return run_world_hold(contender.engine, test);
+  const auto engine = registry.create(contender.engine);
+  return run_hold(*engine, test);
+}
 
 Row table_row(const Contender& contender, const HoldTest& test, const HoldResult& result) {
   return {{"engine", contender.engine},
           {"solver", contender.solver},
           {"pads", contender.pads},
+          {"world", contender.world},
           {"mass_kg", test.mass},
           {"step_ms", 1e3 * test.step},
           {"held", result.held},
@@ -40,6 +54,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
     // With pads in sub-steps the engine's contact solver has nothing to do: one will do.
     if (name != "native") contenders.push_back({name, registry.create(name)->solvers()[0], true});
   }
+  for (const std::string& name : registry.names()) contenders.push_back({name, "", true, true});
   const std::vector<double> masses{0.01, 0.05, 0.3, 1, 3, 10};
   const std::vector<double> steps = options.quick
                                         ? std::vector<double>{1e-2, 1e-3}
@@ -51,7 +66,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
   std::vector<Row> cells, sums;
   for (const Contender& contender : contenders) {
     int held = 0, still = 0, cell_count = 0;
-    const bool substepped = contender.pads && contender.engine != "native";
+    const bool substepped = contender.pads && !contender.world && contender.engine != "native";
     double worst_slip = 0, time = 0;
     for (const double mass : masses) {
       for (const double step : substepped ? substepped_steps : steps) {
@@ -60,8 +75,7 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
         test.step = step;
         test.solver = contender.solver;
         test.pads = contender.pads;
-        const auto engine = registry.create(contender.engine);
-        const HoldResult result = run_hold(*engine, test);
+        const HoldResult result = run(registry, contender, test);
         ++cell_count;
         held += result.held;
         still += result.held && std::abs(result.slip) < 1e-6;
@@ -74,15 +88,15 @@ Findings hold(const ExperimentOptions& options, report::Page& page) {
     sums.push_back({{"engine", contender.engine},
                     {"solver", contender.solver},
                     {"pads", contender.pads},
+                    {"world", contender.world},
                     {"cells", count},
                     {"held", static_cast<double>(held)},
                     {"held_within_1_um", static_cast<double>(still)},
                     {"worst_slip_of_held_um", 1e6 * worst_slip},
                     {"mean_us_per_step", 1e6 * time / count}});
-    findings.summary.push_back(
-        {contender.engine + " " + contender.solver + (contender.pads ? " with pads" : ""),
-         std::to_string(held) + " of " + std::to_string(cell_count) + " held, " +
-             std::to_string(still) + " within 1 um"});
+    findings.summary.push_back({name_of(contender), std::to_string(held) + " of " +
+                                                        std::to_string(cell_count) + " held, " +
+                                                        std::to_string(still) + " within 1 um"});
   }
   for (const auto& problem : registry.problems()) {
     findings.summary.push_back({problem.file.filename().string(), problem.reason});

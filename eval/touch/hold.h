@@ -32,6 +32,11 @@ simulation::engines::EngineScene hold_scene(const HoldTest& test);
 /// Runs the test. @throws simulation::engines::UnsupportedScene.
 HoldResult run_hold(simulation::engines::Engine& engine, const HoldTest& test);
 
+/// A like test of a whole simulation::World on an engine: a box of 48 mm is gripped by the drive,
+/// with F = 1.2 m g / (2 mu), mu = 0.7, lifted from the table by 5 cm and held for `duration`. Of
+/// `test` mass, step and duration count; pads are texels. @throws as World's constructor.
+HoldResult run_world_hold(const std::string& engine, const HoldTest& test);
+
 /// Advances a loaded hold_scene for kShakenDuration: pressed and loaded as above, then shaken
 /// between 1 and 1.5 s by forces of 0.1 m g at 5 Hz along x and at 7 Hz along z. The cube's centre
 /// [m] every 10 ms, of which the step must be a part.

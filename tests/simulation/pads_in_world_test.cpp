@@ -58,6 +58,44 @@ TEST(Pads, HoldTenGramsToTenKilogramsWithoutCreep) {
   }
 }
 
+// What shaking five times by 0.1 m with 1 m/s^2 moves of a box held with a fifth more force than
+// friction needs [m], downwards; the box's height if it was lost.
+double lost_by_shaking(const robot::GripperModel& gripper, double mass) {
+  Scene scene = grasp_scene(mass);
+  scene.gripper = gripper;
+  scene.start_opening = 0.05;
+  World world(scene);
+  const double force = 1.2 * mass * 9.81 / (2 * 0.7);
+  grasp_slowly(world, (force + 10) / 30, 1);
+  world.move_carrier(above(world, kGraspHeight + 0.05), 0.05);
+  run(world, 3);
+  const double lifted = world.body("box").height;
+  if (lifted < 0.04) return 0.05;
+  for (int i = 0; i < 5; ++i) {
+    world.move_carrier(above(world, kGraspHeight + 0.15), 0.3);
+    run(world, 1);
+    world.move_carrier(above(world, kGraspHeight + 0.05), 0.3);
+    run(world, 1);
+  }
+  return std::abs(world.body("box").height - lifted);
+}
+
+// The gripper's file chooses bristles that do not creep; the paper's LuGre law, the library's
+// default, creeps while a load swings.
+TEST(Pads, TheGrippersLawHoldsWhatLuGreLoses) {
+  const robot::GripperModel pg70 = robot::read_gripper_model("config/robots/pg70_dsa.yaml");
+  EXPECT_EQ(pg70.pad.law.bristle_law, contact::BristleLaw::kElastoPlastic);
+  robot::GripperModel paper = pg70;
+  paper.pad.law.bristle_law = contact::BristleLaw::kLuGre;
+  paper.pad.law.return_map = false;
+  for (const double mass : {0.01, 3.0}) {
+    EXPECT_LT(lost_by_shaking(pg70, mass), 1e-6) << mass;
+  }
+  EXPECT_LT(lost_by_shaking(pg70, 10), 2e-5);
+  EXPECT_GT(lost_by_shaking(paper, 1), 1e-3) << "if not, it may be the default again";
+  EXPECT_GT(lost_by_shaking(paper, 10), 0.04);
+}
+
 // Two boxes between the jaws press on one another: one system for jaws and both.
 TEST(Pads, TwoObjectsAreGrippedAtOnce) {
   Scene scene = grasp_scene(0.3);
