@@ -136,6 +136,21 @@ void inverse(benchmark::State& state, const robot::KinematicChain& arm, int elbo
 void BM_InverseKinematicsKr5(benchmark::State& state) { inverse(state, robot::kr5(), 1); }
 BENCHMARK(BM_InverseKinematicsKr5)->Unit(benchmark::kMicrosecond);
 
+void BM_InverseKinematicsKr5Batch(benchmark::State& state) {
+  const robot::KinematicChain arm = robot::kr5();
+  const robot::InverseKinematics inverse_kinematics(arm);
+  std::mt19937_64 random(2);
+  std::vector<geometry::RigidTransform> targets;
+  for (int i = 0; i < 256; ++i) {
+    targets.push_back(arm.forward(robot::random_positions(arm, random)));
+  }
+  std::vector<robot::InverseSolutions> answers;
+  for (auto _ : state) inverse_kinematics.solve_batch(targets, arm.middle(), answers);
+  state.counters["each"] = {
+      256, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
+}
+BENCHMARK(BM_InverseKinematicsKr5Batch)->Unit(benchmark::kMicrosecond);
+
 void BM_InverseKinematicsPa10(benchmark::State& state) {
   inverse(state, robot::pa10(), static_cast<int>(state.range(0)));
 }

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <random>
 #include <stdexcept>
 #include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "prehend/robot/inverse_collector.h"
 
 namespace prehend::robot {
 namespace {
@@ -111,61 +112,33 @@ bool meet(const Vector3d* points, const Vector3d* axes, Vector3d& where) {
   return true;
 }
 
-}  // namespace
+BranchArm::Vector numbers(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Turns what was computed into answers.
-struct InverseKinematics::Collector {
-  const KinematicChain& chain;
-  const Eigen::Ref<const Eigen::VectorXd>& seed;
-  InverseAnswer answer{};
-  int beyond = 0;            // solutions that the limits forbid
-  Positions least_beyond{};  // the one that they forbid by the least
-  double least = std::numeric_limits<double>::infinity();
-  std::string unreachable{};
-  double out_of_reach = 0;  // m
-  InverseFailure failure = InverseFailure::kOutOfReach;
+/// Lanes with solutions, nearest to the seed first.
+struct Order {
+  int count = 0;
+  std::array<std::size_t, kBranches> lane{};
 
-  /// Turns revolute joints by whole turns to within their limits; keeps what is.
-  void add(Positions q) {
-    double worst = 0;
-    for (int i = 0; i < chain.size(); ++i) {
-      const ChainJoint& joint = chain.joints()[static_cast<std::size_t>(i)];
-      if (joint.is_revolute) {
-        q[i] = seed[i] + std::remainder(q[i] - seed[i], 2 * kPi);
-        if (q[i] > joint.upper + 1e-9 && q[i] - 2 * kPi >= joint.lower - 1e-9) q[i] -= 2 * kPi;
-        if (q[i] < joint.lower - 1e-9 && q[i] + 2 * kPi <= joint.upper + 1e-9) q[i] += 2 * kPi;
+  explicit Order(const BranchOutput& output) {
+    for (std::size_t i = 0; i < kBranches; ++i) {
+      if (!((output.within >> i) & 1u)) continue;
+      auto to = static_cast<std::size_t>(count++);
+      for (; to > 0 && output.distance[i] < output.distance[lane[to - 1]]; --to) {
+        lane[to] = lane[to - 1];
       }
-      worst = std::max({worst, joint.lower - q[i], q[i] - joint.upper});
-    }
-    if (worst <= 1e-9) {
-      answer.solutions.push_back(q);
-      return;
-    }
-    ++beyond;
-    if (worst < least) {
-      least = worst;
-      least_beyond = q;
+      lane[to] = i;
     }
   }
-
-  InverseAnswer finish() {
-    std::stable_sort(answer.solutions.begin(), answer.solutions.end(),
-                     [this](const Positions& a, const Positions& b) {
-                       return (a - seed).squaredNorm() < (b - seed).squaredNorm();
-                     });
-    if (!answer.solutions.empty()) return std::move(answer);
-    answer.failure = beyond > 0 ? InverseFailure::kBeyondLimits : failure;
-    answer.miss = beyond > 0 ? least : out_of_reach;
-    if (beyond > 0) {
-      answer.reason = std::to_string(beyond) +
-                      " solutions are beyond the limits; in the nearest, " +
-                      chain.limit_problem(least_beyond);
-    } else {
-      answer.reason = unreachable.empty() ? "out of reach" : unreachable;
+  Positions positions(const BranchOutput& output, int i) const {
+    Positions q(6);
+    for (std::size_t j = 0; j < 6; ++j) {
+      q[static_cast<Eigen::Index>(j)] = output.q[j][lane[static_cast<std::size_t>(i)]];
     }
-    return std::move(answer);
+    return q;
   }
 };
+
+}  // namespace
 
 InverseKinematics::InverseKinematics(KinematicChain chain, const InverseOptions& options)
     : chain_(std::move(chain)), options_(options), middle_(chain_.middle()) {
@@ -202,11 +175,23 @@ InverseMethod InverseKinematics::classify() {
                     axis_[0].cross(axis_[1]).norm() > kParallel &&
                     (point_[2] - point_[1]).cross(axis_[1]).norm() > kMeet &&
                     (wrist_ - point_[2]).cross(axis_[2]).norm() > kMeet;
-  return fits ? InverseMethod::kSphericalWrist : InverseMethod::kNumeric;
+  if (!fits) return InverseMethod::kNumeric;
+  for (std::size_t i = 0; i < 6; ++i) {
+    branch_arm_.axis[i] = numbers(axis_[i]);
+    branch_arm_.low[i] = chain_.joints()[i].lower;
+    branch_arm_.high[i] = chain_.joints()[i].upper;
+  }
+  const auto across = [this](const Vector3d& v) { return v - axis_[1] * axis_[1].dot(v); };
+  branch_arm_.point0 = numbers(point_[0]);
+  branch_arm_.point1 = numbers(point_[1]);
+  branch_arm_.wrist = numbers(wrist_);
+  branch_arm_.upper = numbers(across(point_[2] - point_[1]));
+  branch_arm_.lower = numbers(across(wrist_ - point_[2]));
+  return InverseMethod::kSphericalWrist;
 }
 
-InverseAnswer InverseKinematics::solve(const RigidTransform& X_BT,
-                                       const Eigen::Ref<const Eigen::VectorXd>& seed) const {
+void InverseKinematics::check(const RigidTransform& X_BT,
+                              const Eigen::Ref<const Eigen::VectorXd>& seed) const {
   if (seed.size() != chain_.size()) {
     throw std::invalid_argument("InverseKinematics::solve: the seed needs " +
                                 std::to_string(chain_.size()) + " positions");
@@ -214,7 +199,9 @@ InverseAnswer InverseKinematics::solve(const RigidTransform& X_BT,
   if (!X_BT.matrix().allFinite() || !seed.allFinite()) {
     throw std::invalid_argument("InverseKinematics::solve: pose and seed must be finite");
   }
-  Collector found{chain_, seed};
+}
+
+void InverseKinematics::find(const RigidTransform& X_BT, Collector& found) const {
   switch (method_) {
     case InverseMethod::kSphericalWrist:
       found.answer.solutions.reserve(8);
@@ -227,7 +214,70 @@ InverseAnswer InverseKinematics::solve(const RigidTransform& X_BT,
       numeric(X_BT, found);
       break;
   }
+}
+
+InverseAnswer InverseKinematics::solve(const RigidTransform& X_BT,
+                                       const Eigen::Ref<const Eigen::VectorXd>& seed) const {
+  check(X_BT, seed);
+  BranchOutput output;
+  if (solve_in_step(X_BT, seed, output)) {
+    const Order order(output);
+    InverseAnswer answer;
+    answer.solutions.reserve(static_cast<std::size_t>(order.count));
+    for (int i = 0; i < order.count; ++i) answer.solutions.push_back(order.positions(output, i));
+    return answer;
+  }
+  Collector found{chain_, seed};
+  find(X_BT, found);
   return found.finish();
+}
+
+void InverseKinematics::solve_batch(std::span<const RigidTransform> X_BT,
+                                    const Eigen::Ref<const Eigen::VectorXd>& seed,
+                                    std::vector<InverseSolutions>& answers) const {
+  answers.resize(X_BT.size());
+  BranchOutput output;
+  for (std::size_t i = 0; i < X_BT.size(); ++i) {
+    check(X_BT[i], seed);
+    InverseSolutions& answer = answers[i];
+    answer.failure = InverseFailure::kNone;
+    answer.miss = 0;
+    answer.singular = false;
+    if (solve_in_step(X_BT[i], seed, output)) {
+      const Order order(output);
+      answer.count = order.count;
+      for (int k = 0; k < order.count; ++k) {
+        answer.q[static_cast<std::size_t>(k)] = order.positions(output, k);
+      }
+      continue;
+    }
+    Collector found{chain_, seed};
+    found.in_words = false;
+    find(X_BT[i], found);
+    const InverseAnswer slow = found.finish();
+    answer.count = std::min(InverseSolutions::kMost, static_cast<int>(slow.solutions.size()));
+    std::copy_n(slow.solutions.begin(), answer.count, answer.q.begin());
+    answer.failure = slow.failure;
+    answer.miss = slow.miss;
+    answer.singular = slow.singular;
+  }
+}
+
+bool InverseKinematics::solve_in_step(const RigidTransform& X_BT,
+                                      const Eigen::Ref<const Eigen::VectorXd>& seed,
+                                      BranchOutput& output) const {
+  if (method_ != InverseMethod::kSphericalWrist || !options_.vectorized) return false;
+  const RigidTransform motion = X_BT * X_TB_;
+  BranchInput input;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      input.R[static_cast<std::size_t>(3 * row + column)] = motion(row, column);
+    }
+    input.t[static_cast<std::size_t>(row)] = motion(row, 3);
+  }
+  std::copy_n(seed.data(), 6, input.seed.begin());
+  solve_branches(branch_arm_, input, output);
+  return !output.is_doubtful && output.within != 0;
 }
 
 // With E_i(q) the motion of everything beyond joint i, X_BT = E_1 ... E_n X_BT(0). The wrist's
@@ -275,6 +325,7 @@ void InverseKinematics::spherical_wrist(const RigidTransform& X_BT, Collector& f
     const double closest = std::abs(upper.norm() - lower.norm());
     const double farthest = upper.norm() + lower.norm();
     found.out_of_reach = std::max(closest - nearest, nearest - farthest);
+    if (!found.in_words) return;
     char text[160];
     std::snprintf(text, sizeof text,
                   "out of reach: the wrist would be %.3f m from the second axis, which it can be "
@@ -331,66 +382,6 @@ void InverseKinematics::shoulder_and_wrist(const RigidTransform& X_BT, Collector
       }
     }
   }
-}
-
-void InverseKinematics::numeric(const RigidTransform& X_BT, Collector& found) const {
-  const int n = chain_.size();
-  const auto clamp = [this, n](Positions& q) {
-    for (int i = 0; i < n; ++i) {
-      const ChainJoint& joint = chain_.joints()[static_cast<std::size_t>(i)];
-      q[i] = std::clamp(q[i], joint.lower, joint.upper);
-    }
-  };
-  const auto error_at = [&](const Positions& q) {
-    const RigidTransform X = chain_.forward(q);
-    Eigen::Matrix<double, 6, 1> error;
-    const Eigen::AngleAxisd rotation(Matrix3d(X_BT.linear() * X.linear().transpose()));
-    error << X_BT.translation() - X.translation(), rotation.angle() * rotation.axis();
-    return error;
-  };
-  std::mt19937_64 random(options_.seed);
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
-  double least = std::numeric_limits<double>::infinity();
-  for (int start = 0; start <= options_.restarts; ++start) {
-    Positions q = found.seed;
-    for (int i = 0; start > 0 && i < n; ++i) {
-      const ChainJoint& joint = chain_.joints()[static_cast<std::size_t>(i)];
-      const double low = std::isfinite(joint.lower) ? joint.lower : -kPi;
-      const double high = std::isfinite(joint.upper) ? joint.upper : kPi;
-      q[i] = low + (high - low) * uniform();
-    }
-    clamp(q);
-    Eigen::Matrix<double, 6, 1> error = error_at(q);
-    double damping = 1e-2;
-    for (int step = 0; step < options_.iterations && damping < 1e8; ++step) {
-      if (error.head<3>().norm() <= options_.tolerance &&
-          error.tail<3>().norm() <= options_.tolerance) {
-        found.add(q);
-        return;
-      }
-      const auto J = chain_.jacobian(q);
-      const Eigen::Matrix<double, 6, 6> normal =
-          J * J.transpose() + damping * Eigen::Matrix<double, 6, 6>::Identity();
-      Positions next = q + J.transpose() * normal.ldlt().solve(error);
-      clamp(next);
-      const Eigen::Matrix<double, 6, 1> after = error_at(next);
-      if (after.squaredNorm() < error.squaredNorm()) {
-        q = next;
-        error = after;
-        damping = std::max(1e-14, damping / 10);
-      } else {
-        damping *= 4;
-      }
-    }
-    least = std::min(least, error.head<3>().norm());
-  }
-  found.out_of_reach = least;
-  found.failure = InverseFailure::kNotFound;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "no solution was found from %d starts; the nearest was %.1f mm away",
-                options_.restarts + 1, 1e3 * least);
-  found.unreachable = text;
 }
 
 }  // namespace prehend::robot

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "prehend/robot/branch_kernel.h"
 #include "prehend/robot/kinematic_chain.h"
 
 namespace prehend::robot {
@@ -31,6 +34,7 @@ struct InverseOptions {
   int iterations = 200;     // kNumeric, of each start, >= 1
   double tolerance = 1e-8;  // kNumeric: of position [m] and orientation [rad], > 0
   std::uint64_t seed = 1;   // kNumeric: of the random starts
+  bool vectorized = true;   // kSphericalWrist: all branches in step; false: one by one
 };
 
 /// Why a pose has no solution.
@@ -55,6 +59,17 @@ struct InverseAnswer {
   bool singular = false;
 };
 
+/// The solutions of one of many poses, without memory of their own.
+struct InverseSolutions {
+  static constexpr int kMost = kBranches;
+
+  int count = 0;
+  std::array<Positions, kMost> q;                  // the first `count` of them, as in InverseAnswer
+  InverseFailure failure = InverseFailure::kNone;  // when count is 0
+  double miss = 0;
+  bool singular = false;
+};
+
 /// Inverse kinematics of one chain. Reentrant: const calls may run at once. Same pose and seed,
 /// same answer.
 class InverseKinematics {
@@ -72,9 +87,21 @@ class InverseKinematics {
   InverseAnswer solve(const geometry::RigidTransform& X_BT) const { return solve(X_BT, middle_); }
   InverseAnswer solve(const geometry::RigidTransform& X_BT,
                       const Eigen::Ref<const Eigen::VectorXd>& seed) const;
+  /// The same for many poses at once: of each the solutions nearest to the seed, at most
+  /// InverseSolutions::kMost. `answers` is resized; allocates nothing else for kSphericalWrist. Why
+  /// a pose has none is told by solve(). @throws std::invalid_argument as solve().
+  void solve_batch(std::span<const geometry::RigidTransform> X_BT,
+                   const Eigen::Ref<const Eigen::VectorXd>& seed,
+                   std::vector<InverseSolutions>& answers) const;
 
  private:
   struct Collector;
+  void check(const geometry::RigidTransform& X_BT,
+             const Eigen::Ref<const Eigen::VectorXd>& seed) const;
+  void find(const geometry::RigidTransform& X_BT, Collector& found) const;
+  /// By solve_branches(); false when that is not sure, or there are none.
+  bool solve_in_step(const geometry::RigidTransform& X_BT,
+                     const Eigen::Ref<const Eigen::VectorXd>& seed, BranchOutput& output) const;
   InverseMethod classify();
   void spherical_wrist(const geometry::RigidTransform& X_BT, Collector& found) const;
   void shoulder_and_wrist(const geometry::RigidTransform& X_BT, Collector& found) const;
@@ -88,6 +115,7 @@ class InverseKinematics {
   std::vector<Eigen::Vector3d> axis_, point_;  // of each joint
   Eigen::Vector3d shoulder_, wrist_;           // where axes meet [m]
   geometry::RigidTransform X_TB_;              // of the tip at position 0, inverse
+  BranchArm branch_arm_;                       // kSphericalWrist
 };
 
 }  // namespace prehend::robot

@@ -170,6 +170,107 @@ TEST(InverseKinematics, AStretchedArmIsReached) {
   for (const Positions& s : answer.solutions) EXPECT_LT(difference(arm.forward(s), X), 1e-6);
 }
 
+TEST(InverseKinematics, BranchesInStepAreThoseOneByOne) {
+  std::mt19937_64 random(9);
+  RobotModel mounted = read_urdf("config/robots/kr5_sixx_r850.urdf");
+  mounted.joints[0].X_PJ =
+      geometry::make_transform({0.3, 0.5, -0.4, 0.7}, {1, -2, 0.5}) * mounted.joints[0].X_PJ;
+  for (const KinematicChain& arm : {kr5(), unlimited("config/robots/kr5_sixx_r850.urdf"),
+                                    KinematicChain(mounted, "base_link", "tool0")}) {
+    const InverseKinematics in_step(arm), one_by_one(arm, {.vectorized = false});
+    int none = 0;
+    for (int n = 0; n < 3000; ++n) {
+      Positions q(6), seed(6);
+      for (int i = 0; i < 6; ++i) q[i] = kPi * (2 * uniform(random) - 1);
+      for (int i = 0; i < 6; ++i) seed[i] = 3 * kPi * (2 * uniform(random) - 1);
+      if (n % 5 == 0) q[4] = 0.1 * uniform(random) * uniform(random);  // nearly singular
+      RigidTransform X = arm.forward(q);
+      if (n % 7 == 0) X.translation() *= 1.5;  // mostly out of reach
+      const InverseAnswer a = in_step.solve(X, seed), b = one_by_one.solve(X, seed);
+      ASSERT_EQ(a.solutions.size(), b.solutions.size()) << n;
+      EXPECT_EQ(a.failure, b.failure);
+      EXPECT_EQ(a.reason, b.reason);
+      none += a.solutions.empty();
+      double last = 0;
+      for (const Positions& s : a.solutions) {
+        ASSERT_TRUE(arm.within_limits(s));
+        // At a double root half of the digits are lost, and both ways are one.
+        const bool singular = std::abs(std::sin(s[4])) < 1e-4;
+        ASSERT_LT(difference(arm.forward(s), X), singular ? 1e-6 : 1e-9);
+        // The same one, whole turns included.
+        double least = 1e9;
+        for (const Positions& t : b.solutions) {
+          least = std::min(least, (s - t).cwiseAbs().maxCoeff());
+        }
+        ASSERT_LT(least, 1e-6) << n;
+        EXPECT_GE((s - seed).norm(), last - 1e-9);
+        last = (s - seed).norm();
+      }
+    }
+    EXPECT_GT(none, 50);
+    EXPECT_LT(none, 2500);
+  }
+}
+
+TEST(InverseKinematics, BatchesAnswerAsOneAtATime) {
+  std::mt19937_64 random(10);
+  RobotModel bent = read_urdf("config/robots/kr5_sixx_r850.urdf");
+  bent.joints[static_cast<std::size_t>(bent.joint_index("axis_6"))].X_PJ.translation().z() = 0.03;
+  for (const KinematicChain& arm : {kr5(), pa10(), KinematicChain(bent, "base_link", "tool0")}) {
+    const InverseKinematics inverse(arm, {.elbow_angles = 4, .restarts = 3});
+    std::vector<RigidTransform> targets;
+    for (int n = 0; n < 40; ++n) targets.push_back(arm.forward(random_positions(arm, random)));
+    targets[3].translation().x() = 9;                                   // out of reach
+    targets.push_back(arm.forward(Eigen::VectorXd::Zero(arm.size())));  // singular
+    std::vector<InverseSolutions> answers(7);
+    const Positions seed = arm.middle();
+    for (int again = 0; again < 2; ++again) {
+      inverse.solve_batch(targets, seed, answers);
+      ASSERT_EQ(answers.size(), targets.size());
+      for (std::size_t i = 0; i < targets.size(); ++i) {
+        const InverseAnswer one = inverse.solve(targets[i], seed);
+        ASSERT_EQ(answers[i].count, std::min<int>(8, static_cast<int>(one.solutions.size())));
+        for (int k = 0; k < answers[i].count; ++k) {
+          const auto at = static_cast<std::size_t>(k);
+          EXPECT_EQ(answers[i].q[at], one.solutions[at]);
+        }
+        EXPECT_EQ(answers[i].failure, one.failure);
+        EXPECT_EQ(answers[i].miss, one.miss);
+        EXPECT_EQ(answers[i].singular, one.singular);
+      }
+      EXPECT_EQ(answers[3].count, 0);
+      EXPECT_GT(answers[3].miss, 5);
+    }
+    inverse.solve_batch({}, seed, answers);
+    EXPECT_TRUE(answers.empty());
+    targets[0].translation().x() = std::nan("");
+    EXPECT_THROW(inverse.solve_batch(targets, seed, answers), std::invalid_argument);
+  }
+}
+
+TEST(InverseKinematics, SaysByHowMuchAPoseIsMissed) {
+  const KinematicChain arm = kr5();
+  const InverseKinematics inverse(arm);
+  // Straight ahead the wrist reaches 0.075 + 0.365 + hypot(0.405, 0.09) m, the flange 80 mm more.
+  const double farthest = 0.075 + 0.365 + std::hypot(0.405, 0.09) + 0.08;
+  RigidTransform X = arm.forward(Eigen::VectorXd::Zero(6));
+  X.translation() = Eigen::Vector3d(farthest + 0.25, 0, 0.335);
+  const InverseAnswer far = inverse.solve(X);
+  EXPECT_EQ(far.failure, InverseFailure::kOutOfReach);
+  EXPECT_NEAR(far.miss, 0.25, 1e-9);
+  // The second axis 0.2 rad beyond its upper limit is one of the ways; none is nearer than that.
+  Positions q = Positions::Zero(6);
+  q[1] = arm.joints()[1].upper + 0.2;
+  q[2] = 0.4;
+  const InverseAnswer beyond = inverse.solve(arm.forward(q));
+  if (beyond.solutions.empty()) {
+    EXPECT_EQ(beyond.failure, InverseFailure::kBeyondLimits);
+    EXPECT_LE(beyond.miss, 0.2 + 1e-9);
+    EXPECT_GT(beyond.miss, 0);
+  }
+  EXPECT_EQ(inverse.solve(arm.forward(arm.middle())).failure, InverseFailure::kNone);
+}
+
 TEST(InverseKinematics, SevenAxesSweepTheElbow) {
   const KinematicChain arm = pa10();
   const InverseKinematics inverse(arm, {.elbow_angles = 24});
