@@ -1,5 +1,6 @@
 #include "prehend/geometry/mesh_query.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -35,10 +36,27 @@ void check(const TriangleMesh& mesh) {
   }
 }
 
-// Nearest point of a triangle (Ericson, "Real-Time Collision Detection", section 5.1.5).
+Eigen::Vector3d nearest_on_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                   const Eigen::Vector3d& b) {
+  const Eigen::Vector3d ab = b - a;
+  const double squared = ab.squaredNorm();
+  return squared > 0 ? Eigen::Vector3d(a + std::clamp((p - a).dot(ab) / squared, 0.0, 1.0) * ab)
+                     : a;
+}
+
+// Nearest point of a triangle (Ericson, "Real-Time Collision Detection", section 5.1.5); of its
+// sides where it has no area, as that divides by it.
 Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                     const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double longest = std::max(ab.squaredNorm(), ac.squaredNorm());
+  if (!(ab.cross(ac).squaredNorm() > 1e-20 * longest * longest)) {
+    const Eigen::Vector3d sides[3] = {nearest_on_segment(p, a, b), nearest_on_segment(p, b, c),
+                                      nearest_on_segment(p, c, a)};
+    return *std::min_element(sides, sides + 3, [&p](const auto& one, const auto& other) {
+      return (one - p).squaredNorm() < (other - p).squaredNorm();
+    });
+  }
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) return a;
   const Eigen::Vector3d bp = p - b;

@@ -34,6 +34,21 @@ TEST(MeshQuery, SignedDistanceToABoxMatchesTheClosedForm) {
   }
 }
 
+// Once NaN, which then beat every real triangle.
+TEST(MeshQuery, TrianglesWithoutAreaAreTheirSides) {
+  TriangleMesh mesh = make_box({0.2, 0.2, 0.2});
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (const double x : {0.3, 0.35, 0.4}) mesh.vertices.emplace_back(x, 0, 0);
+  mesh.triangles.emplace_back(first, first + 1, first + 2);  // in a line
+  mesh.triangles.emplace_back(first, first, first + 2);      // two corners
+  mesh.triangles.emplace_back(first, first, first);          // a point
+  const MeshQuery query(mesh);
+  EXPECT_NEAR(query.nearest({0.33, 0.03, 0})->distance, 0.03, 1e-9);
+  EXPECT_NEAR(query.nearest({0.5, 0, 0})->distance, 0.1, 1e-9);
+  EXPECT_NEAR(query.nearest({0.3, 0.02, 0})->distance, 0.02, 1e-9);
+  EXPECT_NEAR(query.nearest({-0.15, 0, 0})->distance, 0.05, 1e-9);
+}
+
 TEST(MeshQuery, NearestRespectsTheLimit) {
   const MeshQuery query(make_sphere(0.1, 64));
   EXPECT_FALSE(query.nearest({1, 0, 0}, 0.5));
