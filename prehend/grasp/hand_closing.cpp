@@ -96,17 +96,28 @@ class Closing {
       joints_.push_back(static_cast<int>(j));
       if (!balls_.links[at(child)].nodes.empty()) links_.push_back(child);
     }
+    // Until when each link cannot have touched anything, on the group's clock: links that are far
+    // are not asked again while another one creeps up to its contact.
+    std::vector<double> safe(links_.size(), 0);
+    double clock = 0;
     for (int step = 0; step < options_.largest_steps; ++step) {
       double time = time_to_limits();
       if (!std::isfinite(time)) return;  // nothing moves any more
       int touching = -1;
       NearBall touch;
-      for (const int link : links_) {
+      for (std::size_t i = 0; i < links_.size(); ++i) {
+        const int link = links_[i];
         const double speed = speed_bound(link);
         if (speed == 0) continue;
+        if (safe[i] > clock) {
+          time = std::min(time, safe[i] - clock);
+          continue;
+        }
         const NearBall near = nearest_ball(balls_.links[at(link)], poses_[at(link)], scene_);
         if (near.clearance > options_.tolerance) {
-          time = std::min(time, (near.clearance - options_.tolerance / 2) / speed);
+          const double free = (near.clearance - options_.tolerance / 2) / speed;
+          safe[i] = clock + free;
+          time = std::min(time, free);
         } else if (approaches(link, near)) {
           if (touching < 0 || near.clearance < touch.clearance) {
             touching = link;
@@ -119,8 +130,10 @@ class Closing {
       if (touching >= 0) {
         correct(touching, touch);
         stop_above(touching, touch.what);
+        std::fill(safe.begin(), safe.end(), 0.0);  // joints move otherwise now
       } else {
         move(time);
+        clock += time;
         stop_at_limits();
       }
     }
