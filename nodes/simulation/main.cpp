@@ -21,7 +21,8 @@ namespace {
 using namespace prehend;
 
 struct Settings {
-  std::string scene, robot;
+  std::string scene, robot, robot_home;
+  bool show_robot = true;
   bool paused = false;
   bool camera = true;
   double camera_period = 0;
@@ -37,6 +38,15 @@ Settings declare_settings(graph::Node& node) {
       {.name = "robot",
        .default_value = "",
        .description = "platform (config/robots) that stands in the scene in place of its gripper"});
+  s.robot_home = node.declare_parameter<std::string>(
+      {.name = "robot_home",
+       .default_value = "",
+       .description =
+           "of the platform's homes, where the arm stands at first; empty: the scene's"});
+  s.show_robot = node.declare_parameter<bool>(
+      {.name = "show_robot",
+       .default_value = true,
+       .description = "the camera sees arm and hand; false: as if their links were masked"});
   s.paused = node.declare_parameter<bool>(
       {.name = "paused",
        .default_value = false,
@@ -184,6 +194,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
       [&node](const std::string& note) { node.log_warning("{}", note); });
+  robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const RobotActions actions(node, robot);
@@ -207,6 +218,7 @@ void run(graph::Node& node) {
        }});
   simulation::Scene scene = simulation::read_scene(settings.scene);
   if (!settings.robot.empty()) scene.robot = settings.robot;
+  if (!settings.robot_home.empty()) scene.robot_home = settings.robot_home;
   if (settings.noise_seed >= 0) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
   }

@@ -134,7 +134,10 @@ class RobotWorld {
   RobotBodyReading body(std::size_t index) const;
   /// @throws std::invalid_argument when there is no such object.
   RobotBodyReading body(const std::string& name) const;
+  /// Objects and the robot; without the latter after show_robot(false), as a camera's driver has it
+  /// that masks the robot's own links.
   std::vector<VisibleBody> visible_bodies() const;
+  void show_robot(bool show);
   /// Where the robot presses on an object, in the last step.
   struct ObjectTouch {
     Eigen::Vector3d p_W = Eigen::Vector3d::Zero();    // m

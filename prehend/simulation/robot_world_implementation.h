@@ -62,6 +62,7 @@ struct RobotWorld::Implementation {
   std::optional<Path> path;
   double contact_limit = 0;  // N, 0: none
   bool contact = false;
+  bool shows_robot = true;
   std::uint64_t generation = 0;
   std::vector<geometry::RigidTransform> link_poses;
 };

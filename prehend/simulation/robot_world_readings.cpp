@@ -195,6 +195,8 @@ std::vector<RobotWorld::ObjectTouch> RobotWorld::object_touches(const std::strin
   return touches;
 }
 
+void RobotWorld::show_robot(bool show) { implementation_->shows_robot = show; }
+
 std::vector<VisibleBody> RobotWorld::visible_bodies() const {
   const Implementation& world = *implementation_;
   std::vector<VisibleBody> bodies;
@@ -202,6 +204,7 @@ std::vector<VisibleBody> RobotWorld::visible_bodies() const {
     bodies.push_back({thing.model.name, thing.model.mesh, world.reading(thing).X_WB,
                       thing.model.texture, thing.model.box.sizes().z()});
   }
+  if (!world.shows_robot) return bodies;
   Texture metal;
   metal.color = {0.55, 0.55, 0.58};
   for (std::size_t l = 0; l < world.robot.model.links.size(); ++l) {

@@ -1,0 +1,232 @@
+#include "nodes/arm_cycle/arm_cycle_node.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/sensors.pb.h"
+
+namespace prehend::nodes {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr double kPeriod = 0.02;  // s, of the control loop
+constexpr std::size_t kMostViews = 4;
+constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
+
+control::ArmCycleOptions declare_options(graph::Node& node) {
+  control::ArmCycleOptions options;
+  options.reacts = node.declare_parameter<bool>(
+      {.name = "reacts",
+       .default_value = options.reacts,
+       .description = "stop the approach where the hand touches, and close there; false: open "
+                      "loop"});
+  options.contact_force = node.declare_parameter<double>(
+      {.name = "contact_force",
+       .default_value = options.contact_force,
+       .unit = "N",
+       .minimum = 0.1,
+       .description = "at the wrist, that counts as contact on the approach"});
+  options.overrun = node.declare_parameter<double>(
+      {.name = "overrun",
+       .default_value = options.overrun,
+       .unit = "rad",
+       .minimum = 0.0,
+       .description = "how far fingers go on beyond where they were predicted to touch"});
+  options.largest_attempts =
+      node.declare_parameter<int>({.name = "largest_attempts",
+                                   .default_value = options.largest_attempts,
+                                   .minimum = 1,
+                                   .description = "grasps tried before giving up"});
+  return options;
+}
+
+}  // namespace
+
+ArmCycleNode::ArmCycleNode(graph::Node& node)
+    : node_(node),
+      object_(node.declare_parameter<int>({.name = "object",
+                                           .default_value = -1,
+                                           .minimum = -1,
+                                           .description = "id of the object to grasp, -1: the one "
+                                                          "with the best grasp"})),
+      exits_(node.declare_parameter<bool>({.name = "exit_when_done",
+                                           .default_value = false,
+                                           .description = "end the process after the result"})),
+      patience_(node.declare_parameter<double>(
+          {.name = "patience",
+           .default_value = 20.0,
+           .unit = "s",
+           .minimum = 0.0,
+           .description = "wall time to wait for the next plan of a view"})),
+      options_(declare_options(node)),
+      arm_(node),
+      hand_(node),
+      cycle_(options_, arm_, hand_),
+      surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
+      states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
+      results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))) {
+  using graph::QoS;
+  subscriptions_.push_back(node.subscribe<msgs::JointState>(
+      "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
+  subscriptions_.push_back(
+      node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+        wrist_force_ = convert::from_message(message->wrench().force()).norm();
+      }));
+  subscriptions_.push_back(
+      node.subscribe<msgs::GraspPlan>("/plans", QoS::latched(32), [this](const auto& plan) {
+        View& view = views_[plan->header().stamp()];
+        view.plans[plan->id()] = plan.shared();
+        view.newest = steady_clock::now();
+        if (views_.size() > kMostViews) views_.erase(views_.begin());
+      }));
+  start_service_ =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
+        msgs::Acknowledge answer;
+        answer.set_success(!running_);
+        answer.set_reason(running_ ? "a cycle is running" : "starts on the newest plans");
+        armed_ = armed_ || !running_;
+        return answer;
+      });
+  timer_ = node.create_timer(kPeriod, [this] { tick(); });
+}
+
+const ArmCycleNode::View* ArmCycleNode::newest_ready() const {
+  if (views_.empty()) return nullptr;
+  const View& view = views_.rbegin()->second;
+  const std::size_t objects = view.plans.begin()->second->object_count();
+  const bool complete = view.plans.size() >= objects;
+  return complete || steady_clock::now() - view.newest > patience_ ? &view : nullptr;
+}
+
+void ArmCycleNode::tick() {
+  if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
+  if (!joints_) return;
+  control::ArmPercepts percepts;
+  percepts.time = graph::seconds(node_.clock().now());
+  percepts.names.assign(joints_->name().begin(), joints_->name().end());
+  percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+  percepts.wrist_force = wrist_force_;
+  if (running_) {
+    cycle_.step(percepts);
+    publish_progress();
+    if (cycle_.finished()) finish(cycle_.result(), false);
+    return;
+  }
+  if (!armed_) return;
+  if (const View* view = newest_ready()) {
+    armed_ = false;
+    cycle_.step(percepts);  // it knows where the arm stands before it starts
+    start(*view);
+  }
+}
+
+control::ArmGrasp ArmCycleNode::grasp_of(const msgs::Grasp& grasp) const {
+  control::ArmGrasp result;
+  for (const msgs::ArmSegment& segment : grasp.arm()) {
+    result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
+  }
+  result.hand_joints.assign(grasp.hand_joint_name().begin(), grasp.hand_joint_name().end());
+  result.open.assign(grasp.open_position().begin(), grasp.open_position().end());
+  result.closed.assign(grasp.closed_position().begin(), grasp.closed_position().end());
+  result.lifted_mass = grasp.predicted().lifted_mass();
+  return result;
+}
+
+void ArmCycleNode::start(const View& view) {
+  std::vector<control::ArmGrasp> grasps;
+  std::string problem;
+  double best = -1;
+  bool planned = false;
+  for (const auto& [id, plan] : view.plans) {
+    if (object_ >= 0 && id != static_cast<std::uint32_t>(object_)) continue;
+    std::vector<control::ArmGrasp> own;
+    double score = -1;
+    for (const msgs::Grasp& grasp : plan->grasps()) {
+      planned = true;
+      const bool whole = grasp.arm_size() > 0 && grasp.hand_joint_name_size() > 0 &&
+                         grasp.open_position_size() == grasp.hand_joint_name_size() &&
+                         grasp.closed_position_size() == grasp.hand_joint_name_size();
+      if (!whole) continue;
+      if (own.empty()) score = grasp.score();
+      own.push_back(grasp_of(grasp));
+    }
+    problem += (problem.empty() ? "" : "; ") + fmt::format("object {}: ", id) +
+               (plan->problem().empty() ? "no grasp with a way for the arm" : plan->problem());
+    if (own.empty() || score <= best) continue;
+    best = score;
+    target_ = id;
+    grasps = std::move(own);
+  }
+  if (grasps.empty()) {
+    control::CycleResult failure;
+    failure.reason =
+        problem.empty() ? fmt::format("there is no plan of object {}", object_) : problem;
+    return finish(failure, !planned && !problem.empty());
+  }
+  node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_, grasps.size(), best);
+  surprises_sent_ = 0;
+  last_detail_.clear();
+  running_ = true;
+  cycle_.start(std::move(grasps));
+  publish_progress();
+}
+
+msgs::Surprise ArmCycleNode::to_message(const control::Surprise& surprise) const {
+  msgs::Surprise message;
+  message.mutable_header()->set_stamp(node_.clock().now());
+  message.set_kind(static_cast<msgs::Surprise::Kind>(surprise.kind));
+  message.set_predicted(surprise.predicted);
+  message.set_felt(surprise.felt);
+  message.set_tolerance(surprise.tolerance);
+  message.set_surprising(surprise.surprising);
+  message.set_reaction(surprise.reaction);
+  return message;
+}
+
+void ArmCycleNode::publish_progress() {
+  for (; surprises_sent_ < cycle_.surprises().size(); ++surprises_sent_) {
+    surprises_.publish(to_message(cycle_.surprises()[surprises_sent_]));
+  }
+  if (cycle_.detail() == last_detail_) return;
+  last_detail_ = cycle_.detail();
+  msgs::CycleState state;
+  state.mutable_header()->set_stamp(node_.clock().now());
+  state.set_phase(control::to_string(cycle_.phase()));
+  state.set_object_id(target_);
+  state.set_grasp_index(static_cast<std::uint32_t>(cycle_.grasp_index()));
+  state.set_detail(last_detail_);
+  states_.publish(state);
+  node_.log_info("{}: {}", state.phase(), state.detail());
+}
+
+void ArmCycleNode::finish(const control::CycleResult& result, bool ungraspable) {
+  msgs::CycleResult message;
+  message.mutable_header()->set_stamp(node_.clock().now());
+  message.set_success(result.success);
+  message.set_reason(result.reason);
+  message.set_object_id(target_);
+  message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
+  message.set_attempts(static_cast<std::uint32_t>(result.attempts));
+  if (running_) {
+    for (const auto& surprise : cycle_.surprises()) *message.add_surprises() = to_message(surprise);
+    for (const auto& [phase, seconds] : cycle_.phase_times()) {
+      auto& time = *message.add_times();
+      time.set_stage(phase);
+      time.set_seconds(seconds);
+    }
+  }
+  results_.publish(message);
+  running_ = false;
+  if (result.success) {
+    node_.log_info("success: {}", result.reason);
+  } else {
+    node_.report(graph::Health::kError, result.reason);
+  }
+  exit_code_ = result.success ? 0 : (ungraspable ? 3 : 2);
+  if (exits_) exit_time_ = steady_clock::now() + kExitDelay;
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "msgs/actions.pb.h"
+#include "prehend/control/arm_cycle.h"
+#include "prehend/graph/node.h"
+
+namespace prehend::nodes {
+
+control::JointPath from_message(const msgs::JointTrajectory& trajectory);
+msgs::JointTrajectory to_message(const control::JointPath& path);
+
+/// The action /arm/follow.
+class ArmActions : public control::ArmPort {
+ public:
+  explicit ArmActions(graph::Node& node);
+  void follow(const control::JointPath& path, double contact_force) override;
+  control::MotionStatus motion() override;
+  std::string problem() override { return problem_; }
+  void stop() override;
+
+ private:
+  graph::ActionClient<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
+                      msgs::FollowTrajectoryResult>
+      client_;
+  graph::GoalHandle<msgs::FollowTrajectoryResult> goal_;
+  std::string problem_;
+};
+
+/// The action /hand/move.
+class HandActions : public control::HandPort {
+ public:
+  explicit HandActions(graph::Node& node);
+  void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
+            double speed, bool until_contact) override;
+  control::MotionStatus motion() override;
+  std::string problem() override { return problem_; }
+  void stop() override;
+
+ private:
+  graph::Node& node_;
+  graph::ActionClient<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult> client_;
+  graph::GoalHandle<msgs::MoveHandResult> goal_;
+  std::string problem_;
+};
+
+}  // namespace prehend::nodes

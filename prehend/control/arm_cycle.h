@@ -1,0 +1,175 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/control/grasp_cycle.h"
+#include "prehend/control/surprise.h"
+
+namespace prehend::control {
+
+/// Joint positions over time, as msgs.JointTrajectory.
+struct JointPath {
+  struct Point {
+    double time = 0;                                       // s, from the start
+    std::vector<double> position, velocity, acceleration;  // rad or m, per s, per s^2; may be empty
+  };
+  std::vector<std::string> joints;
+  std::vector<Point> points;
+};
+
+/// The same way back.
+JointPath reversed(const JointPath& path);
+
+/// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
+/// 15s^4 + 10s^3) along the way. For an arm that contact stopped short of a segment's end.
+/// @throws std::invalid_argument in words when the arm is more than `most` [rad] off, a joint of
+/// the path is not among `names`, or the path is empty.
+JointPath joined(JointPath path, const std::vector<std::string>& names,
+                 const std::vector<double>& positions, double most);
+
+/// A planned grasp with the arm's motion round it.
+struct ArmGrasp {
+  std::vector<std::pair<std::string, JointPath>> segments;  // reach, approach, lift, carry, place,
+                                                            // retreat; in this order, some may lack
+  std::vector<std::string> hand_joints;
+  std::vector<double> open, closed;  // rad, of hand_joints
+  double lifted_mass = 0;            // kg, predicted; 0: not predicted
+};
+
+/// What the cycle asks of an arm. Calls return at once.
+class ArmPort {
+ public:
+  virtual ~ArmPort() = default;
+  /// Stops when the wrist force exceeds `contact_force` [N] if that is positive.
+  virtual void follow(const JointPath& path, double contact_force) = 0;
+  virtual MotionStatus motion() = 0;  // of the last follow; kContact: stopped by it
+  virtual std::string problem() = 0;  // why that failed, in words
+  virtual void stop() = 0;
+};
+
+/// What the cycle asks of a hand with fingers. Calls return at once.
+class HandPort {
+ public:
+  virtual ~HandPort() = default;
+  /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press.
+  virtual void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
+                    double speed, bool until_contact) = 0;
+  virtual MotionStatus motion() = 0;  // of the last move; kContact: fingers press
+  virtual std::string problem() = 0;
+  virtual void stop() = 0;
+};
+
+/// All the cycle knows of the world.
+struct ArmPercepts {
+  double time = 0;  // s, now, of the graph's clock
+  std::vector<std::string> names;
+  std::vector<double> positions;      // rad, of arm and hand
+  std::optional<double> wrist_force;  // N, of contact on the hand, with what it holds
+};
+
+struct ArmCycleOptions {
+  /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
+  /// otherwise the plan is executed without looking (KTH's: open loop).
+  bool reacts = false;
+  double contact_force = 5;    // N, > 0, at the wrist, that counts as contact on the approach
+  double opening_speed = 0.6;  // share of the joints' greatest, in (0, 1]
+  double closing_speed = 0.3;
+  /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
+  double overrun = 0.5;
+  double settle_time = 0.3;     // s, >= 0, after closing
+  double check_time = 0.4;      // s, >= 0, after the lift, before looking
+  double held_ratio = 0.3;      // of the predicted weight that the wrist must bear when lifted
+  double least_weight = 0.3;    // N, > 0, that counts as an object
+  double motion_timeout = 60;   // s, > 0, of each motion
+  double largest_detour = 0.5;  // rad, > 0, see joined()
+  int largest_attempts = 3;     // > 0
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// Executes ranked grasps with an arm and a hand until one succeeds: opens the hand, reach,
+/// approach, close, lift, looks whether something is held, carry, place, open, retreat. What is
+/// felt is compared with what was predicted (surprises). On a failure it opens, goes back the way
+/// it came and takes the next grasp.
+///
+/// Sources: Bohg et al., "Mind the Gap", ICRA 2011, section IV: KTH's platform open loop, UJI's
+/// with reaction to contact. Not thread-safe. Never blocks, never throws after start().
+class ArmCycle {
+ public:
+  /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
+  ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand);
+
+  /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
+  void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
+  /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
+  void step(const ArmPercepts& percepts);
+  /// Stops arm and hand and ends as failed.
+  void abort(const std::string& reason);
+
+  Phase phase() const;
+  bool finished() const { return step_ == Step::kDone || step_ == Step::kFailed; }
+  const std::string& detail() const { return detail_; }
+  int grasp_index() const { return grasp_index_; }
+  const CycleResult& result() const { return result_; }  // final once finished()
+  const std::vector<Surprise>& surprises() const { return surprises_; }
+  /// Seconds of each phase in the order they were entered.
+  const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
+
+ private:
+  enum class Step {
+    kWaiting,
+    kOpen,
+    kReach,
+    kApproach,
+    kClose,
+    kSettle,
+    kLift,
+    kCheck,
+    kCarry,
+    kPlace,
+    kRelease,
+    kRetreat,
+    kGiveUpOpen,
+    kGoBack,
+    kDone,
+    kFailed
+  };
+
+  static Phase phase_of(Step step);
+  void enter(Step step, const std::string& detail);
+  void begin_attempt();
+  /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
+  bool begin_segment(const std::string& name, Step step, double contact_force);
+  void follow(const JointPath& path, double contact_force);
+  void close();
+  void after_approach(MotionStatus status);
+  void check();
+  void give_up(const std::string& reason);
+  void go_back();
+  void finish(bool success, const std::string& reason);
+  void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
+  const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index_)]; }
+
+  ArmCycleOptions options_;
+  ArmPort& arm_;
+  HandPort& hand_;
+  std::vector<ArmGrasp> grasps_;
+  Step step_ = Step::kWaiting;
+  std::string detail_ = "waiting for a plan";
+  std::string refused_;          // why a segment could not begin
+  std::vector<JointPath> gone_;  // segments that were begun in this attempt
+  ArmPercepts now_;
+  double step_start_ = 0;  // s
+  int grasp_index_ = 0;
+  std::string failure_;
+  CycleResult result_;
+  std::vector<Surprise> surprises_;
+  std::vector<std::pair<std::string, double>> phase_times_;
+};
+
+}  // namespace prehend::control
