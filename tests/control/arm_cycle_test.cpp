@@ -321,17 +321,18 @@ class PlanByHand {
   robot::Positions q_;
 };
 
-struct Setup {
+struct PlatformSetup {
   const char* platform;
   const char* preshape;
   bool reacts;
   double height;  // m, of the tool over the table when it closes
+  double way;     // rad, that motors close as planned
 };
 
-class InSimulation : public testing::TestWithParam<Setup> {};
+class InSimulation : public testing::TestWithParam<PlatformSetup> {};
 
 TEST_P(InSimulation, PicksABoxAndPutsItDown) {
-  const Setup setup = GetParam();
+  const PlatformSetup setup = GetParam();
   const robot::Platform platform =
       robot::read_platform(std::string("config/robots/") + setup.platform);
   const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
@@ -359,7 +360,7 @@ TEST_P(InSimulation, PicksABoxAndPutsItDown) {
   for (int i = 0; i < platform.hand.size(); ++i) {
     grasp.open.push_back(preshape.open[i]);
     grasp.closed.push_back(preshape.open[i] +
-                           0.3 * preshape.closing[static_cast<std::size_t>(i)].rate);
+                           setup.way * preshape.closing[static_cast<std::size_t>(i)].rate);
   }
   grasp.lifted_mass = 0.4;
 
@@ -396,9 +397,10 @@ TEST_P(InSimulation, PicksABoxAndPutsItDown) {
   EXPECT_FALSE(put.touches_robot);
 }
 
-INSTANTIATE_TEST_SUITE_P(Platforms, InSimulation,
-                         testing::Values(Setup{"kr5_sdh.yaml", "parallel", false, 0.09},
-                                         Setup{"pa10_barrett.yaml", "spread_0", true, 0.09}));
+INSTANTIATE_TEST_SUITE_P(
+    Platforms, InSimulation,
+    testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09, 0.3},
+                    PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09}));
 
 }  // namespace
 }  // namespace prehend::control
