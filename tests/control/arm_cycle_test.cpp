@@ -400,7 +400,7 @@ TEST_P(InSimulation, PicksABoxAndPutsItDown) {
 INSTANTIATE_TEST_SUITE_P(
     Platforms, InSimulation,
     testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09, 0.3},
-                    PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09}));
+                    PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09, 1.0}));
 
 }  // namespace
 }  // namespace prehend::control
