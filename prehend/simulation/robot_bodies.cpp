@@ -184,8 +184,14 @@ class Builder {
   void add_joints() {
     const robot::RobotModel& model = out_.model;
     out_.engine_joint.assign(model.joints.size(), -1);
-    for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      if (!moves_hand_[j]) continue;
+    // Those that follow come after those that lead, wherever the file has them.
+    std::vector<std::size_t> order;
+    for (const bool follows : {false, true}) {
+      for (std::size_t j = 0; j < model.joints.size(); ++j) {
+        if (moves_hand_[j] && model.joints[j].mimic.has_value() == follows) order.push_back(j);
+      }
+    }
+    for (const std::size_t j : order) {
       const Joint& joint = model.joints[j];
       engines::EngineJoint engine;
       engine.kind = joint.kind == Joint::Kind::kRevolute ? engines::EngineJoint::Kind::kRevolute

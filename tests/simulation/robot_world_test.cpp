@@ -113,6 +113,63 @@ INSTANTIATE_TEST_SUITE_P(Hands, Holds,
                                          std::tuple("bh8.yaml", "spread_0", 0.2),
                                          std::tuple("bh8.yaml", "spread_0", 1.0)));
 
+TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
+  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
+  Scene scene;
+  scene.objects.resize(1);
+  scene.objects[0].name = "box";
+  scene.objects[0].x = 0.1;
+  RobotWorld world(platform, scene);
+  HandCommand close;
+  close.position = closed(platform.hand, platform.hand.preshapes.front().name, 0.4);
+  world.move_hand(close);
+  run(world, 0.2);
+  const auto saved = world.save();
+  run(world, 0.2);
+  const Eigen::VectorXd hand = world.hand_positions();
+  const RigidTransform box = world.body("box").X_WB;
+  world.restore(*saved);
+  run(world, 0.2);
+  EXPECT_EQ(world.hand_positions(), hand);
+  EXPECT_EQ(world.body("box").X_WB.matrix(), box.matrix());
+  world.add_object("other", at(make_ball(0.03), {0.3, 0.3, 0}), 0.1);
+  EXPECT_THROW(world.restore(*saved), std::invalid_argument);
+  EXPECT_THROW(world.body("nobody"), std::invalid_argument);
+  EXPECT_TRUE(world.remove_object("other"));
+  EXPECT_FALSE(world.remove_object("other"));
+}
+
+TEST(RobotWorld, PadsFeelWhatTheFingersPressWith) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
+  RobotWorld world(hand, above(hand, "parallel", {0, 0, 0.11}), "parallel");
+  world.add_object("box", at(make_standing_box({0.06, 0.06, 0.12}), {0, 0, 0}), 0.3);
+  const Held held = lift(world, "box", 0.12, closed(hand, "parallel", 1.6), 0.4);
+  EXPECT_GT(held.height, 0.1);
+  // The second pivot follows the first, though the file has it first.
+  double pivot = 1, follower = 2;
+  for (const JointReading& joint : world.joints()) {
+    if (joint.name == "pivot") pivot = joint.position;
+    if (joint.name == "finger_2_pivot") follower = joint.position;
+  }
+  EXPECT_EQ(pivot, follower);
+  double pads = 0, links = 0;
+  for (const HandPadReading& pad : world.pads()) {
+    double texels = 0;
+    for (const double force : pad.force) texels += force;
+    EXPECT_NEAR(texels, pad.sum, 1e-9) << pad.name;
+    pads += pad.sum;
+  }
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (const LinkContact& contact : world.link_contacts()) {
+    links += contact.normal_force;
+    force += contact.force;
+  }
+  EXPECT_GT(pads, 5.0);
+  EXPECT_LE(pads, links * (1 + 1e-9));
+  EXPECT_NEAR((world.X_WH().linear().transpose() * force - world.wrist_wrench().force).norm(), 0,
+              1e-9);
+}
+
 TEST(HandGrasp, HoldsABottleAndSaysWhereItTouched) {
   const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
   HandGrasp grasp;
