@@ -14,6 +14,7 @@
 #include "prehend/grasp/wrench_hull.h"
 #include "prehend/motion/ompl_planner.h"
 #include "prehend/robot/inverse_kinematics.h"
+#include "tests/motion/pick_scene.h"
 #include "tests/motion/shelves.h"
 #include "tests/robot/arms.h"
 
@@ -239,6 +240,31 @@ void BM_IsFree(benchmark::State& state) {
   state.counters["balls"] = static_cast<double>(task().robot.spheres().spheres.size());
 }
 BENCHMARK(BM_IsFree);
+
+/// From a start beside to a box between two others, and with it to the other side.
+void pick(benchmark::State& state, const char* arm) {
+  motion::PickScene scene(arm, {0.5, 0.2, 0});
+  scene.add("left", motion::at(0.5, 0.4, 0.1), {0.1, 0.1, 0.2});
+  scene.add("right", motion::at(0.5, -0.02, 0.15), {0.2, 0.05, 0.3});
+  scene.task.X_BO_place = motion::at(0.45, -0.25, 0.081);
+  scene.grasps_from_above();
+  scene.grasps_from_the_side(0);
+  scene.task.start[0] = -1;
+  const motion::RobotInWorld robot = scene.in_world();
+  const robot::InverseKinematics inverse = scene.inverse();
+  motion::PickOptions options;
+  options.acceleration = Eigen::VectorXd::Constant(scene.chain.size(), 5.0);
+  int found = 0;
+  for (auto _ : state) {
+    ++options.rrt.seed;
+    found += motion::plan_pick(robot, inverse, scene.task, options).found();
+  }
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
+}
+void BM_PickKr5(benchmark::State& state) { pick(state, "kr5"); }
+BENCHMARK(BM_PickKr5)->Unit(benchmark::kMillisecond);
+void BM_PickPa10(benchmark::State& state) { pick(state, "pa10"); }
+BENCHMARK(BM_PickPa10)->Unit(benchmark::kMillisecond);
 
 /// The PA10 among 30 balls of 0.2 m as near as 0.5 m, after VAMP's scene; 8 positions at once.
 void BM_EightPositions(benchmark::State& state) {
