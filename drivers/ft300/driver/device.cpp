@@ -40,6 +40,8 @@ Device::Device(const DeviceOptions& options, OnMeasurement on_measurement, Note 
   check_positive(options.reply_time, "reply_time");
   check_positive(options.stale_time, "stale_time");
   check_positive(options.retry, "retry");
+  check_positive(options.silence, "silence");
+  check_positive(options.rest, "rest");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -103,17 +105,15 @@ void Device::connect() {
       std::chrono::microseconds(static_cast<std::int64_t>(options_.reply_time * 1e6)));
 }
 
-// 50 bytes FF (0.5 s of the stream's messages) end a stream; then the line falls silent within 80
-// ms, and Modbus is served 100 ms later (rq_sensor_com.cpp).
+// 50 bytes FF end a stream.
 void Device::end_stream() {
   const std::vector<std::uint8_t> stop(50, 0xFF);
-  constexpr auto kSilence = std::chrono::milliseconds(80);
   constexpr auto kPatience = std::chrono::seconds(2);
   line_->write_bytes(stop);
   const Time end = steady_now() + kPatience;
-  while (!line_->read_bytes(kSilence).empty() && steady_now() < end) {
+  while (!line_->read_bytes(to_time(options_.silence)).empty() && steady_now() < end) {
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(to_time(options_.rest));
   streams_ = false;
 }
 

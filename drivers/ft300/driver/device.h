@@ -23,6 +23,10 @@ struct DeviceOptions {
   double reply_time = 0.2;  // s to wait for an answer
   double stale_time = 0.2;  // s without measurement that are reported; then it begins anew
   double retry = 0.5;       // s between tries to open the line
+  // A stream is over when nothing came for `silence`; Modbus is served `rest` later [s]
+  // (rq_sensor_com.cpp).
+  double silence = 0.08;
+  double rest = 0.1;
 };
 
 /// Where the measuring is. The sensor moves nothing, and measures whenever it has power.

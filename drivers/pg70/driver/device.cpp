@@ -5,7 +5,9 @@
 namespace prehend::drivers::pg70 {
 namespace {
 
-constexpr auto kTick = std::chrono::milliseconds(10);  // of watchdogs
+// Of watchdogs, when nothing comes: longer than the usual period of states, so that it wakes nobody
+// while they do.
+constexpr auto kTick = std::chrono::milliseconds(25);
 
 }  // namespace
 

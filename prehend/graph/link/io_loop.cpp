@@ -58,8 +58,14 @@ void IoLoop::touch(zmq::socket_ref socket) {
   if (watch != watches_.end()) watch->second.look = true;
 }
 
+// At whole multiples of the period since this loop began, so that ticks of several periods share
+// wake-ups, but processes do not all wake at once.
+IoLoop::Time IoLoop::next_multiple(std::chrono::milliseconds period) const {
+  return begun_ + ((std::chrono::steady_clock::now() - begun_) / period + 1) * period;
+}
+
 void IoLoop::every(std::chrono::milliseconds period, std::function<void()> tick) {
-  ticks_.push_back({period, std::chrono::steady_clock::now() + period, std::move(tick)});
+  ticks_.push_back({period, next_multiple(period), std::move(tick)});
 }
 
 void IoLoop::soon(std::function<void()> work) { soon_.push_back(std::move(work)); }
@@ -77,7 +83,7 @@ void IoLoop::run_ticks() {
   const Time now = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < ticks_.size(); ++i) {
     if (ticks_[i].next > now) continue;
-    ticks_[i].next = now + ticks_[i].period;
+    ticks_[i].next = next_multiple(ticks_[i].period);
     const auto work = ticks_[i].work;
     work();
   }

@@ -87,6 +87,7 @@ class IoLoop {
   void run_ticks();
   void run_soon();
   void run_alarms();
+  Time next_multiple(std::chrono::milliseconds period) const;
   std::chrono::milliseconds time_to_next_tick() const;
 
   zmq::context_t context_;
@@ -97,6 +98,7 @@ class IoLoop {
   std::mutex turn_;
   std::atomic<std::thread::id> turn_taker_{};
   std::map<void*, Watch> watches_;
+  const Time begun_ = std::chrono::steady_clock::now();
   std::vector<Tick> ticks_;
   std::vector<std::function<void()>> soon_;
   std::map<Alarm, std::function<void()>> alarms_;  // by time, then in the order they were set
