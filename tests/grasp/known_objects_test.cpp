@@ -144,8 +144,8 @@ TEST_P(KnownShape, IsNotTakenForAnotherOneWhenItIsUnknown) {
 INSTANTIATE_TEST_SUITE_P(All, KnownShape,
                          ::testing::Values("angle iron", "bottle", "carton", "tall carton",
                                            "flat carton", "can"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& shape) {
+                           std::string name = shape.param;
                            std::replace(name.begin(), name.end(), ' ', '_');
                            return name;
                          });
