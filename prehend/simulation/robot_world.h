@@ -91,7 +91,7 @@ class RobotWorld {
   RobotWorld(RobotWorld&&) noexcept;
   RobotWorld& operator=(RobotWorld&&) noexcept;
 
-  /// Advances by options().step. Allocates nothing once its buffers have grown.
+  /// Advances by options().step.
   void step();
   double time() const;  // s
   const RobotWorldOptions& options() const;
