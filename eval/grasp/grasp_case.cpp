@@ -20,6 +20,7 @@ constexpr Figure kFigures[] = {{"plan_seconds", &GraspTrial::plan_seconds},
                                {"contact_error", &GraspTrial::contact_error},
                                {"opening_error", &GraspTrial::opening_error},
                                {"robustness", &GraspTrial::robustness},
+                               {"best_robustness", &GraspTrial::best_robustness},
                                {"guessed_contact", &GraspTrial::guessed_contact}};
 struct Count {
   const char* name;
@@ -60,7 +61,7 @@ const GraspTrial* GraspCase::trial(const std::string& setting) const {
 
 bool GraspCase::fits() const {
   const GraspTrial* truth = trial(to_string(PlannedOn::kTruth));
-  return truth != nullptr && truth->grasps > 0;
+  return truth != nullptr && truth->best_robustness >= 0.5;
 }
 
 void write_grasp_case(const std::filesystem::path& file, const GraspCase& result) {

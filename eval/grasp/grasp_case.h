@@ -26,6 +26,7 @@ struct GraspTrial {
   double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
   double opening_error = kUnknown;  // m, of the opening at the touch, felt less predicted
   double robustness = kUnknown;     // predicted of the executed grasp
+  double best_robustness = 0;       // predicted, of all grasps
   double guessed_contact = kUnknown;
 
   bool lifted_at_first() const { return lifted && attempts == 1; }
@@ -43,7 +44,8 @@ struct GraspCase {
   std::vector<GraspTrial> trials;
 
   const GraspTrial* trial(const std::string& setting) const;
-  /// The planner finds a grasp when it knows the truth.
+  /// Knowing the truth, the planner finds a grasp that holds in at least half of its disturbed
+  /// trials (see grasp::UncertaintyOptions).
   bool fits() const;
 };
 

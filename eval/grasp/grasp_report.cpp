@@ -301,8 +301,8 @@ void write_grasp_report(const std::filesystem::path& folder, const std::vector<G
   page.add_paragraph(
       "Each object is seen once, by a rendered stereo pair; grasps are planned on the predicted "
       "shape, on the true one and on the Delaunay surface of what was seen, and executed in "
-      "simulation on the true one. Counted are views in which the planner finds a grasp when it "
-      "knows the truth.");
+      "simulation on the true one. Counted are views of objects that fit the hand: knowing the "
+      "truth, the planner finds a grasp that holds in at least half of its disturbed trials.");
   for (const Goal& goal : goals_of(cases)) page.add_verdict(goal.text, goal.met);
   page.add_table(kTotalsHeader, totals_rows(cases));
   for (const auto& hand : hands_of(cases)) {

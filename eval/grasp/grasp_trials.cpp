@@ -51,6 +51,9 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
   trial.candidates = plan.candidates;
   trial.grasps = static_cast<int>(plan.grasps.size());
   trial.problem = plan.problem;
+  for (const auto& grasp : plan.grasps) {
+    trial.best_robustness = std::max(trial.best_robustness, grasp.robustness);
+  }
   if (plan.grasps.empty()) return trial;
 
   simulation::World world(scene);
@@ -79,6 +82,8 @@ std::vector<PlannerSetting> compared_settings() {
   std::vector<PlannerSetting> settings;
   for (const PlannedOn on : {PlannedOn::kPredicted, PlannedOn::kTruth, PlannedOn::kDelaunay}) {
     settings.push_back({to_string(on), on, {}});
+    // The truth is not wider than the object.
+    if (on == PlannedOn::kTruth) settings.back().options.width_tolerance = 0;
   }
   return settings;
 }

@@ -267,11 +267,13 @@ void GraspCycle::step_press(const Percepts& percepts) {
   if (force_controller_.settled() && settled_since_ < 0) settled_since_ = now_;
   if (*percepts.opening < 1e-3) return give_up_attempt("the object slipped out while gripping");
   if (settled_since_ < 0 || now_ - settled_since_ < options_.settled_time) {
-    if (timed_out(options_.force_timeout)) {
-      give_up_attempt("the grasp force was not reached: " + newtons(mean_sum(percepts)) + " of " +
-                      newtons(current_grasp().grasp_force));
+    if (!timed_out(options_.force_timeout)) return;
+    // Dry friction of the drive can hold more than was asked for: that is no reason to let go.
+    const double felt = mean_sum(percepts), wanted = current_grasp().grasp_force;
+    if (felt < wanted || felt > options_.largest_excess * wanted) {
+      return give_up_attempt("the grasp force was not reached: " + newtons(felt) + " of " +
+                             newtons(wanted));
     }
-    return;
   }
   const auto& predicted = current_grasp().predicted;
   add_surprise(SurpriseKind::kContactArea, predicted.contact_area,

@@ -83,8 +83,9 @@ struct CycleOptions {
   int largest_attempts = 3;            // > 0
   double stale_time = 0.25;            // s, > 0, after which tactile data are too old to grip by
   double motion_timeout = 20;          // s, > 0, of each motion of carrier or gripper
-  double closing_timeout = 8;  // s, > 0, from the start of closing to the touch of both pads
-  double force_timeout = 4;    // s, > 0, to reach the grasp force
+  double closing_timeout = 8;   // s, > 0, from the start of closing to the touch of both pads
+  double force_timeout = 4;     // s, > 0, to reach the grasp force
+  double largest_excess = 1.5;  // >= 1, times the grasp force, that is taken after this time
   ForceControllerOptions force;
   SurpriseTolerances tolerances;
 

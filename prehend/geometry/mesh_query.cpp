@@ -77,6 +77,20 @@ Eigen::Vector3d nearest_on_triangle(const Eigen::Vector3d& p, const Eigen::Vecto
   return a + vb * denominator * ab + vc * denominator * ac;
 }
 
+// Distance and normal again in double, from the triangle itself.
+RayHit exact_hit(const TriangleMesh& mesh, unsigned triangle, const Eigen::Vector3d& origin,
+                 const Eigen::Vector3d& direction, float distance) {
+  RayHit hit;
+  hit.triangle = static_cast<int>(triangle);
+  const Eigen::Vector3i& t = mesh.triangles[hit.triangle];
+  const Eigen::Vector3d& a = mesh.vertices[t[0]];
+  hit.normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
+  const double slope = hit.normal.dot(direction);
+  hit.distance = distance;
+  if (std::abs(slope) > 1e-6) hit.distance = std::max(0.0, hit.normal.dot(a - origin) / slope);
+  return hit;
+}
+
 struct NearestSearch {
   const TriangleMesh* mesh;
   Eigen::Vector3d point;
@@ -161,19 +175,45 @@ std::optional<RayHit> MeshQuery::cast_ray(const Eigen::Vector3d& origin,
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(implementation_->scene, &context, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-
-  RayHit hit;
-  hit.triangle = static_cast<int>(ray.hit.primID);
-  // Distance and normal again in double, from the triangle itself.
-  const TriangleMesh& mesh = implementation_->mesh;
-  const Eigen::Vector3i& t = mesh.triangles[hit.triangle];
-  const Eigen::Vector3d& a = mesh.vertices[t[0]];
-  hit.normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
-  const double slope = hit.normal.dot(direction);
-  hit.distance = ray.ray.tfar;
-  if (std::abs(slope) > 1e-6) hit.distance = std::max(0.0, hit.normal.dot(a - origin) / slope);
-  return hit;
+  return exact_hit(implementation_->mesh, ray.hit.primID, origin, direction, ray.ray.tfar);
 }
+
+void MeshQuery::cast_rays(const std::vector<Eigen::Vector3d>& origins,
+                          const Eigen::Vector3d& direction, double max_distance,
+                          std::vector<std::optional<RayHit>>* hits) const {
+  hits->assign(origins.size(), std::nullopt);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  constexpr std::size_t kPacket = 8;
+  alignas(32) int valid[kPacket];
+  RTCRayHit8 packet{};
+  for (std::size_t first = 0; first < origins.size(); first += kPacket) {
+    for (std::size_t k = 0; k < kPacket; ++k) {
+      const bool used = first + k < origins.size();
+      const Eigen::Vector3d& origin = origins[used ? first + k : first];
+      valid[k] = used ? -1 : 0;
+      packet.ray.org_x[k] = static_cast<float>(origin.x());
+      packet.ray.org_y[k] = static_cast<float>(origin.y());
+      packet.ray.org_z[k] = static_cast<float>(origin.z());
+      packet.ray.dir_x[k] = static_cast<float>(direction.x());
+      packet.ray.dir_y[k] = static_cast<float>(direction.y());
+      packet.ray.dir_z[k] = static_cast<float>(direction.z());
+      packet.ray.tnear[k] = 0;
+      packet.ray.tfar[k] = static_cast<float>(max_distance);
+      packet.ray.mask[k] = ~0u;
+      packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect8(valid, implementation_->scene, &context, &packet);
+    for (std::size_t k = 0; k < kPacket && first + k < origins.size(); ++k) {
+      if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+      (*hits)[first + k] = exact_hit(implementation_->mesh, packet.hit.primID[k],
+                                     origins[first + k], direction, packet.ray.tfar[k]);
+    }
+  }
+}
+
+const Eigen::AlignedBox3d& MeshQuery::box() const { return implementation_->box; }
 
 std::optional<NearestPoint> MeshQuery::nearest(const Eigen::Vector3d& point,
                                                double max_distance) const {

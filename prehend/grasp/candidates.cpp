@@ -8,6 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "prehend/geometry/errors.h"
 #include "prehend/grasp/generators/directions.h"
 #include "prehend/grasp/generators/held_line.h"
 
@@ -74,6 +75,23 @@ std::vector<Eigen::Vector3d> circle_directions(const Eigen::Matrix3d& axes,
   return directions;
 }
 
+// Points of the mesh whose outline is the mesh's from every side: the corners of its hull.
+std::vector<Eigen::Vector3d> outer_points(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<bool> taken(mesh.vertices.size(), false);
+  for (const auto& triangle : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      if (!taken[triangle[k]]) points.push_back(mesh.vertices[triangle[k]]);
+      taken[triangle[k]] = true;
+    }
+  }
+  try {
+    return geometry::convex_hull(points).vertices;
+  } catch (const geometry::InputError&) {
+    return points;  // flat: it has no hull
+  }
+}
+
 // The object's extent seen along one approach direction.
 struct ApproachView {
   Eigen::Matrix3d R_WA;  // z along the approach, y along the smallest width
@@ -82,21 +100,19 @@ struct ApproachView {
   double width = 0;      // m, smallest of the outline
 };
 
-ApproachView view_along(const TriangleMesh& mesh, const Eigen::Vector3d& centroid,
+ApproachView view_along(const std::vector<Eigen::Vector3d>& outer, const Eigen::Vector3d& centroid,
                         const Eigen::Vector3d& approach) {
   ApproachView view;
   const Eigen::Matrix3d frame = frame_about(approach);
   std::vector<Eigen::Vector2d> outline;
-  outline.reserve(mesh.vertices.size());
+  outline.reserve(outer.size());
   view.near_side = std::numeric_limits<double>::infinity();
   view.far_side = -view.near_side;
-  for (const auto& triangle : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d p = frame.transpose() * (mesh.vertices[triangle[k]] - centroid);
-      outline.emplace_back(p.x(), p.y());
-      view.near_side = std::min(view.near_side, p.z());
-      view.far_side = std::max(view.far_side, p.z());
-    }
+  for (const auto& vertex : outer) {
+    const Eigen::Vector3d p = frame.transpose() * (vertex - centroid);
+    outline.emplace_back(p.x(), p.y());
+    view.near_side = std::min(view.near_side, p.z());
+    view.far_side = std::max(view.far_side, p.z());
   }
   const auto [width, across] = smallest_width(outline);
   view.width = width;
@@ -182,10 +198,11 @@ std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
   options.validate();
   const Eigen::Vector3d start =
       reachability.approach_W ? Eigen::Vector3d(-*reachability.approach_W) : table.normal;
+  const std::vector<Eigen::Vector3d> outer = outer_points(mesh_W);
   std::vector<Candidate> candidates;
   for (const auto& direction :
        circle_directions(principal_axes(mesh_W), start, options.directions_per_circle)) {
-    const ApproachView view = view_along(mesh_W, centroid_W, -direction);
+    const ApproachView view = view_along(outer, centroid_W, -direction);
     const std::vector<double> depths =
         tip_depths(centroid_W, -direction, view.near_side + options.least_engagement, view.far_side,
                    options.standoffs, table, options.table_clearance);

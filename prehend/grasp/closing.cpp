@@ -25,100 +25,96 @@ Eigen::Vector2d texel_center(const robot::TactilePadModel& pad, int row, int col
           ((pad.rows - 1) / 2.0 - row) * pad.texel_pitch};
 }
 
-// The surface over one texel. `height` is measured along the outward direction of the pad's side:
-// +y for the left, -y for the right; with opening s the texel is pressed by height - s/2.
-struct Spring {
-  double x = 0, z = 0;  // m, in G
-  double height = 0;    // m
-  int side = 1;         // +1 left, -1 right
-  Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();
+// With opening s a texel is pressed by height - s/2.
+using Spring = SurfaceOverTexel;
 
-  // d height / d q for q = (shift along y [m], turn about x [rad], turn about z [rad]): a small
-  // turn w moves the surface point r by w x r, so its y by w_z x - w_x z.
-  Eigen::Vector3d jacobian() const { return side * Eigen::Vector3d(1, -z, x); }
-};
+// d height / d q for q = (shift along y [m], turn about x [rad], turn about z [rad]): a small turn
+// w moves the surface point r by w x r, so its y by w_z x - w_x z.
+Eigen::Vector3d jacobian_of(const Spring& spring) {
+  return spring.side * Eigen::Vector3d(1, -spring.z, spring.x);
+}
+
+// Centres of one pad's texels in the plane y = `y` of G.
+std::vector<Eigen::Vector3d> texel_centers(const robot::TactilePadModel& pad, double y) {
+  std::vector<Eigen::Vector3d> centers;
+  centers.reserve(static_cast<std::size_t>(pad.rows * pad.columns));
+  for (int row = 0; row < pad.rows; ++row) {
+    for (int column = 0; column < pad.columns; ++column) {
+      const Eigen::Vector2d c = texel_center(pad, row, column);
+      centers.emplace_back(c.x(), y, c.y());
+    }
+  }
+  return centers;
+}
 
 // The spring beds of both pads and the free rigid object between them.
 class PadBeds {
  public:
   PadBeds(std::vector<Spring> springs, double stiffness)
       : springs_(std::move(springs)), stiffness_(stiffness) {
-    for (const auto& spring : springs_) jacobians_.push_back(spring.jacobian());
+    for (const auto& spring : springs_) {
+      rows_.emplace_back();
+      rows_.back() << jacobian_of(spring), -0.5;
+      highest_[spring.side > 0] = std::max(highest_[spring.side > 0], spring.height);
+    }
   }
 
   const std::vector<Spring>& springs() const { return springs_; }
   double stiffness() const { return stiffness_; }
-  const Eigen::Vector3d& rest() const { return q_; }
+  Eigen::Vector3d rest() const { return x_.head<3>(); }
+  double depth(std::size_t i) const { return springs_[i].height + rows_[i].dot(x_); }
 
-  double depth(std::size_t i, double opening) const {
-    return springs_[i].height + jacobians_[i].dot(q_) - opening / 2;
-  }
-
-  // Lets the object come to rest at this opening, starting from where it is; returns the mean of
-  // the pads' forces [N].
-  double settle(double opening) {
-    for (int iteration = 0; iteration < 40; ++iteration) {
-      Eigen::Vector3d gradient = 1e-6 * weights_.cwiseProduct(q_);
-      Eigen::Matrix3d hessian = (1e-6 * weights_).asDiagonal();
+  // The opening at which the mean of the pads' forces is `force` [N], and the object's rest there:
+  // the least of E / k + F s / k over x = (q, s).
+  double opening_for(double force) {
+    const double load = force / stiffness_;
+    // Touching with the highest texel of each pad.
+    x_ << (highest_[0] - highest_[1]) / 2, 0, 0, highest_[0] + highest_[1] - 1e-4;
+    double value = energy(x_, load);
+    for (int iteration = 0; iteration < 100; ++iteration) {
+      Eigen::Vector4d gradient = 1e-6 * kWeights.cwiseProduct(x_);
+      Eigen::Matrix4d hessian = (1e-6 * kWeights).asDiagonal();
+      gradient[3] += load;
       for (std::size_t i = 0; i < springs_.size(); ++i) {
-        const double d = depth(i, opening);
+        const double d = depth(i);
         if (d <= 0) continue;
-        gradient += d * jacobians_[i];
-        hessian.noalias() += jacobians_[i] * jacobians_[i].transpose();
+        gradient.noalias() += d * rows_[i];
+        hessian.noalias() += rows_[i] * rows_[i].transpose();
       }
-      const Eigen::Vector3d step = -hessian.ldlt().solve(gradient);
-      const double before = energy(opening, Eigen::Vector3d::Zero());
+      const Eigen::Vector4d step = -hessian.ldlt().solve(gradient);
       double scale = 1;
-      while (scale > 1e-4 && energy(opening, scale * step) > before) scale /= 2;
-      q_ += scale * step;
-      if ((scale * step).cwiseProduct(length_).norm() < 1e-9) break;
+      double next = energy(x_ + step, load);
+      while (next > value && scale > 1e-6) {
+        scale /= 2;
+        next = energy(x_ + scale * step, load);
+      }
+      x_ += scale * step;
+      value = next;
+      if ((scale * step).cwiseProduct(kLengths).norm() < 1e-9) break;
     }
-    return force(opening);
-  }
-
-  double force(double opening) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < springs_.size(); ++i) sum += std::max(0.0, depth(i, opening));
-    return stiffness_ * sum / 2;
-  }
-
-  // The opening at which the mean force is `target`: the force falls as the opening grows.
-  double opening_for(double target) {
-    double upper = 0;
-    for (const auto& spring : springs_) upper = std::max(upper, 2 * spring.height);
-    double step = 1e-3;
-    double lower = upper - step;
-    while (settle(lower) < target && step < 0.2) {
-      upper = lower;
-      step *= 2;
-      lower = upper - step;
-    }
-    for (int i = 0; i < 60 && upper - lower > 1e-8; ++i) {
-      const double middle = (lower + upper) / 2;
-      (settle(middle) < target ? upper : lower) = middle;
-    }
-    settle(lower);
-    return lower;
+    return x_[3];
   }
 
  private:
-  double energy(double opening, const Eigen::Vector3d& step) const {
-    const Eigen::Vector3d q = q_ + step;
-    double sum = 0.5e-6 * q.dot(weights_.cwiseProduct(q));
+  double energy(const Eigen::Vector4d& x, double load) const {
+    double sum = 0.5e-6 * x.dot(kWeights.cwiseProduct(x)) + load * x[3];
     for (std::size_t i = 0; i < springs_.size(); ++i) {
-      const double d = springs_[i].height + jacobians_[i].dot(q) - opening / 2;
+      const double d = springs_[i].height + rows_[i].dot(x);
       if (d > 0) sum += d * d / 2;
     }
     return sum;
   }
 
+  // Tiny springs that hold what no texel holds; turns count with a lever of 20 mm. The opening has
+  // next to none: it would take from the force.
+  inline static const Eigen::Vector4d kLengths{1, 0.02, 0.02, 1};
+  inline static const Eigen::Vector4d kWeights{1, 4e-4, 4e-4, 1e-6};
+
   std::vector<Spring> springs_;
-  std::vector<Eigen::Vector3d> jacobians_;
+  std::vector<Eigen::Vector4d> rows_;  // d depth / d x
   double stiffness_;
-  Eigen::Vector3d q_ = Eigen::Vector3d::Zero();
-  // Tiny springs that hold what no texel holds; turns count with a lever of 20 mm.
-  Eigen::Vector3d length_{1, 0.02, 0.02};
-  Eigen::Vector3d weights_{1, 4e-4, 4e-4};
+  double highest_[2] = {-1e9, -1e9};             // m, right and left
+  Eigen::Vector4d x_ = Eigen::Vector4d::Zero();  // q and the opening
 };
 
 // Heights over all texels of both open pads; nothing when a pad starts inside the object.
@@ -126,25 +122,26 @@ std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object,
                                                    const RigidTransform& X_WG, double opening,
                                                    const robot::TactilePadModel& pad) {
   std::vector<Spring> springs;
+  std::vector<std::optional<geometry::RayHit>> hits;
   for (int side : {1, -1}) {
     const Eigen::Vector3d direction_W = X_WG.linear() * Eigen::Vector3d(0, -side, 0);
-    for (int row = 0; row < pad.rows; ++row) {
-      for (int column = 0; column < pad.columns; ++column) {
-        const Eigen::Vector2d c = texel_center(pad, row, column);
-        const Eigen::Vector3d origin_G(c.x(), side * opening / 2, c.y());
-        const auto hit = object.cast_ray(X_WG * origin_G, direction_W);
-        if (!hit) continue;
-        if (hit->normal.dot(direction_W) > 0) {
-          // The ray leaves the object. Through a hole of an open mesh it may do so without having
-          // started inside: then the way back meets nothing from inside.
-          const auto back = object.cast_ray(X_WG * origin_G, -direction_W);
-          if (back && back->normal.dot(direction_W) < 0) return std::nullopt;
-          continue;
-        }
-        if (hit->distance > opening) continue;
-        springs.push_back({c.x(), c.y(), opening / 2 - hit->distance, side,
-                           X_WG.linear().transpose() * hit->normal});
+    const std::vector<Eigen::Vector3d> centers = texel_centers(pad, side * opening / 2);
+    std::vector<Eigen::Vector3d> origins;
+    for (const auto& center : centers) origins.push_back(X_WG * center);
+    object.cast_rays(origins, direction_W, 1e9, &hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      const auto& hit = hits[i];
+      if (!hit) continue;
+      if (hit->normal.dot(direction_W) > 0) {
+        // The ray leaves the object. Through a hole of an open mesh it may do so without having
+        // started inside: then the way back meets nothing from inside.
+        const auto back = object.cast_ray(origins[i], -direction_W);
+        if (back && back->normal.dot(direction_W) < 0) return std::nullopt;
+        continue;
       }
+      if (hit->distance > opening) continue;
+      springs.push_back({centers[i].x(), centers[i].z(), side, opening / 2 - hit->distance,
+                         X_WG.linear().transpose() * hit->normal});
     }
   }
   return springs;
@@ -166,8 +163,8 @@ bool reaches_finger(const MeshQuery& object, const RigidTransform& X_WG, double 
         const auto hit =
             object.cast_ray(X_WG * Eigen::Vector3d(x, side * start, z), direction_W, open);
         if (!hit || hit->normal.dot(direction_W) > 0) continue;
-        const Spring finger{x, z, start - hit->distance, side, Eigen::Vector3d::UnitY()};
-        const double moved = finger.height + finger.jacobian().dot(beds.rest());
+        const Spring finger{x, z, side, start - hit->distance, Eigen::Vector3d::UnitY()};
+        const double moved = finger.height + jacobian_of(finger).dot(beds.rest());
         if (moved > opening / 2 + pad.thickness) return true;
       }
     }
@@ -182,7 +179,7 @@ ContactPatch make_patch(const PadBeds& beds, int side, double opening,
   const Eigen::Vector3d turn(beds.rest()[1], 0, beds.rest()[2]);
   for (std::size_t i = 0; i < beds.springs().size(); ++i) {
     const Spring& spring = beds.springs()[i];
-    const double depth = beds.depth(i, opening);
+    const double depth = beds.depth(i);
     if (spring.side != side || depth <= 0) continue;
     const double force = beds.stiffness() * depth;
     patch.points_G.emplace_back(spring.x, side * (opening / 2 + depth), spring.z);
@@ -220,45 +217,53 @@ void ClosingOptions::validate() const {
 
 SectionExtent measure_section(const MeshQuery& object_W, const RigidTransform& X_WG,
                               const robot::GripperModel& gripper) {
-  // Start beyond every vertex.
   const Eigen::Vector3d y_W = X_WG.linear().col(1);
-  double upper = -std::numeric_limits<double>::infinity(), lower = -upper;
-  for (const auto& v : object_W.mesh().vertices) {
-    const double y = y_W.dot(v - X_WG.translation());
-    upper = std::max(upper, y);
-    lower = std::min(lower, y);
-  }
-  const double reach = std::max(std::abs(upper), std::abs(lower)) + 0.01;
+  const Eigen::AlignedBox3d& box = object_W.box();
+  const double reach = std::abs(y_W.dot(box.center() - X_WG.translation())) +
+                       y_W.cwiseAbs().dot(box.sizes()) / 2 + 0.01;  // m, beyond every vertex
   SectionExtent section;
   section.upper = -reach;
   section.lower = reach;
-  const auto& pad = gripper.pad;
+  std::vector<std::optional<geometry::RayHit>> hits;
   for (int side : {1, -1}) {
-    for (int row = 0; row < pad.rows; ++row) {
-      for (int column = 0; column < pad.columns; ++column) {
-        const Eigen::Vector2d c = texel_center(pad, row, column);
-        const auto hit = object_W.cast_ray(X_WG * Eigen::Vector3d(c.x(), side * reach, c.y()),
-                                           -side * y_W, 2 * reach);
-        if (!hit) continue;
-        const double y = side * (reach - hit->distance);
-        section.met = true;
-        section.upper = std::max(section.upper, y);
-        section.lower = std::min(section.lower, y);
-      }
+    const std::vector<Eigen::Vector3d> centers = texel_centers(gripper.pad, side * reach);
+    std::vector<Eigen::Vector3d> origins;
+    for (const auto& center : centers) origins.push_back(X_WG * center);
+    object_W.cast_rays(origins, -side * y_W, 2 * reach, &hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (!hits[i]) continue;
+      const double height = reach - hits[i]->distance;
+      section.met = true;
+      section.upper = std::max(section.upper, side * height);
+      section.lower = std::min(section.lower, side * height);
+      section.surface.push_back({centers[i].x(), centers[i].z(), side, height,
+                                 X_WG.linear().transpose() * hits[i]->normal});
     }
   }
   return section;
 }
 
+void SectionExtent::shift_hand(double offset) {
+  upper -= offset;
+  lower -= offset;
+  for (SurfaceOverTexel& over : surface) over.height -= over.side * offset;
+}
+
 ClosedHand close_hand(const MeshQuery& object_W, const RigidTransform& X_WG, double opening,
                       double force, const robot::GripperModel& gripper,
-                      const ClosingOptions& options) {
+                      const ClosingOptions& options, const SectionExtent* section) {
   options.validate();
   if (!(opening > 0) || !(force > 0)) {
     throw std::invalid_argument("close_hand: opening and force must be positive");
   }
   ClosedHand hand;
-  const auto springs = measure_heights(object_W, X_WG, opening, gripper.pad);
+  std::optional<std::vector<Spring>> springs;
+  if (section != nullptr && section->met && section->upper <= opening / 2 &&
+      section->lower >= -opening / 2) {
+    springs = section->surface;
+  } else {
+    springs = measure_heights(object_W, X_WG, opening, gripper.pad);
+  }
   if (!springs) {
     hand.outcome = ClosingOutcome::kTooWide;
     return hand;

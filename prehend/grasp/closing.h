@@ -51,11 +51,23 @@ struct ClosedHand {
   ContactPatch right;  // at -y
 };
 
+/// The object's surface over one texel of a pad, seen from far outside.
+struct SurfaceOverTexel {
+  double x = 0, z = 0;  // m, the texel's centre in G
+  int side = 1;         // +1 the left pad, -1 the right one
+  double height = 0;    // m, of the surface along the side's outward direction, from G's xz plane
+  Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();  // unit, outward of the object
+};
+
 /// Extent of the object along G's y axis where rays through the pads' area meet it, however wide.
 struct SectionExtent {
   bool met = false;
   double lower = 0;  // m, in G
   double upper = 0;  // m, in G
+  std::vector<SurfaceOverTexel> surface;
+
+  /// As seen from a hand that is moved by `offset` [m] along its y axis.
+  void shift_hand(double offset);
 };
 SectionExtent measure_section(const geometry::MeshQuery& object_W,
                               const geometry::RigidTransform& X_WG,
@@ -70,10 +82,15 @@ SectionExtent measure_section(const geometry::MeshQuery& object_W,
 ///   E(q, s) = k/2 sum_i max(0, h_i + J_i q - s/2)^2
 /// is smallest (convex in q; Newton's method), and the opening s is the one at which the pads' sum
 /// is the wanted force. Friction, gravity and the table are left out of this equilibrium.
-/// Cost: 2 x rows x columns rays and a few hundred passes over the texels, about 0.2 ms.
+/// E(q, s) + F s is convex and piecewise quadratic in q and s together: Newton's method with a line
+/// search ends after some ten passes over the texels.
+///
+/// `section`, when it was measured at this pose and fits into the opening, saves the rays: what is
+/// met from far outside is then what the open pads meet.
+/// Cost: 2 x rows x columns rays and about 15 us.
 /// @throws std::invalid_argument when `opening` or `force` is not positive.
 ClosedHand close_hand(const geometry::MeshQuery& object_W, const geometry::RigidTransform& X_WG,
                       double opening, double force, const robot::GripperModel& gripper,
-                      const ClosingOptions& options = {});
+                      const ClosingOptions& options = {}, const SectionExtent* section = nullptr);
 
 }  // namespace prehend::grasp

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "prehend/grasp/force_closure.h"
 
 namespace prehend::grasp {
@@ -49,25 +51,30 @@ GraspEvaluator::GraspEvaluator(Solid solid, const geometry::Plane& table,
                                                    gripper.friction_force;
 }
 
+double GraspEvaluator::room() const {
+  return largest_opening_ - 2 * options_.collision.object_margin;
+}
+
 // Shifts the hand along its closing direction to the middle of the section between the pads.
-std::optional<Refusal> GraspEvaluator::centre(RigidTransform* X_WG, double* section_width) const {
-  const SectionExtent section = measure_section(query_, *X_WG, gripper_);
-  if (!section.met) return Refusal{reason::kNothing, {}};
-  *section_width = section.upper - section.lower;
-  const double room = gripper_.max_opening - 2 * options_.collision.object_margin;
-  double offset = (section.upper + section.lower) / 2;
-  if (*section_width > room) {
+std::optional<Refusal> GraspEvaluator::centre(RigidTransform* X_WG, double* section_width,
+                                              SectionExtent* section) const {
+  *section = measure_section(query_, *X_WG, gripper_);
+  if (!section->met) return Refusal{reason::kNothing, {}};
+  *section_width = section->upper - section->lower;
+  double offset = (section->upper + section->lower) / 2;
+  if (*section_width > room() + options_.width_tolerance) {
     // Perhaps a rim or handle fits between the fingers where they stand.
     const ClosedHand hand =
         close_hand(query_, *X_WG, gripper_.max_opening, least_force(), gripper_, options_.closing);
     if (hand.outcome == ClosingOutcome::kTooWide) {
-      return Refusal{reason::kTooWide, Miss{Quantity::kLength, *section_width, room}};
+      return Refusal{reason::kTooWide, Miss{Quantity::kLength, *section_width, room()}};
     }
     if (hand.outcome == ClosingOutcome::kMissed) return Refusal{reason::kNothing, {}};
     offset = hand.offset;
     *section_width = hand.opening_at_touch;
   }
   X_WG->translation() += offset * X_WG->linear().col(1);
+  section->shift_hand(offset);
   return std::nullopt;
 }
 
@@ -120,26 +127,25 @@ double GraspEvaluator::load_ratio(const ClosedHand& hand, const RigidTransform& 
   return std::max(slip, std::abs(weight_G.y()) / force);
 }
 
-WrenchHull GraspEvaluator::hull_of(const ClosedHand& hand, const RigidTransform& X_WG,
-                                   double friction, bool closure_only) const {
+Wrenches GraspEvaluator::wrenches_of(const ClosedHand& hand, const RigidTransform& X_WG,
+                                     double friction) const {
   const auto contact = [friction](const ContactPatch& patch) {
     return Contact{patch.center_G, -patch.normal_G, friction, patch.torsion_radius};
   };
-  return wrench_hull(primitive_wrenches({contact(hand.left), contact(hand.right)},
-                                        X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
-                                        options_.cone_edges),
-                     {.closure_only = closure_only});
+  return primitive_wrenches({contact(hand.left), contact(hand.right)},
+                            X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
+                            options_.cone_edges);
 }
 
 std::optional<Refusal> GraspEvaluator::close(const RigidTransform& X_WG, double opening,
-                                             ClosedHand* hand, double* force,
-                                             WrenchHull* hull) const {
+                                             const SectionExtent& section, ClosedHand* hand,
+                                             double* force, double* quality) const {
   // A second pass with more force when the weight would turn the object between the pads.
   *force = least_force();
   for (int pass = 0; pass < 2; ++pass) {
     const Refusal too_heavy{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
     if (*force > largest_force_) return too_heavy;
-    *hand = close_hand(query_, X_WG, opening, *force, gripper_, options_.closing);
+    *hand = close_hand(query_, X_WG, opening, *force, gripper_, options_.closing, &section);
     switch (hand->outcome) {
       case ClosingOutcome::kClosed:
         break;
@@ -171,19 +177,21 @@ std::optional<Refusal> GraspEvaluator::close(const RigidTransform& X_WG, double 
     return Refusal{reason::kOffCentre,
                    Miss{Quantity::kLength, std::abs(hand->offset), options_.largest_offset}};
   }
-  *hull = hull_of(*hand, X_WG, options_.friction, false);
-  if (!hull->closed)
-    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -hull->distance, 0}};
+  const Wrenches wrenches = wrenches_of(*hand, X_WG, options_.friction);
+  const WrenchHull hull = wrench_hull(wrenches, {.closure_only = true});
+  if (!hull.closed) {
+    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -hull.distance, 0}};
+  }
+  *quality = epsilon_bound(wrenches);
   return std::nullopt;
 }
 
-double GraspEvaluator::score(const Grasp& grasp, const ClosedHand& hand) const {
+double GraspEvaluator::score(const EvaluatedGrasp& evaluated) const {
+  const auto& [grasp, hand, clearance] = evaluated;
   const Eigen::Vector3d center_G = grasp.X_WG.inverse() * solid_.center_of_mass_W;
   const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
   const Eigen::Vector3d arm_G = center_G - middle_G;
   const double distance = std::hypot(arm_G.x(), arm_G.z());
-  const double clearance = scene_.table_clearance(
-      swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance), grasp.X_WG);
   const auto& weights = options_.weights;
   const double sum =
       weights.quality * grasp.quality / (grasp.quality + 0.05) +
@@ -205,7 +213,8 @@ std::optional<Refusal> GraspEvaluator::evaluate(Candidate candidate, EvaluatedGr
     candidate = snapped(candidate, *reachability_.approach_W, solid_.center_of_mass_W);
   }
   double section_width = 0;
-  if (auto refusal = centre(&candidate.X_WG, &section_width)) return refusal;
+  SectionExtent section;
+  if (auto refusal = centre(&candidate.X_WG, &section_width, &section)) return refusal;
   const Eigen::Vector3d p_W = candidate.X_WG.translation();
   for (const Eigen::Vector3d& p :
        {p_W, Eigen::Vector3d(p_W - options_.pregrasp_distance * candidate.approach_W)}) {
@@ -216,25 +225,40 @@ std::optional<Refusal> GraspEvaluator::evaluate(Candidate candidate, EvaluatedGr
   double opening = 0;
   if (auto refusal = find_opening(candidate.X_WG, section_width, &opening)) return refusal;
   ClosedHand& hand = result->hand;
-  WrenchHull hull;
-  double force = 0;
-  if (auto refusal = close(candidate.X_WG, opening, &hand, &force, &hull)) return refusal;
+  double force = 0, quality = 0;
+  if (auto refusal = close(candidate.X_WG, opening, section, &hand, &force, &quality)) {
+    return refusal;
+  }
 
   Grasp& grasp = result->grasp;
   grasp.X_WG = candidate.X_WG;
   grasp.approach_W = candidate.approach_W;
   grasp.standoff = candidate.standoff;
   grasp.roll = candidate.roll;
-  grasp.pregrasp_opening = opening;
+  grasp.pregrasp_opening = std::min(opening, largest_opening_);
   grasp.pregrasp_distance = options_.pregrasp_distance;
   grasp.grasp_force = force;
-  grasp.quality = hull.epsilon;
+  grasp.quality = quality;
   grasp.predicted = {hand.opening_at_touch, (hand.left.area + hand.right.area) / 2,
                      (hand.left.force + hand.right.force) / 2, solid_.mass};
   for (const auto& p_G : hand.left.points_G) grasp.left_contacts_W.push_back(grasp.X_WG * p_G);
   for (const auto& p_G : hand.right.points_G) grasp.right_contacts_W.push_back(grasp.X_WG * p_G);
-  grasp.score = score(grasp, hand);
+  result->clearance = scene_.table_clearance(
+      swept_hand(gripper_, grasp.pregrasp_opening, grasp.pregrasp_distance), grasp.X_WG);
+  grasp.score = score(*result);
+  const double excess = section_width - room();
+  if (excess > 0) {
+    grasp.remark = fmt::format(
+        "{:.1f} mm wide by the prediction where {:.1f} mm would fit: tried in case it is narrower",
+        section_width * 1e3, room() * 1e3);
+  }
   return std::nullopt;
+}
+
+void GraspEvaluator::refine(EvaluatedGrasp* evaluated) const {
+  Grasp& grasp = evaluated->grasp;
+  grasp.quality = wrench_hull(wrenches_of(evaluated->hand, grasp.X_WG, options_.friction)).epsilon;
+  grasp.score = score(*evaluated);
 }
 
 bool GraspEvaluator::holds(const Grasp& grasp, const RigidTransform& X_WG, double friction) const {
@@ -245,7 +269,7 @@ bool GraspEvaluator::holds(const Grasp& grasp, const RigidTransform& X_WG, doubl
                                      gripper_, options_.closing);
   return hand.outcome == ClosingOutcome::kClosed &&
          load_ratio(hand, X_WG, grasp.grasp_force, friction) <= 1 &&
-         hull_of(hand, X_WG, friction, true).closed;
+         wrench_hull(wrenches_of(hand, X_WG, friction), {.closure_only = true}).closed;
 }
 
 }  // namespace prehend::grasp

@@ -38,6 +38,7 @@ struct Refusal {
 struct EvaluatedGrasp {
   Grasp grasp;
   ClosedHand hand;
+  double clearance = 0;  // m, of the hand over the table
 };
 
 /// Closes the hand at candidates on one solid. The object of plan_grasps() is one, each of its
@@ -53,31 +54,38 @@ class GraspEvaluator {
   const geometry::MeshQuery& query() const { return query_; }
   double largest_force() const { return largest_force_; }  // N, per pad
 
-  /// Fills `result` unless there is a reason not to.
+  /// Fills `result` unless there is a reason not to. Quality and score are upper bounds until
+  /// refine(): epsilon costs many times as much as everything else.
   std::optional<Refusal> evaluate(Candidate candidate, EvaluatedGrasp* result) const;
+  /// Quality and score as they are.
+  void refine(EvaluatedGrasp* evaluated) const;
 
   /// Whether the grasp, executed with the hand at `X_WG` instead, holds the solid with `friction`:
   /// meets nothing on its way, closes, and carries the weight.
   bool holds(const Grasp& grasp, const geometry::RigidTransform& X_WG, double friction) const;
 
  private:
-  std::optional<Refusal> centre(geometry::RigidTransform* X_WG, double* section_width) const;
+  std::optional<Refusal> centre(geometry::RigidTransform* X_WG, double* section_width,
+                                SectionExtent* section) const;
   std::optional<Refusal> find_opening(const geometry::RigidTransform& X_WG, double section_width,
                                       double* opening) const;
   std::optional<Refusal> close(const geometry::RigidTransform& X_WG, double opening,
-                               ClosedHand* hand, double* force, WrenchHull* hull) const;
+                               const SectionExtent& section, ClosedHand* hand, double* force,
+                               WrenchHull* hull) const;
   WrenchHull hull_of(const ClosedHand& hand, const geometry::RigidTransform& X_WG, double friction,
                      bool closure_only) const;
+  double room() const;  // m, widest section that fits between the open fingers
   double least_force() const;
   double load_ratio(const ClosedHand& hand, const geometry::RigidTransform& X_WG, double force,
                     double friction) const;
-  double score(const Grasp& grasp, const ClosedHand& hand) const;
+  double score(const EvaluatedGrasp& evaluated) const;
 
   Solid solid_;
   geometry::MeshQuery query_;
   CollisionScene scene_;
   geometry::Plane table_;
-  robot::GripperModel gripper_;
+  robot::GripperModel gripper_;  // opened by the width tolerance more than it can
+  double largest_opening_ = 0;   // m, that it can
   Reachability reachability_;
   PlannerOptions options_;
   double largest_force_ = 0;  // N, per pad

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -53,10 +54,16 @@ class Normal {
 };
 
 struct Listed {
-  Grasp grasp;
+  EvaluatedGrasp evaluated;
   std::size_t order = 0;  // of the candidate
-  double confidence = 1;  // that the surface under the contact is there
+  Grasp& grasp() { return evaluated.grasp; }
+  const Grasp& grasp() const { return evaluated.grasp; }
 };
+
+bool better(const Listed& a, const Listed& b) {
+  const double of_a = a.grasp().score, of_b = b.grasp().score;
+  return of_a != of_b ? of_a > of_b : a.order < b.order;
+}
 
 class Planner {
  public:
@@ -80,7 +87,8 @@ class Planner {
   };
   std::vector<Tried> candidates() const;
   void examine(const Tried& tried, std::size_t order, Ledger* ledger);
-  void assess_surface(const ClosedHand& hand, Listed* listed) const;
+  void keep_best(Ledger* ledger);
+  void assess_surface(EvaluatedGrasp* evaluated) const;
   double robustness(const Grasp& grasp, const std::vector<GraspEvaluator>& alternatives) const;
   std::string problem(const GraspPlanResult& result, const Ledger& ledger) const;
 
@@ -107,14 +115,16 @@ std::vector<Planner::Tried> Planner::candidates() const {
 }
 
 // How much of the contact's force is on surface that was seen, and that is there.
-void Planner::assess_surface(const ClosedHand& hand, Listed* listed) const {
+void Planner::assess_surface(EvaluatedGrasp* evaluated) const {
+  const ClosedHand& hand = evaluated->hand;
+  Grasp& grasp = evaluated->grasp;
   const std::size_t vertices = object_.mesh_W.vertices.size();
   if (object_.vertex_origin.size() != vertices) return;  // nothing is known of the surface
   const bool confident = object_.vertex_confidence.size() == vertices;
   double force = 0, guessed = 0, there = 0;
   for (const ContactPatch* patch : {&hand.left, &hand.right}) {
     for (std::size_t i = 0; i < patch->points_G.size(); ++i) {
-      const auto nearest = evaluator_.query().nearest(listed->grasp.X_WG * patch->points_G[i]);
+      const auto nearest = evaluator_.query().nearest(grasp.X_WG * patch->points_G[i]);
       if (!nearest) continue;
       const Eigen::Vector3i& t = object_.mesh_W.triangles[nearest->triangle];
       double unseen = 0, confidence = 0;
@@ -128,8 +138,12 @@ void Planner::assess_surface(const ClosedHand& hand, Listed* listed) const {
     }
   }
   if (force <= 0) return;
-  listed->grasp.guessed_contact = std::min(1.0, guessed / force);
-  listed->confidence = std::min(1.0, there / force);
+  grasp.guessed_contact = std::min(1.0, guessed / force);
+  grasp.score *= 1 - options_.weights.guessed * (1 - std::min(1.0, there / force));
+  if (grasp.guessed_contact > 0.005) {
+    grasp.remark += fmt::format("{}{:.0f} % of the contact is on surface that nobody saw",
+                                grasp.remark.empty() ? "" : "; ", 100 * grasp.guessed_contact);
+  }
 }
 
 void Planner::examine(const Tried& tried, std::size_t order, Ledger* ledger) {
@@ -142,15 +156,30 @@ void Planner::examine(const Tried& tried, std::size_t order, Ledger* ledger) {
     ledger->reject(refusal->reason, generator, refusal->miss);
     return;
   }
-  Listed listed{std::move(evaluated.grasp), order, 1};
-  listed.grasp.generator = generator;
-  assess_surface(evaluated.hand, &listed);
-  listed.grasp.score *= 1 - options_.weights.guessed * (1 - listed.confidence);
-  if (listed.grasp.guessed_contact > 0.005) {
-    listed.grasp.remark = fmt::format("{:.0f} % of the contact is on surface that nobody saw",
-                                      100 * listed.grasp.guessed_contact);
+  evaluated.grasp.generator = generator;
+  listed_.push_back({std::move(evaluated), order});
+}
+
+// The best `largest_count` by their true scores. Scores are upper bounds before: who is refined in
+// their order can stop where the next bound is below what is kept.
+void Planner::keep_best(Ledger* ledger) {
+  std::sort(listed_.begin(), listed_.end(), better);
+  const auto largest = static_cast<std::size_t>(options_.largest_count);
+  std::size_t refined = 0;
+  std::vector<double> kept;  // scores of the best so far, best first
+  for (; refined < listed_.size(); ++refined) {
+    Listed& listed = listed_[refined];
+    if (kept.size() >= largest && kept[largest - 1] >= listed.grasp().score) break;
+    evaluator_.refine(&listed.evaluated);
+    assess_surface(&listed.evaluated);
+    kept.insert(std::upper_bound(kept.begin(), kept.end(), listed.grasp().score, std::greater<>()),
+                listed.grasp().score);
   }
-  listed_.push_back(std::move(listed));
+  std::sort(listed_.begin(), listed_.begin() + static_cast<std::ptrdiff_t>(refined), better);
+  for (std::size_t i = largest; i < listed_.size(); ++i) {
+    ledger->reject(reason::kRankedBelow, listed_[i].grasp().generator);
+  }
+  if (listed_.size() > largest) listed_.resize(largest);
 }
 
 // The same disturbances for every grasp, so that grasps differ by what they are.
@@ -184,8 +213,8 @@ std::string Planner::problem(const GraspPlanResult& result, const Ledger& ledger
   const int reachable =
       result.candidates - ledger.count(reason::kDirection) - ledger.count(reason::kWorkspace);
   if (reachable == 0) return start + "no approach to it is within the robot's reach";
-  if (std::isfinite(narrowest_) &&
-      narrowest_ > gripper_.max_opening - 2 * options_.collision.object_margin) {
+  if (std::isfinite(narrowest_) && narrowest_ > gripper_.max_opening + options_.width_tolerance -
+                                                    2 * options_.collision.object_margin) {
     return start + fmt::format("narrowest width {:.0f} mm exceeds the gripper's {:.0f} mm{}",
                                narrowest_ * 1e3, gripper_.max_opening * 1e3,
                                narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
@@ -230,24 +259,17 @@ GraspPlanResult Planner::plan(const std::vector<GraspEvaluator>& alternatives) {
       examine(tried[at], at, &ledger);
     }
   }
-  const auto better = [](const Listed& a, const Listed& b) {
-    return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
-  };
-  std::sort(listed_.begin(), listed_.end(), better);
-  const auto largest = static_cast<std::size_t>(options_.largest_count);
-  for (std::size_t i = largest; i < listed_.size(); ++i) {
-    ledger.reject(reason::kRankedBelow, listed_[i].grasp.generator);
-  }
-  if (listed_.size() > largest) listed_.resize(largest);
+  keep_best(&ledger);
   if (options_.uncertainty.samples > 0) {
     for (Listed& listed : listed_) {
       // Who is assessed no more counts as if nothing held.
-      listed.grasp.robustness = time_is_up() ? 0 : robustness(listed.grasp, alternatives);
-      listed.grasp.score *= 1 - options_.weights.robust * (1 - listed.grasp.robustness);
+      Grasp& grasp = listed.grasp();
+      grasp.robustness = time_is_up() ? 0 : robustness(grasp, alternatives);
+      grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
     }
     std::sort(listed_.begin(), listed_.end(), better);
   }
-  for (Listed& listed : listed_) result.grasps.push_back(std::move(listed.grasp));
+  for (Listed& listed : listed_) result.grasps.push_back(std::move(listed.grasp()));
   result.rejections = ledger.rejections();
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
@@ -269,6 +291,7 @@ void PlannerOptions::validate() const {
   require(largest_force >= 0, "largest_force must not be negative");
   require(pregrasp_distance > 0, "pregrasp_distance must be positive");
   require(opening_clearance >= 0, "opening_clearance must not be negative");
+  require(width_tolerance >= 0, "width_tolerance must not be negative");
   require(largest_offset >= 0, "largest_offset must not be negative");
   require(largest_count > 0, "largest_count must be positive");
   require(budget >= 0, "budget must not be negative");

@@ -25,7 +25,7 @@ struct ScoreWeights {
   /// that is on surface that is there), by vertex_confidence, ...
   double guessed = 0.5;  // 0..1
   /// ... and by 1 - robust + robust Grasp.robustness.
-  double robust = 0.5;  // 0..1
+  double robust = 0.9;  // 0..1
 };
 
 /// What may be otherwise than predicted, for Grasp.robustness.
@@ -55,8 +55,11 @@ struct PlannerOptions {
   double largest_force = 0;          // N, per pad; 0: what the gripper's nominal current gives
   double pregrasp_distance = 0.08;   // m, > 0, back along the approach
   double opening_clearance = 0.005;  // m, >= 0, of each pad when a narrower opening must do
-  double largest_offset = 0.004;     // m, >= 0, of the grasped section from the hand's middle
-  int largest_count = 32;            // > 0, of grasps in the result
+  /// m, >= 0: sections that are too wide by up to this much are listed too, with a remark: the
+  /// prediction may be wider than the object. They come last: nothing of them is robust.
+  double width_tolerance = 0.006;
+  double largest_offset = 0.004;  // m, >= 0, of the grasped section from the hand's middle
+  int largest_count = 32;         // > 0, of grasps in the result
   /// s of wall time, >= 0: candidates, spread over all of them, are tried until it is used up; 0:
   /// all are. With a budget the result depends on how fast the machine is.
   double budget = 0;

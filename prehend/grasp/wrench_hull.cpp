@@ -226,6 +226,12 @@ bool may_be_closed(const Wrenches& wrenches) {
          (wrenches.rowwise().minCoeff().array() < 0).all();
 }
 
+double epsilon_bound(const Wrenches& wrenches) {
+  if (wrenches.cols() == 0) return 0;
+  const Vector6 most = wrenches.rowwise().maxCoeff(), least = wrenches.rowwise().minCoeff();
+  return std::max(0.0, std::min(most.minCoeff(), (-least).minCoeff()));
+}
+
 WrenchHull wrench_hull(const Wrenches& wrenches, const WrenchHullOptions& options) {
   check(wrenches, options.tolerance);
   if (!(options.precision >= 0 && options.precision < 1)) {

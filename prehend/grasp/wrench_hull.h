@@ -48,6 +48,10 @@ bool may_be_closed(const Wrenches& wrenches);
 /// @throws std::invalid_argument for a wrench that is not finite or a bad tolerance.
 WrenchHull wrench_hull(const Wrenches& wrenches, const WrenchHullOptions& options = {});
 
+/// An upper bound of epsilon in a microsecond: how far the hull reaches along the six axes, both
+/// ways, at least. 0 when it does not hold the origin along one of them. @pre finite columns.
+double epsilon_bound(const Wrenches& wrenches);
+
 /// Volume of the hull, by Qhull; 0 when it is flat. @throws std::invalid_argument as above.
 double wrench_volume(const Wrenches& wrenches);
 

@@ -12,8 +12,8 @@ namespace prehend::grasp {
 
 std::optional<HeldLine> line_through(const geometry::MeshQuery& object_W,
                                      const Eigen::Vector3d& p_W, const Eigen::Vector3d& axis_W) {
-  double reach = 0.01;  // m, beyond every vertex
-  for (const auto& v : object_W.mesh().vertices) reach = std::max(reach, (v - p_W).norm() + 0.01);
+  const Eigen::AlignedBox3d& box = object_W.box();
+  const double reach = (p_W - box.center()).norm() + box.diagonal().norm() / 2 + 0.01;  // m
   const auto first = object_W.cast_ray(p_W - reach * axis_W, axis_W, 2 * reach);
   const auto last = object_W.cast_ray(p_W + reach * axis_W, -axis_W, 2 * reach);
   if (!first || !last) return std::nullopt;
