@@ -46,6 +46,8 @@ GraspEvaluator::GraspEvaluator(Solid solid, const geometry::Plane& table,
       gripper_(gripper),
       reachability_(reachability),
       options_(options) {
+  largest_opening_ = gripper.max_opening;
+  gripper_.max_opening += options.width_tolerance;
   largest_force_ = options.largest_force > 0 ? options.largest_force
                                              : gripper.nominal_current * gripper.force_per_current -
                                                    gripper.friction_force;

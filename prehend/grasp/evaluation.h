@@ -71,9 +71,9 @@ class GraspEvaluator {
                                       double* opening) const;
   std::optional<Refusal> close(const geometry::RigidTransform& X_WG, double opening,
                                const SectionExtent& section, ClosedHand* hand, double* force,
-                               WrenchHull* hull) const;
-  WrenchHull hull_of(const ClosedHand& hand, const geometry::RigidTransform& X_WG, double friction,
-                     bool closure_only) const;
+                               double* quality) const;
+  Wrenches wrenches_of(const ClosedHand& hand, const geometry::RigidTransform& X_WG,
+                       double friction) const;
   double room() const;  // m, widest section that fits between the open fingers
   double least_force() const;
   double load_ratio(const ClosedHand& hand, const geometry::RigidTransform& X_WG, double force,
