@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
       "  prehend topic echo /gripper/state\n"
       "  prehend doctor\n"
       "  prehend explain config/scenes/demo.yaml\n"
+      "  prehend plan object.ply --hand pg70 --out out/plan\n"
       "  prehend record -o run.mcap\n"
       "Each command explains itself: prehend topic echo --help");
   app.require_subcommand(1);
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   add_graph_command(app);
   add_doctor_command(app, outcome);
   add_explain_command(app);
+  add_plan_command(app);
   add_keys_commands(app);
   add_clock_commands(app);
   add_recording_commands(app);

@@ -78,16 +78,20 @@ grasp::Grasp from_message(const msgs::Grasp& message) {
   return grasp;
 }
 
-msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan) {
-  msgs::GraspPlan message;
-  for (const auto& grasp : plan.grasps) *message.add_grasps() = to_message(grasp);
-  for (const auto& rejected : plan.rejections) {
-    auto& rejection = *message.add_rejections();
+void add_rejections(const std::vector<grasp::Rejection>& rejections, msgs::GraspPlan* plan) {
+  for (const auto& rejected : rejections) {
+    auto& rejection = *plan->add_rejections();
     rejection.set_reason(rejected.reason);
     rejection.set_count(static_cast<std::uint32_t>(rejected.count));
     rejection.set_generator(rejected.generator);
     rejection.set_nearest_miss(rejected.nearest_miss);
   }
+}
+
+msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan) {
+  msgs::GraspPlan message;
+  for (const auto& grasp : plan.grasps) *message.add_grasps() = to_message(grasp);
+  add_rejections(plan.rejections, &message);
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);
   return message;

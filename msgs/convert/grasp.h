@@ -10,6 +10,9 @@ msgs::Grasp to_message(const grasp::Grasp& grasp);
 /// that is not positive, and for what geometry.h's conversions refuse.
 grasp::Grasp from_message(const msgs::Grasp& message);
 
+/// Adds where candidates fell.
+void add_rejections(const std::vector<grasp::Rejection>& rejections, msgs::GraspPlan* plan);
+
 /// Fills grasps, rejections, candidates and problem.
 msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan);
 

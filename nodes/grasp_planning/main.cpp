@@ -1,11 +1,14 @@
 #include <chrono>
 #include <limits>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/objects.h"
 #include "nodes/grasp_planning/model_batch.h"
+#include "nodes/grasp_planning/platform_planning.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/grasp/planner.h"
@@ -81,11 +84,47 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   return options;
 }
 
+// Set when the node plans for an arm with a hand instead of the parallel gripper on the carrier.
+std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
+                                                          const grasp::PlannerOptions& common) {
+  const auto file = node.declare_parameter<std::string>(
+      {.name = "platform",
+       .description = "arm with a hand (config/robots/kr5_sdh.yaml, ...); empty: the parallel "
+                      "gripper on the carrier"});
+  grasp::HandPlannerOptions grasps;
+  grasps.density = common.density;
+  grasps.collision = common.collision;
+  grasps.budget = common.budget;
+  planning::PlatformPickOptions arm;
+  const auto move = node.declare_parameter<std::vector<double>>(
+      {.name = "move",
+       .default_value = {0, 0.15, 0},
+       .unit = "m",
+       .description = "with a platform: x, y, z by which the object is carried",
+       .validate = [](const std::vector<double>& value) {
+         return value.size() == 3 ? "" : "must be three numbers";
+       }});
+  arm.pick.budget = node.declare_parameter<double>({.name = "arm_budget",
+                                                    .default_value = arm.pick.budget,
+                                                    .unit = "s",
+                                                    .minimum = 0.0,
+                                                    .description = "for one motion of the arm"});
+  const int motions =
+      node.declare_parameter<int>({.name = "motions",
+                                   .default_value = 3,
+                                   .minimum = 1,
+                                   .description = "grasps that get a motion of the arm"});
+  if (file.empty()) return nullptr;
+  arm.move_W = {move[0], move[1], move[2]};
+  return std::make_unique<nodes::PlatformPlanning>(file, grasps, arm, motions);
+}
+
 class GraspPlanning {
  public:
   explicit GraspPlanning(graph::Node& node)
       : node_(node),
         options_(declare_planner_options(node)),
+        platform_(declare_platform(node, options_)),
         gripper_(robot::read_gripper_model(
             node.declare_parameter<std::string>({.name = "gripper",
                                                  .default_value = "config/robots/pg70_dsa.yaml",
@@ -145,31 +184,43 @@ class GraspPlanning {
     return result;
   }
 
-  grasp::GraspPlanResult plan_on(const msgs::ObjectModel& message) const {
-    grasp::GraspPlanResult result;
+  msgs::GraspPlan plan_on(const msgs::ObjectModel& message) const {
+    msgs::GraspPlan failed;
     if (!message.valid()) {
-      result.problem = "cannot be grasped: no shape was predicted: " + message.problem();
-      return result;
+      failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
+      return failed;
     }
     try {
-      grasp::Obstacles obstacles;
-      for (const auto& [id, other] : batch_.models()) {
-        if (id != message.id() && other->valid()) {
-          obstacles.meshes_W.push_back(convert::from_message(other->mesh()));
-        }
-      }
       const geometry::Plane table = convert::from_message(message.table());
-      return grasp::plan_grasps(convert::from_message(message), table, obstacles, gripper_,
-                                reachability(table), options_);
+      const surface::ObjectModel object = convert::from_message(message);
+      if (platform_) return platform_->plan(object, table, neighbours_of(message, true));
+      grasp::Obstacles obstacles;
+      obstacles.meshes_W = neighbours_of(message, false);
+      return convert::to_message(
+          grasp::plan_grasps(object, table, obstacles, gripper_, reachability(table), options_));
     } catch (const geometry::InputError& error) {
-      result.problem = std::string("cannot be grasped: ") + error.what();
-      return result;
+      failed.set_problem(std::string("cannot be grasped: ") + error.what());
+      return failed;
     }
+  }
+
+  // The other objects of the view: their meshes or their convex pieces.
+  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message,
+                                                    bool convex) const {
+    std::vector<geometry::TriangleMesh> meshes;
+    for (const auto& [id, other] : batch_.models()) {
+      if (id == message.id() || !other->valid()) continue;
+      if (!convex) meshes.push_back(convert::from_message(other->mesh()));
+      for (int i = 0; convex && i < other->convex_pieces_size(); ++i) {
+        meshes.push_back(convert::from_message(other->convex_pieces(i)));
+      }
+    }
+    return meshes;
   }
 
   msgs::GraspPlan plan(const msgs::ObjectModel& message) const {
     const auto start = steady_clock::now();
-    msgs::GraspPlan plan = convert::to_message(plan_on(message));
+    msgs::GraspPlan plan = plan_on(message);
     const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
     *plan.mutable_header() = message.header();
     plan.set_id(message.id());
@@ -191,6 +242,7 @@ class GraspPlanning {
 
   graph::Node& node_;
   grasp::PlannerOptions options_;
+  std::unique_ptr<nodes::PlatformPlanning> platform_;
   robot::GripperModel gripper_;
   std::string approach_;
   double workspace_;
@@ -207,8 +259,9 @@ void run(graph::Node& node) {
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"grasp_planning",
-     "Plans grasps of predicted objects (/models) with a parallel gripper and publishes ranked "
-     "lists (/plans), with the reason and count of everything that was rejected. The other "
+     "Plans grasps of predicted objects (/models) with a parallel gripper, or with an arm and its "
+     "hand, and publishes ranked lists (/plans), with the reason and count of everything that was "
+     "rejected. The other "
      "objects of the view are obstacles."},
     run);
 

@@ -142,11 +142,13 @@ Wrenches GraspEvaluator::wrenches_of(const ClosedHand& hand, const RigidTransfor
 std::optional<Refusal> GraspEvaluator::close(const RigidTransform& X_WG, double opening,
                                              const SectionExtent& section, ClosedHand* hand,
                                              double* force, double* quality) const {
-  // A second pass with more force when the weight would turn the object between the pads.
+  // More force, and again, while the weight would turn the object between the pads.
+  constexpr int kPasses = 4;
   *force = least_force();
-  for (int pass = 0; pass < 2; ++pass) {
-    const Refusal too_heavy{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
-    if (*force > largest_force_) return too_heavy;
+  for (int pass = 0;; ++pass) {
+    if (*force > largest_force_) {
+      return Refusal{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
+    }
     *hand = close_hand(query_, X_WG, opening, *force, gripper_, options_.closing, &section);
     switch (hand->outcome) {
       case ClosingOutcome::kClosed:
@@ -170,10 +172,8 @@ std::optional<Refusal> GraspEvaluator::close(const RigidTransform& X_WG, double 
     const double ratio =
         options_.safety_factor * load_ratio(*hand, X_WG, *force, options_.friction);
     if (ratio <= 1 + 1e-9) break;
+    if (pass + 1 == kPasses) return Refusal{reason::kTooHeavy, {}};
     *force *= ratio;
-    if (pass == 1) {
-      return Refusal{reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
-    }
   }
   if (std::abs(hand->offset) > options_.largest_offset) {
     return Refusal{reason::kOffCentre,

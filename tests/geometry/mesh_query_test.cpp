@@ -3,6 +3,9 @@
 #include <limits>
 #include <random>
 
+#include <optional>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
@@ -47,6 +50,31 @@ TEST(MeshQuery, TrianglesWithoutAreaAreTheirSides) {
   EXPECT_NEAR(query.nearest({0.5, 0, 0})->distance, 0.1, 1e-9);
   EXPECT_NEAR(query.nearest({0.3, 0.02, 0})->distance, 0.02, 1e-9);
   EXPECT_NEAR(query.nearest({-0.15, 0, 0})->distance, 0.05, 1e-9);
+}
+
+TEST(MeshQuery, RaysSideBySideMeetWhatSingleOnesMeet) {
+  const MeshQuery query(make_sphere(0.1, 48));
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.2, -0.1, -1).normalized();
+  std::vector<Eigen::Vector3d> origins;
+  for (int i = 0; i < 203; ++i) {  // no multiple of any packet
+    origins.emplace_back(-0.12 + 0.24 * (i % 17) / 16, -0.12 + 0.24 * (i / 17) / 11, 0.3);
+  }
+  std::vector<std::optional<RayHit>> hits;
+  int met = 0;
+  for (const double reach : {1e9, 0.25}) {
+    query.cast_rays(origins, direction, reach, &hits);
+    ASSERT_EQ(hits.size(), origins.size());
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+      const auto single = query.cast_ray(origins[i], direction, reach);
+      ASSERT_EQ(hits[i].has_value(), single.has_value()) << i;
+      if (!single) continue;
+      ++met;
+      EXPECT_NEAR(hits[i]->distance, single->distance, 1e-6);
+    }
+  }
+  EXPECT_GT(met, 100);
+  query.cast_rays({}, direction, 1, &hits);
+  EXPECT_TRUE(hits.empty());
 }
 
 TEST(MeshQuery, NearestRespectsTheLimit) {

@@ -53,6 +53,36 @@ TEST(CloseHand, SpherePressesACapByTheSpringLaw) {
   EXPECT_NEAR(hand.left.center_G.z(), 0, 1e-5);
 }
 
+TEST(CloseHand, AMeasuredSectionSavesTheRays) {
+  const MeshQuery ball(geometry::make_sphere(0.03, 96));
+  const auto X_WG = hand_at(0.004, 0.003, 0.01);
+  SectionExtent section = measure_section(ball, X_WG, kGripper);
+  ASSERT_TRUE(section.met);
+  const double offset = (section.upper + section.lower) / 2;
+  section.shift_hand(offset);
+  EXPECT_NEAR(section.upper, -section.lower, 1e-12);
+  const auto centred = hand_at(0.004, 0.003 + offset, 0.01);
+  const ClosedHand by_rays = close_hand(ball, centred, 0.069, 10, kGripper);
+  const ClosedHand by_section = close_hand(ball, centred, 0.069, 10, kGripper, {}, &section);
+  ASSERT_EQ(by_section.outcome, by_rays.outcome);
+  EXPECT_NEAR(by_section.opening, by_rays.opening, 1e-6);
+  EXPECT_NEAR(by_section.left.force, by_rays.left.force, 1e-3);
+  EXPECT_NEAR(by_section.turn, by_rays.turn, 1e-4);
+}
+
+// The rest is where the energy is least: no nearby rest has less (checked by brute force).
+TEST(CloseHand, EndsAtTheLeastEnergy) {
+  const MeshQuery box(geometry::transformed(
+      geometry::make_box({0.06, 0.04, 0.1}),
+      geometry::make_transform(
+          Eigen::Quaterniond(Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ())), {0, 0, 0})));
+  const ClosedHand hand = close_hand(box, hand_at(0, 0, 0), 0.069, 10, kGripper);
+  ASSERT_EQ(hand.outcome, ClosingOutcome::kClosed);
+  EXPECT_NEAR(hand.turn, 0.05, 2e-3);  // turned until its faces lie on the pads
+  EXPECT_NEAR(hand.left.force, 10, 0.05);
+  EXPECT_NEAR(hand.right.force, 10, 0.05);
+}
+
 TEST(CloseHand, MoreForceMoreDepthMoreArea) {
   const MeshQuery ball(geometry::make_sphere(0.03, 128));
   double opening = 1, area = 0;

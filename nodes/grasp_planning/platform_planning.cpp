@@ -1,0 +1,124 @@
+#include "nodes/grasp_planning/platform_planning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/grasp.h"
+
+namespace prehend::nodes {
+namespace {
+
+constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
+
+}  // namespace
+
+PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform,
+                                   grasp::HandPlannerOptions grasps,
+                                   planning::PlatformPickOptions arm, int motions)
+    : platform_(robot::read_platform(platform)),
+      hand_(platform_.hand),
+      options_(std::move(grasps)),
+      arm_options_(std::move(arm)),
+      motions_(motions) {
+  options_.validate();
+}
+
+msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double mass) const {
+  msgs::Grasp message;
+  *message.mutable_x_wg() = convert::to_message(grasp.X_WG);
+  *message.mutable_approach_direction() = convert::to_message(grasp.approach_W);
+  message.set_roll(grasp.roll);
+  message.set_pregrasp_distance(grasp.pregrasp_distance);
+  message.set_quality(grasp.quality);
+  message.set_score(grasp.score);
+  message.set_generator(grasp.generator);
+  message.set_preshape(grasp.preshape);
+  message.set_guessed_contact(grasp.guessed_contact);
+  message.set_remark(grasp.remark);
+  message.mutable_predicted()->set_lifted_mass(mass);
+  for (const std::string& name : platform_.hand.actuated_names()) {
+    message.add_hand_joint_name("hand_" + name);
+  }
+  for (const double position : grasp.open) message.add_open_position(position);
+  for (const double position : grasp.closed) message.add_closed_position(position);
+  for (const grasp::HandContact& contact : grasp.contacts) {
+    *message.add_contacts() = convert::to_message(contact.contact_W.point);
+  }
+  return message;
+}
+
+msgs::ArmSegment PlatformPlanning::to_message(const motion::PickSegment& segment) const {
+  msgs::ArmSegment message;
+  message.set_name(segment.name);
+  auto& trajectory = *message.mutable_trajectory();
+  const robot::KinematicChain chain = platform_.arm_chain();
+  for (const auto& joint : chain.joints()) trajectory.add_joint_name(joint.name);
+  const double duration = segment.trajectory->duration();
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration / kSamplePeriod)));
+  for (int i = 0; i <= steps; ++i) {
+    const double time = duration * i / steps;
+    const motion::TrajectoryPoint at = segment.trajectory->at(time);
+    auto& point = *trajectory.add_points();
+    point.set_time(time);
+    for (const double value : at.position) point.add_position(value);
+    for (const double value : at.velocity) point.add_velocity(value);
+    for (const double value : at.acceleration) point.add_acceleration(value);
+    if (duration <= 0) break;
+  }
+  return message;
+}
+
+msgs::GraspPlan PlatformPlanning::plan(
+    const surface::ObjectModel& object, const geometry::Plane& table_W,
+    const std::vector<geometry::TriangleMesh>& obstacles_W) const {
+  grasp::Obstacles obstacles;
+  obstacles.meshes_W = obstacles_W;
+  const grasp::HandPlan plan =
+      grasp::plan_hand_grasps(object, table_W, obstacles, hand_, {}, options_);
+  msgs::GraspPlan message;
+  message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
+  message.set_problem(plan.problem);
+  convert::add_rejections(plan.rejections, &message);
+
+  const planning::PlatformScene scene{table_W, object.convex_pieces_W, obstacles_W};
+  std::vector<grasp::HandGrasp> left = plan.grasps;
+  std::string arm_problem;
+  for (int i = 0; i < motions_ && !left.empty(); ++i) {
+    std::vector<planning::PlatformGrasp> poses;
+    for (const auto& g : left) {
+      poses.push_back({g.X_WG, g.approach_W, g.pregrasp_distance, g.preshape, g.open});
+    }
+    const planning::PlatformPick pick = planning::plan_platform_pick(
+        platform_, platform_.home("home").arm, poses, scene, arm_options_);
+    if (i == 0) {
+      for (const auto& rejected : pick.motion.rejections) {
+        auto& rejection = *message.add_rejections();
+        rejection.set_reason(std::string("arm: ") + motion::to_string(rejected.filter));
+        rejection.set_count(static_cast<std::uint32_t>(rejected.count));
+        rejection.set_nearest_miss(rejected.nearest_miss);
+      }
+    }
+    if (!pick.motion.found()) {
+      arm_problem = pick.motion.problem;
+      break;
+    }
+    msgs::Grasp grasp = to_message(left[static_cast<std::size_t>(pick.grasp)], plan.mass);
+    for (const auto& segment : pick.motion.segments) *grasp.add_arm() = to_message(segment);
+    *message.add_grasps() = std::move(grasp);
+    left.erase(left.begin() + pick.grasp);
+  }
+  if (message.grasps_size() == 0 && !plan.grasps.empty()) {
+    message.set_problem("cannot be grasped: the arm reaches none of " +
+                        fmt::format("{} grasps: ", plan.grasps.size()) + arm_problem);
+  }
+  for (const auto& g : left) {
+    if (message.grasps_size() > 0) *message.add_grasps() = to_message(g, plan.mass);
+  }
+  return message;
+}
+
+}  // namespace prehend::nodes

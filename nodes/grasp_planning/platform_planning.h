@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "msgs/grasp.pb.h"
+#include "prehend/geometry/plane.h"
+#include "prehend/grasp/hand_planner.h"
+#include "prehend/planning/platform_pick.h"
+#include "prehend/robot/platform.h"
+#include "prehend/surface/object_model.h"
+
+namespace prehend::nodes {
+
+/// Plans grasps of a hand with fingers and the motion of the arm that carries it.
+class PlatformPlanning {
+ public:
+  /// @param motions how many of the grasps get the arm's motion, > 0: one for each attempt.
+  /// @throws geometry::InputError as robot::read_platform().
+  PlatformPlanning(const std::filesystem::path& platform, grasp::HandPlannerOptions grasps,
+                   planning::PlatformPickOptions arm, int motions);
+
+  /// Grasps that the arm can execute come first, with their segments; then the others. A plan
+  /// without any motion has the arm's reason as its problem. Obstacles are convex pieces.
+  /// @throws geometry::InputError for a bad mesh.
+  msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
+                       const std::vector<geometry::TriangleMesh>& obstacles_W) const;
+
+ private:
+  msgs::Grasp to_message(const grasp::HandGrasp& grasp, double mass) const;
+  msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
+
+  robot::Platform platform_;
+  grasp::HandToClose hand_;
+  grasp::HandPlannerOptions options_;
+  planning::PlatformPickOptions arm_options_;
+  int motions_;
+};
+
+}  // namespace prehend::nodes

@@ -1,0 +1,107 @@
+#include "prehend/planning/platform_pick.h"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::planning {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
+  return geometry::transformed(geometry::make_box(size),
+                               geometry::make_transform(Eigen::Quaterniond::Identity(), center));
+}
+
+// From above, the hand closing along the world's y axis.
+PlatformGrasp from_above(const robot::Platform& platform, const Eigen::Vector3d& p_WG) {
+  PlatformGrasp grasp;
+  grasp.X_WG.linear() << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  grasp.X_WG.linear().col(0) = grasp.X_WG.linear().col(1).cross(grasp.X_WG.linear().col(2));
+  grasp.X_WG.translation() = p_WG;
+  grasp.preshape = platform.hand.preshapes.front().name;
+  return grasp;
+}
+
+class PlatformPickTest : public ::testing::TestWithParam<const char*> {
+ protected:
+  PlatformPickTest() : platform(robot::read_platform(std::string("config/robots/") + GetParam())) {
+    scene.object_pieces_W = {box_at({0.04, 0.04, 0.16}, {0, 0, 0.08})};
+  }
+  robot::Positions home() const { return platform.home("home").arm; }
+
+  robot::Platform platform;
+  PlatformScene scene;
+};
+
+TEST_P(PlatformPickTest, ReachesLiftsAndPuts) {
+  PlatformPickOptions options;
+  options.move_W = {0, 0.15, 0};
+  const auto pick =
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  EXPECT_EQ(pick.grasp, 0);
+  ASSERT_EQ(pick.motion.segments.size(), 6u);
+  EXPECT_EQ(pick.motion.segments.front().waypoints.front(), home());
+  // The tool is at the grasp when the approach ends, and where the object goes when it is placed.
+  const robot::KinematicChain chain = platform.arm_chain();
+  const auto& preshape = platform.hand.preshapes.front();
+  const auto tool = [&](const motion::PickSegment& segment) {
+    return platform.X_WB * chain.forward(segment.waypoints.back()) * platform.X_FG(preshape);
+  };
+  EXPECT_LT((tool(pick.motion.segments[1]).translation() - Eigen::Vector3d(0, 0, 0.14)).norm(),
+            1e-4);
+  EXPECT_LT((tool(pick.motion.segments[4]).translation() - Eigen::Vector3d(0, 0.15, 0.14)).norm(),
+            1e-4);
+}
+
+TEST_P(PlatformPickTest, SaysWhyNothingIsReached) {
+  const auto far =
+      plan_platform_pick(platform, home(), {from_above(platform, {4, 0, 0.14})}, scene);
+  EXPECT_FALSE(far.motion.found());
+  EXPECT_EQ(far.grasp, -1);
+  ASSERT_FALSE(far.motion.rejections.empty());
+  EXPECT_EQ(far.motion.rejections.front().filter, motion::PickFilter::kOutOfReach);
+  EXPECT_FALSE(far.motion.problem.empty());
+  // A grasp that is reached comes after one that is not.
+  const auto second = plan_platform_pick(
+      platform, home(), {from_above(platform, {4, 0, 0.14}), from_above(platform, {0, 0, 0.14})},
+      scene);
+  EXPECT_TRUE(second.motion.found()) << second.motion.problem;
+  EXPECT_EQ(second.grasp, 1);
+  const auto none = plan_platform_pick(platform, home(), {}, scene);
+  EXPECT_FALSE(none.motion.found());
+  EXPECT_EQ(none.motion.problem, "there are no grasps");
+}
+
+TEST_P(PlatformPickTest, ObstaclesRoundTheObjectAreKeptFrom) {
+  scene.obstacle_pieces_W = {box_at({0.4, 0.4, 0.05}, {0, 0, 0.3})};  // a lid over it
+  const auto pick =
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene);
+  EXPECT_FALSE(pick.motion.found());
+}
+
+TEST_P(PlatformPickTest, RefusesWhatIsNone) {
+  auto grasp = from_above(platform, {0, 0, 0.14});
+  grasp.preshape = "fist";
+  EXPECT_THROW(plan_platform_pick(platform, home(), {grasp}, scene), geometry::InputError);
+  PlatformPickOptions options;
+  options.arm_acceleration = 0;
+  EXPECT_THROW(plan_platform_pick(platform, home(), {}, scene, options), std::invalid_argument);
+  scene.object_pieces_W.clear();
+  EXPECT_THROW(plan_platform_pick(platform, home(), {}, scene), std::invalid_argument);
+}
+
+INSTANTIATE_TEST_SUITE_P(Platforms, PlatformPickTest,
+                         ::testing::Values("kr5_pg70.yaml", "kr5_sdh.yaml", "pa10_barrett.yaml"),
+                         [](const auto& test) {
+                           const std::string name = test.param;
+                           return name.substr(0, name.find('.'));
+                         });
+
+}  // namespace
+}  // namespace prehend::planning

@@ -1,0 +1,93 @@
+// prehend plan.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "prehend/geometry/mesh_files.h"
+#include "tests/launch/child_program.h"
+
+namespace prehend::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class Plan : public ::testing::Test {
+ protected:
+  // The command's output and errors; its exit code in exit_code_.
+  std::string run(std::vector<std::string> words) {
+    words.insert(words.begin(), "plan");
+    ChildProgram program("prehend", words, folder_.path("output"));
+    exit_code_ = program.wait(std::chrono::seconds(60)).value_or(-1);
+    return program.output();
+  }
+  std::string box(const Eigen::Vector3d& size) {
+    const std::string file = folder_.path("box.ply");
+    geometry::write_mesh_file(file, geometry::make_box(size));
+    return file;
+  }
+
+  ScratchDirectory folder_;
+  int exit_code_ = -1;
+};
+
+TEST_F(Plan, PrintsGraspsLedgerAndStages) {
+  const std::string output = run({box({0.04, 0.05, 0.1}), "--approach", "down"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("RANK"), HasSubstr("circles"), HasSubstr("FELL AT"),
+                            HasSubstr("approach direction out of the robot's reach"),
+                            HasSubstr("NEAREST MISS"), HasSubstr("STAGE"), HasSubstr("grasps")));
+}
+
+TEST_F(Plan, WithAnArmSaysTheSegmentsAndDrawsThem) {
+  const std::string page = folder_.path("page");
+  const std::string output = run({box({0.04, 0.05, 0.12}), "--arm", "kr5", "--approach", "down",
+                                  "--move", "0,-0.1,0", "--out", page});
+  EXPECT_EQ(exit_code_, 0) << output;
+  for (const char* segment : {"reach", "approach", "lift", "carry", "place", "retreat"}) {
+    EXPECT_THAT(output, HasSubstr(segment));
+  }
+  std::ifstream file(page + "/index.html");
+  const std::string html{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(html, AllOf(HasSubstr("The arm at the grasp"), HasSubstr("image/png")));
+}
+
+TEST_F(Plan, SaysWhyThereIsNoGrasp) {
+  const std::string output = run({box({0.12, 0.1, 0.1}), "--approach", "down"});
+  EXPECT_EQ(exit_code_, 3) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("100.0 mm > 66.0 mm"),
+                            HasSubstr("narrowest width 100 mm exceeds the gripper's 69 mm")));
+}
+
+TEST_F(Plan, PrintsJsonForPrograms) {
+  const std::string output = run({box({0.04, 0.05, 0.1}), "--approach", "down", "--json"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;
+  const auto& grasps = parsed.fields().at("grasps").list_value();
+  ASSERT_GT(grasps.values_size(), 0);
+  EXPECT_EQ(grasps.values(0).struct_value().fields().at("position_m").list_value().values_size(),
+            3);
+  EXPECT_GT(parsed.fields().at("ledger").list_value().values_size(), 0);
+  EXPECT_GT(parsed.fields().at("seconds").struct_value().fields().at("grasps").number_value(), 0);
+}
+
+TEST_F(Plan, NamesWhatIsWrong) {
+  EXPECT_THAT(run({"no_such.ply"}), HasSubstr("no_such.ply"));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--hand", "bh8", "--arm", "kr5"}),
+              AllOf(HasSubstr("no platform"), HasSubstr("pa10 with bh8")));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--generators", "antipodel"}), HasSubstr("antipodal"));
+  EXPECT_EQ(exit_code_, 1);
+  const std::string text = folder_.write("text.ply", "no mesh\n");
+  EXPECT_THAT(run({text}), HasSubstr("text.ply"));
+  EXPECT_EQ(exit_code_, 1);
+}
+
+}  // namespace
+}  // namespace prehend::testing

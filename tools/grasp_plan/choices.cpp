@@ -1,0 +1,57 @@
+#include "tools/grasp_plan/choices.h"
+
+namespace prehend::tools {
+
+void add_plan_options(CLI::App& command, PlanChoices& choices) {
+  command
+      .add_option(
+          "file", choices.file,
+          "mesh (.ply, .obj, .stl: planned on as it is) or cloud (.pcd, .ply: segmented and "
+          "completed first)")
+      ->required();
+  command.add_option("--scale", choices.scale, "metres per unit of the file")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_flag("--in-place", choices.in_place,
+                   "leave a mesh where its file has it, on the table z = 0; else it is put on the "
+                   "table, at the origin");
+  command.add_option("--object", choices.object, "object of a cloud, 0: the largest")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--hand", choices.hand, "the hand")
+      ->check(CLI::IsMember({"pg70", "sdh2", "bh8"}))
+      ->capture_default_str();
+  command.add_option("--arm", choices.arm, "the arm that carries it; none: grasps only")
+      ->check(CLI::IsMember({"none", "kr5", "pa10"}))
+      ->capture_default_str();
+  command.add_option("--approach", choices.approach, "directions of approach: straight down, any")
+      ->check(CLI::IsMember({"down", "any"}))
+      ->capture_default_str();
+  command
+      .add_option("--generators", choices.generators,
+                  "of candidates: circles, segments, boxes, antipodal, medial_axis; default: the "
+                  "planner's")
+      ->delimiter(',');
+  command.add_option("--preshapes", choices.preshapes, "of a hand with fingers; default: all")
+      ->delimiter(',');
+  command.add_option("--move", choices.move, "with an arm: put it this far away, x,y,z [m]")
+      ->delimiter(',')
+      ->expected(3);
+  command.add_option("--density", choices.density, "assumed of the object [kg/m^3]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--budget", choices.budget,
+                  "for grasps, and again for the arm [s]; 0: as long as it takes")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--seed", choices.seed, "of all random choices")->capture_default_str();
+  command.add_option("--rows", choices.rows, "grasps to list at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--config", choices.config, "folder with robots/")->capture_default_str();
+  command.add_option("--out", choices.out, "folder for a page with pictures");
+  command.add_flag("--json", choices.json, "print JSON for programs");
+}
+
+}  // namespace prehend::tools

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace prehend::tools {
+
+/// What `prehend plan` is asked for.
+struct PlanChoices {
+  std::string file;
+  double scale = 1;
+  bool in_place = false;
+  int object = 0;
+  std::string hand = "pg70";
+  std::string arm = "none";
+  std::string approach = "any";
+  std::vector<std::string> generators;
+  std::vector<std::string> preshapes;
+  std::vector<double> move;
+  double density = 800;
+  double budget = 0;
+  std::uint64_t seed = 1;
+  int rows = 10;
+  std::string config = "config";
+  std::string out;
+  bool json = false;
+};
+
+/// Declares the options of `prehend plan` on `command`.
+void add_plan_options(CLI::App& command, PlanChoices& choices);
+
+}  // namespace prehend::tools

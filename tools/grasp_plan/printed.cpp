@@ -1,0 +1,279 @@
+#include "tools/grasp_plan/printed.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "prehend/report/page.h"
+#include "prehend/report/pictures.h"
+#include "prehend/report/robot_meshes.h"
+#include "tools/json.h"
+#include "tools/table.h"
+
+namespace prehend::tools {
+namespace {
+
+using geometry::RigidTransform;
+using Rows = std::vector<std::vector<std::string>>;
+
+constexpr std::size_t kPictures = 6;  // of the best grasps
+
+std::string metres(const Eigen::Vector3d& p) {
+  return fmt::format("{:.3f} {:.3f} {:.3f}", p.x(), p.y(), p.z());
+}
+
+const std::vector<std::string> kGraspHeader{"RANK",      "SCORE",    "QUALITY",  "ROBUST",
+                                            "EFFORT",    "PRESHAPE", "POSITION", "APPROACH",
+                                            "GENERATOR", "REMARK"};
+
+Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
+  Rows rows;
+  const auto count = std::min<std::size_t>(planned.grasps.size(),
+                                           static_cast<std::size_t>(std::max(0, choices.rows)));
+  for (std::size_t i = 0; i < count; ++i) {
+    const PlannedGrasp& g = planned.grasps[i];
+    rows.push_back(
+        {fmt::format("{}{}", i + 1,
+                     planned.arm && planned.arm->grasp == static_cast<int>(i) ? " *" : ""),
+         fmt::format("{:.3f}", g.score), fmt::format("{:.4f}", g.quality),
+         g.robustness < 0 ? "-" : fmt::format("{:.0f} %", 100 * g.robustness),
+         fmt::format("{:.0f} %", 100 * g.effort), g.pose.preshape,
+         metres(g.pose.X_WG.translation()), metres(g.pose.approach_W), g.generator, g.remark});
+  }
+  return rows;
+}
+
+const std::vector<std::string> kLedgerHeader{"CANDIDATES", "FELL AT", "GENERATOR", "NEAREST MISS"};
+
+Rows ledger_rows(const Planned& planned) {
+  std::vector<grasp::Rejection> rejections = planned.rejections;
+  std::stable_sort(rejections.begin(), rejections.end(),
+                   [](const auto& a, const auto& b) { return a.count > b.count; });
+  Rows rows;
+  for (const auto& r : rejections) {
+    rows.push_back({fmt::format("{} of {}", r.count, planned.candidates), r.reason, r.generator,
+                    r.nearest_miss.empty() ? "-" : r.nearest_miss});
+  }
+  return rows;
+}
+
+const std::vector<std::string> kArmLedgerHeader{"GRASPS", "ARM", "NEAREST MISS"};
+
+Rows arm_ledger_rows(const Planned& planned) {
+  Rows rows;
+  for (const auto& r : planned.arm->motion.rejections) {
+    rows.push_back({fmt::format("{} of {}", r.count, planned.grasps.size()),
+                    motion::to_string(r.filter), r.nearest_miss.empty() ? "-" : r.nearest_miss});
+  }
+  return rows;
+}
+
+const std::vector<std::string> kSegmentHeader{"SEGMENT", "WAYPOINTS", "DURATION [s]"};
+
+Rows segment_rows(const Planned& planned) {
+  Rows rows;
+  for (const auto& segment : planned.arm->motion.segments) {
+    rows.push_back(
+        {segment.name, fmt::format("{}", segment.waypoints.size()),
+         segment.trajectory ? fmt::format("{:.2f}", segment.trajectory->duration()) : "-"});
+  }
+  return rows;
+}
+
+StageTimes all_times(const PlanTarget& target, const Planned& planned) {
+  StageTimes times = target.times;
+  times.insert(times.end(), planned.times.begin(), planned.times.end());
+  return times;
+}
+
+const std::vector<std::string> kTimeHeader{"STAGE", "SECONDS"};
+
+Rows time_rows(const PlanTarget& target, const Planned& planned) {
+  Rows rows;
+  double sum = 0;
+  for (const auto& [name, seconds] : all_times(target, planned)) {
+    rows.push_back({name, fmt::format("{:.3f}", seconds)});
+    sum += seconds;
+  }
+  rows.push_back({"all", fmt::format("{:.3f}", sum)});
+  return rows;
+}
+
+void print_rows(const std::vector<std::string>& header, Rows rows) {
+  if (rows.empty()) return;
+  rows.insert(rows.begin(), header);
+  print_table(rows);
+  std::printf("\n");
+}
+
+std::string verdict(const Planned& planned) {
+  if (!planned.problem.empty()) return planned.problem;
+  if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
+  if (planned.arm) return fmt::format("The arm takes grasp {}.", planned.arm->grasp + 1);
+  return fmt::format("{} grasps", planned.grasps.size());
+}
+
+bool succeeded(const Planned& planned) {
+  return planned.problem.empty() && (!planned.arm || planned.arm->motion.found());
+}
+
+void print_json(const PlanTarget& target, const Planned& planned) {
+  Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
+  for (const PlannedGrasp& g : planned.grasps) {
+    const Eigen::Quaterniond q(g.pose.X_WG.linear());
+    const Eigen::Vector3d& p = g.pose.X_WG.translation();
+    Json position = Json::array(), orientation = Json::array(), approach = Json::array(),
+         joints = Json::array();
+    for (int k = 0; k < 3; ++k) position.add(p[k]);
+    for (const double value : {q.w(), q.x(), q.y(), q.z()}) orientation.add(value);
+    for (int k = 0; k < 3; ++k) approach.add(g.pose.approach_W[k]);
+    for (Eigen::Index k = 0; k < g.all.size(); ++k) joints.add(g.all[k]);
+    grasps.add(Json::object()
+                   .set("score", g.score)
+                   .set("quality", g.quality)
+                   .set("robustness", g.robustness < 0 ? Json::null() : Json(g.robustness))
+                   .set("effort", g.effort)
+                   .set("preshape", g.pose.preshape)
+                   .set("position_m", position)
+                   .set("orientation_wxyz", orientation)
+                   .set("approach_direction", approach)
+                   .set("closed_joints", joints)
+                   .set("generator", g.generator)
+                   .set("remark", g.remark));
+  }
+  for (const auto& r : planned.rejections) {
+    ledger.add(Json::object()
+                   .set("reason", r.reason)
+                   .set("generator", r.generator)
+                   .set("count", r.count)
+                   .set("nearest_miss", r.nearest_miss));
+  }
+  for (const auto& [name, seconds] : all_times(target, planned)) times.set(name, seconds);
+  Json result = Json::object();
+  result.set("candidates", planned.candidates)
+      .set("problem", succeeded(planned) ? std::string() : verdict(planned))
+      .set("grasps", grasps)
+      .set("ledger", ledger)
+      .set("seconds", times);
+  if (planned.arm) {
+    Json arm = Json::object(), segments = Json::array(), missed = Json::array();
+    for (const auto& segment : planned.arm->motion.segments) {
+      segments.add(Json::object()
+                       .set("name", segment.name)
+                       .set("waypoints", segment.waypoints.size())
+                       .set("duration_s", segment.trajectory ? Json(segment.trajectory->duration())
+                                                             : Json::null()));
+    }
+    for (const auto& r : planned.arm->motion.rejections) {
+      missed.add(Json::object()
+                     .set("reason", motion::to_string(r.filter))
+                     .set("count", r.count)
+                     .set("nearest_miss", r.nearest_miss));
+    }
+    result.set(
+        "arm",
+        arm.set("grasp", planned.arm->grasp).set("segments", segments).set("ledger", missed));
+  }
+  print(result);
+}
+
+// Object, hand and, where the arm reaches the grasp, the arm.
+std::vector<report::ColoredMesh> scene_of(const PlanTarget& target, const Planned& planned,
+                                          std::size_t index) {
+  const PlannedGrasp& grasp = planned.grasps[index];
+  const robot::Preshape& preshape = planned.hand.preshape(grasp.pose.preshape);
+  const RigidTransform X_WH = grasp.pose.X_WG * (planned.hand.X_HP * preshape.X_PG).inverse();
+  std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}}};
+  for (const auto& pieces : target.neighbours_W) {
+    meshes.push_back({geometry::concatenated(pieces), {190, 190, 190}});
+  }
+  meshes.push_back({geometry::transformed(report::robot_mesh(planned.hand.model, grasp.all), X_WH),
+                    {88, 122, 168}});
+  return meshes;
+}
+
+report::ColoredMesh arm_mesh(const Planned& planned) {
+  const robot::Platform& platform = *planned.platform;
+  const robot::KinematicChain chain = platform.arm_chain();
+  // The second segment is the straight approach: the arm at its end holds the hand at the grasp.
+  const auto& segments = planned.arm->motion.segments;
+  const robot::Positions q =
+      segments[std::min<std::size_t>(1, segments.size() - 1)].waypoints.back();
+  Eigen::VectorXd positions =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(platform.model.joints.size()));
+  for (int k = 0; k < chain.size(); ++k) {
+    positions[platform.model.joint_index(chain.joints()[static_cast<std::size_t>(k)].name)] = q[k];
+  }
+  const Eigen::VectorXd& hand = planned.grasps[static_cast<std::size_t>(planned.arm->grasp)].all;
+  for (std::size_t k = 0; k < planned.hand.model.joints.size(); ++k) {
+    positions[platform.model.joint_index("hand_" + planned.hand.model.joints[k].name)] =
+        hand[static_cast<Eigen::Index>(k)];
+  }
+  return {geometry::transformed(report::robot_mesh(platform.model, positions), platform.X_WB),
+          {88, 122, 168}};
+}
+
+geometry::ColorImage picture(const std::vector<report::ColoredMesh>& meshes, double azimuth) {
+  constexpr int kWidth = 480, kHeight = 360;
+  Eigen::AlignedBox3d box;
+  for (const auto& mesh : meshes) box.extend(geometry::bounds(mesh.mesh_W));
+  const auto camera = report::picture_camera(kWidth, kHeight);
+  return draw_meshes(meshes, camera,
+                     report::orbit(box.center(), box.diagonal().norm() / 2, azimuth, 0.35));
+}
+
+}  // namespace
+
+void print_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
+  if (choices.json) return print_json(target, planned);
+  for (const auto& note : target.notes) std::printf("note: %s\n", note.c_str());
+  print_rows(kGraspHeader, grasp_rows(choices, planned));
+  print_rows(kLedgerHeader, ledger_rows(planned));
+  if (planned.arm) {
+    print_rows(kArmLedgerHeader, arm_ledger_rows(planned));
+    print_rows(kSegmentHeader, segment_rows(planned));
+  }
+  print_rows(kTimeHeader, time_rows(target, planned));
+  std::printf("%s\n", verdict(planned).c_str());
+}
+
+void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
+  report::Page page("Grasps of " + std::filesystem::path(choices.file).filename().string());
+  page.add_verdict(verdict(planned), succeeded(planned));
+  for (const auto& note : target.notes) page.add_paragraph(note);
+  if (planned.arm && planned.arm->motion.found()) {
+    std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}},
+                                            arm_mesh(planned)};
+    page.add_pictures({picture(meshes, 0.7), picture(meshes, 2.2)},
+                      {"The arm at the grasp", "from another side"});
+  }
+  std::vector<geometry::ColorImage> pictures;
+  std::vector<std::string> captions;
+  for (std::size_t i = 0; i < std::min(kPictures, planned.grasps.size()); ++i) {
+    pictures.push_back(picture(scene_of(target, planned, i), 0.7));
+    captions.push_back(fmt::format("{}: score {:.3f} {}", i + 1, planned.grasps[i].score,
+                                   planned.grasps[i].pose.preshape));
+  }
+  if (pictures.empty()) {
+    pictures.push_back(picture({{target.object.mesh_W, {214, 164, 86}}}, 0.7));
+    captions.emplace_back("The object");
+  }
+  page.add_pictures(pictures, captions);
+  page.add_heading("Grasps");
+  page.add_table(kGraspHeader, grasp_rows(choices, planned));
+  page.add_heading("Where the other candidates fell");
+  page.add_table(kLedgerHeader, ledger_rows(planned));
+  if (planned.arm) {
+    page.add_heading("Arm");
+    page.add_table(kArmLedgerHeader, arm_ledger_rows(planned));
+    page.add_table(kSegmentHeader, segment_rows(planned));
+  }
+  page.add_heading("Time");
+  page.add_table(kTimeHeader, time_rows(target, planned));
+  page.write(std::filesystem::path(choices.out) / "index.html");
+}
+
+}  // namespace prehend::tools

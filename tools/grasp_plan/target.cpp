@@ -1,0 +1,116 @@
+#include "tools/grasp_plan/target.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "prehend/geometry/cloud_files.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_files.h"
+#include "prehend/perception/recorded_cloud.h"
+#include "prehend/shape/symmetry.h"
+#include "prehend/surface/convex_pieces.h"
+#include "prehend/surface/model.h"
+
+namespace prehend::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+double since(steady_clock::time_point start) {
+  return std::chrono::duration<double>(steady_clock::now() - start).count();
+}
+
+// A PLY file can be either; its header says which.
+bool is_mesh(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending != ".ply") return ending != ".pcd";
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < 100 && std::getline(stream, line); ++i) {
+    if (line.rfind("element face", 0) == 0) return line.find(" 0") == std::string::npos;
+    if (line.rfind("end_header", 0) == 0) break;
+  }
+  return false;
+}
+
+PlanTarget of_mesh(const PlanChoices& choices) {
+  PlanTarget target;
+  auto start = steady_clock::now();
+  target.object.mesh_W = geometry::read_mesh_file(choices.file, choices.scale);
+  if (!choices.in_place) {
+    const Eigen::AlignedBox3d box = geometry::bounds(target.object.mesh_W);
+    const Eigen::Vector3d p(-box.center().x(), -box.center().y(), -box.min().z());
+    target.object.mesh_W = geometry::transformed(
+        target.object.mesh_W, geometry::make_transform(Eigen::Quaterniond::Identity(), p));
+  }
+  target.times.emplace_back("read", since(start));
+  start = steady_clock::now();
+  target.object.defects = geometry::find_defects(target.object.mesh_W);
+  if (target.object.defects.watertight()) {
+    target.object.convex_pieces_W = surface::convex_pieces(target.object.mesh_W).pieces;
+  } else {
+    target.notes.push_back("the mesh is not closed (" + target.object.defects.to_string() +
+                           "): its convex hull gives weight and collisions");
+    target.object.convex_pieces_W = {geometry::convex_hull(target.object.mesh_W.vertices)};
+  }
+  target.times.emplace_back("convex pieces", since(start));
+  return target;
+}
+
+PlanTarget of_cloud(const PlanChoices& choices) {
+  PlanTarget target;
+  auto start = steady_clock::now();
+  perception::RecordedCloudOptions cloud_options;
+  cloud_options.scale = choices.scale;
+  const auto recorded =
+      perception::interpret_recorded_cloud(geometry::read_cloud_file(choices.file), cloud_options);
+  target.notes = recorded.notes;
+  const perception::SegmentedScene scene = perception::segment_recorded_cloud(recorded);
+  target.times.emplace_back("segmentation", since(start));
+  if (choices.object >= static_cast<int>(scene.objects.size())) {
+    throw geometry::InputError(fmt::format("'{}' shows {} objects: there is no object {}",
+                                           choices.file, scene.objects.size(), choices.object),
+                               "Give --object one from 0");
+  }
+  target.table_W = scene.table_W;
+  for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
+    const auto& seen = scene.objects[static_cast<std::size_t>(i)];
+    start = steady_clock::now();
+    try {
+      const shape::CompletedShape shape = shape::complete_by_symmetry(
+          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, scene.table_W});
+      if (i != choices.object) {
+        target.neighbours_W.push_back(
+            surface::make_object_model(shape, scene.table_W).convex_pieces_W);
+        continue;
+      }
+      target.times.emplace_back("completion", since(start));
+      start = steady_clock::now();
+      target.object = surface::make_object_model(shape, scene.table_W);
+      target.times.emplace_back("mesh and convex pieces", since(start));
+    } catch (const geometry::InputError& error) {
+      if (i == choices.object) throw;
+      target.notes.push_back(fmt::format("object {} is no obstacle: {}", i, error.what()));
+    }
+  }
+  return target;
+}
+
+}  // namespace
+
+PlanTarget read_target(const PlanChoices& choices) {
+  if (!fs::exists(choices.file)) {
+    throw geometry::InputError("There is no file '" + choices.file + "'", "Name a mesh or cloud");
+  }
+  return is_mesh(choices.file) ? of_mesh(choices) : of_cloud(choices);
+}
+
+}  // namespace prehend::tools

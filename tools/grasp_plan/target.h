@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "prehend/geometry/plane.h"
+#include "prehend/surface/object_model.h"
+#include "tools/grasp_plan/choices.h"
+
+namespace prehend::tools {
+
+using StageTimes = std::vector<std::pair<std::string, double>>;  // name, s
+
+/// What grasps are planned on.
+struct PlanTarget {
+  surface::ObjectModel object;
+  std::vector<std::vector<geometry::TriangleMesh>> neighbours_W;  // convex pieces of each
+  geometry::Plane table_W;
+  std::vector<std::string> notes;  // what was assumed, in words
+  StageTimes times;
+};
+
+/// Reads the mesh, or segments, completes and meshes the cloud.
+/// @throws geometry::InputError naming the file and the mend.
+PlanTarget read_target(const PlanChoices& choices);
+
+}  // namespace prehend::tools
