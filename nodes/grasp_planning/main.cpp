@@ -1,4 +1,5 @@
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -89,8 +90,16 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand (config/robots/kr5_sdh.yaml, ...); empty: the parallel "
-                      "gripper on the carrier"});
+       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...); empty: the parallel gripper "
+                      "on the carrier"});
+  const auto folder = node.declare_parameter<std::string>(
+      {.name = "platforms",
+       .default_value = "config/robots",
+       .description = "folder of the platform's file, PLATFORM.yaml"});
+  const auto home = node.declare_parameter<std::string>(
+      {.name = "home",
+       .default_value = "home",
+       .description = "of the platform: where its arm stands when a motion starts"});
   grasp::HandPlannerOptions grasps;
   grasps.density = common.density;
   grasps.collision = common.collision;
@@ -116,7 +125,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .description = "grasps that get a motion of the arm"});
   if (file.empty()) return nullptr;
   arm.move_W = {move[0], move[1], move[2]};
-  return std::make_unique<nodes::PlatformPlanning>(file, grasps, arm, motions);
+  return std::make_unique<nodes::PlatformPlanning>(std::filesystem::path(folder) / (file + ".yaml"),
+                                                   home, grasps, arm, motions);
 }
 
 class GraspPlanning {

@@ -16,10 +16,11 @@ constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
 
 }  // namespace
 
-PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform,
+PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
                                    grasp::HandPlannerOptions grasps,
                                    planning::PlatformPickOptions arm, int motions)
     : platform_(robot::read_platform(platform)),
+      start_(platform_.home(home).arm),
       hand_(platform_.hand),
       options_(std::move(grasps)),
       arm_options_(std::move(arm)),
@@ -92,8 +93,8 @@ msgs::GraspPlan PlatformPlanning::plan(
     for (const auto& g : left) {
       poses.push_back({g.X_WG, g.approach_W, g.pregrasp_distance, g.preshape, g.open});
     }
-    const planning::PlatformPick pick = planning::plan_platform_pick(
-        platform_, platform_.home("home").arm, poses, scene, arm_options_);
+    const planning::PlatformPick pick =
+        planning::plan_platform_pick(platform_, start_, poses, scene, arm_options_);
     if (i == 0) {
       for (const auto& rejected : pick.motion.rejections) {
         auto& rejection = *message.add_rejections();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "msgs/grasp.pb.h"
@@ -15,10 +16,12 @@ namespace prehend::nodes {
 /// Plans grasps of a hand with fingers and the motion of the arm that carries it.
 class PlatformPlanning {
  public:
+  /// @param home of the platform: where the arm stands.
   /// @param motions how many of the grasps get the arm's motion, > 0: one for each attempt.
-  /// @throws geometry::InputError as robot::read_platform().
-  PlatformPlanning(const std::filesystem::path& platform, grasp::HandPlannerOptions grasps,
-                   planning::PlatformPickOptions arm, int motions);
+  /// @throws geometry::InputError as robot::read_platform(), and for an unknown home.
+  PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
+                   grasp::HandPlannerOptions grasps, planning::PlatformPickOptions arm,
+                   int motions);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
   /// without any motion has the arm's reason as its problem. Obstacles are convex pieces.
@@ -31,6 +34,7 @@ class PlatformPlanning {
   msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
 
   robot::Platform platform_;
+  robot::Positions start_;
   grasp::HandToClose hand_;
   grasp::HandPlannerOptions options_;
   planning::PlatformPickOptions arm_options_;

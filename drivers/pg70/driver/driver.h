@@ -178,7 +178,7 @@ class Driver {
   void take(const Response& response, Time now);
   void take_state(const State& state, Time now);
   void take_refusal(const Refusal& refusal, Time now);
-  void take_motion_end(const MotionEnd& end, Time now);
+  void take_motion_end(const MotionEnd& end);
   void take_fault(const Fault& fault, Time now);
   void take_info(const Info& info, Time now);
   void take_config(const ConfigValue& value, Time now);

@@ -32,7 +32,7 @@ void Driver::take(const Response& response, Time now) {
       driver.detailed_error_ = r;
       driver.answered(Command::kGetDetailedError, now);
     }
-    void operator()(const MotionEnd& r) const { driver.take_motion_end(r, now); }
+    void operator()(const MotionEnd& r) const { driver.take_motion_end(r); }
     void operator()(const Info& r) const { driver.take_info(r, now); }
     void operator()(const Fault& r) const { driver.take_fault(r, now); }
     void operator()(const ConfigValue& r) const { driver.take_config(r, now); }
@@ -129,7 +129,7 @@ void Driver::take_refusal(const Refusal& refusal, Time now) {
   if (is_motion_command(refusal.command) && !motion_.ended) end_motion(words);
 }
 
-void Driver::take_motion_end(const MotionEnd& end, Time now) {
+void Driver::take_motion_end(const MotionEnd& end) {
   if (motion_.ended || !motion_.accepted || !std::isfinite(end.position)) return;
   const double opening = to_opening(end.position);
   const double rest = std::abs(opening - motion_.target);

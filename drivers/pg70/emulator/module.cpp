@@ -158,7 +158,7 @@ std::optional<InfoCode> Module::reason_against(const Move& move) const {
   return std::nullopt;
 }
 
-void Module::take(const Move& request, Time now) {
+void Module::take(const Move& request, Time /*now*/) {
   if (const auto reason = reason_against(request)) return refuse(request.command, *reason);
   drive(request);
 }
