@@ -5,6 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "prehend/grasp/evaluation.h"
 #include "prehend/grasp/force_closure.h"
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/wrench_hull.h"
@@ -108,5 +109,59 @@ void BM_PlanSdh(benchmark::State& state) { plan(state, "kr5_sdh"); }
 void BM_PlanBarrett(benchmark::State& state) { plan(state, "pa10_barrett"); }
 BENCHMARK(BM_PlanSdh)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_PlanBarrett)->Unit(benchmark::kMillisecond);
+
+/// That the PG70 can close on.
+surface::ObjectModel narrow_box() {
+  surface::ObjectModel object;
+  object.mesh_W = geometry::transformed(
+      geometry::make_box({0.05, 0.06, 0.11}),
+      geometry::make_transform(Eigen::Quaterniond::Identity(), {0, 0, 0.055}));
+  return object;
+}
+
+/// The PG70: pads closed on rays, closure, weight, the arm's inverse kinematics; candidates that
+/// all get as far as closing.
+void BM_CandidatePg70(benchmark::State& state) {
+  const Scene scene("kr5_pg70");
+  const surface::ObjectModel object = narrow_box();
+  grasp::PlannerOptions options;
+  const robot::GripperModel gripper;
+  const grasp::GraspEvaluator evaluator(grasp::make_solid(object.mesh_W, options.density),
+                                        geometry::Plane{}, {}, gripper, {}, options);
+  std::vector<grasp::Candidate> closing;
+  const auto generator = grasp::make_generator("antipodal", options.candidates);
+  for (const auto& candidate : generator->generate({evaluator.query(),
+                                                    evaluator.solid().center_of_mass_W,
+                                                    {},
+                                                    grasp::hand_reach(gripper),
+                                                    {}})) {
+    grasp::EvaluatedGrasp evaluated;
+    if (!evaluator.evaluate(candidate, &evaluated)) closing.push_back(candidate);
+  }
+  const auto& preshape = scene.platform.hand.preshapes.front();
+  std::size_t i = 0;
+  for (auto _ : state) {
+    grasp::EvaluatedGrasp evaluated;
+    benchmark::DoNotOptimize(evaluator.evaluate(closing[i], &evaluated));
+    benchmark::DoNotOptimize(scene.arm.solve(scene.platform.X_BF(closing[i].X_WG, preshape)));
+    i = (i + 1) % closing.size();
+  }
+  state.SetItemsProcessed(state.iterations());
+  state.counters["of"] = static_cast<double>(closing.size());
+}
+BENCHMARK(BM_CandidatePg70)->Unit(benchmark::kMicrosecond);
+
+void BM_PlanPg70(benchmark::State& state) {
+  const surface::ObjectModel object = narrow_box();
+  const robot::GripperModel gripper;
+  grasp::PlannerOptions options;
+  options.uncertainty.samples = static_cast<int>(state.range(0));
+  int candidates = 0;
+  for (auto _ : state) {
+    candidates = grasp::plan_grasps(object, geometry::Plane{}, {}, gripper, {}, options).candidates;
+  }
+  state.SetItemsProcessed(state.iterations() * candidates);
+}
+BENCHMARK(BM_PlanPg70)->ArgName("samples")->Arg(0)->Arg(16)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -149,8 +149,8 @@ RigidTransform refined_pose(const OrientedPoints& seen_S, const geometry::MeshQu
       const auto nearest = surface_O.nearest(p, bound);
       if (!nearest) continue;
       const auto& corners = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
-      const auto corner = [&](int i) {
-        return mesh.vertices[static_cast<std::size_t>(corners[i])];
+      const auto corner = [&](int k) {
+        return mesh.vertices[static_cast<std::size_t>(corners[k])];
       };
       const Eigen::Vector3d normal =
           (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();

@@ -1,0 +1,76 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "eval/grasp/grasp_case.h"
+#include "eval/grasp/grasp_report.h"
+#include "eval/text_files.h"
+#include "prehend/geometry/errors.h"
+#include "tests/eval/temporary_folder.h"
+
+namespace prehend::eval {
+namespace {
+
+GraspTrial trial_of(const std::string& setting, int grasps, int attempts, bool lifted) {
+  GraspTrial trial;
+  trial.setting = setting;
+  trial.grasps = grasps;
+  trial.attempts = attempts;
+  trial.lifted = lifted;
+  trial.best_robustness = grasps > 0 ? 0.9 : 0;
+  trial.outcome = "said \"so\": 12.5 N";
+  return trial;
+}
+
+GraspCase case_of(const std::string& object, std::vector<GraspTrial> trials) {
+  GraspCase one;
+  one.case_name = object + "-000";
+  one.group = "household";
+  one.data_set = object;
+  one.hand = "pg70";
+  one.predict_seconds = 0.25;
+  one.trials = std::move(trials);
+  return one;
+}
+
+TEST(GraspCase, IsReadAsItWasWritten) {
+  const testing::TemporaryFolder folder;
+  GraspCase written = case_of("can", {trial_of("predicted", 3, 2, true)});
+  written.trials[0].slip = 0.0012345678901234;
+  write_grasp_case(folder.path / "a.yaml", written);
+  const GraspCase read = read_grasp_case(folder.path / "a.yaml");
+  EXPECT_EQ(read.case_name, written.case_name);
+  EXPECT_EQ(read.hand, "pg70");
+  ASSERT_EQ(read.trials.size(), 1u);
+  EXPECT_EQ(read.trials[0].outcome, written.trials[0].outcome);
+  EXPECT_EQ(read.trials[0].slip, written.trials[0].slip);
+  EXPECT_TRUE(std::isnan(read.trials[0].contact_error));
+  EXPECT_TRUE(read.trials[0].lifted);
+  EXPECT_FALSE(read.trials[0].lifted_at_first());
+  write_text(folder.path / "b.yaml", "[1, 2]\n");
+  EXPECT_THROW(read_grasp_case(folder.path / "b.yaml"), geometry::InputError);
+}
+
+TEST(GraspTotals, CountOnlyObjectsThatFit) {
+  const std::vector<GraspCase> cases{
+      case_of("can", {trial_of("predicted", 3, 1, true), trial_of("truth", 5, 1, true)}),
+      case_of("box", {trial_of("predicted", 2, 2, true), trial_of("truth", 5, 1, true)}),
+      case_of("jar", {trial_of("predicted", 0, 0, false), trial_of("truth", 5, 1, true)}),
+      case_of("tub", {trial_of("predicted", 3, 1, true), trial_of("truth", 0, 0, false)})};
+  const auto totals = grasp_totals(cases);
+  ASSERT_EQ(totals.size(), 2u);
+  EXPECT_EQ(totals[0].setting, "predicted");
+  EXPECT_EQ(totals[0].cases, 3);
+  EXPECT_EQ(totals[0].first, 1);
+  EXPECT_EQ(totals[0].within_three, 2);
+  EXPECT_EQ(totals[0].unplanned, 1);
+  EXPECT_NE(grasp_text(cases).find("missed: pg70: 33.3 % at the first attempt"), std::string::npos)
+      << grasp_text(cases);
+  const testing::TemporaryFolder folder;
+  write_grasp_report(folder.path, cases);
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "index.html"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "cases.csv"));
+}
+
+}  // namespace
+}  // namespace prehend::eval
