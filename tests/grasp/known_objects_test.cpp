@@ -274,8 +274,9 @@ TEST(KnownObjects, ScannedObjectsAreToldApart) {
   const char* data = std::getenv("PREHEND_SHARED_DATA");
   const std::filesystem::path folder = std::filesystem::path(data ? data : "") / "meshes/ycb";
   if (!data || !std::filesystem::exists(folder)) {
-    GTEST_SKIP() << "PREHEND_SHARED_DATA does not name a folder with meshes/ycb, scans that are not "
-                    "part of this project; objects of our own are told apart in the other tests";
+    GTEST_SKIP()
+        << "PREHEND_SHARED_DATA does not name a folder with meshes/ycb, scans that are not "
+           "part of this project; objects of our own are told apart in the other tests";
   }
   const std::vector<std::string> names{"003_cracker_box", "005_tomato_soup_can",
                                        "006_mustard_bottle", "035_power_drill"};
