@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <optional>
 
 #include "eval/case_runner.h"
+#include "eval/processor_time.h"
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/segmentation.h"
@@ -38,13 +38,6 @@ std::vector<StereoWay> stereo_ways() {
           {"semi_global_filtered", filtered}};
 }
 
-// Processor time of all threads: what one core would need, whatever else the machine does.
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 // What a case's object looks like after matching and segmentation.
 struct Seen {
   const Case* one = nullptr;
@@ -59,10 +52,10 @@ std::optional<Seen> seen_by(const Case& one, const RenderedScene& rendered,
   Seen seen;
   seen.one = &one;
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  const double start = processor_seconds();
+  const double start = processor_time();
   const perception::StereoMatch match =
       perception::match_stereo(images.left, images.right, camera, options);
-  seen.stereo_seconds = processor_seconds() - start;
+  seen.stereo_seconds = processor_time() - start;
   try {
     seen.scene =
         perception::segment(perception::cloud_from_disparity(match.disparity, camera, images.left),
@@ -96,9 +89,9 @@ Measured measured_by(const Setting& setting, const std::vector<Seen>& objects, i
       std::vector<double> times;
       geometry::TriangleMesh mesh;
       for (int r = 0; r < repetitions; ++r) {
-        const double start = processor_seconds();
+        const double start = processor_time();
         mesh = mesh_by(seen, options);
-        times.push_back(processor_seconds() - start);
+        times.push_back(processor_time() - start);
       }
       std::nth_element(times.begin(), times.begin() + repetitions / 2, times.end());
       error += measured(geometry::transformed(mesh, seen.one->X_WB().inverse()),

@@ -14,8 +14,10 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/case_runs.h"
+#include "eval/grasp/fingered_hand.h"
 #include "eval/grasp/grasp_report.h"
 #include "eval/grasp/grasp_trials.h"
+#include "eval/grasp/parallel_gripper.h"
 #include "eval/text_files.h"
 
 namespace {
@@ -23,6 +25,8 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
+constexpr const char* kGripper = "pg70";
+constexpr const char* kHands[] = {"sdh2", "bh8"};
 constexpr int kOrientations = 8;
 constexpr int kQuickOrientations = 2;
 
@@ -35,7 +39,8 @@ struct Options {
   std::uint64_t seed = 1;
   int processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::vector<std::string> only;
-  std::vector<std::string> hands;
+  std::vector<std::string> hands{kGripper};
+  fs::path robots = "config/robots";
 };
 
 struct HandCase {
@@ -60,14 +65,12 @@ std::optional<eval::GraspCase> known_result(const fs::path& file,
   return std::nullopt;
 }
 
-std::vector<eval::HandUnderTest> all_hands() { return {eval::parallel_gripper()}; }
-
 int run(const Options& options) {
-  std::vector<eval::HandUnderTest> hands = all_hands();
-  std::erase_if(hands, [&](const eval::HandUnderTest& hand) {
-    const auto& wanted = options.hands;
-    return !wanted.empty() && std::find(wanted.begin(), wanted.end(), hand.name) == wanted.end();
-  });
+  std::vector<eval::HandUnderTest> hands;
+  for (const std::string& name : options.hands) {
+    hands.push_back(name == kGripper ? eval::parallel_gripper()
+                                     : eval::fingered_hand(options.robots, name));
+  }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
   const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.meshes);
   std::vector<HandCase> cases;
@@ -127,10 +130,14 @@ int main(int argc, char** argv) {
          "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
       ->check(CLI::ExistingDirectory);
   app.add_option("--only", options.only, "names of the data sets to evaluate; default: all");
-  std::vector<std::string> names;
-  for (const eval::HandUnderTest& hand : all_hands()) names.push_back(hand.name);
-  app.add_option("--hands", options.hands, "the hands to evaluate; default: all")
-      ->check(CLI::IsMember(names));
+  std::vector<std::string> names{kGripper};
+  names.insert(names.end(), std::begin(kHands), std::end(kHands));
+  app.add_option("--hand", options.hands, "the hands to evaluate, one or more")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app.add_option("--robots", options.robots, "folder of the hands' files")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
   app.add_flag("--quick", options.quick, "two orientations instead of eight");
   app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
   app.add_option("--seed", options.seed, "of texture and noise")->capture_default_str();

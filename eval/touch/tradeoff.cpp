@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "eval/processor_time.h"
 #include "eval/touch/hold.h"
 #include "prehend/fidelity/touch_settings.h"
 #include "prehend/simulation/engines/registry.h"
@@ -23,12 +23,6 @@ const std::vector<double> kCoverages{0.52, 0.6, 1};  // of the pad, in the cycle
 constexpr double kLost = 0.005;                      // m off
 constexpr double kSamplePeriod = 0.1;                // s, of the cycle
 constexpr double kNone = std::numeric_limits<double>::infinity();
-
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 std::string described(const Setting& setting) {
   std::string text;
@@ -145,10 +139,10 @@ class EngineScenes {
     test.pads = choice.pads;
     const auto engine = registry_.create(choice.engine);
     engine->load(hold_scene(test));
-    const double begin = processor_seconds();
+    const double begin = processor_time();
     Run done;
     done.path = shaken_hold(*engine, test);
-    done.seconds = (processor_seconds() - begin) / kShakenDuration;
+    done.seconds = (processor_time() - begin) / kShakenDuration;
     return done;
   }
 

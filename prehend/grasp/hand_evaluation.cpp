@@ -136,6 +136,43 @@ bool HandEvaluator::fingers_meet(const HandGrasp& grasp) const {
   return false;
 }
 
+// Closes the fingers of a hand that stands where it closes.
+std::optional<Refusal> HandEvaluator::close(const robot::Preshape& preshape, Touched stopped_by,
+                                            HandGrasp* grasp, Wrenches* wrenches,
+                                            double friction) const {
+  TouchScene scene{&grid_, table_, obstacle_grid_ ? &*obstacle_grid_ : nullptr};
+  ClosedFingers closed =
+      close_fingers(hand_, grasp->X_WH, preshape, preshape.open, scene, options_.closing);
+  if (closed.other == Touched::kTable) return Refusal{reason::kFingerTable, {}};
+  if (closed.other == Touched::kObstacle) return Refusal{reason::kFingerObstacle, {}};
+  auto fingers = std::count(closed.finger_touches.begin(), closed.finger_touches.end(), true);
+  fingers += std::any_of(closed.contacts.begin(), closed.contacts.end(),
+                         [](const HandContact& contact) { return contact.finger < 0; });
+  if (fingers < options_.least_fingers) {
+    // A hand that the object stopped short of its standoff closes before it.
+    return Refusal{stopped_by == Touched::kObject ? reason::kObject : reason::kFewFingers, {}};
+  }
+  std::vector<Contact> contacts;
+  for (HandContact& contact : closed.contacts) {
+    if (friction > 0) contact.contact_W.friction = friction;
+    contacts.push_back(contact.contact_W);
+  }
+  *wrenches =
+      primitive_wrenches(contacts, solid_.center_of_mass_W, solid_.radius, options_.cone_edges);
+  const WrenchHull closure = wrench_hull(*wrenches, {.closure_only = true});
+  if (!closure.closed) {
+    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -closure.distance, 0}};
+  }
+  grasp->closed_all = std::move(closed.all);
+  grasp->contacts = std::move(closed.contacts);
+  const robot::HandModel& hand = *hand_.hand;
+  grasp->closed.resize(hand.size());
+  for (int i = 0; i < hand.size(); ++i) {
+    grasp->closed[i] = grasp->closed_all[hand.actuated[static_cast<std::size_t>(i)]];
+  }
+  return std::nullopt;
+}
+
 std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
                                                const robot::Preshape& preshape,
                                                HandGrasp* grasp) const {
@@ -161,28 +198,8 @@ std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
     if (!reachability_.reaches_point(p)) return Refusal{reason::kWorkspace, {}};
   }
 
-  TouchScene scene{&grid_, table_, obstacle_grid_ ? &*obstacle_grid_ : nullptr};
-  ClosedFingers closed =
-      close_fingers(hand_, grasp->X_WH, preshape, preshape.open, scene, options_.closing);
-  if (closed.other == Touched::kTable) return Refusal{reason::kFingerTable, {}};
-  if (closed.other == Touched::kObstacle) return Refusal{reason::kFingerObstacle, {}};
-  auto fingers = std::count(closed.finger_touches.begin(), closed.finger_touches.end(), true);
-  fingers += std::any_of(closed.contacts.begin(), closed.contacts.end(),
-                         [](const HandContact& contact) { return contact.finger < 0; });
-  if (fingers < options_.least_fingers) {
-    // A hand that the object stopped short of its standoff closes before it.
-    return Refusal{advance.what == Touched::kObject ? reason::kObject : reason::kFewFingers, {}};
-  }
-  std::vector<Contact> contacts;
-  for (const HandContact& contact : closed.contacts) contacts.push_back(contact.contact_W);
-  const Wrenches wrenches =
-      primitive_wrenches(contacts, solid_.center_of_mass_W, solid_.radius, options_.cone_edges);
-  const WrenchHull closure = wrench_hull(wrenches, {.closure_only = true});
-  if (!closure.closed) {
-    return Refusal{reason::kNotClosed, Miss{Quantity::kQuality, -closure.distance, 0}};
-  }
-  grasp->closed_all = std::move(closed.all);
-  grasp->contacts = std::move(closed.contacts);
+  Wrenches wrenches;
+  if (auto refusal = close(preshape, advance.what, grasp, &wrenches)) return refusal;
   if (fingers_meet(*grasp)) return Refusal{reason::kFingersMeet, {}};
   if (options_.reaches) {
     RigidTransform pregrasp = grasp->X_WH;
@@ -191,29 +208,33 @@ std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
       return Refusal{reason::kArm, {}};
     }
   }
-  grasp->closed.resize(hand.size());
-  for (int i = 0; i < hand.size(); ++i) {
-    grasp->closed[i] = grasp->closed_all[hand.actuated[static_cast<std::size_t>(i)]];
-  }
   grasp->quality = wrench_hull(wrenches, {.precision = kPrecision}).epsilon;
   return std::nullopt;
 }
 
-std::optional<Refusal> HandEvaluator::assess_forces(HandGrasp* grasp) const {
+HandForces HandEvaluator::forces(const HandGrasp& grasp) const {
   ClosedFingers closed;
-  closed.all = grasp->closed_all;
-  closed.contacts = grasp->contacts;
+  closed.all = grasp.closed_all;
+  closed.contacts = grasp.contacts;
   const robot::HandModel& hand = *hand_.hand;
-  const Eigen::VectorXd coupled = hand.all_positions(grasp->closed);
+  const Eigen::VectorXd coupled = hand.all_positions(grasp.closed);
   for (const robot::Breakaway& breakaway : hand.breakaways) {
     closed.broken_away.push_back(std::max(
-        0.0, std::abs(grasp->closed_all[breakaway.joint] - coupled[breakaway.joint]) - 1e-9));
+        0.0, std::abs(grasp.closed_all[breakaway.joint] - coupled[breakaway.joint]) - 1e-9));
   }
-  const HandForces forces = hand_forces(hand, grasp->X_WH, closed, solid_.center_of_mass_W,
-                                        solid_.radius, options_.cone_edges);
+  return hand_forces(hand, grasp.X_WH, closed, solid_.center_of_mass_W, solid_.radius,
+                     options_.cone_edges);
+}
+
+Vector6 HandEvaluator::load() const {
   Vector6 load = Vector6::Zero();
   load.head<3>() = -solid_.mass * (kGravity + options_.lift_acceleration) * table_.normal;
-  const Holding holding = hold(forces, load);
+  return load;
+}
+
+std::optional<Refusal> HandEvaluator::assess_forces(HandGrasp* grasp) const {
+  const HandForces forces = this->forces(*grasp);
+  const Holding holding = hold(forces, load());
   grasp->effort = options_.safety_factor * holding.share;
   if (!(grasp->effort <= 1)) {
     return Refusal{reason::kTooWeak, std::isfinite(grasp->effort)
@@ -221,10 +242,26 @@ std::optional<Refusal> HandEvaluator::assess_forces(HandGrasp* grasp) const {
                                          : std::nullopt};
   }
   grasp->torques = options_.safety_factor * holding.torques;
-  grasp->margin = disturbance_margin(forces, load);
+  grasp->margin = disturbance_margin(forces, load());
   grasp->quality = wrench_hull(forces.wrenches).epsilon;
   if (options_.volume) grasp->volume = wrench_volume(forces.wrenches);
   return std::nullopt;
+}
+
+bool HandEvaluator::holds(const HandGrasp& grasp, const RigidTransform& X_WH,
+                          double friction) const {
+  HandGrasp tried;
+  tried.X_WH = X_WH;
+  const robot::Preshape& preshape = hand_.hand->preshape(grasp.preshape);
+  const RigidTransform start = geometry::RigidTransform(
+      Eigen::Translation3d(-grasp.pregrasp_distance * grasp.approach_W) * X_WH);
+  const TouchScene scene{&grid_, table_, obstacle_grid_ ? &*obstacle_grid_ : nullptr};
+  const Advance way = advance_hand(hand_, start, hand_.hand->all_positions(grasp.open),
+                                   grasp.approach_W, grasp.pregrasp_distance, 0, scene);
+  Wrenches wrenches;
+  return way.what == Touched::kNothing &&
+         !close(preshape, Touched::kNothing, &tried, &wrenches, friction) &&
+         hold(forces(tried), load()).share <= 1;
 }
 
 double HandEvaluator::score(const HandGrasp& grasp) const {

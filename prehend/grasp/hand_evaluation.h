@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "prehend/grasp/evaluation.h"
+#include "prehend/grasp/force_limits.h"
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/solid.h"
 
@@ -40,7 +41,17 @@ class HandEvaluator {
   std::optional<Refusal> assess_forces(HandGrasp* grasp) const;
   double score(const HandGrasp& grasp) const;
 
+  /// Whether the grasp, executed with the hand's root at `X_WH` instead, holds the solid with
+  /// `friction`: the open hand meets nothing on its way, enough fingers close on the object alone,
+  /// and the motors carry the weight.
+  bool holds(const HandGrasp& grasp, const geometry::RigidTransform& X_WH, double friction) const;
+
  private:
+  std::optional<Refusal> close(const robot::Preshape& preshape, Touched stopped_by,
+                               HandGrasp* grasp, Wrenches* wrenches,
+                               double friction = 0) const;  // 0: the hand's
+  HandForces forces(const HandGrasp& grasp) const;
+  Vector6 load() const;  // the weight while it is lifted
   std::optional<Refusal> approach(const robot::Preshape& preshape, HandGrasp* grasp,
                                   Advance* advance) const;
   bool fingers_meet(const HandGrasp& grasp) const;

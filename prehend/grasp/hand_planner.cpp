@@ -55,7 +55,8 @@ class Planner {
         table_(table),
         hand_(hand),
         reachability_(reachability),
-        options_(options) {
+        options_(options),
+        disturbances_(disturbances(options.uncertainty)) {
     for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
     if (options.preshapes.empty()) {
       for (const auto& preshape : hand.hand->preshapes) preshapes_.push_back(&preshape);
@@ -66,6 +67,7 @@ class Planner {
 
  private:
   std::vector<Tried> candidates() const;
+  double robustness(const HandGrasp& grasp) const;
   void assess_surface(HandGrasp* grasp) const;
   std::string problem(const HandPlan& result, const Ledger& ledger) const;
 
@@ -75,6 +77,7 @@ class Planner {
   const HandToClose& hand_;
   const Reachability& reachability_;
   const HandPlannerOptions& options_;
+  std::vector<Disturbance> disturbances_;
   std::vector<const robot::Preshape*> preshapes_;
 };
 
@@ -121,6 +124,15 @@ void Planner::assess_surface(HandGrasp* grasp) const {
   }
 }
 
+double Planner::robustness(const HandGrasp& grasp) const {
+  const RigidTransform X_GH = grasp.X_WG.inverse() * grasp.X_WH;
+  int held = 0;
+  for (const Disturbance& one : disturbances_) {
+    held += evaluator_.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction) ? 1 : 0;
+  }
+  return static_cast<double>(held) / static_cast<double>(disturbances_.size());
+}
+
 // The one reason to tell: the last test that at least a tenth of the candidates got to.
 std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const {
   const int reachable = result.candidates - ledger.count(reason::kDirection);
@@ -135,6 +147,10 @@ std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const
 
 HandPlan Planner::plan() {
   const auto start = steady_clock::now();
+  const auto time_is_up = [&] {
+    return options_.budget > 0 &&
+           std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
+  };
   const std::vector<Tried> tried = candidates();
   HandPlan result;
   result.candidates = static_cast<int>(tried.size());
@@ -149,10 +165,7 @@ HandPlan Planner::plan() {
   std::vector<Listed> listed;
   bool out_of_time = false;
   for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
-    out_of_time =
-        out_of_time ||
-        (options_.budget > 0 &&
-         std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget);
+    out_of_time = out_of_time || time_is_up();
     const std::string& generator = options_.generators[tried[at].generator];
     if (out_of_time) {
       ledger.reject(reason::kNoTime, generator);
@@ -189,6 +202,16 @@ HandPlan Planner::plan() {
     }
   }
   std::sort(best.begin(), best.end(), better);
+  if (!disturbances_.empty()) {
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      // Who is assessed no more counts as if nothing held.
+      HandGrasp& grasp = best[i].grasp;
+      const bool assessed = static_cast<int>(i) < options_.robust_count && !time_is_up();
+      grasp.robustness = assessed ? robustness(grasp) : 0;
+      grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
+    }
+    std::sort(best.begin(), best.end(), better);
+  }
   for (Listed& one : best) result.grasps.push_back(std::move(one.grasp));
   result.rejections = ledger.rejections();
   if (result.grasps.empty()) result.problem = problem(result, ledger);
@@ -222,11 +245,14 @@ void HandPlannerOptions::validate() const {
   require(largest_shortfall >= 0, "largest_shortfall must not be negative");
   require(least_fingers > 0, "least_fingers must be positive");
   require(largest_count > 0, "largest_count must be positive");
+  require(robust_count >= 0, "robust_count must not be negative");
+  uncertainty.validate();
   require(budget >= 0, "budget must not be negative");
   const auto& w = weights;
   require(w.quality >= 0 && w.margin >= 0 && w.centredness >= 0 && w.pads >= 0 &&
               w.quality + w.margin + w.centredness + w.pads > 0,
           "weights must not be negative, nor all zero");
+  require(w.robust >= 0 && w.robust <= 1, "weights.robust must be within 0 and 1");
 }
 
 HandReach hand_reach(const HandToClose& hand, const robot::Preshape& preshape) {

@@ -10,6 +10,7 @@
 #include "prehend/grasp/generator.h"
 #include "prehend/grasp/hand_closing.h"
 #include "prehend/grasp/ledger.h"
+#include "prehend/grasp/uncertainty.h"
 #include "prehend/surface/object_model.h"
 
 namespace prehend::grasp {
@@ -19,6 +20,8 @@ struct HandScoreWeights {
   double margin = 0.3;       // disturbance margin / (it + the weight)
   double centredness = 0.2;  // exp(-d / 30 mm), d from the centre of mass to the contacts' mean
   double pads = 0.1;         // share of the contacts that are on pads, or on a hand without pads
+  /// The mean of the above is multiplied by 1 - robust + robust HandGrasp.robustness.
+  double robust = 0.9;  // 0..1
 };
 
 struct HandPlannerOptions {
@@ -32,6 +35,9 @@ struct HandPlannerOptions {
   HandClosingOptions closing;
   CollisionOptions collision;
   HandScoreWeights weights;
+  UncertaintyOptions uncertainty;
+  int robust_count = 8;             // >= 0, of the best grasps, are assessed for robustness; the
+                                    // others count as if they never held
   int cone_edges = 8;               // >= 3, of the linearised friction cones
   double density = 800;             // kg/m^3, > 0, assumed of the unknown object
   double safety_factor = 1.5;       // >= 1, of the motors' limits against what the load needs
@@ -66,6 +72,7 @@ struct HandGrasp {
   double volume = 0;   // of the wrench space, see wrench_volume(); 0 unless asked for
   double margin = 0;   // N, see disturbance_margin(); torques over the object's radius
   double score = 0;    // what the list is ranked by, 0 to 1
+  double robustness = 1;  // share of UncertaintyOptions.samples in which it holds; 1 without any
   double guessed_contact = 0;  // share of the contacts on surface that nobody saw
   std::string generator;       // whose candidate it was
   std::string remark;          // what to know of it, in words; often empty

@@ -8,12 +8,10 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <random>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/evaluation.h"
@@ -34,24 +32,6 @@ constexpr std::array kStages{reason::kDirection, reason::kNothing,    reason::kT
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("PlannerOptions." + message);
 }
-
-// Standard normal, the same on every standard library (G. E. P. Box and M. E. Muller, 1958).
-class Normal {
- public:
-  explicit Normal(std::uint64_t seed) : random_(seed) {}
-  double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
-  double next() {
-    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return radius * std::cos(2 * std::numbers::pi * uniform());
-  }
-  Eigen::Vector3d vector() {
-    const double x = next(), y = next();
-    return {x, y, next()};
-  }
-
- private:
-  std::mt19937_64 random_;
-};
 
 struct Listed {
   EvaluatedGrasp evaluated;
@@ -76,7 +56,8 @@ class Planner {
         table_(table),
         gripper_(gripper),
         reachability_(reachability),
-        options_(options) {}
+        options_(options),
+        disturbances_(disturbances(options.uncertainty)) {}
 
   GraspPlanResult plan(const std::vector<GraspEvaluator>& alternatives);
 
@@ -98,6 +79,7 @@ class Planner {
   const robot::GripperModel& gripper_;
   const Reachability& reachability_;
   const PlannerOptions& options_;
+  std::vector<Disturbance> disturbances_;
   std::vector<Listed> listed_;
   double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
 };
@@ -182,28 +164,16 @@ void Planner::keep_best(Ledger* ledger) {
   if (listed_.size() > largest) listed_.resize(largest);
 }
 
-// The same disturbances for every grasp, so that grasps differ by what they are.
 double Planner::robustness(const Grasp& grasp,
                            const std::vector<GraspEvaluator>& alternatives) const {
-  const UncertaintyOptions& uncertainty = options_.uncertainty;
-  Normal random(uncertainty.seed);
   int held = 0;
-  for (int i = 0; i < uncertainty.samples; ++i) {
-    const Eigen::Vector3d shift = uncertainty.position_deviation * random.vector();
-    const Eigen::Vector3d turn = uncertainty.rotation_deviation * random.vector();
-    const double friction =
-        uncertainty.least_friction +
-        random.uniform() * (uncertainty.largest_friction - uncertainty.least_friction);
-    RigidTransform X_GD = RigidTransform::Identity();
-    X_GD.translation() = shift;
-    if (turn.norm() > 0) {
-      X_GD.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-    }
-    const std::size_t shape = static_cast<std::size_t>(i) % (alternatives.size() + 1);
+  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
+    const std::size_t shape = i % (alternatives.size() + 1);
     const GraspEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
-    held += evaluator.holds(grasp, grasp.X_WG * X_GD, friction) ? 1 : 0;
+    const Disturbance& one = disturbances_[i];
+    held += evaluator.holds(grasp, grasp.X_WG * one.X_GD, one.friction) ? 1 : 0;
   }
-  return static_cast<double>(held) / uncertainty.samples;
+  return static_cast<double>(held) / static_cast<double>(disturbances_.size());
 }
 
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
@@ -301,12 +271,7 @@ void PlannerOptions::validate() const {
           "weights must not be negative, nor all zero");
   require(w.guessed >= 0 && w.guessed <= 1, "weights.guessed must be within 0 and 1");
   require(w.robust >= 0 && w.robust <= 1, "weights.robust must be within 0 and 1");
-  const auto& u = uncertainty;
-  require(u.samples >= 0, "uncertainty.samples must not be negative");
-  require(u.position_deviation >= 0, "uncertainty.position_deviation must not be negative");
-  require(u.rotation_deviation >= 0, "uncertainty.rotation_deviation must not be negative");
-  require(u.least_friction > 0 && u.largest_friction >= u.least_friction,
-          "uncertainty.least_friction must be positive and not above largest_friction");
+  uncertainty.validate();
 }
 
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,

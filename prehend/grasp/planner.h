@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "prehend/grasp/collision.h"
 #include "prehend/grasp/generator.h"
 #include "prehend/grasp/ledger.h"
+#include "prehend/grasp/uncertainty.h"
 #include "prehend/robot/gripper_model.h"
 #include "prehend/surface/object_model.h"
 
@@ -26,17 +26,6 @@ struct ScoreWeights {
   double guessed = 0.5;  // 0..1
   /// ... and by 1 - robust + robust Grasp.robustness.
   double robust = 0.9;  // 0..1
-};
-
-/// What may be otherwise than predicted, for Grasp.robustness.
-struct UncertaintyOptions {
-  int samples = 16;  // >= 0, for each listed grasp; 0: robustness is not assessed
-  double position_deviation =
-      0.003;  // m, >= 0, standard, of the hand in the object, along each axis
-  double rotation_deviation = 0.03;  // rad, >= 0, standard, about each axis
-  double least_friction = 0.5;       // > 0; friction is uniform between these
-  double largest_friction = 0.8;
-  std::uint64_t seed = 1;
 };
 
 struct PlannerOptions {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "eval/grasp/grasp_case.h"
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/grasp/hand_planner.h"
+#include "prehend/grasp/planner.h"
+#include "prehend/surface/object_model.h"
+
+namespace prehend::eval {
+
+/// A way to plan.
+struct PlannerSetting {
+  std::string name;
+  PlannedOn planned_on = PlannedOn::kPredicted;
+  grasp::PlannerOptions options;           // of a parallel gripper
+  grasp::HandPlannerOptions hand_options;  // of a hand with fingers
+};
+
+/// An object as a hand meets it: in the world, on the table z = 0.
+struct TrueObject {
+  geometry::TriangleMesh mesh_W;
+  double mass = 0;  // kg
+};
+
+/// A hand under test: plans on what is believed by `setting`, and executes on what is there.
+struct HandUnderTest {
+  std::string name;
+  std::function<GraspTrial(const surface::ObjectModel& believed, const TrueObject& truth,
+                           const PlannerSetting& setting)>
+      grasp;
+};
+
+/// Mean distance of the points to the surface [m]. @pre there is a point.
+double mean_distance(const std::vector<Eigen::Vector3d>& points_W,
+                     const geometry::MeshQuery& surface_W);
+
+}  // namespace prehend::eval

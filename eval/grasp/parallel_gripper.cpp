@@ -1,0 +1,58 @@
+#include "eval/grasp/parallel_gripper.h"
+
+#include <algorithm>
+
+#include "eval/grasp/grasp_execution.h"
+#include "eval/processor_time.h"
+#include "prehend/simulation/world.h"
+
+namespace prehend::eval {
+namespace {
+
+constexpr double kLeastLift = 0.1;  // m
+
+GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& truth,
+                       const PlannerSetting& setting) {
+  simulation::Scene scene;
+  grasp::Reachability reachability;
+  reachability.approach_W = -Eigen::Vector3d::UnitZ();
+  reachability.workspace_W = {scene.carrier.minimum, scene.carrier.maximum};
+  GraspTrial trial;
+  const double start = processor_time();
+  const auto plan = grasp::plan_grasps(believed, geometry::Plane{}, {}, scene.gripper, reachability,
+                                       setting.options);
+  trial.plan_seconds = processor_time() - start;
+  trial.candidates = plan.candidates;
+  trial.grasps = static_cast<int>(plan.grasps.size());
+  trial.problem = plan.problem;
+  for (const auto& grasp : plan.grasps) {
+    trial.best_robustness = std::max(trial.best_robustness, grasp.robustness);
+  }
+  if (plan.grasps.empty()) return trial;
+
+  simulation::World world(scene);
+  world.add_object("object", truth.mesh_W, truth.mass);
+  const GraspExecution execution = execute_grasps(world, 0, plan);
+  trial.lifted = execution.result.success && execution.raised >= kLeastLift;
+  trial.attempts = execution.result.attempts;
+  trial.outcome = execution.result.reason;
+  trial.slip = execution.slip;
+  const grasp::Grasp& grasp = plan.grasps[execution.result.grasp_index];
+  std::vector<Eigen::Vector3d> contacts_W = grasp.left_contacts_W;
+  contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
+  trial.contact_error = mean_distance(contacts_W, geometry::MeshQuery(truth.mesh_W));
+  trial.robustness = grasp.robustness;
+  trial.guessed_contact = grasp.guessed_contact;
+  for (const auto& surprise : execution.surprises) {
+    if (surprise.kind == control::SurpriseKind::kOpeningAtContact) {
+      trial.opening_error = surprise.felt - surprise.predicted;
+    }
+  }
+  return trial;
+}
+
+}  // namespace
+
+HandUnderTest parallel_gripper() { return {"pg70", try_gripper}; }
+
+}  // namespace prehend::eval

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace prehend::eval {
+
+/// Processor time of all threads of this process [s].
+double processor_time();
+
+}  // namespace prehend::eval

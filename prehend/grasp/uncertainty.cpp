@@ -1,0 +1,61 @@
+#include "prehend/grasp/uncertainty.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Geometry>
+
+namespace prehend::grasp {
+namespace {
+
+// Standard normal, the same on every standard library (G. E. P. Box and M. E. Muller, 1958).
+class Normal {
+ public:
+  explicit Normal(std::uint64_t seed) : random_(seed) {}
+  double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+  double next() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return radius * std::cos(2 * std::numbers::pi * uniform());
+  }
+  Eigen::Vector3d vector() {
+    const double x = next(), y = next();
+    return {x, y, next()};
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument("UncertaintyOptions." + message);
+}
+
+}  // namespace
+
+void UncertaintyOptions::validate() const {
+  require(samples >= 0, "samples must not be negative");
+  require(position_deviation >= 0, "position_deviation must not be negative");
+  require(rotation_deviation >= 0, "rotation_deviation must not be negative");
+  require(least_friction > 0 && largest_friction >= least_friction,
+          "least_friction must be positive and not above largest_friction");
+}
+
+std::vector<Disturbance> disturbances(const UncertaintyOptions& options) {
+  Normal random(options.seed);
+  std::vector<Disturbance> all(static_cast<std::size_t>(options.samples));
+  for (Disturbance& one : all) {
+    one.X_GD.translation() = options.position_deviation * random.vector();
+    const Eigen::Vector3d turn = options.rotation_deviation * random.vector();
+    if (turn.norm() > 0) {
+      one.X_GD.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+    }
+    one.friction = options.least_friction +
+                   random.uniform() * (options.largest_friction - options.least_friction);
+  }
+  return all;
+}
+
+}  // namespace prehend::grasp

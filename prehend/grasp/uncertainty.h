@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "prehend/geometry/rigid_transform.h"
+
+namespace prehend::grasp {
+
+/// What may be otherwise than predicted, for the robustness of grasps.
+struct UncertaintyOptions {
+  int samples = 16;  // >= 0, for each listed grasp; 0: robustness is not assessed
+  double position_deviation =
+      0.003;  // m, >= 0, standard, of the hand in the object, along each axis
+  double rotation_deviation = 0.03;  // rad, >= 0, standard, about each axis
+  double least_friction = 0.5;       // > 0; friction is uniform between these
+  double largest_friction = 0.8;
+  std::uint64_t seed = 1;
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// One way in which it may be otherwise.
+struct Disturbance {
+  geometry::RigidTransform X_GD = geometry::RigidTransform::Identity();  // where the hand comes to
+  double friction = 0;
+};
+
+/// `options.samples` of them, the same for every grasp, so that grasps differ by what they are.
+std::vector<Disturbance> disturbances(const UncertaintyOptions& options);
+
+}  // namespace prehend::grasp
