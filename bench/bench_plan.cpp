@@ -168,17 +168,27 @@ void BM_ForwardKinematics(benchmark::State& state) {
 }
 BENCHMARK(BM_ForwardKinematics);
 
-/// The PA10 from one compartment of shelves to the other; the median of 50 seeds.
+/// Medians of the processor time and of the length of a path.
+struct PathCost {
+  double seconds = 0, length = 0;
+};
+
+/// The PA10 from one compartment of shelves to the other.
 template <class Plan>
-double median_seconds(Plan plan, int count) {
-  std::vector<double> seconds;
+PathCost median_cost(Plan plan, int count) {
+  std::vector<double> seconds, lengths;
   for (int seed = 1; seed <= count; ++seed) {
     const std::clock_t start = std::clock();
-    benchmark::DoNotOptimize(plan(seed));
+    const motion::JointPath path = plan(seed);
     seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    lengths.push_back(path.length());
   }
-  std::nth_element(seconds.begin(), seconds.begin() + count / 2, seconds.end());
-  return seconds[static_cast<std::size_t>(count / 2)];
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median(seconds), median(lengths)};
 }
 
 struct Task {
@@ -193,39 +203,43 @@ const Task& task() {
   return one;
 }
 
-double path_seconds() {
-  return median_seconds(
+PathCost path_cost() {
+  return median_cost(
       [](int seed) {
         motion::RrtOptions options;
         options.seed = static_cast<std::uint64_t>(seed);
-        return motion::plan_path(task().robot, task().left.front(), task().right, options).found();
+        return motion::plan_path(task().robot, task().left.front(), task().right, options);
       },
-      50);
+      200);
 }
 
-double ompl_seconds(bool by_fcl) {
+/// Simplified by OMPL; without the robot's own parts and what is between tested positions by FCL.
+PathCost ompl_cost(bool by_fcl) {
   motion::OmplOptions options;
   if (by_fcl) {
     options.is_free = [](const robot::Positions& q) {
       return !task().shelves.oracle.collides(task().shelves.chain, q);
     };
   }
-  return median_seconds(
+  return median_cost(
       [&options](int) {
-        return motion::plan_path_by_ompl(task().robot, task().left.front(), task().right, options)
-            .found();
+        return motion::plan_path_by_ompl(task().robot, task().left.front(), task().right, options);
       },
-      by_fcl ? 5 : 15);
+      by_fcl ? 25 : 50);
 }
 
 void BM_Path(benchmark::State& state) {
-  double seconds = 0;
+  PathCost cost;
   for (auto _ : state) {
-    seconds = path_seconds();
-    state.SetIterationTime(seconds);
+    cost = path_cost();
+    state.SetIterationTime(cost.seconds);
   }
-  state.counters["times_ompl"] = ompl_seconds(false) / seconds;
-  state.counters["times_ompl_fcl"] = ompl_seconds(true) / seconds;
+  const PathCost ompl = ompl_cost(false), ompl_fcl = ompl_cost(true);
+  state.counters["times_ompl"] = ompl.seconds / cost.seconds;
+  state.counters["times_ompl_fcl"] = ompl_fcl.seconds / cost.seconds;
+  state.counters["length"] = cost.length;
+  state.counters["length_ompl"] = ompl.length;
+  state.counters["length_ompl_fcl"] = ompl_fcl.length;
 }
 BENCHMARK(BM_Path)->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
 

@@ -25,6 +25,8 @@ constexpr double kLargestMiss = 1e-4;  // m and rad
 constexpr double kTurnStep = 0.05;     // rad
 constexpr int kNewtonSteps = 10;
 constexpr int kRefinements = 4;  // of the resolution, by halves
+constexpr int kCornerHalvings = 5;
+constexpr double kLeastGain = 0.01;  // of the length, by a round of corners
 
 void check(const RrtOptions& options) {
   const auto require = [](bool condition, const char* what) {
@@ -127,30 +129,48 @@ class Search {
     return q;
   }
 
-  /// Replaces stretches by straight lines where these are free.
-  void shorten(std::vector<Positions>& way) {
-    for (int attempt = 0; attempt < options_.shortcuts && way.size() > 2; ++attempt) {
-      const double length = length_of(way);
-      double from = length * uniform(), to = length * uniform();
-      if (from > to) std::swap(from, to);
-      std::size_t first = 0, last = 0;
-      const Positions a = at(way, from, first), b = at(way, to, last);
-      // Coarsely first: most are not free.
-      if (first == last || !robot_.is_free_between(a, b, options_.resolution) ||
-          !robot_.is_swept_free(a, b)) {
-        continue;
+  /// Goes straight from each waypoint to the farthest of those half, a quarter, ... of the rest
+  /// ahead that it may; whether the whole way is swept free then. What is not replaced by a
+  /// shortcut is tested here.
+  bool drop_waypoints(std::vector<Positions>& way) {
+    std::vector<Positions> kept{way.front()};
+    bool swept_free = true;
+    for (std::size_t i = 0; i + 1 < way.size();) {
+      std::size_t ahead = way.size() - 1 - i;
+      while (ahead > 1 && !is_shortcut(way[i], way[i + ahead])) ahead /= 2;
+      if (ahead == 1) swept_free = swept_free && robot_.is_swept_free(way[i], way[i + 1]);
+      i += ahead;
+      kept.push_back(way[i]);
+    }
+    way = std::move(kept);
+    return swept_free;
+  }
+
+  /// Cuts corners until a round gains little: each as widely as is free of whole, half, a quarter,
+  /// ... of the pieces beside it.
+  void cut_corners(std::vector<Positions>& way) {
+    for (double before = length_of(way); tries_ < options_.shortcuts;) {
+      for (std::size_t corner = 1; corner + 1 < way.size(); ++corner) {
+        const Positions in = way[corner - 1] - way[corner], out = way[corner + 1] - way[corner];
+        double share = 1;
+        for (int k = 0; k < kCornerHalvings; ++k, share /= 2) {
+          const Positions a = way[corner] + share * in, b = way[corner] + share * out;
+          if (!is_shortcut(a, b)) continue;
+          const auto at = way.begin() + static_cast<std::ptrdiff_t>(corner);
+          if (share == 1) {
+            way.erase(at);
+            --corner;
+          } else {
+            *at = a;
+            way.insert(at + 1, b);
+            ++corner;
+          }
+          break;
+        }
       }
-      std::vector<Positions> shorter(way.begin(),
-                                     way.begin() + static_cast<std::ptrdiff_t>(first) + 1);
-      shorter.push_back(a);
-      shorter.push_back(b);
-      shorter.insert(shorter.end(), way.begin() + static_cast<std::ptrdiff_t>(last) + 1, way.end());
-      // Waypoints that coincide tell nothing.
-      shorter.erase(
-          std::unique(shorter.begin(), shorter.end(),
-                      [](const Positions& x, const Positions& y) { return (x - y).norm() < 1e-9; }),
-          shorter.end());
-      if (length_of(shorter) < length) way = std::move(shorter);
+      const double after = length_of(way);
+      if (!(after < (1 - kLeastGain) * before)) return;
+      before = after;
     }
   }
 
@@ -163,21 +183,18 @@ class Search {
  private:
   double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
-  /// The point `distance` along the way, and the waypoint before it.
-  static Positions at(const std::vector<Positions>& way, double distance, std::size_t& before) {
-    for (before = 0; before + 2 < way.size(); ++before) {
-      const double piece = (way[before + 1] - way[before]).norm();
-      if (distance <= piece) break;
-      distance -= piece;
-    }
-    const Positions piece = way[before + 1] - way[before];
-    const double length = piece.norm();
-    return way[before] + std::clamp(length > 0 ? distance / length : 0, 0.0, 1.0) * piece;
+  /// Whether a straight line is free, as long as there are tries left.
+  bool is_shortcut(const Positions& from, const Positions& to) {
+    if (tries_ >= options_.shortcuts) return false;
+    ++tries_;
+    // Coarsely first: many are not free.
+    return robot_.is_free_between(from, to, options_.resolution) && robot_.is_swept_free(from, to);
   }
 
   const RobotInWorld& robot_;
   const RrtOptions& options_;
   std::mt19937_64 random_;
+  int tries_ = 0;  // of shortcuts
 };
 
 }  // namespace
@@ -185,13 +202,6 @@ class Search {
 double JointPath::length() const { return Search::length_of(waypoints); }
 
 namespace {
-
-bool is_swept_free(const RobotInWorld& robot, const std::vector<Positions>& way) {
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    if (!robot.is_swept_free(way[i - 1], way[i])) return false;
-  }
-  return true;
-}
 
 /// plan_path() at one resolution. `swept_free`: so is the path, which is shortened only then.
 JointPath search(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
@@ -234,8 +244,8 @@ JointPath search(const RobotInWorld& robot, const Eigen::Ref<const Eigen::Vector
     for (std::size_t r = 0; r < goal_of.size(); ++r) {
       if (from_goals.nodes[r] == reached) path.goal = goal_of[r];
     }
-    swept_free = is_swept_free(robot, way);
-    if (swept_free) tree_search.shorten(way);
+    swept_free = tree_search.drop_waypoints(way);
+    if (swept_free) tree_search.cut_corners(way);
     path.waypoints = std::move(way);
     return std::move(path);
   };

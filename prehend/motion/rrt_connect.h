@@ -13,7 +13,7 @@ struct RrtOptions {
   double resolution = 0.05;  // rad or m, of any joint, between positions tested in the search, > 0
   int iterations = 20000;    // random samples at most, >= 1
   double budget = 0;         // s of wall time; 0: iterations alone count
-  int shortcuts = 200;       // random ones that are tried on the path, >= 0
+  int shortcuts = 200;       // that are tried on the path at most, >= 0
   std::uint64_t seed = 1;
 };
 
@@ -32,11 +32,11 @@ struct JointPath {
 
 /// A free path by RRT-Connect (J. J. Kuffner and S. M. LaValle, "RRT-Connect: An efficient approach
 /// to single-query path planning", ICRA 2000) with one tree from the start and one from all goals,
-/// then shortened by random shortcuts. A straight line to the nearest goal is tried first. The path
-/// is RobotInWorld::is_swept_free(): where it is not, the search is repeated at half the
-/// resolution, at most four times. Same input and seed, same path, unless the budget ends the
-/// search. Reasons: the start or all goals are not free (with what they touch), no goals, or the
-/// search ended.
+/// then shortened: waypoints that a straight line can skip are dropped, corners cut until a round
+/// gains less than 1 %. A straight line to the nearest goal is tried first. The path is
+/// RobotInWorld::is_swept_free(): where it is not, the search is repeated at half the resolution,
+/// at most four times. Same input and seed, same path, unless the budget ends the search. Reasons:
+/// the start or all goals are not free (with what they touch), no goals, or the search ended.
 /// @throws std::invalid_argument for a bad option, or positions of another size or not finite.
 JointPath plan_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& start,
                     const std::vector<robot::Positions>& goals, const RrtOptions& options = {});
