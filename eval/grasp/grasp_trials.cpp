@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "eval/case_runner.h"
+#include "eval/grasp/resting_pose.h"
 #include "eval/processor_time.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/shape/symmetry.h"
@@ -40,14 +41,17 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
   result.orientation = one.orientation;
   result.hand = hand.name;
 
-  const TrueObject truth{geometry::transformed(*one.data_set->mesh_B, one.X_WB()),
-                         household_mass(geometry::mass_properties(*one.data_set->mesh_B).volume)};
+  const geometry::TriangleMesh& mesh_B = *one.data_set->mesh_B;
+  const double mass = household_mass(geometry::mass_properties(mesh_B).volume);
+  const geometry::RigidTransform X_WB = resting_pose(mesh_B, one.X_WB(), mass);
+  const TrueObject truth{geometry::transformed(mesh_B, X_WB), mass};
   std::optional<surface::ObjectModel> predicted;
   surface::ObjectModel delaunay, known;
   known.mesh_W = truth.mesh_W;
   std::string predicted_problem, delaunay_problem;
   try {
-    const RenderedScene rendered = scene_of(one);
+    RenderedScene rendered = scene_of(one);
+    rendered.bodies.front().X_WB = X_WB;
     simulation::RenderOptions render;
     render.threads = 1;
     const auto images = simulation::render_stereo(rendered.scene, rendered.bodies, 0, render);

@@ -10,7 +10,8 @@ namespace prehend::eval {
 /// The planner's defaults on the prediction, on the truth and on the Delaunay surface.
 std::vector<PlannerSetting> compared_settings();
 
-/// Renders the case's stereo pair, segments it, predicts the object and tries each setting.
+/// Lets the case's object come to rest (resting_pose), renders its stereo pair, segments it,
+/// predicts the object and tries each setting.
 /// What fails is in the result's problems; only a bug throws.
 GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
                          const std::vector<PlannerSetting>& settings);

@@ -1,0 +1,63 @@
+#include "eval/grasp/resting_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::eval {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+// rad, between the body's z axis and the vertical.
+double tilt(const RigidTransform& X_WB) {
+  return std::acos(std::clamp(X_WB.linear()(2, 2), -1.0, 1.0));
+}
+
+TriangleMesh box(const Eigen::Vector3d& size) {
+  TriangleMesh mesh = geometry::make_box(size);
+  const double bottom = geometry::bounds(mesh).min().z();
+  for (Eigen::Vector3d& v : mesh.vertices) v.z() -= bottom;
+  return mesh;
+}
+
+TEST(RestingPose, WhatStandsFlatStays) {
+  const RigidTransform X_WB = geometry::make_transform(
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), {0, 0, 0});
+  const RigidTransform X = resting_pose(box({0.06, 0.04, 0.15}), X_WB, 0.2);
+  EXPECT_LT((X.matrix() - X_WB.matrix()).norm(), 1e-3);
+}
+
+// Once scans with a bulged foot were rendered standing and fell over before the hand came.
+TEST(RestingPose, WhatStandsOnAnEdgeFallsOnItsSide) {
+  // 20 x 20 x 200 mm leaning by 10 degrees: its centre of mass is beyond its foot.
+  const double lean = 10 * std::numbers::pi / 180;
+  const RigidTransform X_WB = geometry::make_transform(
+      Eigen::Quaterniond(Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitY())), {0, 0, 0});
+  const TriangleMesh mesh_B = box({0.02, 0.02, 0.2});
+  const RigidTransform X = resting_pose(mesh_B, X_WB, 0.1);
+  EXPECT_NEAR(tilt(X), std::numbers::pi / 2, 0.02);
+  const Eigen::AlignedBox3d bounds = geometry::bounds(geometry::transformed(mesh_B, X));
+  EXPECT_NEAR(bounds.min().z(), 0, 1e-9);
+  EXPECT_NEAR(bounds.max().z(), 0.02, 0.001);
+  EXPECT_LT(bounds.center().head<2>().norm(), 1e-9);
+}
+
+TEST(RestingPose, WhatLeansALittleSitsDown) {
+  const double lean = 5 * std::numbers::pi / 180;
+  const RigidTransform X_WB = geometry::make_transform(
+      Eigen::Quaterniond(Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX())), {0, 0, 0});
+  EXPECT_LT(tilt(resting_pose(box({0.06, 0.06, 0.1}), X_WB, 0.2)), 0.005);
+}
+
+TEST(RestingPose, RefusesWhatHasNoVolume) {
+  EXPECT_THROW(resting_pose(TriangleMesh{}, RigidTransform::Identity(), 0.1), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::eval
