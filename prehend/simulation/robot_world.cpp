@@ -133,7 +133,9 @@ void RobotWorld::Implementation::build() {
 }
 
 void RobotWorld::Implementation::read_motions() {
-  for (Thing& thing : things) thing.motion = system->motion(state, thing.body);
+  for (Thing& thing : things) {
+    if (thing.body >= 0) thing.motion = system->motion(state, thing.body);
+  }
 }
 
 void RobotWorld::Implementation::add(BodyModel model, double friction, const RigidTransform& X_WB) {

@@ -139,6 +139,28 @@ TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
   EXPECT_FALSE(world.remove_object("other"));
 }
 
+// All objects but a scene's last once stood in the robot's base.
+TEST(RobotWorld, EachObjectStandsWhereTheSceneHasIt) {
+  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
+  Scene scene;
+  scene.objects.resize(3);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    scene.objects[i].name = "box " + std::to_string(i);
+    scene.objects[i].y = 0.2 * static_cast<double>(i) - 0.2;
+  }
+  RobotWorld world(platform, scene);
+  const auto expect_in_place = [&] {
+    for (const SceneObject& object : scene.objects) {
+      const Eigen::Vector3d p = world.body(object.name).X_WB.translation();
+      EXPECT_NEAR((p - Eigen::Vector3d(object.x, object.y, 0)).norm(), 0, 1e-3) << object.name;
+    }
+  };
+  expect_in_place();
+  run(world, 0.3);
+  world.add_object("another", at(make_standing_box({0.03, 0.03, 0.03}), {0.3, 0.3, 0}), 0.1);
+  expect_in_place();
+}
+
 TEST(RobotWorld, PadsFeelWhatTheFingersPressWith) {
   const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
   RobotWorld world(hand, above(hand, "parallel", {0, 0, 0.11}), "parallel");
