@@ -351,6 +351,7 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
     message.mutable_support()->push_back(static_cast<char>(support));
   }
   message.set_point_confidence(pack_shares(shape.point_confidence));
+  for (const auto& other : shape.alternatives) *message.add_alternatives() = to_message(other);
   return message;
 }
 
@@ -387,6 +388,12 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
   }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
+  for (const auto& other : message.alternatives()) {
+    if (other.alternatives_size() > 0) {
+      throw InputError("An alternative shape that has alternatives itself", kSenderMend);
+    }
+    shape.alternatives.push_back(from_message(other));
+  }
   return shape;
 }
 
@@ -410,6 +417,7 @@ msgs::ObjectModel to_message(const surface::ObjectModel& model) {
   }
   message.set_vertex_confidence(pack_shares(model.vertex_confidence));
   message.set_guessed_area(model.guessed_area);
+  for (const auto& mesh_W : model.alternatives_W) *message.add_alternatives() = to_message(mesh_W);
   return message;
 }
 
@@ -432,6 +440,9 @@ surface::ObjectModel from_message(const msgs::ObjectModel& message) {
   model.seen_deviation = message.seen_deviation();
   read_vertices(message, model);
   model.guessed_area = message.guessed_area();
+  for (const auto& mesh : message.alternatives()) {
+    model.alternatives_W.push_back(from_message(mesh));
+  }
   return model;
 }
 

@@ -161,6 +161,7 @@ class PoissonMeshing {
       add_time(message, "poisson", times.poisson);
       add_time(message, "convex_pieces", times.convex_pieces);
       add_time(message, "properties", times.properties);
+      if (times.alternatives > 0) add_time(message, "alternatives", times.alternatives);
     } catch (const std::exception& error) {
       message = msgs::ObjectModel();
       message.set_problem(error.what());

@@ -69,6 +69,12 @@ void declare_parameters(graph::Node& node) {
                                 .default_value = o.second_plane,
                                 .description = "mirror at a perpendicular plane too, if there is "
                                                "one that the view does not contradict"});
+  node.declare_parameter<int>({.name = "alternatives",
+                               .default_value = 2,
+                               .minimum = 0,
+                               .maximum = 4,
+                               .description = "shapes by other planes, nearly as good, that the "
+                                              "object may have as well: grasps are tried on them"});
 }
 
 shape::CompletionOptions completion_options(const graph::Node& node,
@@ -90,6 +96,7 @@ shape::CompletionOptions completion_options(const graph::Node& node,
   }
   if (vote == "contradiction") o.vote = shape::VoteKind::kPublished;
   o.second_plane = node.parameter<bool>("second_plane");
+  o.alternatives = node.parameter<int>("alternatives");
   o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
   o.max_contradicted = node.parameter<double>("max_contradicted");
   o.depth_tolerance = depth_tolerance;

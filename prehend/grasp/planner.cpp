@@ -276,12 +276,11 @@ void PlannerOptions::validate() const {
 
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
                             const Obstacles& obstacles, const robot::GripperModel& gripper,
-                            const Reachability& reachability, const PlannerOptions& options,
-                            const std::vector<geometry::TriangleMesh>& alternatives_W) {
+                            const Reachability& reachability, const PlannerOptions& options) {
   options.validate();
   Planner planner(object, table, obstacles, gripper, reachability, options);
   std::vector<GraspEvaluator> alternatives;
-  for (const auto& mesh_W : alternatives_W) {
+  for (const auto& mesh_W : object.alternatives_W) {
     alternatives.emplace_back(make_solid(mesh_W, options.density), table, Obstacles{}, gripper,
                               reachability, options);
   }

@@ -93,8 +93,8 @@ struct GraspPlanResult {
 /// Plans grasps of one object with a parallel gripper: makes candidates, centres the hand on the
 /// section between the pads, closes it on the predicted mesh, and keeps what reaches, does not
 /// collide, holds the object by soft-finger force closure and carries its weight. The best are
-/// closed again in disturbed poses, with other friction, and on `alternatives_W`: other shapes that
-/// the object may have as well (those of its next best planes of symmetry).
+/// closed again in disturbed poses, with other friction, and on `object.alternatives_W`: other
+/// shapes that the object may have as well.
 ///
 /// The grasp force follows from the mass m = volume * density (the hull's volume when the mesh is
 /// not watertight): F = safety_factor * m (g + a) / (2 friction), raised where the centre of mass
@@ -105,7 +105,6 @@ struct GraspPlanResult {
 ///         std::invalid_argument for options out of range.
 GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
                             const Obstacles& obstacles, const robot::GripperModel& gripper,
-                            const Reachability& reachability, const PlannerOptions& options = {},
-                            const std::vector<geometry::TriangleMesh>& alternatives_W = {});
+                            const Reachability& reachability, const PlannerOptions& options = {});
 
 }  // namespace prehend::grasp

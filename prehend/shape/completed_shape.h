@@ -78,6 +78,10 @@ struct CompletedShape {
   Eigen::Vector3d viewpoint_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d mirrored_viewpoint_W = Eigen::Vector3d::Zero();
   std::optional<SymmetryHypothesis> second_symmetry;  // perpendicular to `symmetry`, if any
+  /// What the object may look like as well, best first: completions by other planes that the view
+  /// speaks for nearly as well (CompletionOptions::alternatives). They have none themselves, and
+  /// no `planes` and `hypotheses`.
+  std::vector<CompletedShape> alternatives;
 
   /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].
   Eigen::Vector3d viewpoint_of(PointOrigin point_origin) const {

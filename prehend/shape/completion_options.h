@@ -69,6 +69,11 @@ struct CompletionOptions {
   /// Both in [0, 1]; 1 and 0: never refuse. docs/shape.md tells on what they were learnt.
   double max_contradicted = 0.3;
   double min_support = 0.4;
+
+  /// How many completions by other planes to hand back too, at most, >= 0: of `planes`, those that
+  /// face the viewer, are not refused, and vote worse than the winner by `alternative_vote` at most.
+  int alternatives = 0;
+  double alternative_vote = 0.1;  // >= 0
 };
 
 }  // namespace prehend::shape

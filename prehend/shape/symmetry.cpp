@@ -31,6 +31,7 @@ void check(const CompletionOptions& options) {
           "min_shift must be less than max_shift");
   require(options.thinning >= 0 && options.thinning <= 0.2, "thinning must be in [0, 0.2]");
   require(options.planes >= 1, "planes must be >= 1");
+  require(options.alternatives >= 0, "alternatives must be >= 0");
   require(options.max_tilt >= 0 && options.max_tilt <= kPi / 4, "max_tilt must be in [0, pi/4]");
   require(options.reference_fraction > 0 && std::isfinite(options.reference_fraction),
           "reference_fraction must be > 0");
@@ -46,7 +47,8 @@ void check(const CompletionOptions& options) {
                                     {options.oblique_weight, "oblique_weight"},
                                     {options.depth_prior_weight, "depth_prior_weight"},
                                     {options.tilt_gain, "tilt_gain"},
-                                    {options.max_second_vote, "max_second_vote"}}) {
+                                    {options.max_second_vote, "max_second_vote"},
+                                    {options.alternative_vote, "alternative_vote"}}) {
     require(value >= 0 && std::isfinite(value), std::string(name) + " must be >= 0");
   }
 }
@@ -71,27 +73,54 @@ class Completion {
             : search_planes(Ballot(voting_, voting_.coarse_points_T, map, view_, options_), fine,
                             options_);
     map_ = std::move(map);
+    const Candidate chosen = primary(fine, found.planes);
+    CompletedShape best = completed_by(fine, chosen, found.planes);
+    if (best.method == CompletionMethod::kMirror) {
+      for (const Candidate& other : alternatives(fine, chosen, found.planes)) {
+        best.alternatives.push_back(completed_by(fine, other, found.planes));
+      }
+    }
+    best.hypotheses = std::move(found.tried);
+    best.hypotheses.insert(best.hypotheses.begin(), best.symmetry);
+    for (const Candidate& plane : found.planes) best.planes.push_back(plane.hypothesis);
+    return best;
+  }
+
+ private:
+  CompletedShape completed_by(const Ballot& fine, Candidate best,
+                              const std::vector<Candidate>& planes) {
+    shape_ = {};
     shape_.cloud_W.points = view_.cloud_W.points;
     shape_.cloud_W.colors = view_.cloud_W.colors;
     shape_.viewpoint_W = view_.X_WC.translation();
-    shape_.hypotheses = std::move(found.tried);
-    for (const Candidate& plane : found.planes) shape_.planes.push_back(plane.hypothesis);
-    add_origin(shape_.cloud_W.size(), PointOrigin::kSeen);
-
-    Candidate best = primary(fine, found.planes);
+    start_with_seen(shape_.cloud_W.size());
     if (options_.refine) best = centered(fine, best);
-    set_evidence(fine, best, found.planes);
+    set_evidence(fine, best, planes);
     if (acceptable(fine, best, options_.max_contradicted)) {
       mirror(fine, best);
     } else {
       fall_back(best);
     }
-    shape_.hypotheses.insert(shape_.hypotheses.begin(), shape_.symmetry);
     set_confidence();
     return std::move(shape_);
   }
 
- private:
+  std::vector<Candidate> alternatives(const Ballot& fine, const Candidate& chosen,
+                                      const std::vector<Candidate>& planes) const {
+    std::vector<Candidate> others;
+    for (const Candidate& other : planes) {
+      if (static_cast<int>(others.size()) == options_.alternatives) break;
+      const bool other_plane = other.plane.angle != chosen.plane.angle ||
+                               other.plane.shift != chosen.plane.shift ||
+                               other.plane.tilt != chosen.plane.tilt;
+      if (other_plane && other.facing() && acceptable(fine, other, options_.max_contradicted) &&
+          other.hypothesis.vote <= chosen.hypothesis.vote + options_.alternative_vote) {
+        others.push_back(other);
+      }
+    }
+    return others;
+  }
+
   /// Holds every mirrored point of the grid.
   PixelWindow window() const {
     const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
@@ -253,8 +282,8 @@ class Completion {
     return true;
   }
 
-  void add_origin(std::size_t count, PointOrigin origin) {
-    shape_.origin.assign(count, origin);
+  void start_with_seen(std::size_t count) {
+    shape_.origin.assign(count, PointOrigin::kSeen);
     shape_.support.assign(count, PointSupport::kSeen);
     behind_.assign(count, 0.f);
   }

@@ -85,6 +85,15 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);
   model.seen_deviation = deviation(seen_sample(shape), geometry::MeshQuery(model.mesh_W)).mean;
   spent.properties = stopwatch.lap();
+
+  for (const shape::CompletedShape& other : shape.alternatives) {
+    try {
+      model.alternatives_W.push_back(mesh_of(other, table_W, options));
+    } catch (const geometry::InputError&) {
+      // A shape that gives no mesh is no alternative; that of the winner counts.
+    }
+  }
+  spent.alternatives = stopwatch.lap();
   if (times) *times = spent;
   return model;
 }

@@ -22,6 +22,7 @@ struct ModelTimes {
   double poisson = 0;  // with the watertight check
   double convex_pieces = 0;
   double properties = 0;  // mass properties and deviation
+  double alternatives = 0;
 };
 
 /// The watertight mesh of a completed shape that stands on `table_W` (normal towards the object):
@@ -31,8 +32,9 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
                                const ModelOptions& options = {}, double* normals_seconds = nullptr);
 
 /// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
-/// mesh_of(), convex_pieces(), mass properties, what the vertices rest on and the mean distance of
-/// the seen points to the mesh. `times` is filled when given. @throws as mesh_of().
+/// mesh_of(), convex_pieces(), mass properties, what the vertices rest on, the mean distance of the
+/// seen points to the mesh, and the meshes of the shape's alternatives (those that give one).
+/// `times` is filled when given. @throws as mesh_of().
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);
 

@@ -26,6 +26,8 @@ struct ObjectModel {
   // Mean distance of the seen points (of 4000 of them, spread evenly, if there are more) to the
   // mesh [m].
   double seen_deviation = 0;
+  // Other solids that it may be as well, best first: of CompletedShape::alternatives.
+  std::vector<geometry::TriangleMesh> alternatives_W;
 };
 
 }  // namespace prehend::surface

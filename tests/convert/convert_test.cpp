@@ -165,6 +165,11 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   odd = message;
   odd.set_method("magic");
   EXPECT_THROW(from_message(odd), InputError);
+  odd = message;
+  *odd.add_alternatives() = message;
+  EXPECT_EQ(from_message(odd).alternatives.front().origin, shape.origin);
+  *odd.mutable_alternatives(0)->add_alternatives() = message;
+  EXPECT_THROW(from_message(odd), InputError);
   message.mutable_origin()->pop_back();
   EXPECT_THROW(from_message(message), InputError);
 
@@ -172,7 +177,10 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   model.mesh_W = geometry::make_box({0.5, 0.5, 0.25});
   model.mass_properties = geometry::mass_properties(model.mesh_W);
   model.convex_pieces_W = {model.mesh_W};
+  model.alternatives_W = {geometry::make_box({0.5, 0.5, 0.125})};
   const auto back = from_message(to_message(model));
+  ASSERT_EQ(back.alternatives_W.size(), 1u);
+  EXPECT_EQ(back.alternatives_W.front().vertices, model.alternatives_W.front().vertices);
   EXPECT_TRUE(back.mass_properties.unit_density_inertia.isApprox(
       model.mass_properties.unit_density_inertia));
   EXPECT_EQ(back.convex_pieces_W.size(), 1u);

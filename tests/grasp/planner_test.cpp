@@ -149,12 +149,12 @@ TEST(PlanGrasps, RobustnessFallsWithTheUncertainty) {
 }
 
 TEST(PlanGrasps, AnotherShapeThatWouldNotFitTakesRobustness) {
-  const auto cube = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025});
+  auto cube = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025});
   const auto wide = object_at(geometry::make_box({0.09, 0.09, 0.05}), {0.4, 0.1, 0.025});
+  cube.alternatives_W = {wide.mesh_W, cube.mesh_W, wide.mesh_W};
   PlannerOptions options;
   options.uncertainty.position_deviation = options.uncertainty.rotation_deviation = 0;
-  const auto result = plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), options,
-                                  {wide.mesh_W, cube.mesh_W, wide.mesh_W});
+  const auto result = plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), options);
   ASSERT_FALSE(result.grasps.empty());
   int fitting = 0;
   for (const auto& grasp : result.grasps) {

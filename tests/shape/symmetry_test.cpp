@@ -103,6 +103,41 @@ TEST_P(CutByTheView, StaysWithinThreeMillimetresUnderOneMillimetreOfNoise) {
 INSTANTIATE_TEST_SUITE_P(Solids, CutByTheView, testing::ValuesIn(cases()),
                          testing::PrintToStringParamName());
 
+TEST(Symmetry, ASquareBoxHasAnAlternativeThatIsRightToo) {
+  const geometry::TriangleMesh truth = standing(square_box().mesh, 20 * kDegree);
+  const SyntheticView view = synthetic_view(truth, {});
+  CompletionOptions options;
+  EXPECT_TRUE(complete_by_symmetry(view.view(), options).alternatives.empty());
+  options.alternatives = 2;
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  ASSERT_FALSE(shape.alternatives.empty());
+  ASSERT_LE(shape.alternatives.size(), 2u);
+  // Faces and diagonals of its footprint are planes of symmetry.
+  const CompletedShape& other = shape.alternatives.front();
+  EXPECT_LT(std::abs(other.symmetry.normal_W.dot(shape.symmetry.normal_W)), std::cos(0.3));
+  EXPECT_LE(other.symmetry.vote, shape.symmetry.vote + options.alternative_vote);
+  EXPECT_LT(mirrored_errors(other, truth).back(), 0.002);
+  EXPECT_TRUE(other.alternatives.empty());
+  for (std::size_t i = 0; i < view.cloud_W.size(); ++i) {
+    ASSERT_EQ(other.cloud_W.points[i], view.cloud_W.points[i]);
+  }
+  EXPECT_EQ(other.point_confidence.size(), other.cloud_W.size());
+}
+
+TEST(Symmetry, AlternativesDoNotChangeTheWinner) {
+  const SyntheticView view = synthetic_view(standing(box().mesh, 30 * kDegree), {});
+  CompletionOptions options;
+  const CompletedShape alone = complete_by_symmetry(view.view(), options);
+  options.alternatives = 4;
+  options.alternative_vote = 1;
+  const CompletedShape winner = complete_by_symmetry(view.view(), options);
+  EXPECT_FALSE(winner.alternatives.empty());
+  EXPECT_EQ(alone.cloud_W.points, winner.cloud_W.points);
+  EXPECT_EQ(alone.point_confidence, winner.point_confidence);
+  options.alternatives = -1;
+  EXPECT_THROW(complete_by_symmetry(view.view(), options), std::invalid_argument);
+}
+
 TEST(Symmetry, FillsTheFarSidesOfABoxSeenOverItsEdge) {
   const geometry::TriangleMesh truth = standing(box().mesh, 40 * kDegree);
   const SyntheticView view = synthetic_view(truth, {.width = 320});

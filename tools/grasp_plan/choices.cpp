@@ -18,6 +18,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--object", choices.object, "object of a cloud, 0: the largest")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      .add_option("--alternatives", choices.alternatives,
+                  "shapes at most that the object of a cloud may have as well, by other planes of "
+                  "symmetry: grasps are tried on them too")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command.add_option("--hand", choices.hand, "the hand")
       ->check(CLI::IsMember({"pg70", "sdh2", "bh8"}))
       ->capture_default_str();

@@ -14,6 +14,7 @@ struct PlanChoices {
   double scale = 1;
   bool in_place = false;
   int object = 0;
+  int alternatives = 2;
   std::string hand = "pg70";
   std::string arm = "none";
   std::string approach = "any";

@@ -85,8 +85,10 @@ PlanTarget of_cloud(const PlanChoices& choices) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
     start = steady_clock::now();
     try {
+      shape::CompletionOptions completion;
+      if (i == choices.object) completion.alternatives = choices.alternatives;
       const shape::CompletedShape shape = shape::complete_by_symmetry(
-          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, scene.table_W});
+          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, scene.table_W}, completion);
       if (i != choices.object) {
         target.neighbours_W.push_back(
             surface::make_object_model(shape, scene.table_W).convex_pieces_W);
@@ -96,6 +98,10 @@ PlanTarget of_cloud(const PlanChoices& choices) {
       start = steady_clock::now();
       target.object = surface::make_object_model(shape, scene.table_W);
       target.times.emplace_back("mesh and convex pieces", since(start));
+      if (!target.object.alternatives_W.empty()) {
+        target.notes.push_back(fmt::format("{} other shapes, by other planes of symmetry, are tried",
+                                           target.object.alternatives_W.size()));
+      }
     } catch (const geometry::InputError& error) {
       if (i == choices.object) throw;
       target.notes.push_back(fmt::format("object {} is no obstacle: {}", i, error.what()));
