@@ -97,4 +97,22 @@ msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan) {
   return message;
 }
 
+msgs::KnownObject to_message(const grasp::Recognition& recognition) {
+  msgs::KnownObject message;
+  message.set_name(recognition.name);
+  message.set_hash(recognition.hash);
+  *message.mutable_x_wo() = to_message(recognition.X_WO);
+  message.set_explained(recognition.explained);
+  message.set_violated(recognition.violated);
+  message.set_residual(recognition.residual);
+  return message;
+}
+
+grasp::PlacedObject from_message(const msgs::KnownObject& message) {
+  if (message.hash().empty()) {
+    throw geometry::InputError("A known object without its mesh's hash", kSenderMend);
+  }
+  return {message.hash(), message.name(), from_message(message.x_wo())};
+}
+
 }  // namespace prehend::convert

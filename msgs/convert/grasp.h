@@ -1,6 +1,9 @@
 #pragma once
 
 #include "msgs/grasp.pb.h"
+#include "msgs/objects.pb.h"
+#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known_objects.h"
 #include "prehend/grasp/planner.h"
 
 namespace prehend::convert {
@@ -15,5 +18,9 @@ void add_rejections(const std::vector<grasp::Rejection>& rejections, msgs::Grasp
 
 /// Fills grasps, rejections, candidates and problem.
 msgs::GraspPlan to_message(const grasp::GraspPlanResult& plan);
+
+msgs::KnownObject to_message(const grasp::Recognition& recognition);
+/// @throws InputError without a hash, and for what geometry.h's conversions refuse.
+grasp::PlacedObject from_message(const msgs::KnownObject& message);
 
 }  // namespace prehend::convert

@@ -2,17 +2,18 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/objects.h"
+#include "nodes/grasp_planning/grasp_records.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
 
 namespace {
@@ -129,6 +130,15 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                    home, grasps, arm, motions);
 }
 
+std::optional<nodes::GraspRecords> declare_records(graph::Node& node, const std::string& hand) {
+  const auto file = node.declare_parameter<std::string>(
+      {.name = "database",
+       .description = "file of grasps of known objects (known_objects): used, added to, and told "
+                      "what was executed; empty: none"});
+  if (file.empty()) return std::nullopt;
+  return std::make_optional<nodes::GraspRecords>(file, hand);
+}
+
 class GraspPlanning {
  public:
   explicit GraspPlanning(graph::Node& node)
@@ -145,6 +155,7 @@ class GraspPlanning {
              .choices = {"auto", "down", "table", "any"},
              .description = "directions the robot can approach along: down the world's z axis, "
                             "straight at the table, any; auto: down when the table is level"})),
+        records_(declare_records(node, platform_ ? platform_->hand() : gripper_.name)),
         workspace_(node.declare_parameter<double>(
             {.name = "workspace",
              .default_value = 0.0,
@@ -163,11 +174,19 @@ class GraspPlanning {
                                                     batch_.add(model.shared(), steady_clock::now());
                                                     plan_ready();
                                                   })),
+        results_(node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
+                                                   [this](const auto& result) { record(*result); })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
     options_.validate();
   }
 
  private:
+  void record(const msgs::CycleResult& result) {
+    if (!records_) return;
+    const std::string recorded = records_->record(result);
+    if (!recorded.empty()) node_.log_info("{}", recorded);
+  }
+
   void plan_ready() {
     const auto ready = batch_.take_ready(steady_clock::now());
     if (!ready.empty() && batch_.incomplete()) {
@@ -194,7 +213,7 @@ class GraspPlanning {
     return result;
   }
 
-  msgs::GraspPlan plan_on(const msgs::ObjectModel& message) const {
+  msgs::GraspPlan plan_on(const msgs::ObjectModel& message) {
     msgs::GraspPlan failed;
     if (!message.valid()) {
       failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
@@ -203,11 +222,18 @@ class GraspPlanning {
     try {
       const geometry::Plane table = convert::from_message(message.table());
       const surface::ObjectModel object = convert::from_message(message);
-      if (platform_) return platform_->plan(object, table, neighbours_of(message, true));
+      const auto known = nodes::GraspRecords::known(message);
+      grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
+      if (platform_) {
+        return platform_->plan(object, table, neighbours_of(message, true), database, known);
+      }
       grasp::Obstacles obstacles;
       obstacles.meshes_W = neighbours_of(message, false);
       return convert::to_message(
-          grasp::plan_grasps(object, table, obstacles, gripper_, reachability(table), options_));
+          database ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
+                                                    gripper_, reachability(table), options_)
+                   : grasp::plan_grasps(object, table, obstacles, gripper_, reachability(table),
+                                        options_));
     } catch (const geometry::InputError& error) {
       failed.set_problem(std::string("cannot be grasped: ") + error.what());
       return failed;
@@ -228,7 +254,7 @@ class GraspPlanning {
     return meshes;
   }
 
-  msgs::GraspPlan plan(const msgs::ObjectModel& message) const {
+  msgs::GraspPlan plan(const msgs::ObjectModel& message) {
     const auto start = steady_clock::now();
     msgs::GraspPlan plan = plan_on(message);
     const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
@@ -247,6 +273,7 @@ class GraspPlanning {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
     log_ledger(node_, plan);
+    if (records_) records_->planned(message, plan);
     return plan;
   }
 
@@ -255,10 +282,12 @@ class GraspPlanning {
   std::unique_ptr<nodes::PlatformPlanning> platform_;
   robot::GripperModel gripper_;
   std::string approach_;
+  std::optional<nodes::GraspRecords> records_;
   double workspace_;
   nodes::ModelBatch batch_;
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
+  graph::Subscription results_;
   graph::Node::Timer timer_;
 };
 

@@ -75,11 +75,14 @@ msgs::ArmSegment PlatformPlanning::to_message(const motion::PickSegment& segment
 
 msgs::GraspPlan PlatformPlanning::plan(
     const surface::ObjectModel& object, const geometry::Plane& table_W,
-    const std::vector<geometry::TriangleMesh>& obstacles_W) const {
+    const std::vector<geometry::TriangleMesh>& obstacles_W, grasp::GraspDatabase* database,
+    const std::optional<grasp::PlacedObject>& known) const {
   grasp::Obstacles obstacles;
   obstacles.meshes_W = obstacles_W;
   const grasp::HandPlan plan =
-      grasp::plan_hand_grasps(object, table_W, obstacles, hand_, {}, options_);
+      database && known ? grasp::plan_hand_grasps_with_memory(*database, *known, object, table_W,
+                                                              obstacles, hand_, {}, options_)
+                        : grasp::plan_hand_grasps(object, table_W, obstacles, hand_, {}, options_);
   msgs::GraspPlan message;
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);

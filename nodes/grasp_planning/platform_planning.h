@@ -1,12 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "msgs/grasp.pb.h"
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/hand_planner.h"
+#include "prehend/grasp/grasp_memory.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/platform.h"
 #include "prehend/surface/object_model.h"
@@ -25,9 +26,15 @@ class PlatformPlanning {
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
   /// without any motion has the arm's reason as its problem. Obstacles are convex pieces.
+  /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
   /// @throws geometry::InputError for a bad mesh.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                       const std::vector<geometry::TriangleMesh>& obstacles_W) const;
+                       const std::vector<geometry::TriangleMesh>& obstacles_W,
+                       grasp::GraspDatabase* database,
+                       const std::optional<grasp::PlacedObject>& known) const;
+
+  /// The hand's name.
+  const std::string& hand() const { return platform_.hand.name; }
 
  private:
   msgs::Grasp to_message(const grasp::HandGrasp& grasp, double mass) const;

@@ -74,6 +74,9 @@ struct GeneratorOptions {
 ///   nearest neighbors and the normal field", The Visual Computer 28(1), 2012).
 std::vector<std::string> generator_names();
 
+/// The generator of candidates that were given to a planner instead, as told in its results.
+inline constexpr const char* kGiven = "given";
+
 /// @throws std::invalid_argument for an unknown name (with the nearest) or a bad option.
 std::unique_ptr<CandidateGenerator> make_generator(const std::string& name,
                                                    const GeneratorOptions& options = {});

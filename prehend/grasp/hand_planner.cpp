@@ -27,7 +27,8 @@ constexpr std::array kStages{reason::kDirection,      reason::kObstacle,   reaso
                              reason::kFingersMeet,    reason::kArm,        reason::kTooWeak};
 
 struct Tried {
-  std::size_t generator = 0, preshape = 0;
+  std::string generator;
+  const robot::Preshape* preshape = nullptr;
   Candidate candidate;
 };
 
@@ -83,18 +84,22 @@ class Planner {
 
 std::vector<Tried> Planner::candidates() const {
   std::vector<Tried> all;
-  for (std::size_t s = 0; s < preshapes_.size(); ++s) {
+  for (const HandCandidate& given : options_.given_W) {
+    all.push_back({kGiven, &hand_.hand->preshape(given.preshape), given.candidate});
+  }
+  if (!all.empty()) return all;
+  for (const robot::Preshape* preshape : preshapes_) {
     const GraspTarget target{evaluator_.query(), evaluator_.solid().center_of_mass_W, table_,
-                             hand_reach(hand_, *preshapes_[s]), reachability_};
-    for (std::size_t i = 0; i < options_.generators.size(); ++i) {
-      const auto generator = make_generator(options_.generators[i], options_.candidates);
+                             hand_reach(hand_, *preshape), reachability_};
+    for (const std::string& name : options_.generators) {
+      const auto generator = make_generator(name, options_.candidates);
       for (const Candidate& candidate : generator->generate(target)) {
-        all.push_back({i, s, candidate});
+        all.push_back({name, preshape, candidate});
         if (!options_.both_ways) continue;
         Candidate turned = candidate;
         turned.X_WG.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
         turned.roll += std::numbers::pi;
-        all.push_back({i, s, turned});
+        all.push_back({name, preshape, turned});
       }
     }
   }
@@ -166,7 +171,7 @@ HandPlan Planner::plan() {
   bool out_of_time = false;
   for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
     out_of_time = out_of_time || time_is_up();
-    const std::string& generator = options_.generators[tried[at].generator];
+    const std::string& generator = tried[at].generator;
     if (out_of_time) {
       ledger.reject(reason::kNoTime, generator);
       continue;
@@ -174,7 +179,7 @@ HandPlan Planner::plan() {
     HandGrasp grasp;
     grasp.generator = generator;
     if (const auto refusal =
-            evaluator_.evaluate(tried[at].candidate, *preshapes_[tried[at].preshape], &grasp)) {
+            evaluator_.evaluate(tried[at].candidate, *tried[at].preshape, &grasp)) {
       ledger.reject(refusal->reason, generator, refusal->miss);
       continue;
     }

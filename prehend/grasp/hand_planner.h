@@ -24,6 +24,12 @@ struct HandScoreWeights {
   double robust = 0.9;  // 0..1
 };
 
+/// A pose of the tool frame of a preshape.
+struct HandCandidate {
+  std::string preshape;  // by its name
+  Candidate candidate;
+};
+
 struct HandPlannerOptions {
   HandPlannerOptions();
 
@@ -32,6 +38,8 @@ struct HandPlannerOptions {
   std::vector<std::string> preshapes;              // of the hand's; empty: all of them
   /// Every candidate also turned by half a turn about the approach, as hands are not symmetric.
   bool both_ways = true;
+  /// To try instead of what the generators make, as PlannerOptions::given_W.
+  std::vector<HandCandidate> given_W;
   HandClosingOptions closing;
   CollisionOptions collision;
   HandScoreWeights weights;

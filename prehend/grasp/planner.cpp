@@ -63,7 +63,7 @@ class Planner {
 
  private:
   struct Tried {
-    std::size_t generator = 0;
+    std::string generator;
     Candidate candidate;
   };
   std::vector<Tried> candidates() const;
@@ -89,9 +89,11 @@ std::vector<Planner::Tried> Planner::candidates() const {
   const GraspTarget target{evaluator_.query(), solid.center_of_mass_W, table_, hand_reach(gripper_),
                            reachability_};
   std::vector<Tried> all;
-  for (std::size_t i = 0; i < options_.generators.size(); ++i) {
-    const auto generator = make_generator(options_.generators[i], options_.candidates);
-    for (const Candidate& candidate : generator->generate(target)) all.push_back({i, candidate});
+  for (const Candidate& candidate : options_.given_W) all.push_back({kGiven, candidate});
+  if (!all.empty()) return all;
+  for (const std::string& name : options_.generators) {
+    const auto generator = make_generator(name, options_.candidates);
+    for (const Candidate& candidate : generator->generate(target)) all.push_back({name, candidate});
   }
   return all;
 }
@@ -129,7 +131,7 @@ void Planner::assess_surface(EvaluatedGrasp* evaluated) const {
 }
 
 void Planner::examine(const Tried& tried, std::size_t order, Ledger* ledger) {
-  const std::string& generator = options_.generators[tried.generator];
+  const std::string& generator = tried.generator;
   if (reachability_.reaches_direction(tried.candidate.approach_W)) {
     narrowest_ = std::min(narrowest_, tried.candidate.outline_width);
   }
@@ -224,7 +226,7 @@ GraspPlanResult Planner::plan(const std::vector<GraspEvaluator>& alternatives) {
   for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
     out_of_time = out_of_time || time_is_up();
     if (out_of_time) {
-      ledger.reject(reason::kNoTime, options_.generators[tried[at].generator]);
+      ledger.reject(reason::kNoTime, tried[at].generator);
     } else {
       examine(tried[at], at, &ledger);
     }

@@ -31,6 +31,9 @@ struct ScoreWeights {
 struct PlannerOptions {
   std::vector<std::string> generators{"circles"};  // of generator_names(), at least one
   GeneratorOptions candidates;
+  /// Poses to try instead of what the generators make, if there are any; "given" is their
+  /// generator's name then.
+  std::vector<Candidate> given_W;
   ClosingOptions closing;
   int cone_edges = 8;  // >= 3, of the linearised friction cones
   CollisionOptions collision;

@@ -98,4 +98,34 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   return model;
 }
 
+ObjectModel model_of_mesh(geometry::TriangleMesh mesh_W, const ConvexPiecesOptions& options) {
+  ObjectModel model;
+  model.mesh_W = std::move(mesh_W);
+  model.defects = geometry::find_defects(model.mesh_W);
+  if (model.defects.watertight()) {
+    model.convex_pieces_W = convex_pieces(model.mesh_W, options).pieces;
+  } else {
+    model.convex_pieces_W = {geometry::convex_hull(model.mesh_W.vertices)};
+  }
+  model.mass_properties = geometry::mass_properties(
+      model.defects.watertight() ? model.mesh_W : model.convex_pieces_W.front());
+  if (!(model.mass_properties.volume > 0)) {
+    throw geometry::InputError("The mesh has no volume (" + model.defects.to_string() + ")",
+                               "Give a closed mesh with its triangles outwards");
+  }
+  return model;
+}
+
+ObjectModel moved(const ObjectModel& model_O, const geometry::RigidTransform& X_WO) {
+  ObjectModel model = model_O;
+  model.mesh_W = geometry::transformed(model_O.mesh_W, X_WO);
+  for (auto& piece : model.convex_pieces_W) piece = geometry::transformed(piece, X_WO);
+  for (auto& mesh : model.alternatives_W) mesh = geometry::transformed(mesh, X_WO);
+  geometry::MassProperties& mass = model.mass_properties;
+  mass.center_of_mass = X_WO * mass.center_of_mass;
+  mass.unit_density_inertia =
+      X_WO.linear() * mass.unit_density_inertia * X_WO.linear().transpose();
+  return model;
+}
+
 }  // namespace prehend::surface

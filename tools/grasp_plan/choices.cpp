@@ -55,6 +55,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--rows", choices.rows, "grasps to list at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command.add_option("--database", choices.database,
+                     "file of grasps of known meshes: those of this mesh and hand are tried first, "
+                     "and what is found is added (prehend grasps lists them)");
+  command.add_option("--known", choices.known,
+                     "folder of meshes: when the object of a cloud is one of them, its mesh is "
+                     "planned on instead of a predicted one");
   command.add_option("--config", choices.config, "folder with robots/")->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");
   command.add_flag("--json", choices.json, "print JSON for programs");

@@ -26,6 +26,8 @@ struct PlanChoices {
   std::uint64_t seed = 1;
   int rows = 10;
   std::string config = "config";
+  std::string database;
+  std::string known;
   std::string out;
   bool json = false;
 };

@@ -4,8 +4,7 @@
 #include <filesystem>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/grasp/hand_planner.h"
-#include "prehend/grasp/planner.h"
+#include "prehend/grasp/grasp_memory.h"
 
 namespace prehend::tools {
 namespace {
@@ -49,6 +48,13 @@ grasp::Reachability reachability_of(const PlanChoices& choices) {
   return reachability;
 }
 
+// Grasps of a predicted shape are of no use again.
+std::optional<grasp::GraspDatabase> database_of(const PlanChoices& choices,
+                                                const PlanTarget& target) {
+  if (choices.database.empty() || !target.known) return std::nullopt;
+  return grasp::GraspDatabase(choices.database);
+}
+
 void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned* planned) {
   grasp::PlannerOptions options;
   if (!choices.generators.empty()) options.generators = choices.generators;
@@ -57,8 +63,15 @@ void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned*
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   const auto gripper =
       robot::read_gripper_model(fs::path(choices.config) / "robots" / "pg70_dsa.yaml");
-  const auto plan = grasp::plan_grasps(target.object, target.table_W, obstacles_of(target), gripper,
-                                       reachability_of(choices), options);
+  const auto obstacles = obstacles_of(target);
+  const auto reachability = reachability_of(choices);
+  auto database = database_of(choices, target);
+  const auto plan =
+      database ? grasp::plan_grasps_with_memory(*database, *target.known, target.object,
+                                                target.table_W, obstacles, gripper, reachability,
+                                                options, &planned->remembered)
+               : grasp::plan_grasps(target.object, target.table_W, obstacles, gripper, reachability,
+                                    options);
   planned->rejections = plan.rejections;
   planned->candidates = plan.candidates;
   planned->problem = plan.problem;
@@ -88,9 +101,16 @@ void plan_fingers(const PlanChoices& choices, const PlanTarget& target, Planned*
   options.density = choices.density;
   options.budget = choices.budget;
   options.candidates.seed = choices.seed;
+  const auto obstacles = obstacles_of(target);
+  const auto reachability = reachability_of(choices);
+  const grasp::HandToClose hand(planned->hand);
+  auto database = database_of(choices, target);
   const auto plan =
-      grasp::plan_hand_grasps(target.object, target.table_W, obstacles_of(target),
-                              grasp::HandToClose(planned->hand), reachability_of(choices), options);
+      database ? grasp::plan_hand_grasps_with_memory(*database, *target.known, target.object,
+                                                     target.table_W, obstacles, hand, reachability,
+                                                     options, &planned->remembered)
+               : grasp::plan_hand_grasps(target.object, target.table_W, obstacles, hand,
+                                         reachability, options);
   planned->rejections = plan.rejections;
   planned->candidates = plan.candidates;
   planned->problem = plan.problem;

@@ -120,7 +120,23 @@ bool succeeded(const Planned& planned) {
   return planned.problem.empty() && (!planned.arm || planned.arm->motion.found());
 }
 
-void print_json(const PlanTarget& target, const Planned& planned) {
+// What was assumed, and where the grasps come from.
+std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& target,
+                                  const Planned& planned) {
+  std::vector<std::string> notes = target.notes;
+  if (!choices.database.empty()) {
+    const int stored = planned.remembered.stored;
+    notes.push_back(!target.known ? "the object is not known: the database is not used"
+                    : planned.remembered.reused
+                        ? fmt::format("grasps from {} of {}", stored, choices.database)
+                    : stored == 0 ? "added to " + choices.database
+                                  : fmt::format("none of {} grasps of {} serves here: planned anew",
+                                                stored, choices.database));
+  }
+  return notes;
+}
+
+void print_json(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
   for (const PlannedGrasp& g : planned.grasps) {
     const Eigen::Quaterniond q(g.pose.X_WG.linear());
@@ -152,8 +168,11 @@ void print_json(const PlanTarget& target, const Planned& planned) {
                    .set("nearest_miss", r.nearest_miss));
   }
   for (const auto& [name, seconds] : all_times(target, planned)) times.set(name, seconds);
+  Json notes = Json::array();
+  for (const auto& note : notes_of(choices, target, planned)) notes.add(note);
   Json result = Json::object();
   result.set("candidates", planned.candidates)
+      .set("notes", notes)
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
       .set("grasps", grasps)
       .set("ledger", ledger)
@@ -228,8 +247,8 @@ geometry::ColorImage picture(const std::vector<report::ColoredMesh>& meshes, dou
 }  // namespace
 
 void print_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
-  if (choices.json) return print_json(target, planned);
-  for (const auto& note : target.notes) std::printf("note: %s\n", note.c_str());
+  if (choices.json) return print_json(choices, target, planned);
+  for (const auto& note : notes_of(choices, target, planned)) std::printf("note: %s\n", note.c_str());
   print_rows(kGraspHeader, grasp_rows(choices, planned));
   print_rows(kLedgerHeader, ledger_rows(planned));
   if (planned.arm) {
@@ -243,7 +262,7 @@ void print_plan(const PlanChoices& choices, const PlanTarget& target, const Plan
 void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   report::Page page("Grasps of " + std::filesystem::path(choices.file).filename().string());
   page.add_verdict(verdict(planned), succeeded(planned));
-  for (const auto& note : target.notes) page.add_paragraph(note);
+  for (const auto& note : notes_of(choices, target, planned)) page.add_paragraph(note);
   if (planned.arm && planned.arm->motion.found()) {
     std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}},
                                             arm_mesh(planned)};

@@ -12,8 +12,8 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/perception/recorded_cloud.h"
+#include "prehend/planning/known_models.h"
 #include "prehend/shape/symmetry.h"
-#include "prehend/surface/convex_pieces.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::tools {
@@ -44,25 +44,44 @@ bool is_mesh(const fs::path& file) {
 PlanTarget of_mesh(const PlanChoices& choices) {
   PlanTarget target;
   auto start = steady_clock::now();
-  target.object.mesh_W = geometry::read_mesh_file(choices.file, choices.scale);
+  geometry::TriangleMesh mesh = geometry::read_mesh_file(choices.file, choices.scale);
+  grasp::PlacedObject known{"", fs::path(choices.file).stem().string(),
+                            geometry::RigidTransform::Identity()};
+  if (!choices.database.empty()) known.hash = grasp::content_hash(mesh);
   if (!choices.in_place) {
-    const Eigen::AlignedBox3d box = geometry::bounds(target.object.mesh_W);
-    const Eigen::Vector3d p(-box.center().x(), -box.center().y(), -box.min().z());
-    target.object.mesh_W = geometry::transformed(
-        target.object.mesh_W, geometry::make_transform(Eigen::Quaterniond::Identity(), p));
+    const Eigen::AlignedBox3d box = geometry::bounds(mesh);
+    known.X_WO.translation() = Eigen::Vector3d(-box.center().x(), -box.center().y(), -box.min().z());
+    mesh = geometry::transformed(mesh, known.X_WO);
   }
+  target.known = known;
   target.times.emplace_back("read", since(start));
   start = steady_clock::now();
-  target.object.defects = geometry::find_defects(target.object.mesh_W);
-  if (target.object.defects.watertight()) {
-    target.object.convex_pieces_W = surface::convex_pieces(target.object.mesh_W).pieces;
-  } else {
+  target.object = surface::model_of_mesh(std::move(mesh));
+  if (!target.object.defects.watertight()) {
     target.notes.push_back("the mesh is not closed (" + target.object.defects.to_string() +
                            "): its convex hull gives weight and collisions");
-    target.object.convex_pieces_W = {geometry::convex_hull(target.object.mesh_W.vertices)};
   }
   target.times.emplace_back("convex pieces", since(start));
   return target;
+}
+
+// Whether the object is one of the folder's; says so either way.
+bool take_known(const PlanChoices& choices, const perception::SegmentedScene& scene,
+                const perception::ObjectHypothesis& seen, PlanTarget* target) {
+  const planning::KnownModels models(choices.known);
+  planning::KnownModels::Found found = models.recognise(scene, seen);
+  const grasp::Recognition& best = found.best;
+  if (!best.accepted) {
+    target->notes.push_back(fmt::format("it is none of the {} known objects; the nearest is {}: {}",
+                                        models.size(), best.name, best.reason));
+    return false;
+  }
+  target->notes.push_back(
+      fmt::format("it is the known object {}: {:.0f} % of the seen points are on its surface",
+                  best.name, 100 * best.explained));
+  target->known = {best.hash, best.name, best.X_WO};
+  target->object = std::move(found.model_W);
+  return true;
 }
 
 PlanTarget of_cloud(const PlanChoices& choices) {
@@ -85,6 +104,12 @@ PlanTarget of_cloud(const PlanChoices& choices) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
     start = steady_clock::now();
     try {
+      if (i == choices.object && !choices.known.empty()) {
+        const bool known = take_known(choices, scene, seen, &target);
+        target.times.emplace_back("recognition", since(start));
+        if (known) continue;
+        start = steady_clock::now();
+      }
       shape::CompletionOptions completion;
       if (i == choices.object) completion.alternatives = choices.alternatives;
       const shape::CompletedShape shape = shape::complete_by_symmetry(

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "prehend/geometry/plane.h"
+#include "prehend/grasp/grasp_memory.h"
 #include "prehend/surface/object_model.h"
 #include "tools/grasp_plan/choices.h"
 
@@ -17,6 +19,7 @@ struct PlanTarget {
   surface::ObjectModel object;
   std::vector<std::vector<geometry::TriangleMesh>> neighbours_W;  // convex pieces of each
   geometry::Plane table_W;
+  std::optional<grasp::PlacedObject> known;  // a mesh that was given or found, not predicted
   std::vector<std::string> notes;  // what was assumed, in words
   StageTimes times;
 };
