@@ -174,8 +174,9 @@ class GraspPlanning {
                                                     batch_.add(model.shared(), steady_clock::now());
                                                     plan_ready();
                                                   })),
-        results_(node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
-                                                   [this](const auto& result) { record(*result); })),
+        results_(
+            node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
+                                              [this](const auto& result) { record(*result); })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
     options_.validate();
   }

@@ -38,6 +38,7 @@ msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double m
   message.set_score(grasp.score);
   message.set_generator(grasp.generator);
   message.set_preshape(grasp.preshape);
+  message.set_robustness(grasp.robustness);
   message.set_guessed_contact(grasp.guessed_contact);
   message.set_remark(grasp.remark);
   message.mutable_predicted()->set_lifted_mass(mass);
@@ -73,10 +74,11 @@ msgs::ArmSegment PlatformPlanning::to_message(const motion::PickSegment& segment
   return message;
 }
 
-msgs::GraspPlan PlatformPlanning::plan(
-    const surface::ObjectModel& object, const geometry::Plane& table_W,
-    const std::vector<geometry::TriangleMesh>& obstacles_W, grasp::GraspDatabase* database,
-    const std::optional<grasp::PlacedObject>& known) const {
+msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
+                                       const geometry::Plane& table_W,
+                                       const std::vector<geometry::TriangleMesh>& obstacles_W,
+                                       grasp::GraspDatabase* database,
+                                       const std::optional<grasp::PlacedObject>& known) const {
   grasp::Obstacles obstacles;
   obstacles.meshes_W = obstacles_W;
   const grasp::HandPlan plan =

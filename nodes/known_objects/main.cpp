@@ -26,13 +26,13 @@ constexpr std::size_t kMostViews = 4;     // of which the answers are kept
 planning::KnownModels declare_models(graph::Node& node) {
   grasp::RecognitionOptions options;
   const auto folder = node.declare_parameter<std::string>(
-      {.name = "models",
-       .description = "folder of the known objects' meshes (.ply, .obj, .stl)"});
-  const auto scale = node.declare_parameter<double>({.name = "scale",
-                                                     .default_value = 1.0,
-                                                     .minimum = 1e-6,
-                                                     .maximum = 1e3,
-                                                     .description = "metres per unit of the files"});
+      {.name = "models", .description = "folder of the known objects' meshes (.ply, .obj, .stl)"});
+  const auto scale =
+      node.declare_parameter<double>({.name = "scale",
+                                      .default_value = 1.0,
+                                      .minimum = 1e-6,
+                                      .maximum = 1e3,
+                                      .description = "metres per unit of the files"});
   options.tolerance = node.declare_parameter<double>(
       {.name = "tolerance",
        .default_value = options.tolerance,
@@ -115,9 +115,9 @@ class KnownObjects {
     } catch (const std::exception& error) {
       problem = std::string("; objects are damaged: ") + error.what();
     }
-    node_.report(problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
-                 fmt::format("{} of {} objects are known{}", known, message.objects_size(),
-                             problem));
+    node_.report(
+        problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
+        fmt::format("{} of {} objects are known{}", known, message.objects_size(), problem));
   }
 
   // Publishes every model whose view was looked at, or has not come in time.
@@ -164,7 +164,7 @@ class KnownObjects {
 
   graph::Node& node_;
   planning::KnownModels models_;
-  double patience_;  // s
+  double patience_;                          // s
   std::map<std::int64_t, Answers> answers_;  // by the view's stamp
   std::deque<Waiting> waiting_;
   graph::Publisher<msgs::ObjectModel> publisher_;

@@ -28,9 +28,8 @@ const StoredGrasp& nearest(const std::vector<StoredGrasp>& stored, const RigidTr
     return std::pair((grasp.X_OG.translation() - X_OG.translation()).norm(),
                      angle_between(grasp.X_OG, X_OG));
   };
-  return *std::min_element(stored.begin(), stored.end(), [&](const auto& a, const auto& b) {
-    return key(a) < key(b);
-  });
+  return *std::min_element(stored.begin(), stored.end(),
+                           [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
 Candidate candidate_at(const RigidTransform& X_WG) {

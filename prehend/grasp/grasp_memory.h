@@ -26,8 +26,8 @@ struct Remembered {
 /// plan_grasps() with a memory: the grasps that `database` has of the object are the only
 /// candidates (each is tested for reach, collisions and hold as every candidate, so poses that do
 /// not serve here fall away), their scores times (successes + 1) / (attempts + 1) of what was
-/// executed. When there are none, or none serves here, all candidates are tried and the grasps found
-/// are added to the database, but for those within 5 mm and 0.1 rad of one that it has.
+/// executed. When there are none, or none serves here, all candidates are tried and the grasps
+/// found are added to the database, but for those within 5 mm and 0.1 rad of one that it has.
 /// @throws as plan_grasps() and GraspDatabase.
 GraspPlanResult plan_grasps_with_memory(GraspDatabase& database, const PlacedObject& placed,
                                         const surface::ObjectModel& object,

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -58,6 +59,10 @@ class Planner {
         reachability_(reachability),
         options_(options),
         disturbances_(disturbances(options.uncertainty)) {
+    for (const auto& mesh_W : object.alternatives_W) {
+      alternatives_.emplace_back(make_solid(mesh_W, options.density), table, Obstacles{}, hand,
+                                 reachability, options);
+    }
     for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
     if (options.preshapes.empty()) {
       for (const auto& preshape : hand.hand->preshapes) preshapes_.push_back(&preshape);
@@ -74,6 +79,7 @@ class Planner {
 
   const surface::ObjectModel& object_;
   HandEvaluator evaluator_;
+  std::deque<HandEvaluator> alternatives_;  // other shapes that the object may have
   geometry::Plane table_;
   const HandToClose& hand_;
   const Reachability& reachability_;
@@ -132,8 +138,11 @@ void Planner::assess_surface(HandGrasp* grasp) const {
 double Planner::robustness(const HandGrasp& grasp) const {
   const RigidTransform X_GH = grasp.X_WG.inverse() * grasp.X_WH;
   int held = 0;
-  for (const Disturbance& one : disturbances_) {
-    held += evaluator_.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction) ? 1 : 0;
+  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
+    const Disturbance& one = disturbances_[i];
+    const std::size_t shape = i % (alternatives_.size() + 1);
+    const HandEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives_[shape - 1];
+    held += evaluator.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction) ? 1 : 0;
   }
   return static_cast<double>(held) / static_cast<double>(disturbances_.size());
 }

@@ -104,7 +104,8 @@ HandReach hand_reach(const HandToClose& hand, const robot::Preshape& preshape);
 /// fingers touch without the table or each other in between, what is force-closed with soft fingers
 /// (wrench_hull()), and what the motors can hold against gravity and the lift's acceleration with
 /// the safety factor (hold()). Whatever is refused is counted with its reason and nearest miss.
-/// Contacts on surface that nobody saw are told in the remark.
+/// Contacts on surface that nobody saw are told in the remark. The best are closed again in
+/// disturbed poses, with other friction, and on `object.alternatives_W`, as by plan_grasps().
 ///
 /// Reentrant. Same input, same result, bit by bit, unless there is a budget.
 /// @throws geometry::InputError for a mesh without triangles or volume, with NaN or bad indices, or

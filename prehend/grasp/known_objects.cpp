@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/grasp_database.h"
 #include "prehend/geometry/surface_samples.h"
 #include "prehend/grasp/registration.h"
 
@@ -275,16 +276,6 @@ std::vector<Recognition> KnownObjects::recognise(const SeenObject& seen) const {
                      return a.fitness() > b.fitness();
                    });
   return recognitions;
-}
-
-std::vector<PlacedGrasp> stored_grasps_of(const GraspDatabase& database, const std::string& hand,
-                                          const Recognition& recognition) {
-  std::vector<PlacedGrasp> placed;
-  if (!recognition.accepted) return placed;
-  for (const StoredGrasp& grasp : database.grasps(hand, recognition.hash)) {
-    placed.push_back({recognition.X_WO * grasp.X_OG, grasp});
-  }
-  return placed;
 }
 
 }  // namespace prehend::grasp

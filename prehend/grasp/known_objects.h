@@ -12,7 +12,6 @@
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
-#include "prehend/grasp/grasp_database.h"
 
 namespace prehend::grasp {
 
@@ -60,12 +59,6 @@ struct Recognition {
   double fitness() const { return explained - violated; }
 };
 
-/// A stored grasp, where the object stands.
-struct PlacedGrasp {
-  geometry::RigidTransform X_WG = geometry::RigidTransform::Identity();
-  StoredGrasp stored;
-};
-
 /// Models of objects, to be found again in what a camera sees.
 ///
 /// Seen points and points of the models are described by fast point feature histograms (Rusu,
@@ -101,11 +94,5 @@ class KnownObjects {
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// The grasps that the database has of a recognised object with this hand, in the world, best
-/// score first: to be filtered by reach and collision as any candidates. Empty when it was not
-/// accepted.
-std::vector<PlacedGrasp> stored_grasps_of(const GraspDatabase& database, const std::string& hand,
-                                          const Recognition& recognition);
 
 }  // namespace prehend::grasp

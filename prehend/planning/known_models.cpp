@@ -5,6 +5,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
+#include "prehend/grasp/grasp_database.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::planning {
@@ -42,9 +43,9 @@ KnownModels::KnownModels(const fs::path& folder, double scale,
       std::string hash = grasp::content_hash(mesh_O);
       models_.push_back({std::move(hash), surface::model_of_mesh(std::move(mesh_O))});
     } catch (const std::exception& problem) {
-      throw geometry::InputError("'" + file.string() + "' is no object that can be known: " +
-                                     problem.what(),
-                                 "Mend the file, or take it out of the folder");
+      throw geometry::InputError(
+          "'" + file.string() + "' cannot be a known object: " + problem.what(),
+          "Or take it out of the folder");
     }
   }
 }

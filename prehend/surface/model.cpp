@@ -123,8 +123,7 @@ ObjectModel moved(const ObjectModel& model_O, const geometry::RigidTransform& X_
   for (auto& mesh : model.alternatives_W) mesh = geometry::transformed(mesh, X_WO);
   geometry::MassProperties& mass = model.mass_properties;
   mass.center_of_mass = X_WO * mass.center_of_mass;
-  mass.unit_density_inertia =
-      X_WO.linear() * mass.unit_density_inertia * X_WO.linear().transpose();
+  mass.unit_density_inertia = X_WO.linear() * mass.unit_density_inertia * X_WO.linear().transpose();
   return model;
 }
 

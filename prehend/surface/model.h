@@ -38,8 +38,8 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);
 
-/// The solid of a mesh that is known, not predicted: convex pieces and mass properties, those of its
-/// convex hull where it is not closed (`defects` says so); nothing of its surface is guessed.
+/// The solid of a mesh that is known, not predicted: convex pieces and mass properties, those of
+/// its convex hull where it is not closed (`defects` says so); nothing of its surface is guessed.
 /// @throws geometry::InputError for a mesh without volume.
 ObjectModel model_of_mesh(geometry::TriangleMesh mesh_W, const ConvexPiecesOptions& options = {});
 

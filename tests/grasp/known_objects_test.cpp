@@ -4,19 +4,18 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <random>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/surface_samples.h"
+#include "tests/grasp/seen_object.h"
 
 namespace prehend::grasp {
 namespace {
@@ -24,68 +23,6 @@ namespace {
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
 using ::testing::HasSubstr;
-
-constexpr double kNoise = 0.0008;  // m, standard deviation of a depth
-
-TriangleMesh moved(const TriangleMesh& mesh, const Eigen::Vector3d& by) {
-  RigidTransform X = RigidTransform::Identity();
-  X.translation() = by;
-  return geometry::transformed(mesh, X);
-}
-
-// An angle iron, 120 mm long.
-TriangleMesh angle_iron() {
-  return geometry::concatenated({moved(geometry::make_box({0.12, 0.06, 0.02}), {0, 0, 0.01}),
-                                 moved(geometry::make_box({0.12, 0.02, 0.06}), {0, -0.02, 0.05})});
-}
-
-TriangleMesh bottle() {
-  return geometry::make_revolution(
-      {{0.03, 0}, {0.035, 0.01}, {0.035, 0.10}, {0.012, 0.14}, {0.012, 0.17}});
-}
-
-TriangleMesh carton() { return geometry::make_box({0.06, 0.09, 0.14}); }
-TriangleMesh tall_carton() { return geometry::make_box({0.06, 0.09, 0.22}); }
-TriangleMesh flat_carton() { return geometry::make_box({0.06, 0.09, 0.04}); }
-TriangleMesh can() { return geometry::make_revolution({{0.033, 0}, {0.033, 0.1}}); }
-
-// Stands on the table z = 0 with its lowest point.
-RigidTransform standing(const TriangleMesh& mesh, double yaw, const Eigen::Vector2d& at) {
-  RigidTransform X_WO = RigidTransform::Identity();
-  X_WO.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  X_WO.translation() << at, -geometry::bounds(mesh).min().z();
-  return X_WO;
-}
-
-// The object on a table as a depth camera at `eye_W` sees it.
-SeenObject view_of(const TriangleMesh& mesh_O, const RigidTransform& X_WO,
-                   const Eigen::Vector3d& eye_W, std::uint64_t seed = 1) {
-  SeenObject seen;
-  seen.camera = {320, 240, 420, 420, 159.5, 119.5};
-  seen.X_WC = geometry::look_at(eye_W, X_WO * geometry::bounds(mesh_O).center());
-  seen.depth = geometry::DepthImage(320, 240, std::numeric_limits<float>::quiet_NaN());
-  seen.table_W = geometry::Plane{};
-  const geometry::MeshQuery object_W(geometry::transformed(mesh_O, X_WO));
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise(0, kNoise);
-  for (int v = 0; v < seen.camera.height; ++v) {
-    for (int u = 0; u < seen.camera.width; ++u) {
-      const Eigen::Vector3d ray_C = seen.camera.unproject(u, v, 1);
-      const Eigen::Vector3d ray_W = seen.X_WC.linear() * ray_C.normalized();
-      const auto hit = object_W.cast_ray(eye_W, ray_W);
-      const double to_table = ray_W.z() < 0 ? -eye_W.z() / ray_W.z() : 1e9;
-      const bool is_object = hit && hit->distance < to_table;
-      const double distance = is_object ? hit->distance : to_table;
-      if (distance > 5) continue;
-      const double z = distance / ray_C.norm() + noise(random);
-      seen.depth.at(u, v) = static_cast<float>(z);
-      if (!is_object) continue;
-      const Eigen::Vector3d p_W = seen.X_WC * seen.camera.unproject(u, v, z);
-      seen.cloud_W.points.push_back(p_W.cast<float>());
-    }
-  }
-  return seen;
-}
 
 // Mean distance of the model, where it was found, from where it is: symmetric objects have more
 // than one right pose.
@@ -211,32 +148,6 @@ TEST(KnownObjects, WhatIsHiddenByANeighbourIsNoViolation) {
   const auto found = objects.recognise(seen);
   EXPECT_TRUE(found[0].accepted) << found[0].reason;
   EXPECT_LT(misplacement(mesh, X_WO, found[0].X_WO), 0.006);
-}
-
-TEST(KnownObjects, StoredGraspsComeInTheWorld) {
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("prehend_known_" + std::to_string(::getpid()) + ".sqlite");
-  {
-    GraspDatabase database(file);
-    StoredGrasp grasp;
-    grasp.X_OG.translation() << 0.01, 0.02, 0.1;
-    grasp.joints = {0.05};
-    grasp.score = 0.7;
-    database.replace("pg70", content_hash(angle_iron()), "angle iron", {grasp});
-    const RigidTransform X_WO = standing(angle_iron(), 1.0, {0.1, 0.05});
-    KnownObjects objects;
-    objects.add("angle iron", angle_iron());
-    auto found = objects.recognise(view_of(angle_iron(), X_WO, {-0.35, -0.1, 0.4}));
-    ASSERT_TRUE(found[0].accepted) << found[0].reason;
-    const auto placed = stored_grasps_of(database, "pg70", found[0]);
-    ASSERT_EQ(placed.size(), 1u);
-    EXPECT_LT((placed[0].X_WG.translation() - X_WO * grasp.X_OG.translation()).norm(), 0.006);
-    EXPECT_EQ(placed[0].stored.score, 0.7);
-    EXPECT_TRUE(stored_grasps_of(database, "sdh", found[0]).empty());
-    found[0].accepted = false;
-    EXPECT_TRUE(stored_grasps_of(database, "pg70", found[0]).empty());
-  }
-  for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(file.string() + end);
 }
 
 TEST(KnownObjects, BadInputIsRefusedInWords) {

@@ -76,6 +76,27 @@ TEST_F(Plan, PrintsJsonForPrograms) {
   EXPECT_GT(parsed.fields().at("seconds").struct_value().fields().at("grasps").number_value(), 0);
 }
 
+TEST_F(Plan, RemembersGraspsOfAMeshAndListsThem) {
+  const std::string mesh = box({0.04, 0.05, 0.1}), database = folder_.path("grasps.db");
+  EXPECT_THAT(run({mesh, "--approach", "down", "--database", database}), HasSubstr("added to"));
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(run({mesh, "--approach", "down", "--database", database}),
+              AllOf(HasSubstr("grasps from"), HasSubstr("given")));
+  const auto grasps = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"grasps", database});
+    ChildProgram program("prehend", words, folder_.path("output"));
+    exit_code_ = program.wait(std::chrono::seconds(60)).value_or(-1);
+    return program.output();
+  };
+  EXPECT_THAT(grasps({}), AllOf(HasSubstr("box"), HasSubstr("pg70_dsa"), HasSubstr("EXECUTED")));
+  EXPECT_THAT(grasps({"--csv"}), AllOf(HasSubstr("successes"), HasSubstr("pg70_dsa")));
+  EXPECT_THAT(grasps({"--forget", "bottle"}), HasSubstr("no object 'bottle'"));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(grasps({"--forget", "box"}), HasSubstr("forgot 1"));
+  EXPECT_THAT(grasps({"--json"}), ::testing::Not(HasSubstr("pg70_dsa")));
+  EXPECT_EQ(exit_code_, 0);
+}
+
 TEST_F(Plan, NamesWhatIsWrong) {
   EXPECT_THAT(run({"no_such.ply"}), HasSubstr("no_such.ply"));
   EXPECT_EQ(exit_code_, 1);
@@ -83,6 +104,9 @@ TEST_F(Plan, NamesWhatIsWrong) {
               AllOf(HasSubstr("no platform"), HasSubstr("pa10 with bh8")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--generators", "antipodel"}), HasSubstr("antipodal"));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--database", folder_.path("no/where.db")}),
+              HasSubstr("where.db"));
   EXPECT_EQ(exit_code_, 1);
   const std::string text = folder_.write("text.ply", "no mesh\n");
   EXPECT_THAT(run({text}), HasSubstr("text.ply"));

@@ -66,12 +66,11 @@ void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned*
   const auto obstacles = obstacles_of(target);
   const auto reachability = reachability_of(choices);
   auto database = database_of(choices, target);
-  const auto plan =
-      database ? grasp::plan_grasps_with_memory(*database, *target.known, target.object,
-                                                target.table_W, obstacles, gripper, reachability,
-                                                options, &planned->remembered)
-               : grasp::plan_grasps(target.object, target.table_W, obstacles, gripper, reachability,
-                                    options);
+  const auto plan = database ? grasp::plan_grasps_with_memory(
+                                   *database, *target.known, target.object, target.table_W,
+                                   obstacles, gripper, reachability, options, &planned->remembered)
+                             : grasp::plan_grasps(target.object, target.table_W, obstacles, gripper,
+                                                  reachability, options);
   planned->rejections = plan.rejections;
   planned->candidates = plan.candidates;
   planned->problem = plan.problem;
@@ -105,12 +104,11 @@ void plan_fingers(const PlanChoices& choices, const PlanTarget& target, Planned*
   const auto reachability = reachability_of(choices);
   const grasp::HandToClose hand(planned->hand);
   auto database = database_of(choices, target);
-  const auto plan =
-      database ? grasp::plan_hand_grasps_with_memory(*database, *target.known, target.object,
-                                                     target.table_W, obstacles, hand, reachability,
-                                                     options, &planned->remembered)
-               : grasp::plan_hand_grasps(target.object, target.table_W, obstacles, hand,
-                                         reachability, options);
+  const auto plan = database ? grasp::plan_hand_grasps_with_memory(
+                                   *database, *target.known, target.object, target.table_W,
+                                   obstacles, hand, reachability, options, &planned->remembered)
+                             : grasp::plan_hand_grasps(target.object, target.table_W, obstacles,
+                                                       hand, reachability, options);
   planned->rejections = plan.rejections;
   planned->candidates = plan.candidates;
   planned->problem = plan.problem;
@@ -120,6 +118,7 @@ void plan_fingers(const PlanChoices& choices, const PlanTarget& target, Planned*
     one.all = grasp.closed_all;
     one.score = grasp.score;
     one.quality = grasp.quality;
+    one.robustness = grasp.robustness;
     one.effort = grasp.effort;
     one.generator = grasp.generator;
     one.remark = grasp.remark;

@@ -28,7 +28,7 @@ struct Planned {
   std::vector<PlannedGrasp> grasps;  // best first
   std::vector<grasp::Rejection> rejections;
   int candidates = 0;
-  std::string problem;  // why there is no grasp
+  std::string problem;           // why there is no grasp
   grasp::Remembered remembered;  // what the database had to do with it
   std::optional<planning::PlatformPick> arm;
   StageTimes times;

@@ -248,7 +248,8 @@ geometry::ColorImage picture(const std::vector<report::ColoredMesh>& meshes, dou
 
 void print_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   if (choices.json) return print_json(choices, target, planned);
-  for (const auto& note : notes_of(choices, target, planned)) std::printf("note: %s\n", note.c_str());
+  for (const auto& note : notes_of(choices, target, planned))
+    std::printf("note: %s\n", note.c_str());
   print_rows(kGraspHeader, grasp_rows(choices, planned));
   print_rows(kLedgerHeader, ledger_rows(planned));
   if (planned.arm) {

@@ -50,7 +50,8 @@ PlanTarget of_mesh(const PlanChoices& choices) {
   if (!choices.database.empty()) known.hash = grasp::content_hash(mesh);
   if (!choices.in_place) {
     const Eigen::AlignedBox3d box = geometry::bounds(mesh);
-    known.X_WO.translation() = Eigen::Vector3d(-box.center().x(), -box.center().y(), -box.min().z());
+    known.X_WO.translation() =
+        Eigen::Vector3d(-box.center().x(), -box.center().y(), -box.min().z());
     mesh = geometry::transformed(mesh, known.X_WO);
   }
   target.known = known;
@@ -124,8 +125,9 @@ PlanTarget of_cloud(const PlanChoices& choices) {
       target.object = surface::make_object_model(shape, scene.table_W);
       target.times.emplace_back("mesh and convex pieces", since(start));
       if (!target.object.alternatives_W.empty()) {
-        target.notes.push_back(fmt::format("{} other shapes, by other planes of symmetry, are tried",
-                                           target.object.alternatives_W.size()));
+        target.notes.push_back(
+            fmt::format("{} other shapes, by other planes of symmetry, are tried",
+                        target.object.alternatives_W.size()));
       }
     } catch (const geometry::InputError& error) {
       if (i == choices.object) throw;

@@ -20,7 +20,7 @@ struct PlanTarget {
   std::vector<std::vector<geometry::TriangleMesh>> neighbours_W;  // convex pieces of each
   geometry::Plane table_W;
   std::optional<grasp::PlacedObject> known;  // a mesh that was given or found, not predicted
-  std::vector<std::string> notes;  // what was assumed, in words
+  std::vector<std::string> notes;            // what was assumed, in words
   StageTimes times;
 };
 
