@@ -59,10 +59,6 @@ class Planner {
         reachability_(reachability),
         options_(options),
         disturbances_(disturbances(options.uncertainty)) {
-    for (const auto& mesh_W : object.alternatives_W) {
-      alternatives_.emplace_back(make_solid(mesh_W, options.density), table, Obstacles{}, hand,
-                                 reachability, options);
-    }
     for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
     if (options.preshapes.empty()) {
       for (const auto& preshape : hand.hand->preshapes) preshapes_.push_back(&preshape);
@@ -73,13 +69,12 @@ class Planner {
 
  private:
   std::vector<Tried> candidates() const;
-  double robustness(const HandGrasp& grasp) const;
+  double robustness(const HandGrasp& grasp, const std::deque<HandEvaluator>& alternatives) const;
   void assess_surface(HandGrasp* grasp) const;
   std::string problem(const HandPlan& result, const Ledger& ledger) const;
 
   const surface::ObjectModel& object_;
   HandEvaluator evaluator_;
-  std::deque<HandEvaluator> alternatives_;  // other shapes that the object may have
   geometry::Plane table_;
   const HandToClose& hand_;
   const Reachability& reachability_;
@@ -135,13 +130,14 @@ void Planner::assess_surface(HandGrasp* grasp) const {
   }
 }
 
-double Planner::robustness(const HandGrasp& grasp) const {
+double Planner::robustness(const HandGrasp& grasp,
+                           const std::deque<HandEvaluator>& alternatives) const {
   const RigidTransform X_GH = grasp.X_WG.inverse() * grasp.X_WH;
   int held = 0;
   for (std::size_t i = 0; i < disturbances_.size(); ++i) {
     const Disturbance& one = disturbances_[i];
-    const std::size_t shape = i % (alternatives_.size() + 1);
-    const HandEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives_[shape - 1];
+    const std::size_t shape = i % (alternatives.size() + 1);
+    const HandEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
     held += evaluator.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction) ? 1 : 0;
   }
   return static_cast<double>(held) / static_cast<double>(disturbances_.size());
@@ -216,12 +212,17 @@ HandPlan Planner::plan() {
     }
   }
   std::sort(best.begin(), best.end(), better);
-  if (!disturbances_.empty()) {
+  if (!disturbances_.empty() && !best.empty()) {
+    std::deque<HandEvaluator> alternatives;
+    for (const auto& mesh_W : object_.alternatives_W) {
+      alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, hand_,
+                                reachability_, options_);
+    }
     for (std::size_t i = 0; i < best.size(); ++i) {
       // Who is assessed no more counts as if nothing held.
       HandGrasp& grasp = best[i].grasp;
       const bool assessed = static_cast<int>(i) < options_.robust_count && !time_is_up();
-      grasp.robustness = assessed ? robustness(grasp) : 0;
+      grasp.robustness = assessed ? robustness(grasp, alternatives) : 0;
       grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
     }
     std::sort(best.begin(), best.end(), better);

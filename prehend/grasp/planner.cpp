@@ -59,7 +59,7 @@ class Planner {
         options_(options),
         disturbances_(disturbances(options.uncertainty)) {}
 
-  GraspPlanResult plan(const std::vector<GraspEvaluator>& alternatives);
+  GraspPlanResult plan();
 
  private:
   struct Tried {
@@ -206,7 +206,7 @@ std::string Planner::problem(const GraspPlanResult& result, const Ledger& ledger
          fmt::format("{} ({} of {} reachable candidates)", last, ledger.count(last), reachable);
 }
 
-GraspPlanResult Planner::plan(const std::vector<GraspEvaluator>& alternatives) {
+GraspPlanResult Planner::plan() {
   const auto start = steady_clock::now();
   const auto time_is_up = [&] {
     return options_.budget > 0 &&
@@ -232,7 +232,12 @@ GraspPlanResult Planner::plan(const std::vector<GraspEvaluator>& alternatives) {
     }
   }
   keep_best(&ledger);
-  if (options_.uncertainty.samples > 0) {
+  if (options_.uncertainty.samples > 0 && !listed_.empty()) {
+    std::vector<GraspEvaluator> alternatives;
+    for (const auto& mesh_W : object_.alternatives_W) {
+      alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, gripper_,
+                                reachability_, options_);
+    }
     for (Listed& listed : listed_) {
       // Who is assessed no more counts as if nothing held.
       Grasp& grasp = listed.grasp();
@@ -280,13 +285,7 @@ GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::
                             const Obstacles& obstacles, const robot::GripperModel& gripper,
                             const Reachability& reachability, const PlannerOptions& options) {
   options.validate();
-  Planner planner(object, table, obstacles, gripper, reachability, options);
-  std::vector<GraspEvaluator> alternatives;
-  for (const auto& mesh_W : object.alternatives_W) {
-    alternatives.emplace_back(make_solid(mesh_W, options.density), table, Obstacles{}, gripper,
-                              reachability, options);
-  }
-  return planner.plan(alternatives);
+  return Planner(object, table, obstacles, gripper, reachability, options).plan();
 }
 
 }  // namespace prehend::grasp
