@@ -25,6 +25,7 @@ PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform, const 
       options_(std::move(grasps)),
       arm_options_(std::move(arm)),
       motions_(motions) {
+  options_.reaches = planning::arm_reach(platform_);
   options_.validate();
 }
 
@@ -36,6 +37,7 @@ msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double m
   message.set_pregrasp_distance(grasp.pregrasp_distance);
   message.set_quality(grasp.quality);
   message.set_score(grasp.score);
+  message.set_robustness(std::max(0.0, grasp.robustness));
   message.set_generator(grasp.generator);
   message.set_preshape(grasp.preshape);
   message.set_robustness(grasp.robustness);

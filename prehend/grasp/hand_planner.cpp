@@ -38,10 +38,12 @@ struct Listed {
   std::size_t order = 0;  // of the candidate
 };
 
-// Different standoffs that the same contact ends are one grasp.
+// Different standoffs that the same contact ends are one grasp, and so are preshapes that close to
+// the same.
 bool same(const HandGrasp& a, const HandGrasp& b) {
   constexpr double kPosition = 2e-3, kAngle = 0.04;  // m, rad
-  return a.preshape == b.preshape &&
+  return (a.preshape == b.preshape ||
+          (a.closed_all - b.closed_all).lpNorm<Eigen::Infinity>() < kAngle) &&
          (a.X_WH.translation() - b.X_WH.translation()).norm() < kPosition &&
          Eigen::AngleAxisd(a.X_WH.linear().transpose() * b.X_WH.linear()).angle() < kAngle;
 }
@@ -221,9 +223,10 @@ HandPlan Planner::plan() {
     for (std::size_t i = 0; i < best.size(); ++i) {
       // Who is assessed no more counts as if nothing held.
       HandGrasp& grasp = best[i].grasp;
-      const bool assessed = static_cast<int>(i) < options_.robust_count && !time_is_up();
-      grasp.robustness = assessed ? robustness(grasp, alternatives) : 0;
-      grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
+      if (static_cast<int>(i) < options_.robust_count && !time_is_up()) {
+        grasp.robustness = robustness(grasp, alternatives);
+      }
+      grasp.score *= 1 - options_.weights.robust * (1 - std::max(0.0, grasp.robustness));
     }
     std::sort(best.begin(), best.end(), better);
   }

@@ -80,7 +80,8 @@ struct HandGrasp {
   double volume = 0;   // of the wrench space, see wrench_volume(); 0 unless asked for
   double margin = 0;   // N, see disturbance_margin(); torques over the object's radius
   double score = 0;    // what the list is ranked by, 0 to 1
-  double robustness = 1;  // share of UncertaintyOptions.samples in which it holds; 1 without any
+  double robustness =
+      -1;  // share of UncertaintyOptions.samples in which it holds; -1: not assessed
   double guessed_contact = 0;  // share of the contacts on surface that nobody saw
   std::string generator;       // whose candidate it was
   std::string remark;          // what to know of it, in words; often empty

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -19,6 +20,7 @@ using std::chrono::steady_clock;
 constexpr double kTableReach = 0.6;      // m, of the slab from the object, at most
 constexpr double kTableThickness = 0.2;  // m
 constexpr double kBaseClearance = 0.2;   // m, round the arm's base, where it stands on the table
+constexpr int kElbowAngles = 8;          // for what the arm reaches at all
 constexpr const char* kObject = "object";
 
 std::vector<TriangleMesh> moved(const std::vector<TriangleMesh>& meshes, const RigidTransform& X) {
@@ -83,6 +85,15 @@ void require(bool condition, const char* message) {
 }
 
 }  // namespace
+
+std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& platform) {
+  const auto arm = std::make_shared<const robot::InverseKinematics>(
+      platform.arm_chain(), robot::InverseOptions{.elbow_angles = kElbowAngles});
+  return [arm, X_BW = platform.X_WB.inverse(),
+          X_HF = platform.X_FH.inverse()](const RigidTransform& X_WH) {
+    return !arm->solve(X_BW * X_WH * X_HF).solutions.empty();
+  };
+}
 
 PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Positions& start,
                                 const std::vector<PlatformGrasp>& grasps,

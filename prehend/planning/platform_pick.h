@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,12 @@ struct PlatformPick {
   motion::PickMotion motion;
   int grasp = -1;  // of the list; -1: none is reached
 };
+
+/// Whether the arm of `platform` reaches a pose X_WH of the hand's root, its links and the world
+/// aside: for grasp::HandPlannerOptions::reaches. May refuse what a redundant arm reaches with few
+/// of its elbows' angles only. The answer does not refer to the platform.
+std::function<bool(const geometry::RigidTransform& X_WH)> arm_reach(
+    const robot::Platform& platform);
 
 /// Plans the arm's motion for the best grasp that it can execute: preshape after preshape, in the
 /// order of their first grasp (the open hand of each is another shape to keep from the world), by

@@ -1,5 +1,6 @@
 #include "prehend/grasp/hand_planner.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
@@ -151,6 +152,64 @@ TEST(PlanHandGrasps, IsTheSameAgainAndInSeveralThreads) {
   two.join();
   EXPECT_TRUE(equal(first, others[0]));
   EXPECT_TRUE(equal(first, others[1]));
+}
+
+TEST(PlanHandGrasps, TheBestAreRankedByWhatHoldsInDisturbedPoses) {
+  const TestHand hand("bh8");
+  const surface::ObjectModel object = standing(geometry::make_sphere(0.04, 48));
+  HandPlannerOptions options = quick();
+  options.robust_count = 5;
+  const auto robustness = [&](double position) {
+    options.uncertainty.position_deviation = position;
+    std::vector<double> all;
+    for (const auto& grasp : plan_hand_grasps(object, kTable, {}, hand.ready, {}, options).grasps) {
+      if (grasp.robustness >= 0) all.push_back(grasp.robustness);
+      EXPECT_LE(grasp.robustness, 1);
+      if (options.uncertainty.samples == 0) continue;
+      EXPECT_LE(grasp.score, 1 - options.weights.robust * (1 - std::max(0.0, grasp.robustness)));
+    }
+    return all;
+  };
+  options.uncertainty.rotation_deviation = 0;
+  options.uncertainty.least_friction = options.uncertainty.largest_friction = hand.model.friction;
+  const auto sure = robustness(0);
+  ASSERT_EQ(sure.size(), 5u);
+  EXPECT_EQ(*std::min_element(sure.begin(), sure.end()), 1);
+  const auto usual = robustness(0.004), wild = robustness(0.03);
+  ASSERT_EQ(wild.size(), 5u);
+  EXPECT_GT(*std::max_element(usual.begin(), usual.end()),
+            *std::max_element(wild.begin(), wild.end()));
+  EXPECT_LT(*std::max_element(wild.begin(), wild.end()), 0.5);
+  options.uncertainty.samples = 0;
+  EXPECT_TRUE(robustness(0).empty());
+}
+
+// Else the hand pushes what it closes on.
+TEST(Preshapes, FingersTowardsTheMiddleTouchABallAtOnce) {
+  for (const auto& [name, preshape] :
+       {std::pair("sdh2", "tripod"), {"sdh2", "spherical"}, {"bh8", "spread_60"}}) {
+    const TestHand hand(name);
+    const robot::Preshape& shape = hand.model.preshape(preshape);
+    for (const double radius : {0.03, 0.04}) {
+      const TouchedMesh ball(geometry::make_sphere(radius, 48));
+      const ClosedFingers closed =
+          hand.close(preshape, (hand.model.X_HP * shape.X_PG).inverse(), ball.scene);
+      double least = 10, most = 0;  // rad, that each inner joint turned
+      for (const robot::Finger& finger : hand.model.fingers) {
+        for (int i = 0; i < hand.model.size(); ++i) {
+          const int joint = hand.model.actuated[static_cast<std::size_t>(i)];
+          const int child = hand.model.model.joints[static_cast<std::size_t>(joint)].child;
+          const bool of_finger =
+              std::find(finger.links.begin(), finger.links.end(), child) != finger.links.end();
+          if (!of_finger || shape.closing[static_cast<std::size_t>(i)].rate != 1) continue;
+          least = std::min(least, closed.all[joint] - shape.open[i]);
+          most = std::max(most, closed.all[joint] - shape.open[i]);
+        }
+      }
+      EXPECT_GT(least, 0.1) << name << " " << preshape;
+      EXPECT_NEAR(least, most, 0.03) << name << " " << preshape << " " << radius;
+    }
+  }
 }
 
 TEST(PlanHandGrasps, SaysWhyThereIsNoGrasp) {

@@ -59,6 +59,17 @@ TEST_P(PlatformPickTest, ReachesLiftsAndPuts) {
             1e-4);
 }
 
+TEST_P(PlatformPickTest, ArmReachAgreesWithTheMotionsFilter) {
+  const auto reaches = arm_reach(platform);
+  const auto& preshape = platform.hand.preshapes.front();
+  const auto root = [&](const PlatformGrasp& grasp) {
+    return RigidTransform(grasp.X_WG * (platform.hand.X_HP * preshape.X_PG).inverse());
+  };
+  EXPECT_TRUE(reaches(root(from_above(platform, {0, 0, 0.14}))));
+  EXPECT_TRUE(reaches(root(from_above(platform, {0, 0.15, 0.14}))));
+  EXPECT_FALSE(reaches(root(from_above(platform, {4, 0, 0.14}))));
+}
+
 TEST_P(PlatformPickTest, SaysWhyNothingIsReached) {
   const auto far =
       plan_platform_pick(platform, home(), {from_above(platform, {4, 0, 0.14})}, scene);

@@ -100,6 +100,7 @@ void plan_fingers(const PlanChoices& choices, const PlanTarget& target, Planned*
   options.density = choices.density;
   options.budget = choices.budget;
   options.candidates.seed = choices.seed;
+  if (planned->platform) options.reaches = planning::arm_reach(*planned->platform);
   const auto obstacles = obstacles_of(target);
   const auto reachability = reachability_of(choices);
   const grasp::HandToClose hand(planned->hand);
