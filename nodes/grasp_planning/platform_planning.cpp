@@ -40,7 +40,6 @@ msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double m
   message.set_robustness(std::max(0.0, grasp.robustness));
   message.set_generator(grasp.generator);
   message.set_preshape(grasp.preshape);
-  message.set_robustness(grasp.robustness);
   message.set_guessed_contact(grasp.guessed_contact);
   message.set_remark(grasp.remark);
   message.mutable_predicted()->set_lifted_mass(mass);
