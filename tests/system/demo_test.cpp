@@ -14,6 +14,7 @@
 #include "msgs/graph.pb.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
+#include "tests/system/carried.h"
 #include "tests/system/launched.h"
 #include "tests/system/recording.h"
 
@@ -32,39 +33,12 @@ std::vector<std::string> demo_arguments(const std::filesystem::path& out) {
 
 // Lifted by 100 mm, moved, put down, and felt by both pads on the way.
 void expect_pick_and_place(const Recording& recording) {
-  double first_height = 1e9, highest = -1e9, last_height = 1e9, moved = 0;
-  std::string carried;
-  std::map<std::string, msgs::Vector3> start;
-  std::map<std::string, std::pair<double, double>> range;  // first and highest height of each body
-  bool left_and_right_in_the_air = false;
-  const auto truths = decode_all<msgs::GroundTruth>(recording, "/ground_truth");
-  ASSERT_FALSE(truths.empty());
-  for (const auto& truth : truths) {
-    for (const auto& body : truth.bodies()) {
-      start.try_emplace(body.name(), body.x_wb().position());
-      auto [it, is_new] = range.try_emplace(body.name(), body.height(), body.height());
-      it->second.second = std::max(it->second.second, body.height());
-      if (body.height() > 0.05 && body.touches_left_pad() && body.touches_right_pad()) {
-        left_and_right_in_the_air = true;
-      }
-    }
-  }
-  for (const auto& [name, heights] : range) {
-    if (heights.second - heights.first < highest - first_height) continue;
-    carried = name;
-    std::tie(first_height, highest) = heights;
-  }
-  for (const auto& body : truths.back().bodies()) {
-    if (body.name() != carried) continue;
-    last_height = body.height();
-    moved = std::hypot(body.x_wb().position().x() - start[carried].x(),
-                       body.x_wb().position().y() - start[carried].y());
-    EXPECT_TRUE(body.touches_table()) << carried;
-  }
-  EXPECT_GE(highest - first_height, 0.1) << carried;
-  EXPECT_GE(moved, 0.03) << carried;
-  EXPECT_LT(last_height, 0.01) << carried;
-  EXPECT_TRUE(left_and_right_in_the_air);
+  const Carried carried = carried_body(recording);
+  EXPECT_GE(carried.raised, 0.1) << carried.name;
+  EXPECT_GE(carried.moved, 0.03) << carried.name;
+  EXPECT_LT(carried.last_height, 0.01) << carried.name;
+  EXPECT_TRUE(carried.touches_table) << carried.name;
+  EXPECT_TRUE(carried.both_pads_in_the_air);
   for (const char* topic : {"/tactile/left", "/tactile/right"}) {
     double largest = 0;
     for (const auto& frame : decode_all<msgs::TactileFrame>(recording, topic)) {
