@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -11,12 +10,10 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 
-#include "eval/case_runner.h"
-#include "eval/case_runs.h"
+#include "eval/case_choice.h"
 #include "eval/confidence_fit.h"
 #include "eval/mesh_deviation_report.h"
 #include "eval/text_files.h"
@@ -27,20 +24,11 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
-constexpr int kOrientations = 8;
-constexpr int kQuickOrientations = 2;
 constexpr double kRightDeviation = 0.005;  // m, of a completion that is right
 
 struct Options {
-  fs::path out = "out/mesh_deviation";
-  fs::path json;
-  fs::path meshes;
-  bool quick = false;
-  bool fresh = false;
-  std::uint64_t seed = 1;
-  int processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  eval::CaseChoice choice = eval::default_choice("out/mesh_deviation");
   fs::path fit_confidence;
-  std::vector<std::string> only;
   std::vector<std::string> methods;
 };
 
@@ -102,21 +90,10 @@ void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path
 }
 
 int run(const Options& options) {
-  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.meshes);
-  std::vector<eval::Case> cases;
-  for (const eval::Case& one :
-       eval::make_cases(sets, options.quick ? kQuickOrientations : kOrientations, options.seed)) {
-    const std::vector<std::string>& only = options.only;
-    if (only.empty() || std::find(only.begin(), only.end(), one.data_set->name) != only.end()) {
-      cases.push_back(one);
-    }
-  }
-  if (cases.empty()) {
-    std::fprintf(stderr, "No data set has a name given by --only.\n");
-    return EXIT_FAILURE;
-  }
+  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.choice.meshes);
+  const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   const std::vector<eval::Method> methods = methods_of(options);
-  const eval::CaseRunOptions runs{options.out, options.processes, options.fresh};
+  const eval::CaseRunOptions runs = options.choice.runs();
   std::vector<std::string> case_names;
   for (const eval::Case& one : cases) case_names.push_back(one.name());
   const auto crashed = eval::run_cases(
@@ -144,12 +121,12 @@ int run(const Options& options) {
     results.push_back(std::move(result));
   }
   std::printf("%s", eval::mesh_deviation_text(results, methods).c_str());
-  if (!options.json.empty()) {
-    eval::write_text(options.json, eval::mesh_deviation_json(results, methods));
+  if (!options.choice.json.empty()) {
+    eval::write_text(options.choice.json, eval::mesh_deviation_json(results, methods));
   }
-  eval::write_mesh_deviation_report(options.out, results, methods);
+  eval::write_mesh_deviation_report(options.choice.out, results, methods);
   if (!options.fit_confidence.empty()) fit_confidence(results, options.fit_confidence);
-  std::printf("\n%s\n", (options.out / "index.html").c_str());
+  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
   return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -162,31 +139,12 @@ int main(int argc, char** argv) {
       "meshes are from the truth. 16 data sets (12 household objects made by code, four of them "
       "also lying; with PREHEND_SHARED_DATA as many scanned ones) in 8 orientations. A run that "
       "was interrupted goes on where it was.");
-  app.add_option("--out", options.out, "folder of the page, tables, figures and single results")
-      ->capture_default_str();
-  app.add_option("--json", options.json, "file for the goals and totals");
-  app.add_option(
-         "--meshes", options.meshes,
-         "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--only", options.only, "names of the data sets to evaluate; default: all");
+  eval::add_case_options(app, options.choice);
   std::vector<std::string> names;
   for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
   app.add_option("--methods", options.methods, "the methods to compare; default: all")
       ->check(CLI::IsMember(names));
   app.add_option("--fit-confidence", options.fit_confidence,
                  "learn the confidence model on the household objects and write it to this file");
-  app.add_flag("--quick", options.quick, "two orientations instead of eight");
-  app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
-  app.add_option("--seed", options.seed, "of texture, noise and sampling")->capture_default_str();
-  app.add_option("--processes", options.processes, "how many work at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return EXIT_FAILURE;
-  }
+  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

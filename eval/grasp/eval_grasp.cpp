@@ -1,19 +1,17 @@
 // Grasps planned on predicted shapes, executed in simulation on the true ones.
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
-#include "eval/case_runs.h"
+#include "eval/case_choice.h"
 #include "eval/grasp/fingered_hand.h"
 #include "eval/grasp/grasp_report.h"
 #include "eval/grasp/grasp_trials.h"
@@ -27,18 +25,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kGripper = "pg70";
 constexpr const char* kHands[] = {"sdh2", "bh8"};
-constexpr int kOrientations = 8;
-constexpr int kQuickOrientations = 2;
 
 struct Options {
-  fs::path out = "out/grasp";
-  fs::path json;
-  fs::path meshes;
-  bool quick = false;
-  bool fresh = false;
-  std::uint64_t seed = 1;
-  int processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  std::vector<std::string> only;
+  eval::CaseChoice choice = eval::default_choice("out/grasp");
   std::vector<std::string> hands{kGripper};
   fs::path robots = "config/robots";
 };
@@ -72,22 +61,13 @@ int run(const Options& options) {
                                      : eval::fingered_hand(options.robots, name));
   }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
-  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.meshes);
+  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.choice.meshes);
+  const std::vector<eval::Case> views = eval::chosen_cases(sets, options.choice);
   std::vector<HandCase> cases;
   for (const eval::HandUnderTest& hand : hands) {
-    for (const eval::Case& one :
-         eval::make_cases(sets, options.quick ? kQuickOrientations : kOrientations, options.seed)) {
-      const std::vector<std::string>& only = options.only;
-      if (only.empty() || std::find(only.begin(), only.end(), one.data_set->name) != only.end()) {
-        cases.push_back({one, &hand});
-      }
-    }
+    for (const eval::Case& one : views) cases.push_back({one, &hand});
   }
-  if (cases.empty()) {
-    std::fprintf(stderr, "No data set has a name given by --only.\n");
-    return EXIT_FAILURE;
-  }
-  const eval::CaseRunOptions runs{options.out, options.processes, options.fresh};
+  const eval::CaseRunOptions runs = options.choice.runs();
   std::vector<std::string> names;
   for (const HandCase& one : cases) names.push_back(one.name());
   const auto crashed = eval::run_cases(
@@ -107,9 +87,10 @@ int run(const Options& options) {
     }
   }
   std::printf("%s", eval::grasp_text(results).c_str());
-  if (!options.json.empty()) eval::write_text(options.json, eval::grasp_json(results));
-  eval::write_grasp_report(options.out, results);
-  std::printf("\n%s\n", (options.out / "index.html").c_str());
+  if (!options.choice.json.empty())
+    eval::write_text(options.choice.json, eval::grasp_json(results));
+  eval::write_grasp_report(options.choice.out, results);
+  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
   return results.size() == cases.size() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -122,14 +103,7 @@ int main(int argc, char** argv) {
       "the truth and on the Delaunay baseline, and executes them in simulation on the truth. 12 "
       "household objects made by code (with PREHEND_SHARED_DATA scanned ones as well), some also "
       "lying, in 8 orientations. A run that was interrupted goes on where it was.");
-  app.add_option("--out", options.out, "folder of the page, tables and single results")
-      ->capture_default_str();
-  app.add_option("--json", options.json, "file for the totals and goals");
-  app.add_option(
-         "--meshes", options.meshes,
-         "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--only", options.only, "names of the data sets to evaluate; default: all");
+  eval::add_case_options(app, options.choice);
   std::vector<std::string> names{kGripper};
   names.insert(names.end(), std::begin(kHands), std::end(kHands));
   app.add_option("--hand", options.hands, "the hands to evaluate, one or more")
@@ -138,17 +112,5 @@ int main(int argc, char** argv) {
   app.add_option("--robots", options.robots, "folder of the hands' files")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  app.add_flag("--quick", options.quick, "two orientations instead of eight");
-  app.add_flag("--fresh", options.fresh, "forget the results of earlier runs");
-  app.add_option("--seed", options.seed, "of texture and noise")->capture_default_str();
-  app.add_option("--processes", options.processes, "how many work at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return EXIT_FAILURE;
-  }
+  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

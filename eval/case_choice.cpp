@@ -1,0 +1,70 @@
+#include "eval/case_choice.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <thread>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::eval {
+namespace {
+
+constexpr int kOrientations = 8;
+constexpr int kQuickOrientations = 2;
+
+}  // namespace
+
+CaseChoice default_choice(const std::filesystem::path& out) {
+  CaseChoice choice;
+  choice.out = out;
+  choice.processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return choice;
+}
+
+void add_case_options(CLI::App& app, CaseChoice& choice) {
+  app.add_option("--out", choice.out, "folder of the page, tables, figures and single results")
+      ->capture_default_str();
+  app.add_option("--json", choice.json, "file for the goals and totals");
+  app.add_option(
+         "--meshes", choice.meshes,
+         "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--only", choice.only, "names of the data sets to evaluate; default: all");
+  app.add_flag("--quick", choice.quick, "two orientations instead of eight");
+  app.add_flag("--fresh", choice.fresh, "forget the results of earlier runs");
+  app.add_option("--seed", choice.seed, "of texture, noise and sampling")->capture_default_str();
+  app.add_option("--processes", choice.processes, "how many work at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
+std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice) {
+  std::vector<Case> cases;
+  for (const Case& one :
+       make_cases(sets, choice.quick ? kQuickOrientations : kOrientations, choice.seed)) {
+    const std::vector<std::string>& only = choice.only;
+    if (only.empty() || std::find(only.begin(), only.end(), one.data_set->name) != only.end()) {
+      cases.push_back(one);
+    }
+  }
+  if (cases.empty()) {
+    std::string known;
+    for (const DataSet& set : sets) known += (known.empty() ? "" : ", ") + set.name;
+    throw geometry::InputError("No data set has a name given by --only", "There are " + known);
+  }
+  return cases;
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}
+
+}  // namespace prehend::eval

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "eval/case_runner.h"
+#include "eval/case_runs.h"
+
+namespace prehend::eval {
+
+/// What is evaluated and where it goes: options of the programs that evaluate data sets seen in
+/// several orientations.
+struct CaseChoice {
+  std::filesystem::path out;
+  std::filesystem::path json;
+  std::filesystem::path meshes;
+  std::vector<std::string> only;
+  bool quick = false;
+  bool fresh = false;
+  std::uint64_t seed = 1;
+  int processes = 1;
+
+  /// Of run_cases().
+  CaseRunOptions runs() const { return {out, processes, fresh}; }
+};
+
+/// @param out the folder, unless --out names another one.
+CaseChoice default_choice(const std::filesystem::path& out);
+/// --out, --json, --meshes, --only, --quick, --fresh, --seed, --processes.
+void add_case_options(CLI::App& app, CaseChoice& choice);
+
+/// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick.
+/// @throws geometry::InputError when there is none.
+std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice);
+
+/// Reads what is given and runs `work`; what it throws is printed. Returns main()'s exit code.
+int parse_and_run(CLI::App& app, int argc, char** argv, const std::function<int()>& work);
+
+}  // namespace prehend::eval
