@@ -28,7 +28,8 @@ struct Count {
 };
 constexpr Count kCounts[] = {{"candidates", &GraspTrial::candidates},
                              {"grasps", &GraspTrial::grasps},
-                             {"attempts", &GraspTrial::attempts}};
+                             {"attempts", &GraspTrial::attempts},
+                             {"plans", &GraspTrial::plans}};
 
 template <class Value>
 void put(YAML::Emitter& out, const char* key, const Value& value) {

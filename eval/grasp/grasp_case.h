@@ -20,6 +20,7 @@ struct GraspTrial {
   int candidates = 0;   // of the plan
   int grasps = 0;       // in the plan
   int attempts = 0;     // that were executed
+  int plans = 1;        // that they were of: 1 + those of new looks
   bool lifted = false;  // and carried, and put down
   double plan_seconds = kUnknown;   // processor time of planning, one thread
   double slip = kUnknown;           // m, in the hand while it was lifted and carried

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace prehend::eval {
 namespace {
@@ -14,6 +15,7 @@ using simulation::World;
 
 constexpr double kControlPeriod = 0.01;  // s
 constexpr double kSettling = 0.5;        // s, after the end of the cycle
+constexpr double kLookTimeout = 1;       // s
 
 class SimulatedGripper : public control::GripperPort {
  public:
@@ -89,15 +91,18 @@ control::Percepts perceive(const World& world) {
 }  // namespace
 
 GraspExecution execute_grasps(World& world, std::size_t object, const grasp::GraspPlanResult& plan,
-                              const control::CycleOptions& options, double time_limit) {
+                              control::CycleOptions options, double time_limit,
+                              const LookAgain& look_again) {
   const auto start = world.body(object);
   const double start_time = world.time(), step = world.scene().step;
   SimulatedGripper gripper(world);
   SimulatedCarrier carrier(world);
+  options.look_timeout = look_again ? kLookTimeout : 0;
   control::GraspCycle cycle(world.scene().gripper, options, gripper, carrier);
   cycle.start(plan.grasps, plan.problem);
 
   GraspExecution execution;
+  int attempts = 0;
   std::optional<Eigen::Vector3d> p_GB;  // of the object in the hand when the lift starts
   const auto steps_per_tick = std::max(1L, std::lround(kControlPeriod / step));
   for (long i = 0; world.time() - start_time < time_limit && !cycle.finished(); ++i) {
@@ -107,6 +112,14 @@ GraspExecution execute_grasps(World& world, std::size_t object, const grasp::Gra
     execution.raised = std::max(execution.raised, body.height - start.height);
     if (i % steps_per_tick != 0) continue;
     cycle.step(perceive(world));
+    const RigidTransform X_moved = body.X_WB * start.X_WB.inverse();
+    if (cycle.looks_since()) {
+      auto plan_now = look_again(X_moved);
+      cycle.take_plan(std::move(plan_now.grasps), options.move_W, plan_now.problem);
+    }
+    if (std::exchange(attempts, cycle.result().attempts) != cycle.result().attempts) {
+      execution.X_moved = X_moved;
+    }
     const control::Phase phase = cycle.phase();
     if (phase == control::Phase::kLift || phase == control::Phase::kMove) {
       const Eigen::Vector3d now = (world.carrier().X_WG.inverse() * body.X_WB).translation();
@@ -120,6 +133,7 @@ GraspExecution execute_grasps(World& world, std::size_t object, const grasp::Gra
   for (double settled = 0; settled < kSettling; settled += step) world.step();
   const auto end = world.body(object);
   execution.result = cycle.result();
+  if (attempts > 0) execution.grasp = cycle.grasp();
   execution.surprises = cycle.surprises();
   execution.phase_times = cycle.phase_times();
   execution.moved = (end.X_WB.translation() - start.X_WB.translation()).head<2>().norm();

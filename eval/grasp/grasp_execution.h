@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,10 @@ namespace prehend::eval {
 /// What the grasp cycle did to an object of a simulated world.
 struct GraspExecution {
   control::CycleResult result;
+  grasp::Grasp grasp;  // of the last attempt
+  /// By which the object had moved from where it stood when that attempt began: what was at p_W is
+  /// at X_moved * p_W.
+  geometry::RigidTransform X_moved = geometry::RigidTransform::Identity();
   std::vector<control::Surprise> surprises;
   std::vector<std::pair<std::string, double>> phase_times;  // s, simulated
   double raised = 0;                                        // m, at most, over where it stood
@@ -24,11 +29,17 @@ struct GraspExecution {
   double seconds = 0;  // simulated
 };
 
+/// Grasps planned on a new look at the object, which has moved by X_moved (see GraspExecution) from
+/// where it stood when the first plan was made.
+using LookAgain = std::function<grasp::GraspPlanResult(const geometry::RigidTransform& X_moved)>;
+
 /// Executes ranked grasps of the object `object` (index of the world's bodies) by GraspCycle at 100
-/// Hz, as the node grasp_cycle does, with the world's ideal readings. Ends after `time_limit` [s,
-/// simulated] at the latest.
+/// Hz, as the node grasp_cycle does, with the world's ideal readings. After a failed attempt the
+/// cycle looks again, if there is `look_again`: the new plan is there at once. Ends after
+/// `time_limit` [s, simulated] at the latest.
 GraspExecution execute_grasps(simulation::World& world, std::size_t object,
                               const grasp::GraspPlanResult& plan,
-                              const control::CycleOptions& options = {}, double time_limit = 120);
+                              control::CycleOptions options = {}, double time_limit = 120,
+                              const LookAgain& look_again = nullptr);
 
 }  // namespace prehend::eval

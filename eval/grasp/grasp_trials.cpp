@@ -6,13 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "eval/case_runner.h"
 #include "eval/grasp/resting_pose.h"
+#include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
-#include "prehend/geometry/mesh_query.h"
-#include "prehend/shape/symmetry.h"
-#include "prehend/surface/delaunay.h"
-#include "prehend/surface/model.h"
+#include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
 namespace {
@@ -45,57 +42,36 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
   const double mass = household_mass(geometry::mass_properties(mesh_B).volume);
   const geometry::RigidTransform X_WB = resting_pose(mesh_B, one.X_WB(), mass);
   const TrueObject truth{geometry::transformed(mesh_B, X_WB), mass};
-  std::optional<surface::ObjectModel> predicted;
-  surface::ObjectModel delaunay, known;
-  known.mesh_W = truth.mesh_W;
-  std::string predicted_problem, delaunay_problem;
+  std::optional<SeenObject> seen;
   try {
-    RenderedScene rendered = scene_of(one);
-    rendered.bodies.front().X_WB = X_WB;
-    simulation::RenderOptions render;
-    render.threads = 1;
-    const auto images = simulation::render_stereo(rendered.scene, rendered.bodies, 0, render);
-    const perception::SegmentedScene scene = seen_scene(rendered, images);
-    const std::optional<std::size_t> object = object_of(scene, images.labels);
-    if (!object) {
-      result.problem = "The object was not found on the table";
-    } else {
-      const perception::ObjectHypothesis& seen = scene.objects[*object];
-      const double start = processor_time();
-      try {
-        const shape::CompletedShape shape = shape::complete_by_symmetry(
-            {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, scene.table_W});
-        predicted = surface::make_object_model(shape, scene.table_W);
-      } catch (const std::exception& error) {
-        predicted_problem = error.what();
-      }
-      result.predict_seconds = processor_time() - start;
-      try {
-        delaunay.mesh_W = surface::delaunay_surface(seen.cloud_W, scene.camera, scene.X_WC);
-      } catch (const std::exception& error) {
-        delaunay_problem = error.what();
-      }
-    }
+    seen = see_object(one, X_WB, 0);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
   for (const PlannerSetting& setting : settings) {
+    const PlannedOn on = setting.planned_on;
     GraspTrial trial;
     try {
-      const bool from_view = setting.planned_on != PlannedOn::kTruth;
-      if (from_view && !result.problem.empty()) {
-        trial.problem = result.problem;
-      } else if (setting.planned_on == PlannedOn::kPredicted && !predicted) {
-        trial.problem = predicted_problem;
-      } else if (setting.planned_on == PlannedOn::kDelaunay && !delaunay_problem.empty()) {
-        trial.problem = delaunay_problem;
+      surface::ObjectModel believed;
+      if (on == PlannedOn::kTruth) {
+        believed.mesh_W = truth.mesh_W;
+      } else if (seen) {
+        const double start = processor_time();
+        believed = believed_object(*seen, on);
+        if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       } else {
-        const surface::ObjectModel& believed =
-            setting.planned_on == PlannedOn::kPredicted  ? *predicted
-            : setting.planned_on == PlannedOn::kDelaunay ? delaunay
-                                                         : known;
-        trial = hand.grasp(believed, truth, setting);
+        throw geometry::InputError(result.problem, "Nothing was seen");
       }
+      int look = 0;
+      trial = hand.grasp(
+          believed, truth, setting, [&](const geometry::RigidTransform& X_moved) {
+            if (on != PlannedOn::kTruth) {
+              return believed_object(see_object(one, X_moved * X_WB, ++look), on);
+            }
+            surface::ObjectModel model;
+            model.mesh_W = geometry::transformed(truth.mesh_W, X_moved);
+            return model;
+          });
     } catch (const std::exception& error) {
       trial.problem = error.what();
     }

@@ -28,11 +28,16 @@ struct TrueObject {
   double mass = 0;  // kg
 };
 
-/// A hand under test: plans on what is believed by `setting`, and executes on what is there.
+/// What is believed of the object after a new look at it: what was at p_W is at X_moved * p_W now.
+/// @throws geometry::InputError or std::exception in words when nothing is made of the view.
+using BelieveAgain = std::function<surface::ObjectModel(const geometry::RigidTransform& X_moved)>;
+
+/// A hand under test: plans on what is believed by `setting`, executes on what is there, and may
+/// look again after a failed attempt.
 struct HandUnderTest {
   std::string name;
   std::function<GraspTrial(const surface::ObjectModel& believed, const TrueObject& truth,
-                           const PlannerSetting& setting)>
+                           const PlannerSetting& setting, const BelieveAgain& believe_again)>
       grasp;
 };
 

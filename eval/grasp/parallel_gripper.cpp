@@ -1,6 +1,7 @@
 #include "eval/grasp/parallel_gripper.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "eval/grasp/grasp_execution.h"
 #include "eval/processor_time.h"
@@ -10,17 +11,21 @@ namespace prehend::eval {
 namespace {
 
 constexpr double kLeastLift = 0.1;  // m
+constexpr double kTimeLimit = 180;  // s, simulated, of three attempts
 
 GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& truth,
-                       const PlannerSetting& setting) {
+                       const PlannerSetting& setting, const BelieveAgain& believe_again) {
   simulation::Scene scene;
   grasp::Reachability reachability;
   reachability.approach_W = -Eigen::Vector3d::UnitZ();
   reachability.workspace_W = {scene.carrier.minimum, scene.carrier.maximum};
   GraspTrial trial;
   const double start = processor_time();
-  const auto plan = grasp::plan_grasps(believed, geometry::Plane{}, {}, scene.gripper, reachability,
-                                       setting.options);
+  const auto plan_on = [&](const surface::ObjectModel& model) {
+    return grasp::plan_grasps(model, geometry::Plane{}, {}, scene.gripper, reachability,
+                              setting.options);
+  };
+  const auto plan = plan_on(believed);
   trial.plan_seconds = processor_time() - start;
   trial.candidates = plan.candidates;
   trial.grasps = static_cast<int>(plan.grasps.size());
@@ -32,15 +37,26 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
 
   simulation::World world(scene);
   world.add_object("object", truth.mesh_W, truth.mass);
-  const GraspExecution execution = execute_grasps(world, 0, plan);
+  const GraspExecution execution = execute_grasps(
+      world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
+        try {
+          return plan_on(believe_again(X_moved));
+        } catch (const std::exception& error) {
+          grasp::GraspPlanResult none;
+          none.problem = error.what();
+          return none;
+        }
+      });
   trial.lifted = execution.result.success && execution.raised >= kLeastLift;
   trial.attempts = execution.result.attempts;
   trial.outcome = execution.result.reason;
   trial.slip = execution.slip;
-  const grasp::Grasp& grasp = plan.grasps[execution.result.grasp_index];
+  trial.plans = execution.result.plans;
+  const grasp::Grasp& grasp = execution.grasp;
   std::vector<Eigen::Vector3d> contacts_W = grasp.left_contacts_W;
   contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
-  trial.contact_error = mean_distance(contacts_W, geometry::MeshQuery(truth.mesh_W));
+  trial.contact_error = mean_distance(contacts_W, 
+      geometry::MeshQuery(geometry::transformed(truth.mesh_W, execution.X_moved)));
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
   for (const auto& surprise : execution.surprises) {

@@ -37,6 +37,7 @@ void CycleOptions::validate() const {
   require(motion_timeout > 0, "motion_timeout must be positive");
   require(closing_timeout > 0, "closing_timeout must be positive");
   require(force_timeout > 0, "force_timeout must be positive");
+  require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
   force.validate();
   tolerances.validate();
 }

@@ -27,6 +27,7 @@ std::string to_string(Phase phase) {
 Phase GraspCycle::phase_of(Step step) {
   switch (step) {
     case Step::kWaiting:
+    case Step::kLook:
       return Phase::kWaiting;
     case Step::kOpen:
     case Step::kRise:
@@ -47,6 +48,8 @@ Phase GraspCycle::phase_of(Step step) {
     case Step::kRetreat:
     case Step::kGiveUpOpen:
     case Step::kGiveUpRetreat:
+    case Step::kGiveUpRise:
+    case Step::kGiveUpClear:
       return Phase::kRelease;
     case Step::kDone:
       return Phase::kDone;

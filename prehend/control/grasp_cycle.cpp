@@ -49,6 +49,8 @@ Phase GraspCycle::phase() const { return phase_of(step_); }
 
 void GraspCycle::start(std::vector<grasp::Grasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
+  tried_.assign(grasps_.size(), false);
+  failed_.clear();
   grasp_index_ = 0;
   result_ = {};
   surprises_.clear();
@@ -74,6 +76,7 @@ void GraspCycle::step(const Percepts& percepts) {
         step_start_ = now_;
       }
       if (percepts.left && percepts.right && percepts.opening && percepts.X_WG) {
+        X_WG_start_ = *percepts.X_WG;
         begin_attempt();
       } else if (timed_out(options_.motion_timeout)) {
         finish(false, "no state came from the gripper, its pads or the carrier");
@@ -111,6 +114,11 @@ void GraspCycle::step(const Percepts& percepts) {
     case Step::kGiveUpOpen:
     case Step::kGiveUpRetreat:
       step_give_up(percepts);
+      break;
+    case Step::kGiveUpRise:
+    case Step::kGiveUpClear:
+    case Step::kLook:
+      step_look();
       break;
     case Step::kDone:
     case Step::kFailed:
@@ -157,6 +165,7 @@ RigidTransform GraspCycle::raised_to_transit(const RigidTransform& X_WG) const {
 
 void GraspCycle::begin_attempt() {
   ++result_.attempts;
+  tried_[static_cast<std::size_t>(grasp_index_)] = true;
   failure_.clear();
   gripper_port_.move_to(std::min(current_grasp().pregrasp_opening, gripper_.max_opening),
                         options_.opening_speed);
@@ -393,15 +402,13 @@ void GraspCycle::step_give_up(const Percepts& percepts) {
   if (status != MotionStatus::kReached) {
     return abort(failure_ + "; then the carrier does not retreat");
   }
-  const bool more = grasp_index_ + 1 < static_cast<int>(grasps_.size()) &&
-                    result_.attempts < options_.largest_attempts;
-  if (!more) {
-    return finish(false, "no grasp succeeded in " + std::to_string(result_.attempts) +
-                             (result_.attempts == 1 ? " attempt" : " attempts") +
-                             "; the last: " + failure_);
+  failed_.push_back(current_grasp());
+  if (options_.look_timeout > 0 && result_.attempts < options_.largest_attempts) {
+    enter(Step::kGiveUpRise, failure_ + "; getting out of the camera's view");
+    return move_carrier(raised_to_transit(percepts.X_WG.value_or(X_WG_target_)),
+                        options_.travel_speed, 0);
   }
-  ++grasp_index_;
-  begin_attempt();
+  next_grasp("");
 }
 
 bool GraspCycle::tactile_is_fresh(const Percepts& percepts) const {

@@ -86,6 +86,9 @@ struct CycleOptions {
   double closing_timeout = 8;   // s, > 0, from the start of closing to the touch of both pads
   double force_timeout = 4;     // s, > 0, to reach the grasp force
   double largest_excess = 1.5;  // >= 1, times the grasp force, that is taken after this time
+  /// s, >= 0, to wait for a plan of what is there after a failed attempt, see GraspCycle; 0: the
+  /// next grasp of the plan is taken at once.
+  double look_timeout = 0;
   ForceControllerOptions force;
   SurpriseTolerances tolerances;
 
@@ -100,8 +103,9 @@ std::string to_string(Phase phase);
 struct CycleResult {
   bool success = false;
   std::string reason;   // in words, for success too
-  int grasp_index = 0;  // in the list given to start()
+  int grasp_index = 0;  // in the list given to start(), or to take_plan() since
   int attempts = 0;
+  int plans = 1;  // that were used: 1 + those taken after a new look
 };
 
 /// Executes ranked grasps until one succeeds.
@@ -111,9 +115,13 @@ struct CycleResult {
 /// the motor's current until it is settled; lifts; looks whether the object is still held (the
 /// opening has not collapsed and both pads still feel it); carries it sideways; lowers it to where
 /// it stood over the table; opens; retreats. What is felt is compared with what was predicted
-/// (surprises). On a failure it opens, retreats and takes the next grasp. Every wait ends by its
-/// time-out on the percepts' clock. When tactile data are stale while gripping, gripper and carrier
-/// are stopped and the cycle ends.
+/// (surprises). Every wait ends by its time-out on the percepts' clock. When tactile data are stale
+/// while gripping, gripper and carrier are stopped and the cycle ends.
+///
+/// After a failed attempt it opens and retreats. What was to be grasped may have moved: with
+/// `look_timeout` the hand goes back to where the cycle began, out of the camera's view, and waits
+/// there for grasps planned on a new look (looks_since(), take_plan()). When none come it takes the
+/// next grasp of the plan before. Grasps like one that failed come last in either.
 ///
 /// Not thread-safe. Never blocks, never throws after start().
 class GraspCycle {
@@ -128,6 +136,13 @@ class GraspCycle {
   /// One step; call it at 50 Hz or more. @pre percepts.time does not decrease.
   void step(const Percepts& percepts);
 
+  /// Set while it waits for a new plan: of what was seen at this time [s] or later.
+  std::optional<double> looks_since() const;
+  /// Goes on with these, best first, carrying by `move_W` [m]; none of a new look when empty, for
+  /// the reason `problem`. @pre looks_since() is set
+  void take_plan(std::vector<grasp::Grasp> grasps, const Eigen::Vector3d& move_W,
+                 const std::string& problem = "");
+
   /// Stops gripper and carrier and ends as failed.
   void abort(const std::string& reason);
 
@@ -135,6 +150,8 @@ class GraspCycle {
   bool finished() const { return phase() == Phase::kDone || phase() == Phase::kFailed; }
   const std::string& detail() const { return detail_; }  // in words
   int grasp_index() const { return grasp_index_; }
+  /// That of the present or last attempt. @pre the cycle was started with a grasp
+  const grasp::Grasp& grasp() const { return current_grasp(); }
   const CycleResult& result() const { return result_; }  // final once finished()
   const std::vector<Surprise>& surprises() const { return surprises_; }
   /// Seconds of each phase in the order they were entered.
@@ -158,6 +175,9 @@ class GraspCycle {
     kRetreat,
     kGiveUpOpen,
     kGiveUpRetreat,
+    kGiveUpRise,
+    kGiveUpClear,
+    kLook,
     kDone,
     kFailed
   };
@@ -173,6 +193,8 @@ class GraspCycle {
   void step_carry(const Percepts& percepts);
   void step_release(const Percepts& percepts);
   void step_give_up(const Percepts& percepts);
+  void step_look();
+  void next_grasp(const std::string& why);
   void regulate_force(const Percepts& percepts);
   bool tactile_is_fresh(const Percepts& percepts) const;
   std::string why_not_held(const Percepts& percepts) const;
@@ -193,6 +215,8 @@ class GraspCycle {
   ForceController force_controller_;
 
   std::vector<grasp::Grasp> grasps_;
+  std::vector<bool> tried_;           // of grasps_
+  std::vector<grasp::Grasp> failed_;  // of all plans
   Step step_ = Step::kWaiting;
   std::string detail_ = "waiting for a plan";
   int grasp_index_ = 0;
@@ -202,6 +226,7 @@ class GraspCycle {
   double settled_since_ = -1;  // s, negative: not settled
   double grasp_opening_ = 0;   // m, when the force settled
   geometry::RigidTransform X_WG_target_ = geometry::RigidTransform::Identity();
+  geometry::RigidTransform X_WG_start_ = geometry::RigidTransform::Identity();  // of the cycle
   std::string failure_;  // of the current attempt
   CycleResult result_;
   std::vector<Surprise> surprises_;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "eval/data_sets.h"
+#include "eval/grasp/grasp_case.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/perception/segmented_scene.h"
+#include "prehend/surface/object_model.h"
+
+namespace prehend::eval {
+
+/// A rendered look at a case's object, segmented.
+struct SeenObject {
+  perception::SegmentedScene scene;
+  std::size_t index = 0;  // of the object in the scene
+};
+
+/// Renders the object at X_WB (the `look`th stereo pair of the case, from 0) and segments it.
+/// @throws geometry::InputError when it is not found on the table.
+SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look);
+
+/// What that gives to plan on. @pre not kTruth, which nobody sees
+/// @throws geometry::InputError when no shape is predicted.
+surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on);
+
+}  // namespace prehend::eval
