@@ -71,9 +71,8 @@ GraspTrial try_hand(const Hand& hand, const surface::ObjectModel& believed, cons
 HandUnderTest fingered_hand(const std::filesystem::path& robots, const std::string& name) {
   const auto hand = std::make_shared<const Hand>(robots, name);
   return {name, [hand](const surface::ObjectModel& believed, const TrueObject& truth,
-                       const PlannerSetting& setting, const BelieveAgain&) {
-            return try_hand(*hand, believed, truth, setting);
-          }};
+                       const PlannerSetting& setting,
+                       const BelieveAgain&) { return try_hand(*hand, believed, truth, setting); }};
 }
 
 }  // namespace prehend::eval

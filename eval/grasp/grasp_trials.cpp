@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -16,6 +17,12 @@ namespace {
 
 // kg, of a household thing of that volume [m^3].
 double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
+
+surface::ObjectModel known_object(geometry::TriangleMesh mesh_W) {
+  surface::ObjectModel model;
+  model.mesh_W = std::move(mesh_W);
+  return model;
+}
 
 }  // namespace
 
@@ -48,29 +55,26 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
+  std::map<PlannedOn, surface::ObjectModel> first_look;
   for (const PlannerSetting& setting : settings) {
     const PlannedOn on = setting.planned_on;
     GraspTrial trial;
     try {
-      surface::ObjectModel believed;
-      if (on == PlannedOn::kTruth) {
-        believed.mesh_W = truth.mesh_W;
-      } else if (seen) {
+      if (on != PlannedOn::kTruth && !seen) {
+        throw geometry::InputError(result.problem, "Look from elsewhere");
+      }
+      if (!first_look.contains(on)) {
         const double start = processor_time();
-        believed = believed_object(*seen, on);
+        first_look[on] =
+            on == PlannedOn::kTruth ? known_object(truth.mesh_W) : believed_object(*seen, on);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
-      } else {
-        throw geometry::InputError(result.problem, "Nothing was seen");
       }
       int look = 0;
       trial = hand.grasp(
-          believed, truth, setting, [&](const geometry::RigidTransform& X_moved) {
-            if (on != PlannedOn::kTruth) {
-              return believed_object(see_object(one, X_moved * X_WB, ++look), on);
-            }
-            surface::ObjectModel model;
-            model.mesh_W = geometry::transformed(truth.mesh_W, X_moved);
-            return model;
+          first_look.at(on), truth, setting, [&](const geometry::RigidTransform& X_moved) {
+            return on == PlannedOn::kTruth
+                       ? known_object(geometry::transformed(truth.mesh_W, X_moved))
+                       : believed_object(see_object(one, X_moved * X_WB, ++look), on);
           });
     } catch (const std::exception& error) {
       trial.problem = error.what();

@@ -37,8 +37,8 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
 
   simulation::World world(scene);
   world.add_object("object", truth.mesh_W, truth.mass);
-  const GraspExecution execution = execute_grasps(
-      world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
+  const GraspExecution execution =
+      execute_grasps(world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
         try {
           return plan_on(believe_again(X_moved));
         } catch (const std::exception& error) {
@@ -55,8 +55,8 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
   const grasp::Grasp& grasp = execution.grasp;
   std::vector<Eigen::Vector3d> contacts_W = grasp.left_contacts_W;
   contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
-  trial.contact_error = mean_distance(contacts_W, 
-      geometry::MeshQuery(geometry::transformed(truth.mesh_W, execution.X_moved)));
+  trial.contact_error = mean_distance(
+      contacts_W, geometry::MeshQuery(geometry::transformed(truth.mesh_W, execution.X_moved)));
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
   for (const auto& surprise : execution.surprises) {

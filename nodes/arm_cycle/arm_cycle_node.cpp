@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "msgs/convert/geometry.h"
@@ -16,8 +17,9 @@ constexpr double kPeriod = 0.02;  // s, of the control loop
 constexpr std::size_t kMostViews = 4;
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 
-control::ArmCycleOptions declare_options(graph::Node& node) {
+control::ArmCycleOptions declare_options(graph::Node& node, double look_timeout) {
   control::ArmCycleOptions options;
+  options.look_timeout = look_timeout;
   options.reacts = node.declare_parameter<bool>(
       {.name = "reacts",
        .default_value = options.reacts,
@@ -61,7 +63,8 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
            .unit = "s",
            .minimum = 0.0,
            .description = "wall time to wait for the next plan of a view"})),
-      options_(declare_options(node)),
+      look_(node),
+      options_(declare_options(node, look_.timeout())),
       arm_(node),
       hand_(node),
       cycle_(options_, arm_, hand_),
@@ -93,8 +96,8 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
   timer_ = node.create_timer(kPeriod, [this] { tick(); });
 }
 
-const ArmCycleNode::View* ArmCycleNode::newest_ready() const {
-  if (views_.empty()) return nullptr;
+const ArmCycleNode::View* ArmCycleNode::newest_ready(std::int64_t since) const {
+  if (views_.empty() || views_.rbegin()->first < since) return nullptr;
   const View& view = views_.rbegin()->second;
   const std::size_t objects = view.plans.begin()->second->object_count();
   const bool complete = view.plans.size() >= objects;
@@ -111,12 +114,13 @@ void ArmCycleNode::tick() {
   percepts.wrist_force = wrist_force_;
   if (running_) {
     cycle_.step(percepts);
+    if (const auto since = cycle_.looks_since()) look_again(*since);
     publish_progress();
     if (cycle_.finished()) finish(cycle_.result(), false);
     return;
   }
   if (!armed_) return;
-  if (const View* view = newest_ready()) {
+  if (const View* view = newest_ready(std::numeric_limits<std::int64_t>::min())) {
     armed_ = false;
     cycle_.step(percepts);  // it knows where the arm stands before it starts
     start(*view);
@@ -135,17 +139,15 @@ control::ArmGrasp ArmCycleNode::grasp_of(const msgs::Grasp& grasp) const {
   return result;
 }
 
-void ArmCycleNode::start(const View& view) {
-  std::vector<control::ArmGrasp> grasps;
-  std::string problem;
-  double best = -1;
-  bool planned = false;
+ArmCycleNode::Choice ArmCycleNode::choose(const View& view, int object) const {
+  Choice choice;
   for (const auto& [id, plan] : view.plans) {
-    if (object_ >= 0 && id != static_cast<std::uint32_t>(object_)) continue;
+    if (object >= 0 && id != static_cast<std::uint32_t>(object)) continue;
+    choice.known = true;
     std::vector<control::ArmGrasp> own;
     double score = -1;
     for (const msgs::Grasp& grasp : plan->grasps()) {
-      planned = true;
+      choice.planned = true;
       const bool whole = grasp.arm_size() > 0 && grasp.hand_joint_name_size() > 0 &&
                          grasp.open_position_size() == grasp.hand_joint_name_size() &&
                          grasp.closed_position_size() == grasp.hand_joint_name_size();
@@ -153,25 +155,47 @@ void ArmCycleNode::start(const View& view) {
       if (own.empty()) score = grasp.score();
       own.push_back(grasp_of(grasp));
     }
-    problem += (problem.empty() ? "" : "; ") + fmt::format("object {}: ", id) +
-               (plan->problem().empty() ? "no grasp with a way for the arm" : plan->problem());
-    if (own.empty() || score <= best) continue;
-    best = score;
-    target_ = id;
-    grasps = std::move(own);
+    choice.problem +=
+        (choice.problem.empty() ? "" : "; ") + fmt::format("object {}: ", id) +
+        (plan->problem().empty() ? "no grasp with a way for the arm" : plan->problem());
+    if (own.empty() || score <= choice.score) continue;
+    choice.score = score;
+    choice.object = id;
+    choice.grasps = std::move(own);
   }
-  if (grasps.empty()) {
+  if (!choice.known) choice.problem = fmt::format("there is no plan of object {}", object);
+  return choice;
+}
+
+void ArmCycleNode::start(const View& view) {
+  Choice choice = choose(view, object_);
+  if (choice.grasps.empty()) {
     control::CycleResult failure;
-    failure.reason =
-        problem.empty() ? fmt::format("there is no plan of object {}", object_) : problem;
-    return finish(failure, !planned && !problem.empty());
+    failure.reason = choice.problem;
+    return finish(failure, choice.known && !choice.planned);
   }
-  node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_, grasps.size(), best);
+  target_ = choice.object;
+  centroid_W_ = convert::from_message(view.plans.at(target_)->centroid());
+  node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_, choice.grasps.size(),
+                 choice.score);
   surprises_sent_ = 0;
   last_detail_.clear();
   running_ = true;
-  cycle_.start(std::move(grasps));
+  cycle_.start(std::move(choice.grasps));
   publish_progress();
+}
+
+void ArmCycleNode::look_again(double since) {
+  look_.ask(since);
+  if (!look_.problem().empty()) return cycle_.take_plan({}, look_.problem());
+  const View* view = newest_ready(graph::nanoseconds(since));
+  if (!view) return;
+  Choice choice = choose(*view, object_ < 0 ? -1 : nearest_object(view->plans, centroid_W_));
+  if (!choice.grasps.empty()) {
+    target_ = choice.object;
+    centroid_W_ = convert::from_message(view->plans.at(target_)->centroid());
+  }
+  cycle_.take_plan(std::move(choice.grasps), choice.problem);
 }
 
 msgs::Surprise ArmCycleNode::to_message(const control::Surprise& surprise) const {

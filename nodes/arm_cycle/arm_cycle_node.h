@@ -10,6 +10,7 @@
 
 #include "msgs/grasp.pb.h"
 #include "nodes/arm_cycle/arm_ports.h"
+#include "nodes/look_again/look_again.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::nodes {
@@ -24,13 +25,26 @@ class ArmCycleNode {
 
  private:
   struct View {
-    std::map<std::uint32_t, std::shared_ptr<const msgs::GraspPlan>> plans;  // by object
+    Plans plans;  // by object
     std::chrono::steady_clock::time_point newest{};
   };
 
   void tick();
-  const View* newest_ready() const;
+  /// The newest view, seen at the stamp `since` [ns] or later, whose plans have come.
+  const View* newest_ready(std::int64_t since) const;
+  struct Choice {
+    std::uint32_t object = 0;
+    std::vector<control::ArmGrasp> grasps;
+    std::string problem;   // of each object
+    bool planned = false;  // there are grasps, if only without a way for the arm
+    bool known = false;    // the object asked for is in the view
+    double score = -1;
+  };
+  /// Among all objects, or the one with the id `object` when that is >= 0.
+  Choice choose(const View& view, int object) const;
   void start(const View& view);
+  /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
+  void look_again(double since);
   control::ArmGrasp grasp_of(const msgs::Grasp& grasp) const;
   void publish_progress();
   void finish(const control::CycleResult& result, bool ungraspable);
@@ -40,6 +54,7 @@ class ArmCycleNode {
   int object_;
   bool exits_;
   std::chrono::duration<double> patience_;
+  LookAgain look_;
   control::ArmCycleOptions options_;
   ArmActions arm_;
   HandActions hand_;
@@ -55,6 +70,7 @@ class ArmCycleNode {
   std::shared_ptr<const msgs::JointState> joints_;
   std::optional<double> wrist_force_;  // N
   std::uint32_t target_ = 0;
+  Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   bool armed_ = true, running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;

@@ -98,6 +98,7 @@ CycleNode::CycleNode(graph::Node& node)
                                                .description = "gripper model"}))),
       options_(declare_cycle_options(node, gripper_model_)),
       put_down_(declare_put_down_options(node, options_.lift_height)),
+      look_(node),
       views_(std::chrono::duration<double>(
           node.declare_parameter<double>({.name = "patience",
                                           .default_value = 20.0,
@@ -177,6 +178,7 @@ void CycleNode::tick() {
   if (running_) {
     if (stalled) return;
     cycle_->step(percepts());
+    if (const auto since = cycle_->looks_since()) look_again(*since);
     publish_progress();
     if (cycle_->finished()) finish(cycle_->result(), false);
     return;
@@ -196,6 +198,7 @@ void CycleNode::start(const View& view) {
       failure.reason = target_.problem;
       return finish(failure, target_.ungraspable);
     }
+    centroid_W_ = convert::from_message(view.plans.at(target_.id)->centroid());
     if (spawns_ && view.models.count(target_.id) == 0) {
       failure.reason = "the model of object " + std::to_string(target_.id) + " did not come";
       return finish(failure, false);
@@ -215,6 +218,8 @@ void CycleNode::start(const View& view) {
 void CycleNode::begin() try {
   control::CycleOptions options = options_;
   options.move_W = move_W_;
+  // Predicted objects in a simulation are seen by nobody.
+  options.look_timeout = spawns_ ? 0 : look_.timeout();
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
                  target_.grasps.size(), target_.grasps.front().score);
   cycle_.emplace(gripper_model_, options, gripper_, carrier_);
@@ -226,6 +231,29 @@ void CycleNode::begin() try {
   control::CycleResult failure;
   failure.reason = error.what();
   finish(failure, false);
+}
+
+void CycleNode::look_again(double since) {
+  look_.ask(since);
+  if (!look_.problem().empty()) return cycle_->take_plan({}, move_W_, look_.problem());
+  const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
+  if (!view) return;
+  try {
+    // Ids are of one view: the object asked for is what lies nearest to where it was.
+    Target target =
+        choose_target(*view, object_ < 0 ? -1 : nearest_object(view->plans, centroid_W_));
+    if (!target.grasps.empty()) {
+      target_ = std::move(target);
+      centroid_W_ = convert::from_message(view->plans.at(target_.id)->centroid());
+      move_W_ = choose_move(*view, target_, geometry::RigidTransform::Identity());
+      node_.log_info("seen again: grasping object {}, {} grasps", target_.id,
+                     target_.grasps.size());
+      return cycle_->take_plan(target_.grasps, move_W_);
+    }
+    cycle_->take_plan({}, move_W_, target.problem);
+  } catch (const geometry::InputError& error) {
+    cycle_->take_plan({}, move_W_, error.what());
+  }
 }
 
 void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform& X_SW) {

@@ -11,6 +11,7 @@
 #include "msgs/grasp.pb.h"
 #include "nodes/grasp_cycle/ports.h"
 #include "nodes/grasp_cycle/view.h"
+#include "nodes/look_again/look_again.h"
 #include "prehend/control/grasp_cycle.h"
 #include "prehend/control/put_down.h"
 #include "prehend/graph/node.h"
@@ -36,6 +37,8 @@ class CycleNode {
   void spawn_next();
   void take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnResponse>& outcome);
   void begin();
+  /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
+  void look_again(double since);
   Eigen::Vector3d choose_move(const View& view, const Target& target,
                               const geometry::RigidTransform& X_SW) const;
   control::Percepts percepts() const;
@@ -53,6 +56,7 @@ class CycleNode {
   robot::GripperModel gripper_model_;
   control::CycleOptions options_;
   control::PutDownOptions put_down_;
+  LookAgain look_;
   ViewCollector views_;
   GripperActions gripper_;
   CarrierActions carrier_;
@@ -71,7 +75,8 @@ class CycleNode {
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
-  bool armed_ = true;       // waits for plans to start on
+  Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
+  bool armed_ = true;                                     // waits for plans to start on
   bool preparing_ = false;  // objects are being put into the simulation
   bool running_ = false;
   struct Spawn {

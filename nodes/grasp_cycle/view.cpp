@@ -80,8 +80,9 @@ void ViewCollector::add(std::shared_ptr<const msgs::ObjectModel> model) {
   view.models[id] = std::move(model);
 }
 
-const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point now) const {
-  for (auto entry = views_.rbegin(); entry != views_.rend(); ++entry) {
+const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point now,
+                                        std::int64_t since) const {
+  for (auto entry = views_.rbegin(); entry != views_.rend() && entry->first >= since; ++entry) {
     const View& view = entry->second;
     if (view.plans.empty()) continue;
     if (view.complete() || now - view.newest_plan >= patience_) return &view;

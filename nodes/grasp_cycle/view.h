@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,8 +34,10 @@ class ViewCollector {
   void add(std::shared_ptr<const msgs::GraspPlan> plan, std::chrono::steady_clock::time_point now);
   void add(std::shared_ptr<const msgs::ObjectModel> model);
 
-  /// The newest view that is complete, or whose last plan came `patience` ago; else nullptr.
-  const View* newest_ready(std::chrono::steady_clock::time_point now) const;
+  /// The newest view, seen at the stamp `since` [ns] or later, that is complete, or whose last plan
+  /// came `patience` ago; else nullptr.
+  const View* newest_ready(std::chrono::steady_clock::time_point now,
+                           std::int64_t since = std::numeric_limits<std::int64_t>::min()) const;
 
  private:
   View& view_of(std::int64_t stamp);

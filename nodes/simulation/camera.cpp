@@ -33,10 +33,11 @@ Camera::~Camera() {
   thread_.join();
 }
 
-void Camera::request() {
+void Camera::request(bool anew) {
   {
     const std::lock_guard lock(mutex_);
     requested_ = true;
+    looks_ += anew ? 1 : 0;
   }
   wake_.notify_all();
 }
@@ -47,9 +48,10 @@ void Camera::run() {
     wake_.wait(lock, [this] { return requested_ || ends_; });
     if (ends_) return;
     requested_ = false;
+    const std::uint64_t looks = looks_;
     lock.unlock();
     try {
-      render();
+      render(looks);
     } catch (const std::exception& error) {
       node_.report(graph::Health::kError, std::string("no picture: ") + error.what());
     }
@@ -57,7 +59,7 @@ void Camera::run() {
   }
 }
 
-void Camera::render() {
+void Camera::render(std::uint64_t looks) {
   const View view = view_();
   const auto start = std::chrono::steady_clock::now();
   simulation::StereoImages images =
@@ -67,7 +69,7 @@ void Camera::render() {
       convert::to_message(convert::StereoImages{std::move(images.left), std::move(images.right)});
   message.mutable_header()->set_stamp(std::llround(view.time * 1e9));
   message.mutable_header()->set_frame_id("camera");
-  message.set_scene_generation(view.generation);
+  message.set_scene_generation(view.generation + looks);
   stereo_.publish(std::move(message));
   node_.log_info("stereo pair of {:.2f} s simulated time, rendered in {:.2f} s", view.time,
                  duration.count());

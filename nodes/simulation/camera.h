@@ -29,11 +29,12 @@ class Camera {
   ~Camera();
 
   /// Asks for a picture of the world as it is when the thread comes to it. Requests merge.
-  void request();
+  /// @param anew counts as a change of the scene, so that it is looked at though nothing was added
+  void request(bool anew = false);
 
  private:
   void run();
-  void render();
+  void render(std::uint64_t looks);
 
   graph::Node& node_;
   std::function<View()> view_;
@@ -46,6 +47,7 @@ class Camera {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool requested_ = false;
+  std::uint64_t looks_ = 0;  // pictures asked for anew
   bool ends_ = false;
   std::thread thread_;
 };

@@ -127,7 +127,7 @@ class World {
           msgs::Acknowledge answer;
           answer.set_success(camera_ != nullptr);
           answer.set_reason(camera_ ? "the stereo pair follows" : "started with camera:=false");
-          if (camera_) camera_->request();
+          if (camera_) camera_->request(true);
           return answer;
         });
   }

@@ -29,6 +29,7 @@ void ArmCycleOptions::validate() const {
   require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
   require(std::isfinite(largest_detour) && largest_detour > 0, "largest_detour must be positive");
   require(largest_attempts > 0, "largest_attempts must be positive");
+  require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
 }
 
 JointPath reversed(const JointPath& path) {
@@ -86,6 +87,7 @@ ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
 Phase ArmCycle::phase_of(Step step) {
   switch (step) {
     case Step::kWaiting:
+    case Step::kLook:
       return Phase::kWaiting;
     case Step::kOpen:
     case Step::kReach:
@@ -206,12 +208,10 @@ void ArmCycle::give_up(const std::string& reason) {
 
 void ArmCycle::go_back() {
   if (gone_.empty()) {
-    if (grasp_index_ + 1 < static_cast<int>(grasps_.size()) &&
-        result_.attempts < options_.largest_attempts) {
-      ++grasp_index_;
-      return begin_attempt();
+    if (options_.look_timeout > 0 && result_.attempts < options_.largest_attempts) {
+      return enter(Step::kLook, failure_ + "; looking again");
     }
-    return finish(false, failure_);
+    return next_grasp("");
   }
   JointPath back = reversed(gone_.back());
   gone_.pop_back();
@@ -219,6 +219,32 @@ void ArmCycle::go_back() {
   follow(back, 0);
   // It was pushed: follow() counts what is gone, and this is no way that is to be gone back.
   if (refused_.empty()) gone_.pop_back();
+}
+
+std::optional<double> ArmCycle::looks_since() const {
+  return step_ == Step::kLook ? std::optional(step_start_) : std::nullopt;
+}
+
+void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem) {
+  if (step_ != Step::kLook) return;
+  if (grasps.empty()) {
+    return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
+  }
+  grasps_ = std::move(grasps);
+  grasp_index_ = 0;
+  ++result_.plans;
+  begin_attempt();
+}
+
+// `why` it is not a grasp of a new look, in words; empty: nobody looked.
+void ArmCycle::next_grasp(const std::string& why) {
+  if (grasp_index_ + 1 >= static_cast<int>(grasps_.size()) ||
+      result_.attempts >= options_.largest_attempts) {
+    return finish(false, failure_ + (why.empty() ? "" : "; " + why));
+  }
+  ++grasp_index_;
+  begin_attempt();
+  if (!why.empty()) detail_ = why + ": the next grasp of the plan before; " + detail_;
 }
 
 void ArmCycle::step(const ArmPercepts& percepts) {
@@ -230,7 +256,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   const double spent = now_.time - step_start_;
   const bool hand_moves = step_ == Step::kOpen || step_ == Step::kClose ||
                           step_ == Step::kRelease || step_ == Step::kGiveUpOpen;
-  const bool waits = step_ == Step::kSettle || step_ == Step::kCheck;
+  const bool waits = step_ == Step::kSettle || step_ == Step::kCheck || step_ == Step::kLook;
   // A segment that the plan does not have ends at once.
   static const std::pair<Step, const char*> kSegments[] = {
       {Step::kReach, "reach"}, {Step::kApproach, "approach"}, {Step::kLift, "lift"},
@@ -306,6 +332,9 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     case Step::kGiveUpOpen:
     case Step::kGoBack:
       return go_back();
+    case Step::kLook:
+      if (spent > options_.look_timeout) next_grasp("no new plan came");
+      return;
     case Step::kWaiting:
     case Step::kDone:
     case Step::kFailed:

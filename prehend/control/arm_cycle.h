@@ -88,14 +88,18 @@ struct ArmCycleOptions {
   double motion_timeout = 60;   // s, > 0, of each motion
   double largest_detour = 0.5;  // rad, > 0, see joined()
   int largest_attempts = 3;     // > 0
+  /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
+  /// plan is taken at once.
+  double look_timeout = 0;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
 /// Executes ranked grasps with an arm and a hand until one succeeds: opens the hand, reach,
 /// approach, close, lift, looks whether something is held, carry, place, open, retreat. What is
-/// felt is compared with what was predicted (surprises). On a failure it opens, goes back the way
-/// it came and takes the next grasp.
+/// felt is compared with what was predicted (surprises). On a failure it opens and goes back the
+/// way it came. With `look_timeout` it waits there for grasps planned on a new look (looks_since(),
+/// take_plan()), as the object may have moved; when none come it takes the next grasp of its plan.
 ///
 /// Sources: Bohg et al., "Mind the Gap", ICRA 2011, section IV: KTH's platform open loop, UJI's
 /// with reaction to contact. Not thread-safe. Never blocks, never throws after start().
@@ -108,6 +112,11 @@ class ArmCycle {
   void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
+  /// Set while it waits for a new plan: of what was seen at this time [s] or later.
+  std::optional<double> looks_since() const;
+  /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
+  /// @pre looks_since() is set
+  void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// Stops arm and hand and ends as failed.
   void abort(const std::string& reason);
 
@@ -136,6 +145,7 @@ class ArmCycle {
     kRetreat,
     kGiveUpOpen,
     kGoBack,
+    kLook,
     kDone,
     kFailed
   };
@@ -151,6 +161,7 @@ class ArmCycle {
   void check();
   void give_up(const std::string& reason);
   void go_back();
+  void next_grasp(const std::string& why);
   void finish(bool success, const std::string& reason);
   void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
   const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index_)]; }

@@ -23,9 +23,8 @@ std::optional<std::size_t> next_to_try(const std::vector<grasp::Grasp>& grasps,
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < grasps.size(); ++i) {
     if (tried[i]) continue;
-    const bool failed_so = std::any_of(failed.begin(), failed.end(), [&](const auto& other) {
-      return is_like(grasps[i], other);
-    });
+    const bool failed_so = std::any_of(
+        failed.begin(), failed.end(), [&](const auto& other) { return is_like(grasps[i], other); });
     if (!failed_so) return i;
     if (!first) first = i;
   }

@@ -144,6 +144,53 @@ TEST(ArmCycle, GoesBackAndTriesTheNextGrasp) {
   EXPECT_TRUE(cycle.surprises()[0].surprising);
 }
 
+TEST(ArmCycle, LooksAgainFromWhereItBegan) {
+  Fakes f;
+  ArmCycleOptions options;
+  options.look_timeout = 5;
+  ArmCycle cycle(options, f.arm, f.hand);
+  f.now.wrist_force = 0.1;  // nothing is held
+  cycle.step(f.now);
+  cycle.start({fake_grasp(), fake_grasp()});
+  for (int i = 0; i < 4000 && !cycle.looks_since() && !cycle.finished(); ++i) f.run(cycle, 1);
+  ASSERT_TRUE(cycle.looks_since()) << cycle.detail();
+  EXPECT_NEAR(f.arm.position[0], 0, 1e-12) << "the arm stands in the camera's view";
+  ArmGrasp elsewhere = fake_grasp();
+  elsewhere.segments[0].second = path(0, 0.9);
+  elsewhere.segments[1].second = path(0.9, 2);
+  f.now.wrist_force = 3;
+  const std::size_t asked = f.arm.asked.size();
+  cycle.take_plan({elsewhere});
+  EXPECT_FALSE(cycle.looks_since());
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 2);
+  EXPECT_EQ(cycle.result().plans, 2);
+  EXPECT_NEAR(f.arm.asked[asked].points.back().position[0], 0.9, 1e-12);
+}
+
+TEST(ArmCycle, WaitsForANewPlanNoLongerThanItWasTold) {
+  Fakes f;
+  ArmCycleOptions options;
+  options.look_timeout = 5;
+  ArmCycle cycle(options, f.arm, f.hand);
+  f.now.wrist_force = 0.1;
+  cycle.step(f.now);
+  cycle.start({fake_grasp(), fake_grasp()});
+  for (int i = 0; i < 4000 && !cycle.looks_since() && !cycle.finished(); ++i) f.run(cycle, 1);
+  ASSERT_TRUE(cycle.looks_since()) << cycle.detail();
+  const double since = *cycle.looks_since();
+  while (cycle.looks_since() && f.now.time < since + 10) f.run(cycle, 1);
+  EXPECT_NEAR(f.now.time - since, options.look_timeout, 0.05);
+  EXPECT_THAT(cycle.detail(), HasSubstr("no new plan came"));
+  EXPECT_EQ(cycle.grasp_index(), 1);
+  for (int i = 0; i < 4000 && !cycle.looks_since() && !cycle.finished(); ++i) f.run(cycle, 1);
+  ASSERT_TRUE(cycle.looks_since()) << cycle.detail();
+  cycle.take_plan({}, "too wide");
+  EXPECT_TRUE(cycle.finished());
+  EXPECT_THAT(cycle.result().reason, HasSubstr("too wide"));
+}
+
 TEST(ArmCycle, SaysWhatWentWrong) {
   {
     Fakes f;

@@ -4,6 +4,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "nodes/look_again/look_again.h"
 
 namespace prehend::nodes {
 namespace {
@@ -58,6 +59,32 @@ TEST(ViewCollector, GivesUpWaitingAfterItsPatience) {
   views.add(plan(0, 0.5), start);
   EXPECT_EQ(views.newest_ready(start + seconds(7)), nullptr);
   EXPECT_NE(views.newest_ready(start + seconds(8)), nullptr);
+}
+
+TEST(ViewCollector, OfWhatWasSeenSinceAStamp) {
+  ViewCollector views(seconds(8));
+  const Time start{};
+  views.add(plan(0, 0.5, 1), start);
+  views.add(model(0, 0));
+  EXPECT_NE(views.newest_ready(start, 7), nullptr);
+  EXPECT_EQ(views.newest_ready(start, 8), nullptr);
+  auto later = plan(0, 0.4, 1);
+  later->mutable_header()->set_stamp(9);
+  views.add(later, start);
+  EXPECT_EQ(views.newest_ready(start, 8), nullptr) << "its model has not come";
+  const View* view = views.newest_ready(start + seconds(8), 8);
+  ASSERT_NE(view, nullptr);
+  EXPECT_EQ(view->plans.at(0)->header().stamp(), 9);
+}
+
+TEST(NearestObject, IsTheOneWhoseCentroidIsNearest) {
+  auto near = plan(4, 0.5), far = plan(7, 0.9);
+  *near->mutable_centroid() = convert::to_message(Eigen::Vector3d(0.1, 0, 0.05));
+  *far->mutable_centroid() = convert::to_message(Eigen::Vector3d(-0.2, 0, 0.05));
+  const Plans plans{{4, near}, {7, far}};
+  EXPECT_EQ(nearest_object(plans, {0.05, 0, 0.04}), 4);
+  EXPECT_EQ(nearest_object(plans, {-0.1, 0, 0.04}), 7);
+  EXPECT_EQ(nearest_object({}, {0, 0, 0}), -1);
 }
 
 TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
