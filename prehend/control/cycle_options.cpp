@@ -28,6 +28,7 @@ void CycleOptions::validate() const {
   require(held_ratio >= 0 && held_ratio < 1, "held_ratio must be in [0, 1)");
   require(largest_collapse > 0, "largest_collapse must be positive");
   require(largest_excess >= 1, "largest_excess must be at least 1");
+  require(least_share > 0 && least_share <= 1, "least_share must be in (0, 1]");
   require(settled_time >= 0, "settled_time must not be negative");
   require(check_time >= 0, "check_time must not be negative");
   require(lift_height >= 0.12, "lift_height must be at least 0.12 m");

@@ -279,7 +279,7 @@ void GraspCycle::step_press(const Percepts& percepts) {
     if (!timed_out(options_.force_timeout)) return;
     // Dry friction of the drive can hold more than was asked for: that is no reason to let go.
     const double felt = mean_sum(percepts), wanted = current_grasp().grasp_force;
-    if (felt < wanted || felt > options_.largest_excess * wanted) {
+    if (felt < options_.least_share * wanted || felt > options_.largest_excess * wanted) {
       return give_up_attempt("the grasp force was not reached: " + newtons(felt) + " of " +
                              newtons(wanted));
     }

@@ -86,6 +86,9 @@ struct CycleOptions {
   double closing_timeout = 8;   // s, > 0, from the start of closing to the touch of both pads
   double force_timeout = 4;     // s, > 0, to reach the grasp force
   double largest_excess = 1.5;  // >= 1, times the grasp force, that is taken after this time
+  /// In (0, 1], of the grasp force, that is taken then too: a finger that meets the object beside
+  /// its pad keeps it from more. Whether that holds is seen after the lift.
+  double least_share = 0.6;
   /// s, >= 0, to wait for a plan of what is there after a failed attempt, see GraspCycle; 0: the
   /// next grasp of the plan is taken at once.
   double look_timeout = 0;

@@ -26,6 +26,7 @@ class FakeWorld {
   bool slips_when_lifted = false;
   double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
+  double finger_stop = 0;  // m, of the opening, where the fingers meet the object beside the pads
   bool frozen_pads = false;
   bool jammed = false;  // the jaws do not move
   bool carrier_stuck = false;
@@ -112,7 +113,7 @@ class FakeWorld {
       // Blocked where the drive's force, less its friction, meets the spring's.
       const double push = std::max(0.0, 30 * current_limit_ - 8);
       const double equilibrium = between() && held_possible_ ? object_width - push / kStiffness : 0;
-      opening_ = std::max({opening_ + jaw_speed_ * kStep, equilibrium, 0.0});
+      opening_ = std::max({opening_ + jaw_speed_ * kStep, equilibrium, finger_stop});
     }
   }
   void move_hand() {
@@ -252,6 +253,22 @@ TEST_F(GraspCycleTest, SlippedObjectIsNoticedAfterTheLift) {
   ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
   EXPECT_NE(cycle.result().reason.find("not held"), std::string::npos) << cycle.result().reason;
+}
+
+// Once grasps that held well were let go, as a finger met the object beside its pad.
+TEST_F(GraspCycleTest, LiftsWithLessForceThanAskedForWhenThePadsGetNoMore) {
+  world.finger_stop = 0.05 - 8.0 / 20000;  // 8 N of 12
+  run(1);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_GE(world.highest_object(), 0.12);
+}
+
+TEST_F(GraspCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
+  world.finger_stop = 0.05 - 5.0 / 20000;
+  run(1);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("force was not reached"), std::string::npos)
+      << cycle.result().reason;
 }
 
 TEST_F(GraspCycleTest, EarlyTouchBacksOff) {
