@@ -55,7 +55,7 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
-  std::map<PlannedOn, surface::ObjectModel> first_look;
+  std::map<std::pair<PlannedOn, int>, surface::ObjectModel> first_look;
   for (const PlannerSetting& setting : settings) {
     const PlannedOn on = setting.planned_on;
     GraspTrial trial;
@@ -63,19 +63,22 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
       if (on != PlannedOn::kTruth && !seen) {
         throw geometry::InputError(result.problem, "Look from elsewhere");
       }
-      if (!first_look.contains(on)) {
+      const std::pair key(on, setting.alternatives);
+      if (!first_look.contains(key)) {
         const double start = processor_time();
-        first_look[on] =
-            on == PlannedOn::kTruth ? known_object(truth.mesh_W) : believed_object(*seen, on);
+        first_look[key] = on == PlannedOn::kTruth
+                              ? known_object(truth.mesh_W)
+                              : believed_object(*seen, on, setting.alternatives);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
       int look = 0;
-      trial = hand.grasp(
-          first_look.at(on), truth, setting, [&](const geometry::RigidTransform& X_moved) {
-            return on == PlannedOn::kTruth
-                       ? known_object(geometry::transformed(truth.mesh_W, X_moved))
-                       : believed_object(see_object(one, X_moved * X_WB, ++look), on);
-          });
+      trial = hand.grasp(first_look.at(key), truth, setting,
+                         [&](const geometry::RigidTransform& X_moved) {
+                           return on == PlannedOn::kTruth
+                                      ? known_object(geometry::transformed(truth.mesh_W, X_moved))
+                                      : believed_object(see_object(one, X_moved * X_WB, ++look), on,
+                                                        setting.alternatives);
+                         });
     } catch (const std::exception& error) {
       trial.problem = error.what();
     }

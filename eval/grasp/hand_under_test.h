@@ -20,6 +20,7 @@ struct PlannerSetting {
   PlannedOn planned_on = PlannedOn::kPredicted;
   grasp::PlannerOptions options;           // of a parallel gripper
   grasp::HandPlannerOptions hand_options;  // of a hand with fingers
+  int alternatives = 0;  // shapes besides the predicted one on which grasps are tried
 };
 
 /// An object as a hand meets it: in the world, on the table z = 0.

@@ -28,7 +28,8 @@ SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int
   return seen;
 }
 
-surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on) {
+surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on,
+                                     int alternatives) {
   const perception::SegmentedScene& scene = seen.scene;
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
   if (planned_on == PlannedOn::kDelaunay) {
@@ -36,8 +37,10 @@ surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_o
     model.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
     return model;
   }
+  shape::CompletionOptions options;
+  options.alternatives = alternatives;
   const shape::CompletedShape shape = shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W});
+      {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W}, options);
   return surface::make_object_model(shape, scene.table_W);
 }
 

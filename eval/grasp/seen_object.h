@@ -18,8 +18,10 @@ struct SeenObject {
 /// @throws geometry::InputError when it is not found on the table.
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look);
 
-/// What that gives to plan on. @pre not kTruth, which nobody sees
+/// What that gives to plan on, a prediction with up to `alternatives` other shapes.
+/// @pre not kTruth, which nobody sees
 /// @throws geometry::InputError when no shape is predicted.
-surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on);
+surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on,
+                                     int alternatives = 0);
 
 }  // namespace prehend::eval
