@@ -115,6 +115,22 @@ TEST_F(SimulationNode, PublishesSensorsAndOnePictureOfTheScene) {
   EXPECT_TRUE(truth_.bodies(0).touches_table());
 }
 
+// Perception looks once at each scene: what is asked for must count as another one.
+TEST_F(SimulationNode, APictureThatIsAskedForIsOfAnotherScene) {
+  std::uint64_t generation = 0;
+  const auto subscription = node_->subscribe<msgs::StereoPair>(
+      "/camera/stereo", QoS::latest(), [&](const graph::Received<msgs::StereoPair>& m) {
+        const std::lock_guard lock(mutex_);
+        generation = m->scene_generation();
+      });
+  EXPECT_TRUE(wait_until([&] { return generation == 1; }));
+  const auto answer = node_->client<msgs::Empty, msgs::Acknowledge>("/simulation/render")
+                          .call({}, std::chrono::seconds(10));
+  ASSERT_TRUE(answer.ok()) << answer.error();
+  EXPECT_TRUE(answer->success()) << answer->reason();
+  EXPECT_TRUE(wait_until([&] { return generation == 2; }));
+}
+
 TEST_F(SimulationNode, CarrierMovesAndStopsOnContact) {
   const auto client = node_->action_client<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback,
                                            msgs::MoveCarrierResult>("/carrier/move");
