@@ -37,7 +37,7 @@ TEST_P(Arm, PicksUpMovesAndPutsDown) {
   EXPECT_TRUE(results[0].success()) << results[0].reason();
 }
 
-INSTANTIATE_TEST_SUITE_P(Launches, Arm, ::testing::Values("kth"));
+INSTANTIATE_TEST_SUITE_P(Launches, Arm, ::testing::Values("kth", "uji"));
 
 }  // namespace
 }  // namespace prehend::testing
