@@ -36,20 +36,24 @@ class DistanceGrid {
   static constexpr double kNear = 0.012;  // m
 
  private:
+  /// A cell of the grid, by its lowest node, and where in it a point is: 0 to 1.
   struct Cell {
-    Eigen::Vector3i node;
-    Eigen::Vector3d part;  // of the cell, 0 to 1
+    int x, y, z;
+    double part_x, part_y, part_z;
   };
   bool find_cell(const Eigen::Vector3d& p, Cell& cell) const;
+  double coarse_node(int x, int y, int z) const;
   double node(int x, int y, int z) const;
+  /// Distances at a cell's corners; x changes fastest.
   void corners(const Cell& cell, double (&values)[8]) const;
 
   const geometry::MeshQuery* mesh_;
   Eigen::AlignedBox3d box_;  // of the mesh
   Eigen::Vector3d origin_;   // of the nodes
-  double cell_;
-  Eigen::Vector3i count_;
-  std::unique_ptr<std::atomic<float>[]> nodes_;  // NaN: not filled; null: too many
+  double cell_, per_cell_;   // m and its inverse
+  Eigen::Vector3i count_, coarse_count_;
+  // NaN: not filled; null: too many. The coarse ones are apart: they stay in the fastest cache.
+  std::unique_ptr<std::atomic<float>[]> nodes_, coarse_nodes_;
 };
 
 }  // namespace prehend::grasp

@@ -370,17 +370,33 @@ Advance advance_hand(const HandToClose& hand, const RigidTransform& X_WH,
   constexpr double kTolerance = 1e-4;  // m
   std::vector<RigidTransform> poses;
   hand.hand->link_poses(all, poses);
+  for (RigidTransform& pose : poses) pose = X_WH * pose;
   Advance result;
   result.distance = distance;
+  // The table is flat: one look at each link tells how far.
+  for (std::size_t l = 0; scene.table_W && l < poses.size(); ++l) {
+    const double room =
+        lowest_ball(hand.balls.links[l], poses[l], *scene.table_W).clearance - margin;
+    const double speed = -direction_W.dot(scene.table_W->normal);
+    double way = std::numeric_limits<double>::infinity();
+    if (room <= kTolerance) {
+      way = 0;
+    } else if (speed > 0) {
+      way = (room - kTolerance / 2) / speed;
+    }
+    if (way < result.distance) result = {way, Touched::kTable, static_cast<int>(l)};
+  }
+  if (scene.object_W == nullptr && scene.obstacles_W == nullptr) return result;
+  TouchScene solid = scene;
+  solid.table_W.reset();
   for (std::size_t l = 0; l < poses.size(); ++l) {
     const LinkBalls& balls = hand.balls.links[l];
     if (balls.nodes.empty()) continue;
-    const RigidTransform X_WL = X_WH * poses[l];
     double way = 0;
     while (way < result.distance) {
-      RigidTransform moved = X_WL;
+      RigidTransform moved = poses[l];
       moved.translation() += way * direction_W;
-      const NearBall near = nearest_ball(balls, moved, scene);
+      const NearBall near = nearest_ball(balls, moved, solid);
       const double room = near.clearance - margin;
       if (room > kTolerance) {
         way += room - kTolerance / 2;

@@ -97,21 +97,24 @@ std::optional<Refusal> HandEvaluator::approach(const robot::Preshape& preshape, 
     *advance = one;
     if (obstacle != Touched::kNothing) advance->what = obstacle;
   };
-  // The table's margin is kept by a table that much higher, so that both are one way.
+  const auto miss = [&] {
+    return Miss{Quantity::kLength, way - advance->distance, options_.largest_shortfall};
+  };
+  // The table's margin is kept by a table that much higher, so that both are one way. The table
+  // first: it costs next to nothing, and refuses most.
   geometry::Plane higher = table_;
   higher.offset += options_.collision.table_margin - options_.collision.object_margin;
-  move({&grid_, higher, nullptr}, options_.collision.object_margin, Touched::kNothing);
+  move({nullptr, higher, nullptr}, options_.collision.object_margin, Touched::kNothing);
+  if (miss().value > options_.largest_shortfall) return Refusal{reason::kTable, miss()};
+  move({&grid_, std::nullopt, nullptr}, options_.collision.object_margin, Touched::kNothing);
+  if (miss().value > options_.largest_shortfall) return Refusal{reason::kObject, miss()};
   if (obstacle_grid_) {
     move({&*obstacle_grid_, std::nullopt, nullptr}, options_.collision.obstacle_margin,
          Touched::kObstacle);
   }
   const double short_by = way - advance->distance;
-  const Miss miss{Quantity::kLength, short_by, options_.largest_shortfall};
   if (advance->what == Touched::kObstacle) {
     return Refusal{reason::kObstacle, Miss{Quantity::kLength, short_by, 0}};
-  }
-  if (short_by > options_.largest_shortfall) {
-    return Refusal{advance->what == Touched::kTable ? reason::kTable : reason::kObject, miss};
   }
   grasp->X_WH.translation() -= short_by * grasp->approach_W;
   return std::nullopt;

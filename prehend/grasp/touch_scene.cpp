@@ -1,9 +1,15 @@
 #include "prehend/grasp/touch_scene.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace prehend::grasp {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr double kExact = 1e-3;  // m, clearance below which nearest_ball() is exact
+constexpr double kShare = 0.7;   // of what is beyond that, at least
 
 class Search {
  public:
@@ -15,6 +21,7 @@ class Search {
     // All of it is far: the bound is as good.
     if (root > DistanceGrid::kNear) return {root, 0, Touched::kNothing};
     visit(0);
+    best_.clearance = std::min(best_.clearance, passed_over_);
     return best_;
   }
 
@@ -42,21 +49,47 @@ class Search {
       std::swap(near, far);
       std::swap(near_bound, far_bound);
     }
-    if (near_bound < best_.clearance) visit(near);
-    if (far_bound < best_.clearance) visit(far);
+    for (const auto& [bound, child] : {std::pair(near_bound, near), std::pair(far_bound, far)}) {
+      if (bound < best_.clearance && bound < kExact + kShare * (best_.clearance - kExact)) {
+        visit(child);
+      } else {
+        passed_over_ = std::min(passed_over_, bound);
+      }
+    }
   }
 
   const LinkBalls& link_;
   const geometry::RigidTransform& X_WL_;
   const TouchScene& scene_;
   NearBall best_;
+  double passed_over_ = std::numeric_limits<double>::infinity();
 };
+
+void visit_lowest(const LinkBalls& link, const Vector3d& normal_L, double offset, int index,
+                  NearBall& lowest) {
+  const LinkBalls::Node& here = link.nodes[static_cast<std::size_t>(index)];
+  if (normal_L.dot(here.center) - offset - here.radius >= lowest.clearance) return;
+  if (!here.leaf()) {
+    visit_lowest(link, normal_L, offset, here.first, lowest);
+    visit_lowest(link, normal_L, offset, here.right, lowest);
+    return;
+  }
+  for (int i = here.first; i < here.last; ++i) {
+    const auto ball = static_cast<std::size_t>(i);
+    const double height = normal_L.dot(link.centers[ball]) - offset - link.radii[ball];
+    if (height < lowest.clearance) lowest = {height, i, Touched::kTable};
+  }
+}
 
 }  // namespace
 
 double TouchScene::distance(const Vector3d& p_W, Touched* what) const {
-  double least = object_W->distance(p_W);
-  Touched nearest = Touched::kObject;
+  double least = std::numeric_limits<double>::infinity();
+  Touched nearest = Touched::kNothing;
+  if (object_W != nullptr) {
+    least = object_W->distance(p_W);
+    nearest = Touched::kObject;
+  }
   if (table_W) {
     const double height = table_W->signed_distance(p_W);
     if (height < least) {
@@ -92,6 +125,15 @@ NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_W
                       const TouchScene& scene) {
   if (link.nodes.empty()) return {};
   return Search(link, X_WL, scene).run();
+}
+
+NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
+                     const geometry::Plane& plane_W) {
+  NearBall lowest;
+  if (link.nodes.empty()) return lowest;
+  visit_lowest(link, X_WL.linear().transpose() * plane_W.normal,
+               plane_W.offset - plane_W.normal.dot(X_WL.translation()), 0, lowest);
+  return lowest;
 }
 
 }  // namespace prehend::grasp

@@ -15,7 +15,7 @@ enum class Touched { kNothing, kObject, kTable, kObstacle };
 /// The object to be grasped, the table under it and other things, for balls to touch. Refers to
 /// what it is given.
 struct TouchScene {
-  const DistanceGrid* object_W = nullptr;
+  const DistanceGrid* object_W = nullptr;     // none: no object
   std::optional<geometry::Plane> table_W;     // solid below
   const DistanceGrid* obstacles_W = nullptr;  // none: no others
 
@@ -33,10 +33,15 @@ struct NearBall {
   Touched what = Touched::kNothing;
 };
 
-/// The link's ball that is nearest to anything in the scene, or, where all are farther than
-/// DistanceGrid::kNear, a lower bound of its clearance (with any ball of the link).
+/// The link's ball that is nearest to anything in the scene, or, where all are farther than 1 mm, a
+/// lower bound of its clearance: at least 0.7 of what is beyond that millimetre, and at least
+/// DistanceGrid::kNear where that is farther away (with a ball that is about as near).
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
                       const TouchScene& scene);
+
+/// The link's ball that is lowest over a plane, and by how much it clears it.
+NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
+                     const geometry::Plane& plane_W);
 
 /// Calls visit(ball, p_W, clearance) for each ball of the link nearer to the object than `depth`.
 template <class Visit>
