@@ -26,8 +26,39 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+// Without the points inside the octagon of those that are farthest in eight directions, which are
+// most (S. G. Akl and G. T. Toussaint, "A fast convex hull algorithm", Information Processing
+// Letters 7(5), 1978).
+std::vector<Eigen::Vector2d> without_inner(const std::vector<Eigen::Vector2d>& points) {
+  constexpr double kDirections[8][2] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
+                                        {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};  // anticlockwise
+  if (points.size() < 32) return points;
+  double farthest[8];
+  Eigen::Vector2d corners[8];
+  std::fill(farthest, farthest + 8, -std::numeric_limits<double>::infinity());
+  for (const Eigen::Vector2d& p : points) {
+    for (int k = 0; k < 8; ++k) {
+      const double along = kDirections[k][0] * p.x() + kDirections[k][1] * p.y();
+      if (along <= farthest[k]) continue;
+      farthest[k] = along;
+      corners[k] = p;
+    }
+  }
+  std::vector<Eigen::Vector2d> outer;
+  for (const Eigen::Vector2d& p : points) {
+    bool inside = true;
+    for (int k = 0; k < 8 && inside; ++k) {
+      const Eigen::Vector2d side = corners[(k + 1) % 8] - corners[k];
+      inside = side.isZero(0) || cross(side, p - corners[k]) > 1e-9 * side.squaredNorm();
+    }
+    if (!inside) outer.push_back(p);
+  }
+  return outer;
+}
+
 // Andrew's monotone chain; counter-clockwise without collinear points.
-std::vector<Eigen::Vector2d> planar_hull(std::vector<Eigen::Vector2d> points) {
+std::vector<Eigen::Vector2d> planar_hull(const std::vector<Eigen::Vector2d>& all) {
+  std::vector<Eigen::Vector2d> points = without_inner(all);
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
   });
@@ -151,11 +182,18 @@ SmallestWidth smallest_width(const std::vector<Eigen::Vector2d>& points) {
   SmallestWidth best;
   if (hull.size() < 2) return best;
   best.width = std::numeric_limits<double>::infinity();
+  // The point farthest from a side moves on round the hull with it (rotating calipers).
+  std::size_t opposite = 1;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
     const Eigen::Vector2d across = Eigen::Vector2d(-edge.y(), edge.x()).normalized();
-    double width = 0;
-    for (const auto& p : hull) width = std::max(width, across.dot(p - hull[i]));
+    const auto height = [&](std::size_t j) { return across.dot(hull[j] - hull[i]); };
+    for (std::size_t k = 0; k < hull.size(); ++k) {
+      const std::size_t next = (opposite + 1) % hull.size();
+      if (!(height(next) > height(opposite))) break;
+      opposite = next;
+    }
+    const double width = std::max(0.0, height(opposite));
     if (width < best.width - 1e-9) best = {width, across};
   }
   return best;

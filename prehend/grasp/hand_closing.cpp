@@ -374,14 +374,16 @@ Advance advance_hand(const HandToClose& hand, const RigidTransform& X_WH,
   Advance result;
   result.distance = distance;
   // The table is flat: one look at each link tells how far.
+  const double speed = scene.table_W ? -direction_W.dot(scene.table_W->normal) : 0;
   for (std::size_t l = 0; scene.table_W && l < poses.size(); ++l) {
-    const double room =
-        lowest_ball(hand.balls.links[l], poses[l], *scene.table_W).clearance - margin;
-    const double speed = -direction_W.dot(scene.table_W->normal);
-    double way = std::numeric_limits<double>::infinity();
-    if (room <= kTolerance) {
-      way = 0;
-    } else if (speed > 0) {
+    // Of interest is what stops the hand before anything else did, or where it starts.
+    const double most = margin + kTolerance + std::max(0.0, speed * result.distance);
+    const NearBall lowest = lowest_ball(hand.balls.links[l], poses[l], *scene.table_W, most);
+    if (lowest.ball < 0) continue;
+    const double room = lowest.clearance - margin;
+    double way = 0;
+    if (room > kTolerance) {
+      if (!(speed > 0)) continue;
       way = (room - kTolerance / 2) / speed;
     }
     if (way < result.distance) result = {way, Touched::kTable, static_cast<int>(l)};

@@ -200,10 +200,6 @@ std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
   for (const Vector3d& p : {p_W, Vector3d(p_W - options_.pregrasp_distance * grasp->approach_W)}) {
     if (!reachability_.reaches_point(p)) return Refusal{reason::kWorkspace, {}};
   }
-
-  Wrenches wrenches;
-  if (auto refusal = close(preshape, advance.what, grasp, &wrenches)) return refusal;
-  if (fingers_meet(*grasp)) return Refusal{reason::kFingersMeet, {}};
   if (options_.reaches) {
     RigidTransform pregrasp = grasp->X_WH;
     pregrasp.translation() -= options_.pregrasp_distance * grasp->approach_W;
@@ -211,6 +207,10 @@ std::optional<Refusal> HandEvaluator::evaluate(const Candidate& candidate,
       return Refusal{reason::kArm, {}};
     }
   }
+
+  Wrenches wrenches;
+  if (auto refusal = close(preshape, advance.what, grasp, &wrenches)) return refusal;
+  if (fingers_meet(*grasp)) return Refusal{reason::kFingersMeet, {}};
   grasp->quality = wrench_hull(wrenches, {.precision = kPrecision}).epsilon;
   return std::nullopt;
 }

@@ -22,10 +22,10 @@ using geometry::RigidTransform;
 using std::chrono::steady_clock;
 
 // In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{reason::kDirection,      reason::kObstacle,   reason::kTable,
-                             reason::kWorkspace,      reason::kObject,     reason::kFingerTable,
-                             reason::kFingerObstacle, reason::kFewFingers, reason::kNotClosed,
-                             reason::kFingersMeet,    reason::kArm,        reason::kTooWeak};
+constexpr std::array kStages{reason::kDirection,   reason::kTable,          reason::kObject,
+                             reason::kObstacle,    reason::kWorkspace,      reason::kArm,
+                             reason::kFingerTable, reason::kFingerObstacle, reason::kFewFingers,
+                             reason::kNotClosed,   reason::kFingersMeet,    reason::kTooWeak};
 
 struct Tried {
   std::string generator;

@@ -128,8 +128,9 @@ NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_W
 }
 
 NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                     const geometry::Plane& plane_W) {
+                     const geometry::Plane& plane_W, double most) {
   NearBall lowest;
+  lowest.clearance = most;
   if (link.nodes.empty()) return lowest;
   visit_lowest(link, X_WL.linear().transpose() * plane_W.normal,
                plane_W.offset - plane_W.normal.dot(X_WL.translation()), 0, lowest);

@@ -39,9 +39,11 @@ struct NearBall {
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
                       const TouchScene& scene);
 
-/// The link's ball that is lowest over a plane, and by how much it clears it.
+/// The link's ball that is lowest over a plane, and by how much it clears it; none (-1) when all
+/// clear it by `most` [m] or more.
 NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                     const geometry::Plane& plane_W);
+                     const geometry::Plane& plane_W,
+                     double most = std::numeric_limits<double>::infinity());
 
 /// Calls visit(ball, p_W, clearance) for each ball of the link nearer to the object than `depth`.
 template <class Visit>
