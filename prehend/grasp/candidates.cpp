@@ -123,14 +123,6 @@ std::vector<Eigen::Vector3d> outer_points(const TriangleMesh& mesh) {
   }
 }
 
-// The object's extent seen along one approach direction.
-struct ApproachView {
-  Eigen::Matrix3d R_WA;  // z along the approach, y along the smallest width
-  double near_side = 0;  // m, along the approach from the centroid, negative
-  double far_side = 0;   // m
-  double width = 0;      // m, smallest of the outline
-};
-
 ApproachView view_along(const std::vector<Eigen::Vector3d>& outer, const Eigen::Vector3d& centroid,
                         const Eigen::Vector3d& approach) {
   ApproachView view;
@@ -228,19 +220,40 @@ Eigen::Matrix3d principal_axes(const TriangleMesh& mesh) {
   return axes;
 }
 
-std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
+std::vector<ApproachView> approach_views(const TriangleMesh& mesh_W,
                                          const Eigen::Vector3d& centroid_W,
-                                         const geometry::Plane& table, double tip_z,
+                                         const geometry::Plane& table,
                                          const Reachability& reachability,
                                          const CandidateOptions& options) {
   options.validate();
   const Eigen::Vector3d start =
       reachability.approach_W ? Eigen::Vector3d(-*reachability.approach_W) : table.normal;
   const std::vector<Eigen::Vector3d> outer = outer_points(mesh_W);
-  std::vector<Candidate> candidates;
+  std::vector<ApproachView> views;
   for (const auto& direction :
        circle_directions(principal_axes(mesh_W), start, options.directions_per_circle)) {
-    const ApproachView view = view_along(outer, centroid_W, -direction);
+    views.push_back(view_along(outer, centroid_W, -direction));
+  }
+  return views;
+}
+
+std::vector<Candidate> sample_candidates(const TriangleMesh& mesh_W,
+                                         const Eigen::Vector3d& centroid_W,
+                                         const geometry::Plane& table, double tip_z,
+                                         const Reachability& reachability,
+                                         const CandidateOptions& options) {
+  return sample_candidates(approach_views(mesh_W, centroid_W, table, reachability, options),
+                           centroid_W, table, tip_z, options);
+}
+
+std::vector<Candidate> sample_candidates(const std::vector<ApproachView>& views,
+                                         const Eigen::Vector3d& centroid_W,
+                                         const geometry::Plane& table, double tip_z,
+                                         const CandidateOptions& options) {
+  options.validate();
+  std::vector<Candidate> candidates;
+  for (const ApproachView& view : views) {
+    const Eigen::Vector3d direction = -view.R_WA.col(2);
     const std::vector<double> depths =
         tip_depths(centroid_W, -direction, view.near_side + options.least_engagement, view.far_side,
                    options.standoffs, table, options.table_clearance);

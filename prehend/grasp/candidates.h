@@ -51,6 +51,22 @@ struct CandidateOptions {
   void validate() const;
 };
 
+/// An object seen along an approach direction.
+struct ApproachView {
+  Eigen::Matrix3d R_WA;  // z along the approach, y along the smallest width
+  double near_side = 0;  // m, along the approach from the centroid, negative
+  double far_side = 0;   // m
+  double width = 0;      // m, smallest of the outline
+};
+
+/// The views of sample_candidates(): the same whatever the hand.
+/// @pre `mesh_W` is finite and has at least one triangle.
+std::vector<ApproachView> approach_views(const geometry::TriangleMesh& mesh_W,
+                                         const Eigen::Vector3d& centroid_W,
+                                         const geometry::Plane& table,
+                                         const Reachability& reachability,
+                                         const CandidateOptions& options);
+
 /// Samples hand poses round the object, in a fixed order.
 ///
 /// Approach directions lie on two perpendicular great circles round the centroid (Bohg et al.,
@@ -69,6 +85,11 @@ std::vector<Candidate> sample_candidates(const geometry::TriangleMesh& mesh_W,
                                          const Eigen::Vector3d& centroid_W,
                                          const geometry::Plane& table, double tip_z,
                                          const Reachability& reachability,
+                                         const CandidateOptions& options);
+/// The same from views that are known, of this object with these options.
+std::vector<Candidate> sample_candidates(const std::vector<ApproachView>& views,
+                                         const Eigen::Vector3d& centroid_W,
+                                         const geometry::Plane& table, double tip_z,
                                          const CandidateOptions& options);
 
 /// Unit eigenvectors of the area-weighted covariance of the surface as columns, longest first,

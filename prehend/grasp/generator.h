@@ -30,6 +30,8 @@ struct GraspTarget {
   geometry::Plane table;
   HandReach hand;
   Reachability reachability;
+  /// approach_views() of it with the options of "circles"; null: made anew.
+  const std::vector<ApproachView>* views = nullptr;
 };
 
 /// One way to make candidates. Adding one: a file in generators/ and a line in generator.cpp.

@@ -7,13 +7,14 @@
 #include <deque>
 #include <limits>
 #include <numbers>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "prehend/grasp/hand_evaluation.h"
+#include "prehend/grasp/parallel.h"
 
 namespace prehend::grasp {
 namespace {
@@ -36,6 +37,12 @@ struct Tried {
 struct Listed {
   HandGrasp grasp;
   std::size_t order = 0;  // of the candidate
+};
+
+/// What came of a candidate: a grasp, or why not; neither: there was no time.
+struct Outcome {
+  std::optional<HandGrasp> grasp;
+  std::optional<Refusal> refusal;
 };
 
 // Different standoffs that the same contact ends are one grasp, and so are preshapes that close to
@@ -71,7 +78,8 @@ class Planner {
 
  private:
   std::vector<Tried> candidates() const;
-  double robustness(const HandGrasp& grasp, const std::deque<HandEvaluator>& alternatives) const;
+  std::vector<Listed> strongest(std::vector<Listed> listed, Ledger* ledger) const;
+  void assess_robustness(std::vector<Listed>* best, const std::function<bool()>& time_is_up) const;
   void assess_surface(HandGrasp* grasp) const;
   std::string problem(const HandPlan& result, const Ledger& ledger) const;
 
@@ -91,9 +99,22 @@ std::vector<Tried> Planner::candidates() const {
     all.push_back({kGiven, &hand_.hand->preshape(given.preshape), given.candidate});
   }
   if (!all.empty()) return all;
+  // Looked at once for all preshapes.
+  std::vector<ApproachView> views;
+  const Eigen::Vector3d& centroid_W = evaluator_.solid().center_of_mass_W;
+  const auto& names = options_.generators;
+  const bool circles = std::find(names.begin(), names.end(), "circles") != names.end();
+  if (circles) {
+    views = approach_views(evaluator_.query().mesh(), centroid_W, table_, reachability_,
+                           options_.candidates.circles);
+  }
   for (const robot::Preshape* preshape : preshapes_) {
-    const GraspTarget target{evaluator_.query(), evaluator_.solid().center_of_mass_W, table_,
-                             hand_reach(hand_, *preshape), reachability_};
+    const GraspTarget target{evaluator_.query(),
+                             centroid_W,
+                             table_,
+                             hand_reach(hand_, *preshape),
+                             reachability_,
+                             circles ? &views : nullptr};
     for (const std::string& name : options_.generators) {
       const auto generator = make_generator(name, options_.candidates);
       for (const Candidate& candidate : generator->generate(target)) {
@@ -132,17 +153,79 @@ void Planner::assess_surface(HandGrasp* grasp) const {
   }
 }
 
-double Planner::robustness(const HandGrasp& grasp,
-                           const std::deque<HandEvaluator>& alternatives) const {
-  const RigidTransform X_GH = grasp.X_WG.inverse() * grasp.X_WH;
-  int held = 0;
-  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
-    const Disturbance& one = disturbances_[i];
-    const std::size_t shape = i % (alternatives.size() + 1);
-    const HandEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
-    held += evaluator.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction) ? 1 : 0;
+// The best of a sorted list whose forces the motors have. Forces take longest: of the best alone,
+// until there are enough; as many at once as may still be needed.
+std::vector<Listed> Planner::strongest(std::vector<Listed> listed, Ledger* ledger) const {
+  const auto largest = static_cast<std::size_t>(options_.largest_count);
+  std::vector<Listed> best;
+  const auto is_known = [&best](const Listed& one) {
+    return std::any_of(best.begin(), best.end(),
+                       [&one](const Listed& other) { return same(one.grasp, other.grasp); });
+  };
+  for (std::size_t first = 0; first < listed.size();) {
+    if (best.size() == largest) {
+      ledger->reject(reason::kRankedBelow, listed[first++].grasp.generator);
+      continue;
+    }
+    std::vector<std::size_t> next;  // that are not known yet, and differ from one another
+    std::size_t last = first;
+    for (; last < listed.size() && best.size() + next.size() < largest; ++last) {
+      if (is_known(listed[last])) continue;
+      const auto is_same = [&](std::size_t other) {
+        return same(listed[last].grasp, listed[other].grasp);
+      };
+      if (std::any_of(next.begin(), next.end(), is_same)) break;  // known if that one is strong
+      next.push_back(last);
+    }
+    std::vector<std::optional<Refusal>> refusals(next.size());
+    for_each_index(next.size(), options_.threads, [&](std::size_t i) {
+      refusals[i] = evaluator_.assess_forces(&listed[next[i]].grasp);
+    });
+    for (std::size_t i = first, assessed = 0; i < last; ++i) {
+      Listed& one = listed[i];
+      if (assessed == next.size() || next[assessed] != i) {
+        ledger->reject(reason::kSame, one.grasp.generator);
+      } else if (const auto& refusal = refusals[assessed++]) {
+        ledger->reject(refusal->reason, one.grasp.generator, refusal->miss);
+      } else {
+        assess_surface(&one.grasp);
+        one.grasp.score = evaluator_.score(one.grasp);
+        best.push_back(std::move(one));
+      }
+    }
+    first = last;
   }
-  return static_cast<double>(held) / static_cast<double>(disturbances_.size());
+  return best;
+}
+
+// Who is assessed no more counts as if nothing held.
+void Planner::assess_robustness(std::vector<Listed>* best,
+                                const std::function<bool()>& time_is_up) const {
+  std::deque<HandEvaluator> alternatives;
+  for (const auto& mesh_W : object_.alternatives_W) {
+    alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, hand_,
+                              reachability_, options_);
+  }
+  const std::size_t assessed =
+      std::min(best->size(), static_cast<std::size_t>(options_.robust_count));
+  const std::size_t samples = disturbances_.size();
+  std::vector<std::optional<bool>> held(assessed * samples);
+  for_each_index(held.size(), options_.threads, [&](std::size_t i) {
+    if (time_is_up()) return;
+    const HandGrasp& grasp = (*best)[i / samples].grasp;
+    const Disturbance& one = disturbances_[i % samples];
+    const std::size_t shape = i % samples % (alternatives.size() + 1);
+    const HandEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
+    const RigidTransform X_GH = grasp.X_WG.inverse() * grasp.X_WH;
+    held[i] = evaluator.holds(grasp, grasp.X_WG * one.X_GD * X_GH, one.friction);
+  });
+  for (std::size_t g = 0; g < best->size(); ++g) {
+    HandGrasp& grasp = (*best)[g].grasp;
+    if (g < assessed) {
+      grasp.robustness = share_held(held, g * samples, samples).value_or(grasp.robustness);
+    }
+    grasp.score *= 1 - options_.weights.robust * (1 - std::max(0.0, grasp.robustness));
+  }
 }
 
 // The one reason to tell: the last test that at least a tenth of the candidates got to.
@@ -169,65 +252,38 @@ HandPlan Planner::plan() {
   result.mass = evaluator_.solid().mass;
   Ledger ledger;
   // With a budget in strides, so that whatever is tried is spread over all candidates.
-  std::size_t stride = 1;
-  if (options_.budget > 0 && tried.size() > 2) {
-    stride = static_cast<std::size_t>(static_cast<double>(tried.size()) / std::numbers::phi);
-    while (std::gcd(stride, tried.size()) != 1) ++stride;
-  }
-  std::vector<Listed> listed;
-  bool out_of_time = false;
-  for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
-    out_of_time = out_of_time || time_is_up();
-    const std::string& generator = tried[at].generator;
-    if (out_of_time) {
-      ledger.reject(reason::kNoTime, generator);
-      continue;
-    }
+  const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
+  std::vector<Outcome> outcomes(tried.size());
+  for_each_index(tried.size(), options_.threads, [&](std::size_t i) {
+    if (time_is_up()) return;
+    const std::size_t at = i * stride % tried.size();
+    Outcome& outcome = outcomes[at];
     HandGrasp grasp;
-    grasp.generator = generator;
-    if (const auto refusal =
-            evaluator_.evaluate(tried[at].candidate, *tried[at].preshape, &grasp)) {
-      ledger.reject(refusal->reason, generator, refusal->miss);
-      continue;
-    }
+    grasp.generator = tried[at].generator;
+    outcome.refusal = evaluator_.evaluate(tried[at].candidate, *tried[at].preshape, &grasp);
+    if (outcome.refusal) return;
     grasp.score = evaluator_.score(grasp);
-    listed.push_back({std::move(grasp), at});
+    outcome.grasp = std::move(grasp);
+  });
+  std::vector<Listed> listed;
+  for (std::size_t at = 0; at < tried.size(); ++at) {
+    Outcome& outcome = outcomes[at];
+    if (outcome.grasp) {
+      listed.push_back({std::move(*outcome.grasp), at});
+    } else if (outcome.refusal) {
+      ledger.reject(outcome.refusal->reason, tried[at].generator, outcome.refusal->miss);
+    } else {
+      ledger.reject(reason::kNoTime, tried[at].generator);
+    }
   }
   const auto better = [](const Listed& a, const Listed& b) {
     return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
   };
   std::sort(listed.begin(), listed.end(), better);
-  // Forces take longest: of the best alone, until there are enough.
-  std::vector<Listed> best;
-  for (Listed& one : listed) {
-    if (static_cast<int>(best.size()) == options_.largest_count) {
-      ledger.reject(reason::kRankedBelow, one.grasp.generator);
-    } else if (std::any_of(best.begin(), best.end(),
-                           [&one](const Listed& other) { return same(one.grasp, other.grasp); })) {
-      ledger.reject(reason::kSame, one.grasp.generator);
-    } else if (const auto refusal = evaluator_.assess_forces(&one.grasp)) {
-      ledger.reject(refusal->reason, one.grasp.generator, refusal->miss);
-    } else {
-      assess_surface(&one.grasp);
-      one.grasp.score = evaluator_.score(one.grasp);
-      best.push_back(std::move(one));
-    }
-  }
+  std::vector<Listed> best = strongest(std::move(listed), &ledger);
   std::sort(best.begin(), best.end(), better);
   if (!disturbances_.empty() && !best.empty()) {
-    std::deque<HandEvaluator> alternatives;
-    for (const auto& mesh_W : object_.alternatives_W) {
-      alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, hand_,
-                                reachability_, options_);
-    }
-    for (std::size_t i = 0; i < best.size(); ++i) {
-      // Who is assessed no more counts as if nothing held.
-      HandGrasp& grasp = best[i].grasp;
-      if (static_cast<int>(i) < options_.robust_count && !time_is_up()) {
-        grasp.robustness = robustness(grasp, alternatives);
-      }
-      grasp.score *= 1 - options_.weights.robust * (1 - std::max(0.0, grasp.robustness));
-    }
+    assess_robustness(&best, time_is_up);
     std::sort(best.begin(), best.end(), better);
   }
   for (Listed& one : best) result.grasps.push_back(std::move(one.grasp));

@@ -56,8 +56,10 @@ struct HandPlannerOptions {
   int largest_count = 32;           // > 0, of grasps in the result
   bool volume = false;              // also HandGrasp::volume, some ms for each grasp in the result
   double budget = 0;                // s of wall time, as PlannerOptions::budget
-  /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp.
-  /// Empty: it reaches all. Must give the same answer for the same pose.
+  int threads = 0;                  // >= 0; 0: all cores. The result does not depend on it
+  /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp,
+  /// by several threads at once. Empty: it reaches all. Must give the same answer for the same
+  /// pose.
   std::function<bool(const geometry::RigidTransform& X_WH)> reaches;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.

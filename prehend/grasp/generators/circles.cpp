@@ -8,6 +8,10 @@ class Circles : public CandidateGenerator {
   explicit Circles(const GeneratorOptions& options) : options_(options.circles) {}
 
   std::vector<Candidate> generate(const GraspTarget& target) const override {
+    if (target.views != nullptr) {
+      return sample_candidates(*target.views, target.centroid_W, target.table, target.hand.tip_z,
+                               options_);
+    }
     return sample_candidates(target.query_W.mesh(), target.centroid_W, target.table,
                              target.hand.tip_z, target.reachability, options_);
   }
