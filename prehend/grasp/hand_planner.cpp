@@ -109,12 +109,9 @@ std::vector<Tried> Planner::candidates() const {
                            options_.candidates.circles);
   }
   for (const robot::Preshape* preshape : preshapes_) {
-    const GraspTarget target{evaluator_.query(),
-                             centroid_W,
-                             table_,
-                             hand_reach(hand_, *preshape),
-                             reachability_,
-                             circles ? &views : nullptr};
+    const GraspTarget target{
+        evaluator_.query(),           centroid_W,    table_,
+        hand_reach(hand_, *preshape), reachability_, circles ? &views : nullptr};
     for (const std::string& name : options_.generators) {
       const auto generator = make_generator(name, options_.candidates);
       for (const Candidate& candidate : generator->generate(target)) {

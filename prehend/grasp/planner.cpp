@@ -4,10 +4,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numbers>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +13,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/evaluation.h"
+#include "prehend/grasp/parallel.h"
 
 namespace prehend::grasp {
 namespace {
@@ -67,10 +66,11 @@ class Planner {
     Candidate candidate;
   };
   std::vector<Tried> candidates() const;
-  void examine(const Tried& tried, std::size_t order, Ledger* ledger);
+  void examine(const std::vector<Tried>& tried, const std::function<bool()>& time_is_up,
+               Ledger* ledger);
+  void assess_robustness(const std::function<bool()>& time_is_up);
   void keep_best(Ledger* ledger);
   void assess_surface(EvaluatedGrasp* evaluated) const;
-  double robustness(const Grasp& grasp, const std::vector<GraspEvaluator>& alternatives) const;
   std::string problem(const GraspPlanResult& result, const Ledger& ledger) const;
 
   const surface::ObjectModel& object_;
@@ -130,18 +130,39 @@ void Planner::assess_surface(EvaluatedGrasp* evaluated) const {
   }
 }
 
-void Planner::examine(const Tried& tried, std::size_t order, Ledger* ledger) {
-  const std::string& generator = tried.generator;
-  if (reachability_.reaches_direction(tried.candidate.approach_W)) {
-    narrowest_ = std::min(narrowest_, tried.candidate.outline_width);
+// With a budget in strides, so that whatever is tried is spread over all candidates.
+void Planner::examine(const std::vector<Tried>& tried, const std::function<bool()>& time_is_up,
+                      Ledger* ledger) {
+  const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
+  struct Outcome {  // neither: there was no time
+    std::optional<EvaluatedGrasp> evaluated;
+    std::optional<Refusal> refusal;
+  };
+  std::vector<Outcome> outcomes(tried.size());
+  for_each_index(tried.size(), options_.threads, [&](std::size_t i) {
+    if (time_is_up()) return;
+    const std::size_t at = i * stride % tried.size();
+    EvaluatedGrasp evaluated;
+    outcomes[at].refusal = evaluator_.evaluate(tried[at].candidate, &evaluated);
+    if (!outcomes[at].refusal) outcomes[at].evaluated = std::move(evaluated);
+  });
+  for (std::size_t at = 0; at < tried.size(); ++at) {
+    const std::string& generator = tried[at].generator;
+    Outcome& outcome = outcomes[at];
+    if (!outcome.evaluated && !outcome.refusal) {
+      ledger->reject(reason::kNoTime, generator);
+      continue;
+    }
+    if (reachability_.reaches_direction(tried[at].candidate.approach_W)) {
+      narrowest_ = std::min(narrowest_, tried[at].candidate.outline_width);
+    }
+    if (outcome.refusal) {
+      ledger->reject(outcome.refusal->reason, generator, outcome.refusal->miss);
+    } else {
+      outcome.evaluated->grasp.generator = generator;
+      listed_.push_back({std::move(*outcome.evaluated), at});
+    }
   }
-  EvaluatedGrasp evaluated;
-  if (const auto refusal = evaluator_.evaluate(tried.candidate, &evaluated)) {
-    ledger->reject(refusal->reason, generator, refusal->miss);
-    return;
-  }
-  evaluated.grasp.generator = generator;
-  listed_.push_back({std::move(evaluated), order});
 }
 
 // The best `largest_count` by their true scores. Scores are upper bounds before: who is refined in
@@ -166,16 +187,28 @@ void Planner::keep_best(Ledger* ledger) {
   if (listed_.size() > largest) listed_.resize(largest);
 }
 
-double Planner::robustness(const Grasp& grasp,
-                           const std::vector<GraspEvaluator>& alternatives) const {
-  int held = 0;
-  for (std::size_t i = 0; i < disturbances_.size(); ++i) {
-    const std::size_t shape = i % (alternatives.size() + 1);
-    const GraspEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
-    const Disturbance& one = disturbances_[i];
-    held += evaluator.holds(grasp, grasp.X_WG * one.X_GD, one.friction) ? 1 : 0;
+// Who is assessed no more counts as if nothing held.
+void Planner::assess_robustness(const std::function<bool()>& time_is_up) {
+  std::vector<GraspEvaluator> alternatives;
+  for (const auto& mesh_W : object_.alternatives_W) {
+    alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, gripper_,
+                              reachability_, options_);
   }
-  return static_cast<double>(held) / static_cast<double>(disturbances_.size());
+  const std::size_t samples = disturbances_.size();
+  std::vector<std::optional<bool>> held(listed_.size() * samples);
+  for_each_index(held.size(), options_.threads, [&](std::size_t i) {
+    if (time_is_up()) return;
+    const Grasp& grasp = listed_[i / samples].grasp();
+    const std::size_t shape = i % samples % (alternatives.size() + 1);
+    const GraspEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
+    const Disturbance& one = disturbances_[i % samples];
+    held[i] = evaluator.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
+  });
+  for (std::size_t g = 0; g < listed_.size(); ++g) {
+    Grasp& grasp = listed_[g].grasp();
+    grasp.robustness = share_held(held, g * samples, samples).value_or(0);
+    grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
+  }
 }
 
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
@@ -216,34 +249,10 @@ GraspPlanResult Planner::plan() {
   GraspPlanResult result;
   result.candidates = static_cast<int>(tried.size());
   Ledger ledger;
-  // With a budget in strides, so that whatever is tried is spread over all candidates.
-  std::size_t stride = 1;
-  if (options_.budget > 0 && tried.size() > 2) {
-    stride = static_cast<std::size_t>(static_cast<double>(tried.size()) / std::numbers::phi);
-    while (std::gcd(stride, tried.size()) != 1) ++stride;
-  }
-  bool out_of_time = false;
-  for (std::size_t i = 0, at = 0; i < tried.size(); ++i, at = (at + stride) % tried.size()) {
-    out_of_time = out_of_time || time_is_up();
-    if (out_of_time) {
-      ledger.reject(reason::kNoTime, tried[at].generator);
-    } else {
-      examine(tried[at], at, &ledger);
-    }
-  }
+  examine(tried, time_is_up, &ledger);
   keep_best(&ledger);
   if (options_.uncertainty.samples > 0 && !listed_.empty()) {
-    std::vector<GraspEvaluator> alternatives;
-    for (const auto& mesh_W : object_.alternatives_W) {
-      alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, gripper_,
-                                reachability_, options_);
-    }
-    for (Listed& listed : listed_) {
-      // Who is assessed no more counts as if nothing held.
-      Grasp& grasp = listed.grasp();
-      grasp.robustness = time_is_up() ? 0 : robustness(grasp, alternatives);
-      grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
-    }
+    assess_robustness(time_is_up);
     std::sort(listed_.begin(), listed_.end(), better);
   }
   for (Listed& listed : listed_) result.grasps.push_back(std::move(listed.grasp()));
@@ -272,6 +281,7 @@ void PlannerOptions::validate() const {
   require(largest_offset >= 0, "largest_offset must not be negative");
   require(largest_count > 0, "largest_count must be positive");
   require(budget >= 0, "budget must not be negative");
+  require(threads >= 0, "threads must not be negative");
   const auto& w = weights;
   require(w.quality >= 0 && w.centredness >= 0 && w.area >= 0 && w.clearance >= 0 &&
               w.quality + w.centredness + w.area + w.clearance > 0,

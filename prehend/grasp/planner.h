@@ -55,6 +55,7 @@ struct PlannerOptions {
   /// s of wall time, >= 0: candidates, spread over all of them, are tried until it is used up; 0:
   /// all are. With a budget the result depends on how fast the machine is.
   double budget = 0;
+  int threads = 0;  // >= 0; 0: all cores. The result does not depend on it
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

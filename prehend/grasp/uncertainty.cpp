@@ -1,5 +1,6 @@
 #include "prehend/grasp/uncertainty.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -56,6 +57,14 @@ std::vector<Disturbance> disturbances(const UncertaintyOptions& options) {
                    random.uniform() * (options.largest_friction - options.least_friction);
   }
   return all;
+}
+
+std::optional<double> share_held(const std::vector<std::optional<bool>>& held, std::size_t first,
+                                 std::size_t count) {
+  const auto begin = held.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end = begin + static_cast<std::ptrdiff_t>(count);
+  if (std::find(begin, end, std::nullopt) != end) return std::nullopt;
+  return static_cast<double>(std::count(begin, end, true)) / static_cast<double>(count);
 }
 
 }  // namespace prehend::grasp

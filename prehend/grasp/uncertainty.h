@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "prehend/geometry/rigid_transform.h"
@@ -28,5 +30,9 @@ struct Disturbance {
 
 /// `options.samples` of them, the same for every grasp, so that grasps differ by what they are.
 std::vector<Disturbance> disturbances(const UncertaintyOptions& options);
+
+/// The share of the samples [first, first + count) that held; none when one was not assessed.
+std::optional<double> share_held(const std::vector<std::optional<bool>>& held, std::size_t first,
+                                 std::size_t count);
 
 }  // namespace prehend::grasp

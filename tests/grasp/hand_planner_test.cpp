@@ -152,6 +152,12 @@ TEST(PlanHandGrasps, IsTheSameAgainAndInSeveralThreads) {
   two.join();
   EXPECT_TRUE(equal(first, others[0]));
   EXPECT_TRUE(equal(first, others[1]));
+  for (const int threads : {1, 2, 5}) {
+    HandPlannerOptions options = quick();
+    options.threads = threads;
+    EXPECT_TRUE(equal(first, plan_hand_grasps(object, kTable, {}, hand.ready, {}, options)))
+        << threads;
+  }
 }
 
 TEST(PlanHandGrasps, TheBestAreRankedByWhatHoldsInDisturbedPoses) {

@@ -310,20 +310,26 @@ TEST(PlanGrasps, LowNeighboursAllowANarrowerOpening) {
   ASSERT_FALSE(result.grasps.empty()) << result.problem;
 }
 
-TEST(PlanGrasps, SameInputSameResult) {
+TEST(PlanGrasps, SameInputSameResultInAnyNumberOfThreads) {
   const auto object = object_at(geometry::make_sphere(0.028), {0.1, 0.2, 0.028});
-  const auto a = plan("ball", object), b = plan("ball", object);
-  ASSERT_EQ(a.grasps.size(), b.grasps.size());
-  ASSERT_EQ(a.rejections.size(), b.rejections.size());
-  for (std::size_t i = 0; i < a.rejections.size(); ++i) {
-    EXPECT_EQ(a.rejections[i].reason, b.rejections[i].reason);
-    EXPECT_EQ(a.rejections[i].count, b.rejections[i].count);
-    EXPECT_EQ(a.rejections[i].nearest_miss, b.rejections[i].nearest_miss);
-  }
-  for (std::size_t i = 0; i < a.grasps.size(); ++i) {
-    EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
-    EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
-    EXPECT_EQ(a.grasps[i].predicted.opening, b.grasps[i].predicted.opening);
+  const auto a = plan("ball", object);
+  for (const int threads : {0, 1, 2, 5}) {
+    PlannerOptions options;
+    options.threads = threads;
+    const auto b = plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options);
+    ASSERT_EQ(a.grasps.size(), b.grasps.size());
+    ASSERT_EQ(a.rejections.size(), b.rejections.size());
+    for (std::size_t i = 0; i < a.rejections.size(); ++i) {
+      EXPECT_EQ(a.rejections[i].reason, b.rejections[i].reason);
+      EXPECT_EQ(a.rejections[i].count, b.rejections[i].count);
+      EXPECT_EQ(a.rejections[i].nearest_miss, b.rejections[i].nearest_miss);
+    }
+    for (std::size_t i = 0; i < a.grasps.size(); ++i) {
+      EXPECT_EQ(a.grasps[i].score, b.grasps[i].score);
+      EXPECT_EQ(a.grasps[i].robustness, b.grasps[i].robustness);
+      EXPECT_EQ(a.grasps[i].X_WG.matrix(), b.grasps[i].X_WG.matrix());
+      EXPECT_EQ(a.grasps[i].predicted.opening, b.grasps[i].predicted.opening);
+    }
   }
 }
 
