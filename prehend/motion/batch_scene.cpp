@@ -156,18 +156,26 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
   for (auto& [key, balls] : by_joint) {
     group(std::move(balls), key.first, static_cast<Part>(key.second), scene, place, group_of);
   }
-  std::map<std::pair<int, int>, std::vector<BatchScene::BallPair>> by_groups;
-  for (const auto& [first, second] : spheres.self_pairs) {
-    const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
-    const double reach = spheres.spheres[a].radius + spheres.spheres[b].radius + kRounding;
-    by_groups[{group_of[a], group_of[b]}].push_back(
-        {place[a], place[b], static_cast<float>(reach)});
+  // Pairs of balls by their groups; within one in their order.
+  const auto groups = scene.groups.size();
+  const auto key_of = [&](const std::pair<int, int>& pair) {
+    return static_cast<std::size_t>(group_of[static_cast<std::size_t>(pair.first)]) * groups +
+           static_cast<std::size_t>(group_of[static_cast<std::size_t>(pair.second)]);
+  };
+  std::vector<int> starts(groups * groups + 1, 0);
+  for (const auto& pair : spheres.self_pairs) ++starts[key_of(pair) + 1];
+  for (std::size_t key = 0; key < groups * groups; ++key) {
+    starts[key + 1] += starts[key];
+    if (starts[key + 1] == starts[key]) continue;
+    scene.group_pairs.push_back({static_cast<int>(key / groups), static_cast<int>(key % groups),
+                                 starts[key], starts[key + 1]});
   }
-  for (const auto& [key, pairs] : by_groups) {
-    const int first = static_cast<int>(scene.ball_pairs.size());
-    scene.ball_pairs.insert(scene.ball_pairs.end(), pairs.begin(), pairs.end());
-    scene.group_pairs.push_back(
-        {key.first, key.second, first, static_cast<int>(scene.ball_pairs.size())});
+  scene.ball_pairs.resize(spheres.self_pairs.size());
+  for (const auto& pair : spheres.self_pairs) {
+    const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
+    const double reach = spheres.spheres[a].radius + spheres.spheres[b].radius + kRounding;
+    scene.ball_pairs[static_cast<std::size_t>(starts[key_of(pair)]++)] = {
+        place[a], place[b], static_cast<float>(reach)};
   }
   for (const CollisionWorld::Obstacle& from : world.obstacles()) {
     using From = CollisionWorld::Obstacle::Kind;

@@ -187,7 +187,12 @@ void RobotInWorld::find_levers() {
 }
 
 void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
-  detach();
+  hold(balls_T);
+  compile();
+}
+
+void RobotInWorld::hold(const std::vector<RobotSphere>& balls_T) {
+  let_go();
   const int last = chain_.size() - 1;
   for (const RobotSphere& ball : balls_T) {
     const int index = static_cast<int>(spheres_.spheres.size());
@@ -197,12 +202,15 @@ void RobotInWorld::attach(const std::vector<RobotSphere>& balls_T) {
       spheres_.self_pairs.emplace_back(static_cast<int>(other), index);
     }
   }
-  compile();
+}
+
+void RobotInWorld::let_go() {
+  spheres_.spheres.resize(own_);
+  spheres_.self_pairs.resize(own_pairs_);
 }
 
 void RobotInWorld::detach() {
-  spheres_.spheres.resize(own_);
-  spheres_.self_pairs.resize(own_pairs_);
+  let_go();
   compile();
 }
 

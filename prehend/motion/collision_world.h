@@ -101,6 +101,13 @@ class RobotInWorld {
   /// Balls held by the tip, in its frame (a grasped object); they are not tested against the last
   /// two joints' own balls.
   void attach(const std::vector<RobotSphere>& balls_T);
+  /// The same and change_world() in one: half as costly. The change may ask for held_clearance().
+  template <class Change>
+  void attach(const std::vector<RobotSphere>& balls_T, Change change) {
+    hold(balls_T);
+    change(world_);
+    compile();
+  }
   void detach();
   /// Distance of what is held from all obstacles of that name at `q` [m], as
   /// CollisionWorld::clearance(); infinite when nothing is held.
@@ -139,6 +146,8 @@ class RobotInWorld {
   void fill_lanes(const Eigen::Ref<const Eigen::VectorXd>& from,
                   const Eigen::Ref<const Eigen::VectorXd>& to, const double* shares,
                   std::size_t count, float* q) const;
+  void hold(const std::vector<RobotSphere>& balls_T);
+  void let_go();
   void compile();
   void find_levers();
 

@@ -19,20 +19,24 @@ PickScenes::PickScenes(const RobotInWorld& robot, const PickTask& task)
   without_.change_world([&task](CollisionWorld& world) { world.remove(task.object.name); });
 }
 
+std::vector<RobotSphere> PickScenes::held(const PickGrasp& grasp) const {
+  const geometry::RigidTransform X_TO = grasp.X_BT.inverse() * task_.object.X_BO;
+  std::vector<RobotSphere> balls;
+  for (const Ball& ball : task_.object.cover_O.balls) {
+    balls.push_back({-1, X_TO * ball.center, ball.radius});
+  }
+  return balls;
+}
+
 RobotInWorld PickScenes::carry(const PickGrasp& grasp) const {
   RobotInWorld scene = without_;
-  const geometry::RigidTransform X_TO = grasp.X_BT.inverse() * task_.object.X_BO;
-  std::vector<RobotSphere> held;
-  for (const Ball& ball : task_.object.cover_O.balls) {
-    held.push_back({-1, X_TO * ball.center, ball.radius});
-  }
-  scene.attach(held);
+  scene.attach(held(grasp));
   return scene;
 }
 
 RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q) const {
-  RobotInWorld scene = carry(grasp);
-  scene.change_world([&](CollisionWorld& world) {
+  RobotInWorld scene = without_;
+  scene.attach(held(grasp), [&](CollisionWorld& world) {
     for (const std::string& name : world.names()) {
       const double near = scene.held_clearance(name, q) - kSlack;
       if (near < scene.margin()) world.set_margin(name, Part::kHeld, near);

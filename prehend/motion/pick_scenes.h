@@ -29,6 +29,9 @@ class PickScenes {
   Eigen::Vector3d approach_at_place(const PickGrasp& grasp) const;
 
  private:
+  /// The object's balls in the tip's frame.
+  std::vector<RobotSphere> held(const PickGrasp& grasp) const;
+
   const PickTask& task_;
   RobotInWorld reach_, approach_, without_;
 };
