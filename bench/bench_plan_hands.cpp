@@ -92,6 +92,7 @@ void plan(benchmark::State& state, const std::string& platform) {
   const Scene scene(platform);
   const surface::ObjectModel object = carton();
   grasp::HandPlannerOptions options;
+  options.threads = 1;
   options.reaches = [&scene](const RigidTransform& X_WH) { return scene.reaches(X_WH); };
   int candidates = 0;
   std::size_t grasps = 0;
@@ -155,6 +156,7 @@ void BM_PlanPg70(benchmark::State& state) {
   const surface::ObjectModel object = narrow_box();
   const robot::GripperModel gripper;
   grasp::PlannerOptions options;
+  options.threads = 1;
   options.uncertainty.samples = static_cast<int>(state.range(0));
   int candidates = 0;
   for (auto _ : state) {

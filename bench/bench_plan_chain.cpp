@@ -1,0 +1,107 @@
+// The whole chain of a plan: from a completed cloud to a ranked plan with the arm's motion.
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "prehend/grasp/hand_planner.h"
+#include "prehend/grasp/planner.h"
+#include "prehend/planning/platform_pick.h"
+#include "prehend/robot/platform.h"
+#include "prehend/shape/symmetry.h"
+#include "prehend/surface/model.h"
+#include "tests/shape/synthetic_view.h"
+
+namespace {
+
+using namespace prehend;
+
+/// One view of a carton of 50 x 60 x 120 mm on a table before the arm, completed by symmetry.
+struct Completed {
+  shape::SyntheticView view = shape::synthetic_view(
+      shape::standing(geometry::make_box({0.05, 0.06, 0.12}), 0.5), {.distance = 0.45});
+  shape::CompletedShape shape = shape::complete_by_symmetry(view.view());
+};
+
+std::vector<planning::PlatformGrasp> gripper_grasps(const surface::ObjectModel& object,
+                                                    const geometry::Plane& table_W,
+                                                    const robot::Platform& platform, int threads) {
+  grasp::PlannerOptions options;
+  options.threads = threads;
+  const auto gripper = robot::read_gripper_model("config/robots/pg70_dsa.yaml");
+  std::vector<planning::PlatformGrasp> grasps;
+  for (const auto& grasp : grasp::plan_grasps(object, table_W, {}, gripper, {}, options).grasps) {
+    // The model's joint is half of the opening.
+    grasps.push_back({grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance,
+                      platform.hand.preshapes.front().name,
+                      Eigen::VectorXd::Constant(1, grasp.pregrasp_opening / 2)});
+  }
+  return grasps;
+}
+
+std::vector<planning::PlatformGrasp> hand_grasps(const surface::ObjectModel& object,
+                                                 const geometry::Plane& table_W,
+                                                 const robot::Platform& platform,
+                                                 const grasp::HandToClose& hand, int threads) {
+  grasp::HandPlannerOptions options;
+  options.threads = threads;
+  options.reaches = planning::arm_reach(platform);
+  std::vector<planning::PlatformGrasp> grasps;
+  for (const auto& grasp : grasp::plan_hand_grasps(object, table_W, {}, hand, {}, options).grasps) {
+    grasps.push_back(
+        {grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance, grasp.preshape, grasp.open});
+  }
+  return grasps;
+}
+
+/// Ranked grasps, robustness included, and reach, approach and lift for the best that the arm can
+/// execute. The robot is read before, as in a node.
+void chain(benchmark::State& state, const std::string& name) {
+  static const Completed completed;
+  const robot::Platform platform = robot::read_platform("config/robots/" + name + ".yaml");
+  const grasp::HandToClose hand(platform.hand);
+  const int threads = static_cast<int>(state.range(0));
+  double mesh = 0, grasping = 0, motion = 0;
+  int found = 0;
+  auto last = std::chrono::steady_clock::now();
+  const auto lap = [&last](double* sum) {
+    const auto now = std::chrono::steady_clock::now();
+    *sum += std::chrono::duration<double>(now - last).count();
+    last = now;
+  };
+  for (auto _ : state) {
+    double between = 0;
+    lap(&between);
+    const surface::ObjectModel object =
+        surface::make_object_model(completed.shape, completed.view.table_W);
+    lap(&mesh);
+    const auto grasps = name == "kr5_pg70"
+                            ? gripper_grasps(object, completed.view.table_W, platform, threads)
+                            : hand_grasps(object, completed.view.table_W, platform, hand, threads);
+    lap(&grasping);
+    const planning::PlatformPick pick =
+        planning::plan_platform_pick(platform, platform.home("home").arm, grasps,
+                                     {completed.view.table_W, object.convex_pieces_W, {}});
+    lap(&motion);
+    found += pick.motion.found();
+  }
+  const double each = 1e3 / static_cast<double>(state.iterations());
+  state.counters["mesh_ms"] = each * mesh;
+  state.counters["grasps_ms"] = each * grasping;
+  state.counters["motion_ms"] = each * motion;
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
+}
+void BM_CloudToPlanPg70(benchmark::State& state) { chain(state, "kr5_pg70"); }
+void BM_CloudToPlanSdh(benchmark::State& state) { chain(state, "kr5_sdh"); }
+void BM_CloudToPlanBarrett(benchmark::State& state) { chain(state, "pa10_barrett"); }
+void with_threads(benchmark::internal::Benchmark* one) {
+  one->ArgName("threads")->Arg(1)->Arg(2)->MeasureProcessCPUTime()->UseRealTime();
+  one->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(BM_CloudToPlanPg70)->Apply(with_threads);
+BENCHMARK(BM_CloudToPlanSdh)->Apply(with_threads);
+BENCHMARK(BM_CloudToPlanBarrett)->Apply(with_threads);
+
+}  // namespace
