@@ -12,7 +12,6 @@
 #include <fcl/geometry/shape/box.h>
 #include <fcl/math/bv/OBBRSS.h>
 #include <fcl/narrowphase/collision.h>
-#include <fcl/narrowphase/collision_object.h>
 
 #include "prehend/geometry/mesh_query.h"
 
@@ -49,10 +48,11 @@ class SolidMesh {
     const Eigen::Vector3d size = 2 * (box.half_size.array() + margin).matrix();
     RigidTransform X_WB = X_WG;
     X_WB.translation() = X_WG * box.center_G;
-    const fcl::CollisionObjectd mesh_object(hierarchy_);
-    const fcl::CollisionObjectd box_object(std::make_shared<fcl::Boxd>(size), X_WB);
+    // Geometries, no CollisionObject: that would go through all vertices of the mesh each time.
+    const fcl::Boxd solid_box(size);
     fcl::CollisionResultd result;
-    fcl::collide(&mesh_object, &box_object, fcl::CollisionRequestd(), result);
+    fcl::collide(hierarchy_.get(), RigidTransform::Identity(), &solid_box, X_WB,
+                 fcl::CollisionRequestd(), result);
     return result.isCollision() || (watertight_ && query_.contains(X_WB.translation()));
   }
 
