@@ -22,6 +22,7 @@ void ArmCycleOptions::validate() const {
   require(opening_speed > 0 && opening_speed <= 1, "opening_speed must be in (0, 1]");
   require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
   require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
+  require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
   require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
   require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
   require(held_ratio >= 0 && held_ratio < 1, "held_ratio must be in [0, 1)");
@@ -93,6 +94,7 @@ Phase ArmCycle::phase_of(Step step) {
     case Step::kReach:
     case Step::kApproach:
       return Phase::kApproach;
+    case Step::kGather:
     case Step::kClose:
     case Step::kSettle:
       return Phase::kGrasp;
@@ -166,6 +168,17 @@ bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_
   return false;
 }
 
+void ArmCycle::gather() {
+  if (options_.gather == 0) return close();
+  std::vector<double> before = grasp().closed;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double way = grasp().closed[i] - grasp().open[i];
+    before[i] -= std::copysign(std::min(options_.gather, std::abs(way)), way);
+  }
+  hand_.move(grasp().hand_joints, before, options_.closing_speed, true);
+  enter(Step::kGather, "gathering the fingers round the object");
+}
+
 void ArmCycle::close() {
   std::vector<double> beyond = grasp().closed;
   for (std::size_t i = 0; i < beyond.size(); ++i) {
@@ -181,7 +194,7 @@ void ArmCycle::after_approach(MotionStatus status) {
     add_surprise(SurpriseKind::kTouchedTooEarly, 0, now_.wrist_force.value_or(0),
                  "closes where it touches");
   }
-  close();
+  gather();
 }
 
 void ArmCycle::check() {
@@ -254,7 +267,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   now_ = percepts;
   if (finished() || step_ == Step::kWaiting) return;
   const double spent = now_.time - step_start_;
-  const bool hand_moves = step_ == Step::kOpen || step_ == Step::kClose ||
+  const bool hand_moves = step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
                           step_ == Step::kRelease || step_ == Step::kGiveUpOpen;
   const bool waits = step_ == Step::kSettle || step_ == Step::kCheck || step_ == Step::kLook;
   // A segment that the plan does not have ends at once.
@@ -305,6 +318,8 @@ void ArmCycle::step(const ArmPercepts& percepts) {
       return;
     case Step::kApproach:
       return after_approach(status);
+    case Step::kGather:
+      return close();
     case Step::kClose:
       // Fingers that get to the end of their way touch nothing.
       if (status == MotionStatus::kReached) return give_up("the fingers closed on nothing");

@@ -79,6 +79,9 @@ struct ArmCycleOptions {
   double contact_force = 5;    // N, > 0, at the wrist, that counts as contact on the approach
   double opening_speed = 0.6;  // share of the joints' greatest, in (0, 1]
   double closing_speed = 0.3;
+  /// Fingers first go to where they are predicted to be this much [rad] before they touch, >= 0,
+  /// and close from there together: one that touches long before the others would push the object.
+  double gather = 0.1;
   /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
   double overrun = 0.5;
   double settle_time = 0.3;     // s, >= 0, after closing
@@ -135,6 +138,7 @@ class ArmCycle {
     kOpen,
     kReach,
     kApproach,
+    kGather,
     kClose,
     kSettle,
     kLift,
@@ -156,6 +160,7 @@ class ArmCycle {
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
   void follow(const JointPath& path, double contact_force);
+  void gather();
   void close();
   void after_approach(MotionStatus status);
   void check();

@@ -15,6 +15,7 @@
 
 #include "prehend/grasp/hand_evaluation.h"
 #include "prehend/grasp/parallel.h"
+#include "prehend/grasp/surface_trust.h"
 
 namespace prehend::grasp {
 namespace {
@@ -44,6 +45,10 @@ struct Outcome {
   std::optional<HandGrasp> grasp;
   std::optional<Refusal> refusal;
 };
+
+bool better(const Listed& a, const Listed& b) {
+  return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
+}
 
 // Different standoffs that the same contact ends are one grasp, and so are preshapes that close to
 // the same.
@@ -77,7 +82,10 @@ class Planner {
   HandPlan plan();
 
  private:
-  std::vector<Tried> candidates() const;
+  std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
+  std::vector<Listed> ranked(const std::vector<Tried>& tried, std::size_t order,
+                             const std::function<bool()>& time_is_up, Ledger* ledger) const;
+  bool is_robust(const std::vector<Listed>& best) const;
   std::vector<Listed> strongest(std::vector<Listed> listed, Ledger* ledger) const;
   void assess_robustness(std::vector<Listed>* best, const std::function<bool()>& time_is_up) const;
   void assess_surface(HandGrasp* grasp) const;
@@ -93,17 +101,13 @@ class Planner {
   std::vector<const robot::Preshape*> preshapes_;
 };
 
-std::vector<Tried> Planner::candidates() const {
+std::vector<Tried> Planner::candidates(const std::vector<std::string>& generators) const {
   std::vector<Tried> all;
-  for (const HandCandidate& given : options_.given_W) {
-    all.push_back({kGiven, &hand_.hand->preshape(given.preshape), given.candidate});
-  }
-  if (!all.empty()) return all;
   // Looked at once for all preshapes.
   std::vector<ApproachView> views;
   const Eigen::Vector3d& centroid_W = evaluator_.solid().center_of_mass_W;
-  const auto& names = options_.generators;
-  const bool circles = std::find(names.begin(), names.end(), "circles") != names.end();
+  const bool circles =
+      std::find(generators.begin(), generators.end(), "circles") != generators.end();
   if (circles) {
     views = approach_views(evaluator_.query().mesh(), centroid_W, table_, reachability_,
                            options_.candidates.circles);
@@ -112,7 +116,7 @@ std::vector<Tried> Planner::candidates() const {
     const GraspTarget target{
         evaluator_.query(),           centroid_W,    table_,
         hand_reach(hand_, *preshape), reachability_, circles ? &views : nullptr};
-    for (const std::string& name : options_.generators) {
+    for (const std::string& name : generators) {
       const auto generator = make_generator(name, options_.candidates);
       for (const Candidate& candidate : generator->generate(target)) {
         all.push_back({name, preshape, candidate});
@@ -127,23 +131,16 @@ std::vector<Tried> Planner::candidates() const {
   return all;
 }
 
-// How many of the contacts are on surface that nobody saw.
+// How many of the contacts are on surface that nobody saw, and on surface that is there.
 void Planner::assess_surface(HandGrasp* grasp) const {
-  if (object_.vertex_origin.size() != object_.mesh_W.vertices.size()) return;
+  double there = 0;
   for (const HandContact& contact : grasp->contacts) {
-    const auto nearest = evaluator_.query().nearest(contact.contact_W.point);
-    if (!nearest) continue;
-    const Eigen::Vector3i& t =
-        object_.mesh_W.triangles[static_cast<std::size_t>(nearest->triangle)];
-    double unseen = 0;
-    for (int k = 0; k < 3; ++k) {
-      unseen +=
-          object_.vertex_origin[static_cast<std::size_t>(t[k])] == surface::SurfaceOrigin::kSeen
-              ? 0
-              : 1.0 / 3;
-    }
-    grasp->guessed_contact += unseen / static_cast<double>(grasp->contacts.size());
+    const auto trust = surface_trust(object_, evaluator_.query(), contact.contact_W.point);
+    if (!trust) return;
+    grasp->guessed_contact += trust->unseen / static_cast<double>(grasp->contacts.size());
+    there += trust->there / static_cast<double>(grasp->contacts.size());
   }
+  grasp->score *= 1 - options_.weights.guessed * (1 - std::min(1.0, there));
   if (grasp->guessed_contact > 0.005) {
     grasp->remark = fmt::format("{:.0f} % of the contacts are on surface that nobody saw",
                                 100 * std::min(1.0, grasp->guessed_contact));
@@ -185,8 +182,8 @@ std::vector<Listed> Planner::strongest(std::vector<Listed> listed, Ledger* ledge
       } else if (const auto& refusal = refusals[assessed++]) {
         ledger->reject(refusal->reason, one.grasp.generator, refusal->miss);
       } else {
-        assess_surface(&one.grasp);
         one.grasp.score = evaluator_.score(one.grasp);
+        assess_surface(&one.grasp);
         best.push_back(std::move(one));
       }
     }
@@ -237,17 +234,9 @@ std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const
                      ledger.count(last), reachable);
 }
 
-HandPlan Planner::plan() {
-  const auto start = steady_clock::now();
-  const auto time_is_up = [&] {
-    return options_.budget > 0 &&
-           std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
-  };
-  const std::vector<Tried> tried = candidates();
-  HandPlan result;
-  result.candidates = static_cast<int>(tried.size());
-  result.mass = evaluator_.solid().mass;
-  Ledger ledger;
+// The best of these candidates, best first; `order` is of the first of them among all.
+std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t order,
+                                    const std::function<bool()>& time_is_up, Ledger* ledger) const {
   // With a budget in strides, so that whatever is tried is spread over all candidates.
   const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
   std::vector<Outcome> outcomes(tried.size());
@@ -266,22 +255,56 @@ HandPlan Planner::plan() {
   for (std::size_t at = 0; at < tried.size(); ++at) {
     Outcome& outcome = outcomes[at];
     if (outcome.grasp) {
-      listed.push_back({std::move(*outcome.grasp), at});
+      listed.push_back({std::move(*outcome.grasp), order + at});
     } else if (outcome.refusal) {
-      ledger.reject(outcome.refusal->reason, tried[at].generator, outcome.refusal->miss);
+      ledger->reject(outcome.refusal->reason, tried[at].generator, outcome.refusal->miss);
     } else {
-      ledger.reject(reason::kNoTime, tried[at].generator);
+      ledger->reject(reason::kNoTime, tried[at].generator);
     }
   }
-  const auto better = [](const Listed& a, const Listed& b) {
-    return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
-  };
   std::sort(listed.begin(), listed.end(), better);
-  std::vector<Listed> best = strongest(std::move(listed), &ledger);
+  std::vector<Listed> best = strongest(std::move(listed), ledger);
   std::sort(best.begin(), best.end(), better);
   if (!disturbances_.empty() && !best.empty()) {
     assess_robustness(&best, time_is_up);
     std::sort(best.begin(), best.end(), better);
+  }
+  return best;
+}
+
+bool Planner::is_robust(const std::vector<Listed>& best) const {
+  return std::any_of(best.begin(), best.end(), [this](const Listed& one) {
+    return disturbances_.empty() || one.grasp.robustness >= options_.enough;
+  });
+}
+
+HandPlan Planner::plan() {
+  const auto start = steady_clock::now();
+  const auto time_is_up = [&] {
+    return options_.budget > 0 &&
+           std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
+  };
+  std::vector<Tried> given;
+  for (const HandCandidate& one : options_.given_W) {
+    given.push_back({kGiven, &hand_.hand->preshape(one.preshape), one.candidate});
+  }
+  Ledger ledger;
+  const std::vector<Tried> tried = given.empty() ? candidates(options_.generators) : given;
+  HandPlan result;
+  result.candidates = static_cast<int>(tried.size());
+  result.mass = evaluator_.solid().mass;
+  std::vector<Listed> best = ranked(tried, 0, time_is_up, &ledger);
+  if (given.empty() && !is_robust(best) && !time_is_up()) {
+    const std::vector<Tried> further = candidates(options_.further_generators);
+    result.candidates += static_cast<int>(further.size());
+    for (Listed& one : ranked(further, tried.size(), time_is_up, &ledger)) {
+      best.push_back(std::move(one));
+    }
+    std::sort(best.begin(), best.end(), better);
+    while (static_cast<int>(best.size()) > options_.largest_count) {
+      ledger.reject(reason::kRankedBelow, best.back().grasp.generator);
+      best.pop_back();
+    }
   }
   for (Listed& one : best) result.grasps.push_back(std::move(one.grasp));
   result.rejections = ledger.rejections();
@@ -305,6 +328,7 @@ HandPlannerOptions::HandPlannerOptions() {
 
 void HandPlannerOptions::validate() const {
   require(!generators.empty(), "generators must name at least one generator");
+  require(enough >= 0 && enough <= 1, "enough must be within 0 and 1");
   candidates.validate();
   closing.validate();
   collision.validate();
@@ -323,6 +347,7 @@ void HandPlannerOptions::validate() const {
   require(w.quality >= 0 && w.margin >= 0 && w.centredness >= 0 && w.pads >= 0 &&
               w.quality + w.margin + w.centredness + w.pads > 0,
           "weights must not be negative, nor all zero");
+  require(w.guessed >= 0 && w.guessed <= 1, "weights.guessed must be within 0 and 1");
   require(w.robust >= 0 && w.robust <= 1, "weights.robust must be within 0 and 1");
 }
 

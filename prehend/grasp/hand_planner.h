@@ -20,7 +20,10 @@ struct HandScoreWeights {
   double margin = 0.3;       // disturbance margin / (it + the weight)
   double centredness = 0.2;  // exp(-d / 30 mm), d from the centre of mass to the contacts' mean
   double pads = 0.1;         // share of the contacts that are on pads, or on a hand without pads
-  /// The mean of the above is multiplied by 1 - robust + robust HandGrasp.robustness.
+  /// The mean of the above is multiplied by 1 - guessed + guessed (mean share of the contacts that
+  /// is on surface that is there), by vertex_confidence, ...
+  double guessed = 0.5;  // 0..1
+  /// ... and by 1 - robust + robust HandGrasp.robustness.
   double robust = 0.9;  // 0..1
 };
 
@@ -34,8 +37,11 @@ struct HandPlannerOptions {
   HandPlannerOptions();
 
   std::vector<std::string> generators{"circles"};  // of generator_names(), at least one
-  GeneratorOptions candidates;                     // fewer than for a parallel gripper
-  std::vector<std::string> preshapes;              // of the hand's; empty: all of them
+  /// Tried as well when no grasp of the former holds in `enough` of its disturbed trials.
+  std::vector<std::string> further_generators{"antipodal"};
+  double enough = 0.5;                 // 0..1
+  GeneratorOptions candidates;         // fewer than for a parallel gripper
+  std::vector<std::string> preshapes;  // of the hand's; empty: all of them
   /// Every candidate also turned by half a turn about the approach, as hands are not symmetric.
   bool both_ways = true;
   /// To try instead of what the generators make, as PlannerOptions::given_W.

@@ -14,6 +14,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/evaluation.h"
 #include "prehend/grasp/parallel.h"
+#include "prehend/grasp/surface_trust.h"
 
 namespace prehend::grasp {
 namespace {
@@ -102,23 +103,15 @@ std::vector<Planner::Tried> Planner::candidates() const {
 void Planner::assess_surface(EvaluatedGrasp* evaluated) const {
   const ClosedHand& hand = evaluated->hand;
   Grasp& grasp = evaluated->grasp;
-  const std::size_t vertices = object_.mesh_W.vertices.size();
-  if (object_.vertex_origin.size() != vertices) return;  // nothing is known of the surface
-  const bool confident = object_.vertex_confidence.size() == vertices;
   double force = 0, guessed = 0, there = 0;
   for (const ContactPatch* patch : {&hand.left, &hand.right}) {
     for (std::size_t i = 0; i < patch->points_G.size(); ++i) {
-      const auto nearest = evaluator_.query().nearest(grasp.X_WG * patch->points_G[i]);
-      if (!nearest) continue;
-      const Eigen::Vector3i& t = object_.mesh_W.triangles[nearest->triangle];
-      double unseen = 0, confidence = 0;
-      for (int k = 0; k < 3; ++k) {
-        unseen += object_.vertex_origin[t[k]] == surface::SurfaceOrigin::kSeen ? 0 : 1.0 / 3;
-        confidence += confident ? object_.vertex_confidence[t[k]] / 3.0 : 0;
-      }
+      const auto trust =
+          surface_trust(object_, evaluator_.query(), grasp.X_WG * patch->points_G[i]);
+      if (!trust) continue;
       force += patch->forces[i];
-      guessed += unseen * patch->forces[i];
-      there += (confident ? confidence : 1 - unseen) * patch->forces[i];
+      guessed += trust->unseen * patch->forces[i];
+      there += trust->there * patch->forces[i];
     }
   }
   if (force <= 0) return;

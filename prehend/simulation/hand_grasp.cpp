@@ -34,6 +34,7 @@ void check(const HandGrasp& grasp, const HandGraspOptions& options, int motors) 
   require_not_negative(grasp.pregrasp_distance, "HandGrasp::pregrasp_distance");
   require_positive(options.approach_speed, "HandGraspOptions::approach_speed");
   require_not_negative(options.overrun, "HandGraspOptions::overrun");
+  require_not_negative(options.gather, "HandGraspOptions::gather");
   require(options.effort > 0 && options.effort <= 1, "HandGraspOptions::effort", "in (0, 1]");
   require_positive(options.lift_height, "HandGraspOptions::lift_height");
   require_positive(options.lift_time, "HandGraspOptions::lift_time");
@@ -87,7 +88,10 @@ class Execution {
     if (!world_.body(kObject).X_WB.matrix().allFinite()) outcome_.reason = "the object flew off";
   }
 
-  void close() {
+  // Moves the fingers to `beyond` [rad] past their predicted touch, at most back to where they are
+  // open.
+  void move_fingers(double beyond) {
+    const Eigen::VectorXd& open = grasp_.open.size() > 0 ? grasp_.open : shape_.open;
     HandCommand command;
     command.speed = options_.closing_speed;
     command.until_contact = true;
@@ -96,13 +100,22 @@ class Execution {
     for (int i = 0; i < hand_.size(); ++i) {
       const std::size_t k = static_cast<std::size_t>(i);
       const robot::Joint& joint = hand_.model.joints[static_cast<std::size_t>(hand_.actuated[k])];
-      command.position[i] = std::clamp(grasp_.closed[i] + options_.overrun * shape_.closing[k].rate,
-                                       joint.lower, joint.upper);
+      double way = beyond * shape_.closing[k].rate;
+      if (beyond < 0) {
+        const double all = grasp_.closed[i] - open[i];
+        way = std::clamp(way, std::min(0.0, -all), std::max(0.0, -all));
+      }
+      command.position[i] = std::clamp(grasp_.closed[i] + way, joint.lower, joint.upper);
       command.effort[i] = options_.effort * joint.max_effort;
     }
     world_.move_hand(command);
     const double until = world_.time() + kClosingTimeout;
     while (world_.hand().moving() && world_.time() < until) world_.step();
+  }
+
+  void close() {
+    if (options_.gather > 0) move_fingers(-options_.gather);
+    move_fingers(options_.overrun);
     run(world_, kSettling);
     const RigidTransform X_WB = world_.body(kObject).X_WB;
     outcome_.shift = (X_WB.translation() - X_WB_start_.translation()).norm();

@@ -27,6 +27,9 @@ struct HandGraspOptions {
   double friction = 0.7;        // of the object, >= 0; with the hand's the smaller counts
   double approach_speed = 0.1;  // m/s, > 0
   double closing_speed = 0.3;   // share of the joints' greatest, in (0, 1]
+  /// Fingers first go to where they are predicted to be this much [rad] before they touch, >= 0,
+  /// and close from there together: one that touches long before the others would push the object.
+  double gather = 0.1;
   /// How far a motor goes on beyond `closed` where nothing is met [rad], >= 0, in its closing
   /// sense: a predicted object may be too large.
   double overrun = 0.5;
@@ -53,7 +56,8 @@ struct HandGraspOutcome {
 };
 
 /// Executes a grasp on the true object in physics, without an arm: the hand comes along the
-/// approach as a kinematic carrier, open, closes until its fingers press, lifts, and holds.
+/// approach as a kinematic carrier, open, gathers its fingers round it, closes until they press,
+/// lifts, and holds.
 /// @param mesh_W the true object as it stands on the table z = 0; @param obstacles meshes that do
 /// not move. Deterministic. Cost: a tenth to a half of the simulated 5 s.
 /// @throws geometry::InputError for a mesh that is not a solid or an unknown preshape,

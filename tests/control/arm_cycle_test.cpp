@@ -97,7 +97,8 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
   for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_THAT(f.arm.forces, ElementsAre(0, 0, 0, 0, 0, 0)) << "open loop";
-  EXPECT_THAT(f.hand.asked, ElementsAre(0.1, 0.6 + ArmCycleOptions().overrun, 0.1));
+  const ArmCycleOptions defaults;
+  EXPECT_THAT(f.hand.asked, ElementsAre(0.1, 0.6 - defaults.gather, 0.6 + defaults.overrun, 0.1));
   ASSERT_EQ(cycle.surprises().size(), 1u);
   EXPECT_FALSE(cycle.surprises()[0].surprising);
   std::vector<std::string> phases;

@@ -26,6 +26,7 @@ HandPlannerOptions few() {
   options.candidates.circles.rolls = 2;
   options.candidates.circles.standoffs = 2;
   options.largest_count = 4;
+  options.further_generators.clear();
   return options;
 }
 

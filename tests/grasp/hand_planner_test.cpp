@@ -33,6 +33,7 @@ HandPlannerOptions quick() {
   options.candidates.circles.rolls = 3;
   options.candidates.circles.standoffs = 2;
   options.largest_count = 8;
+  options.further_generators.clear();
   return options;
 }
 
@@ -188,6 +189,45 @@ TEST(PlanHandGrasps, TheBestAreRankedByWhatHoldsInDisturbedPoses) {
   EXPECT_LT(*std::max_element(wild.begin(), wild.end()), 0.5);
   options.uncertainty.samples = 0;
   EXPECT_TRUE(robustness(0).empty());
+}
+
+TEST(PlanHandGrasps, FurtherGeneratorsAreTriedWhenNothingIsRobust) {
+  const TestHand hand("bh8");
+  const surface::ObjectModel object = standing(geometry::make_sphere(0.04, 48));
+  HandPlannerOptions options = quick();
+  options.candidates.samples = 5;
+  options.further_generators = {"antipodal"};
+  options.enough = 0;
+  const HandPlan first = plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  options.uncertainty.position_deviation = 0.03;  // nothing holds in all of these
+  options.enough = 1;
+  const HandPlan both = plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  EXPECT_GT(both.candidates, first.candidates);
+  EXPECT_EQ(counted(both), both.candidates);
+  EXPECT_LE(static_cast<int>(both.grasps.size()), options.largest_count);
+  const auto of_antipodal = [](const HandPlan& plan) {
+    return std::any_of(plan.rejections.begin(), plan.rejections.end(),
+                       [](const Rejection& r) { return r.generator == "antipodal"; });
+  };
+  EXPECT_FALSE(of_antipodal(first));
+  EXPECT_TRUE(of_antipodal(both));
+}
+
+TEST(PlanHandGrasps, ContactThatIsNotSureCostsScore) {
+  const TestHand hand("bh8");
+  surface::ObjectModel object = standing(geometry::make_sphere(0.04, 48));
+  HandPlannerOptions options = quick();
+  options.uncertainty.samples = 0;
+  const auto sure = plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  object.vertex_origin.assign(object.mesh_W.vertices.size(), surface::SurfaceOrigin::kPredicted);
+  object.vertex_confidence.assign(object.mesh_W.vertices.size(), 0.4F);
+  const auto unsure = plan_hand_grasps(object, kTable, {}, hand.ready, {}, options);
+  ASSERT_FALSE(sure.grasps.empty());
+  ASSERT_EQ(sure.grasps.size(), unsure.grasps.size());
+  for (std::size_t i = 0; i < sure.grasps.size(); ++i) {
+    EXPECT_NEAR(unsure.grasps[i].score, (1 - options.weights.guessed * 0.6) * sure.grasps[i].score,
+                1e-6);
+  }
 }
 
 // Else the hand pushes what it closes on.

@@ -214,6 +214,25 @@ TEST(HandGrasp, HoldsABottleAndSaysWhereItTouched) {
   EXPECT_EQ(outcome.contact_error, again.contact_error);
 }
 
+TEST(HandGrasp, GatheredFingersDoNotPushWhatIsBesideTheMiddle) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/bh8.yaml");
+  HandGrasp grasp;
+  grasp.preshape = "spread_0";
+  grasp.X_WG.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  grasp.X_WG.translation() = Eigen::Vector3d(0, 0.02, 0.045);
+  // Where fingers touch a ball 20 mm beside the tool: the third one last.
+  grasp.closed = closed(hand, "spread_0", 0.593);
+  grasp.closed[hand.actuated_index("finger_3_inner")] += 0.308;
+  const geometry::TriangleMesh ball = at(geometry::make_sphere(0.045, 48), {0, 0, 0.045});
+  HandGraspOptions options;
+  const HandGraspOutcome gathered = execute_hand_grasp(hand, grasp, ball, options);
+  options.gather = 0;
+  const HandGraspOutcome at_once = execute_hand_grasp(hand, grasp, ball, options);
+  EXPECT_TRUE(gathered.held) << gathered.reason;
+  EXPECT_LT(gathered.shift, 0.004);
+  EXPECT_GT(at_once.shift, 3 * gathered.shift);
+}
+
 TEST(HandGrasp, SaysWhyNothingIsHeld) {
   const robot::HandModel hand = robot::read_hand_model("config/robots/bh8.yaml");
   HandGrasp grasp;
