@@ -33,7 +33,7 @@ class DistanceGrid {
 
   const geometry::MeshQuery& mesh() const { return *mesh_; }
 
-  static constexpr double kNear = 0.012;  // m
+  static constexpr double kNear = 0.0125;  // m, above the largest balls' radius and 2 mm
 
  private:
   /// A cell of the grid, by its lowest node, and where in it a point is: 0 to 1.

@@ -398,7 +398,7 @@ Advance advance_hand(const HandToClose& hand, const RigidTransform& X_WH,
     while (way < result.distance) {
       RigidTransform moved = poses[l];
       moved.translation() += way * direction_W;
-      const NearBall near = nearest_ball(balls, moved, solid);
+      const NearBall near = nearest_ball(balls, moved, solid, margin + kTolerance);
       const double room = near.clearance - margin;
       if (room > kTolerance) {
         way += room - kTolerance / 2;

@@ -8,13 +8,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kExact = 1e-3;  // m, clearance below which nearest_ball() is exact
-constexpr double kShare = 0.7;   // of what is beyond that, at least
+constexpr double kShare = 0.7;  // of the clearance beyond what must be exact, at least
 
 class Search {
  public:
-  Search(const LinkBalls& link, const geometry::RigidTransform& X_WL, const TouchScene& scene)
-      : link_(link), X_WL_(X_WL), scene_(scene) {}
+  Search(const LinkBalls& link, const geometry::RigidTransform& X_WL, const TouchScene& scene,
+         double exact)
+      : link_(link), X_WL_(X_WL), scene_(scene), exact_(exact) {}
 
   NearBall run() {
     const double root = lower_bound(0);
@@ -50,7 +50,7 @@ class Search {
       std::swap(near_bound, far_bound);
     }
     for (const auto& [bound, child] : {std::pair(near_bound, near), std::pair(far_bound, far)}) {
-      if (bound < best_.clearance && bound < kExact + kShare * (best_.clearance - kExact)) {
+      if (bound < best_.clearance && bound < exact_ + kShare * (best_.clearance - exact_)) {
         visit(child);
       } else {
         passed_over_ = std::min(passed_over_, bound);
@@ -61,6 +61,7 @@ class Search {
   const LinkBalls& link_;
   const geometry::RigidTransform& X_WL_;
   const TouchScene& scene_;
+  double exact_;
   NearBall best_;
   double passed_over_ = std::numeric_limits<double>::infinity();
 };
@@ -122,9 +123,9 @@ double TouchScene::exact_distance(const Vector3d& p_W, Touched what, Vector3d* a
 }
 
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                      const TouchScene& scene) {
+                      const TouchScene& scene, double exact) {
   if (link.nodes.empty()) return {};
-  return Search(link, X_WL, scene).run();
+  return Search(link, X_WL, scene, exact).run();
 }
 
 NearBall lowest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,

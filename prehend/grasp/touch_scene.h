@@ -33,11 +33,11 @@ struct NearBall {
   Touched what = Touched::kNothing;
 };
 
-/// The link's ball that is nearest to anything in the scene, or, where all are farther than 1 mm, a
-/// lower bound of its clearance: at least 0.7 of what is beyond that millimetre, and at least
-/// DistanceGrid::kNear where that is farther away (with a ball that is about as near).
+/// The link's ball that is nearest to anything in the scene, or, where all are farther than `exact`
+/// [m], a lower bound of its clearance, above `exact` (with a ball that is about as near). Where
+/// `exact` and a ball's radius together are more than DistanceGrid::kNear it can be too small.
 NearBall nearest_ball(const LinkBalls& link, const geometry::RigidTransform& X_WL,
-                      const TouchScene& scene);
+                      const TouchScene& scene, double exact = 1e-3);
 
 /// The link's ball that is lowest over a plane, and by how much it clears it; none (-1) when all
 /// clear it by `most` [m] or more.
