@@ -35,8 +35,10 @@ class LookAgain {
   const std::string& problem() const { return problem_; }
 
  private:
+  graph::Node& node_;
   double timeout_;
-  graph::ServiceClient<msgs::Empty, msgs::Acknowledge> render_;
+  /// Made when it is needed: a node declares its parameters before it makes anything else.
+  std::optional<graph::ServiceClient<msgs::Empty, msgs::Acknowledge>> render_;
   std::optional<double> asked_;  // s
   std::string problem_;
 };
