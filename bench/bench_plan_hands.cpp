@@ -157,6 +157,7 @@ void BM_PlanPg70(benchmark::State& state) {
   const robot::GripperModel gripper;
   grasp::PlannerOptions options;
   options.threads = 1;
+  options.generators = {"circles"};
   options.uncertainty.samples = static_cast<int>(state.range(0));
   int candidates = 0;
   for (auto _ : state) {

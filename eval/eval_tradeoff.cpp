@@ -14,10 +14,13 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
+#include "eval/case_runs.h"
+#include "eval/grasp/plan_tradeoff.h"
 #include "eval/shape_tradeoff.h"
 #include "eval/text_files.h"
 #include "eval/touch/tradeoff.h"
 #include "prehend/fidelity/front.h"
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/fidelity/touch_settings.h"
 #include "prehend/geometry/errors.h"
@@ -53,24 +56,41 @@ std::string processor() {
   return "unknown processor";
 }
 
+// Lengths in metres; shares as plain numbers.
+double tolerance_of(const Options& options, const fidelity::Front& front) {
+  if (front.error_unit == "m") return fidelity::parse_metres(options.tolerance);
+  char* end = nullptr;
+  const double share = std::strtod(options.tolerance.c_str(), &end);
+  if (end == options.tolerance.c_str() || *end != '\0' || !(share > 0 && share < 1)) {
+    throw geometry::InputError("'" + options.tolerance + "' is no share",
+                               "Write a number between 0 and 1");
+  }
+  return share;
+}
+
+std::string error_text(const fidelity::Setting& setting, const fidelity::Front& front) {
+  return front.error_unit == "m" ? fmt::format("{:.4g} mm", 1e3 * setting.error)
+                                 : fmt::format("{:.3g} {}", setting.error, front.error_unit);
+}
+
 // `understand` refuses a setting that no longer fits the library.
 int choose(const Options& options,
            const std::function<void(const fidelity::Setting&)>& understand) {
   const fidelity::Front front = fidelity::read_front(options.front);
   const fidelity::Setting& chosen =
       options.budget.empty()
-          ? fidelity::within_tolerance(front, fidelity::parse_metres(options.tolerance))
+          ? fidelity::within_tolerance(front, tolerance_of(options, front))
           : fidelity::within_budget(front, fidelity::parse_seconds(options.budget));
   // Both: the most accurate within the budget must also keep the tolerance.
   if (!options.budget.empty() && !options.tolerance.empty() &&
-      chosen.error > fidelity::parse_metres(options.tolerance)) {
+      chosen.error > tolerance_of(options, front)) {
     throw fidelity::UnreachableError(
         "No setting keeps both " + options.budget + " and " + options.tolerance,
-        fmt::format("Within the budget {:.4g} mm can be reached", 1e3 * chosen.error), chosen);
+        "Within the budget " + error_text(chosen, front) + " can be reached", chosen);
   }
   understand(chosen);
-  std::printf("%s\n%.4g ms, %.4g mm (%s; %s)\n", knobs_text(chosen).c_str(), 1e3 * chosen.seconds,
-              1e3 * chosen.error, front.error_name.c_str(), front.machine.c_str());
+  std::printf("%s\n%.4g ms, %s (%s; %s)\n", knobs_text(chosen).c_str(), 1e3 * chosen.seconds,
+              error_text(chosen, front).c_str(), front.error_name.c_str(), front.machine.c_str());
   return EXIT_SUCCESS;
 }
 
@@ -156,6 +176,47 @@ int sweep_shape(const Options& options) {
   return EXIT_SUCCESS;
 }
 
+int sweep_plan(const Options& options) {
+  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate({});
+  const std::vector<eval::Case> cases = eval::views_to_sweep(sets, options.quick);
+  cv::setNumThreads(1);
+  const auto measured = eval::measure_plan_tradeoff(cases, eval::swept_plan_settings(options.quick),
+                                                    [](const std::string& text) {
+                                                      std::printf("%s\n", text.c_str());
+                                                      std::fflush(stdout);
+                                                    });
+  const fidelity::Front front = eval::plan_front(
+      measured, fmt::format("{}, processor time, {} rendered views", processor(), cases.size()));
+  report::LineChart chart{
+      "Grasps of the PG70", "planning [ms]", "not lifted at the first attempt [%]", {}, {}};
+  report::Series all{"settings", {}, {}, false}, best{"front", {}, {}, true};
+  std::vector<std::vector<std::string>> rows;
+  std::string csv = "milliseconds,first,within_three,views,knobs\n";
+  for (const eval::MeasuredPlan& m : measured) {
+    all.points.emplace_back(1e3 * m.setting.seconds, 100 * m.setting.error);
+    rows.push_back({fmt::format("{:.0f}", 1e3 * m.setting.seconds), std::to_string(m.first),
+                    std::to_string(m.within_three), knobs_text(m.setting)});
+    csv += fmt::format("{:.1f},{},{},{},\"{}\"\n", 1e3 * m.setting.seconds, m.first, m.within_three,
+                       m.views, knobs_text(m.setting));
+  }
+  for (const fidelity::Setting& s : front.settings) {
+    best.points.emplace_back(1e3 * s.seconds, 100 * s.error);
+  }
+  chart.series = {all, best};
+  report::Page page("Planning time against lifted objects");
+  page.add_paragraph("Measured on: " + front.machine + ".");
+  page.add_chart(report::draw_line_chart(chart),
+                 "Every setting that was tried, and those that nothing beats");
+  page.add_table({"planning [ms]", "lifted at first", "within three", "setting"}, rows);
+  const fs::path file = options.quick ? options.out / "plan.yaml" : options.front;
+  fs::create_directories(options.out);
+  fidelity::write_front(file, front);
+  eval::write_text(options.out / "plan.csv", csv);
+  page.write(options.out / "index.html");
+  std::printf("%s\n%s\n", file.c_str(), (options.out / "index.html").c_str());
+  return EXIT_SUCCESS;
+}
+
 // All settings and the front of one table, on axes of powers of ten.
 std::string draw(const std::string& title, const std::vector<fidelity::Setting>& all,
                  const fidelity::Front& front) {
@@ -235,6 +296,12 @@ struct Subject {
 constexpr Subject kSubjects[] = {
     {"shape", "from segmented cloud to mesh", "20ms", "3mm", sweep_shape,
      [](const fidelity::Setting& setting) { (void)fidelity::shape_options(setting); }},
+    {"plan", "grasps of the PG70 on a predicted mesh; the error is a share of views", "200ms",
+     "0.1", sweep_plan,
+     [](const fidelity::Setting& setting) {
+       grasp::PlannerOptions planner;
+       fidelity::apply_plan_setting(setting, &planner);
+     }},
     {"touch", "soft pads; times are of each simulated second", "1ms", "10um", sweep_touch,
      [](const fidelity::Setting& setting) { (void)fidelity::touch_options(setting); }}};
 

@@ -12,6 +12,7 @@
 #include "nodes/grasp_planning/grasp_records.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
@@ -59,7 +60,14 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
        .default_value = options.generators,
        .choices = grasp::generator_names(),
        .description = "ways to make candidates, one or more"});
-  declare("budget", options.budget, "s", 0, "for the grasps of one object, 0: as long as it takes");
+  declare("budget", options.budget, "s", 0,
+          "for the grasps of one object: the best setting of the front within it, which ends "
+          "planning in any case; 0: as long as it takes. At the start only");
+  const auto front = node.declare_parameter<std::string>(
+      {.name = "front",
+       .description = "measured front (config/fidelity/plan.yaml) from which the budget chooses "
+                      "generators, rolls, standoffs and robustness samples, in place of those "
+                      "that are given; empty: these"});
   options.uncertainty.samples = node.declare_parameter<int>(
       {.name = "robustness_samples",
        .default_value = options.uncertainty.samples,
@@ -83,6 +91,11 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
                                                        .default_value = options.largest_count,
                                                        .minimum = 1,
                                                        .description = "of grasps in a plan"});
+  if (!front.empty() && options.budget > 0) {
+    const std::string chosen =
+        fidelity::apply_plan_budget(fidelity::read_front(front), options.budget, &options);
+    node.log_info("chosen from {}: {}", front, chosen);
+  }
   return options;
 }
 

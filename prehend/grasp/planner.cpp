@@ -146,7 +146,8 @@ void Planner::examine(const std::vector<Tried>& tried, const std::function<bool(
       ledger->reject(reason::kNoTime, generator);
       continue;
     }
-    if (reachability_.reaches_direction(tried[at].candidate.approach_W)) {
+    // Circles measure the whole outline, other generators what they hold of it.
+    if (generator == "circles" && reachability_.reaches_direction(tried[at].candidate.approach_W)) {
       narrowest_ = std::min(narrowest_, tried[at].candidate.outline_width);
     }
     if (outcome.refusal) {

@@ -29,7 +29,7 @@ struct ScoreWeights {
 };
 
 struct PlannerOptions {
-  std::vector<std::string> generators{"circles"};  // of generator_names(), at least one
+  std::vector<std::string> generators{"circles", "boxes"};  // of generator_names(), at least one
   GeneratorOptions candidates;
   /// Poses to try instead of what the generators make, if there are any; "given" is their
   /// generator's name then.

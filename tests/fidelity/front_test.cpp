@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
 #include "prehend/fidelity/touch_settings.h"
 
@@ -162,6 +163,53 @@ TEST(ShapeSettings, SetTheOptionsTheyName) {
   }
 }
 
+TEST(PlanSettings, SetTheOptionsTheyName) {
+  grasp::PlannerOptions options;
+  options.density = 500;
+  apply_plan_setting({{{"generators", "circles+antipodal"},
+                       {"rolls", "8"},
+                       {"standoffs", "4"},
+                       {"offsets", "5"},
+                       {"samples", "0"},
+                       {"count", "12"}},
+                      0,
+                      0},
+                     &options);
+  EXPECT_THAT(options.generators, ::testing::ElementsAre("circles", "antipodal"));
+  EXPECT_EQ(options.candidates.circles.rolls, 8);
+  EXPECT_EQ(options.candidates.circles.standoffs, 4);
+  EXPECT_THAT(options.candidates.circles.lateral_offsets,
+              ::testing::ElementsAre(0, -0.015, 0.015, -0.03, 0.03));
+  EXPECT_EQ(options.uncertainty.samples, 0);
+  EXPECT_EQ(options.largest_count, 12);
+  EXPECT_EQ(options.density, 500) << "no knob names it";
+  EXPECT_NO_THROW(options.validate());
+  for (const auto& [knob, value] :
+       {std::pair{"generators", "circles+squares"}, std::pair{"generators", ""},
+        std::pair{"rolls", "0"}, std::pair{"standoffs", "2.5"}, std::pair{"offsets", "4"},
+        std::pair{"samples", "-1"}, std::pair{"count", "many"}, std::pair{"colour", "red"}}) {
+    EXPECT_THROW(apply_plan_setting({{{knob, value}}, 0, 0}, &options), InputError)
+        << knob << " " << value;
+  }
+}
+
+TEST(PlanSettings, TheBudgetChoosesAndEndsPlanning) {
+  Front front;
+  front.subject = "plan";
+  front.settings = {{{{"rolls", "6"}}, 0.1, 0.3}, {{{"rolls", "24"}}, 0.4, 0.1}};
+  grasp::PlannerOptions options;
+  EXPECT_THAT(apply_plan_budget(front, 0.5, &options), HasSubstr("rolls 24"));
+  EXPECT_EQ(options.candidates.circles.rolls, 24);
+  EXPECT_EQ(options.budget, 0.5);
+  EXPECT_THAT(apply_plan_budget(front, 0.2, &options), HasSubstr("rolls 6"));
+  EXPECT_EQ(options.candidates.circles.rolls, 6);
+  options.candidates.circles.rolls = 1;
+  EXPECT_THAT(apply_plan_budget(front, 0.05, &options), HasSubstr("cut off"));
+  EXPECT_EQ(options.candidates.circles.rolls, 6) << "the fastest there is";
+  EXPECT_EQ(options.budget, 0.05);
+  EXPECT_THROW(apply_plan_budget(front, -1, &options), std::invalid_argument);
+}
+
 TEST(TouchSettings, SetTheOptionsTheyName) {
   const TouchOptions options = touch_options({{{"integration", "adaptive"},
                                                {"step", "0.002"},
@@ -200,6 +248,10 @@ TEST(ShippedFronts, AreWhole) {
   const Front front = read_front("config/fidelity/shape.yaml");
   EXPECT_EQ(front.subject, "shape");
   for (const Setting& one : front.settings) EXPECT_NO_THROW(shape_options(one));
+  const Front plan = read_front("config/fidelity/plan.yaml");
+  EXPECT_EQ(plan.subject, "plan");
+  grasp::PlannerOptions planner;
+  for (const Setting& one : plan.settings) EXPECT_NO_THROW(apply_plan_setting(one, &planner));
   const Front touch = read_front("config/fidelity/touch.yaml");
   EXPECT_EQ(touch.subject, "touch");
   for (const Setting& one : touch.settings) EXPECT_NO_THROW(touch_options(one));

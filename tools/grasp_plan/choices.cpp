@@ -48,7 +48,8 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       ->capture_default_str();
   command
       .add_option("--budget", choices.budget,
-                  "for grasps, and again for the arm [s]; 0: as long as it takes")
+                  "for grasps, and again for the arm [s]; 0: as long as it takes. Of the PG70 it "
+                  "chooses how to search, too (config/fidelity/plan.yaml), unless --generators do")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option("--seed", choices.seed, "of all random choices")->capture_default_str();
@@ -61,7 +62,8 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--known", choices.known,
                      "folder of meshes: when the object of a cloud is one of them, its mesh is "
                      "planned on instead of a predicted one");
-  command.add_option("--config", choices.config, "folder with robots/")->capture_default_str();
+  command.add_option("--config", choices.config, "folder with robots/ and fidelity/")
+      ->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");
   command.add_flag("--json", choices.json, "print JSON for programs");
 }

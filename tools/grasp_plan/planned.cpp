@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/grasp_memory.h"
 
@@ -57,9 +58,14 @@ std::optional<grasp::GraspDatabase> database_of(const PlanChoices& choices,
 
 void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned* planned) {
   grasp::PlannerOptions options;
-  if (!choices.generators.empty()) options.generators = choices.generators;
   options.density = choices.density;
   options.budget = choices.budget;
+  if (!choices.generators.empty()) {
+    options.generators = choices.generators;
+  } else if (choices.budget > 0) {
+    const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
+    planned->chosen = fidelity::apply_plan_budget(front, choices.budget, &options);
+  }
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   const auto gripper =
       robot::read_gripper_model(fs::path(choices.config) / "robots" / "pg70_dsa.yaml");

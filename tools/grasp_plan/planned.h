@@ -30,6 +30,7 @@ struct Planned {
   int candidates = 0;
   std::string problem;           // why there is no grasp
   grasp::Remembered remembered;  // what the database had to do with it
+  std::string chosen;            // by the budget from the measured front, in words
   std::optional<planning::PlatformPick> arm;
   StageTimes times;
 };

@@ -124,6 +124,7 @@ bool succeeded(const Planned& planned) {
 std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& target,
                                   const Planned& planned) {
   std::vector<std::string> notes = target.notes;
+  if (!planned.chosen.empty()) notes.push_back("by the budget: " + planned.chosen);
   if (!choices.database.empty()) {
     const int stored = planned.remembered.stored;
     notes.push_back(!target.known ? "the object is not known: the database is not used"

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "prehend/fidelity/front.h"
+#include "prehend/grasp/planner.h"
+
+namespace prehend::fidelity {
+
+/// Sets the planner's options that a setting of the front "plan" chooses; all others stay as they
+/// are. Knobs (all optional; absent: as it is):
+///   generators  names joined by +, as in circles+boxes
+///   rolls       over half a turn, of circles
+///   standoffs   depths of the fingertips, of circles
+///   offsets     positions across the fingers 15 mm apart, an odd number, of circles
+///   samples     disturbed poses and frictions in which each listed grasp is tried
+///   count       grasps that are listed, so tried
+/// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
+void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options);
+
+/// Applies the setting of the front with the fewest failures that plans within `seconds`, or, when
+/// none does, the fastest one; and sets the planner's budget, which ends planning in any case.
+/// Returns what was chosen, in words.
+/// @throws geometry::InputError as apply_plan_setting, std::invalid_argument as within_budget.
+std::string apply_plan_budget(const Front& front, double seconds, grasp::PlannerOptions* options);
+
+}  // namespace prehend::fidelity
