@@ -23,7 +23,7 @@ LookAgain::LookAgain(graph::Node& node)
     : node_(node),
       timeout_(node.declare_parameter<double>(
           {.name = "look_timeout",
-           .default_value = 20.0,
+           .default_value = 60.0,
            .unit = "s",
            .minimum = 0.0,
            .description =

@@ -71,7 +71,7 @@ bool CollisionWorld::remove(const std::string& name) {
   return std::erase_if(obstacles_, [&](const Obstacle& o) { return o.name == name; }) > 0;
 }
 
-double CollisionWorld::distance(const Obstacle& obstacle, const Vector3d& p_B) {
+double CollisionWorld::distance(const Obstacle& obstacle, const Vector3d& p_B, double enough) {
   switch (obstacle.kind) {
     case Obstacle::Kind::kSphere:
       return (p_B - obstacle.center).norm() - obstacle.radius;
@@ -83,6 +83,7 @@ double CollisionWorld::distance(const Obstacle& obstacle, const Vector3d& p_B) {
       double most = -std::numeric_limits<double>::infinity();
       for (const geometry::Plane& face : obstacle.faces) {
         most = std::max(most, face.signed_distance(p_B));
+        if (most >= enough) break;
       }
       return most;
     }
@@ -93,7 +94,7 @@ double CollisionWorld::clearance(const Vector3d& center_B, double radius,
                                  std::string* nearest) const {
   double least = kInfinity;
   for (const Obstacle& obstacle : obstacles_) {
-    const double gap = distance(obstacle, center_B) - radius;
+    const double gap = distance(obstacle, center_B, least + radius) - radius;
     if (gap >= least) continue;
     least = gap;
     if (nearest) *nearest = obstacle.name;
@@ -119,7 +120,7 @@ bool CollisionWorld::touches(const Vector3d& center_B, double radius, double mar
     const double reach = radius + obstacle.margin_for(part, margin);
     const double far = obstacle.radius + reach;
     if (!(far > 0) || (center_B - obstacle.center).squaredNorm() > far * far) continue;
-    const double depth = reach - distance(obstacle, center_B);
+    const double depth = reach - distance(obstacle, center_B, reach - deepest);
     if (!(depth > deepest)) continue;
     if (!touched) return true;
     deepest = depth;
@@ -142,7 +143,11 @@ double CollisionWorld::clearance_from(const std::string& name, const Vector3d& c
                                       double radius) const {
   double least = kInfinity;
   for (const Obstacle& obstacle : obstacles_) {
-    if (obstacle.name == name) least = std::min(least, distance(obstacle, center_B) - radius);
+    if (obstacle.name != name) continue;
+    // Of what is farther than the nearest so far, not even the faces are asked.
+    const double far = obstacle.radius + radius + least;
+    if (far > 0 && (center_B - obstacle.center).squaredNorm() >= far * far) continue;
+    least = std::min(least, distance(obstacle, center_B, least + radius) - radius);
   }
   return least;
 }

@@ -73,7 +73,9 @@ class CollisionWorld {
                         double radius) const;
 
  private:
-  static double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_B);
+  /// Any value that is not less than `enough` stands for all of them.
+  static double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_B,
+                         double enough = kInfinity);
   std::vector<Obstacle> obstacles_;
 };
 
