@@ -10,7 +10,7 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>
-#include <fcl/math/bv/OBBRSS.h>
+#include <fcl/math/bv/OBB.h>
 #include <fcl/narrowphase/collision.h>
 
 #include "prehend/geometry/mesh_query.h"
@@ -20,7 +20,9 @@ namespace {
 
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
-using Hierarchy = fcl::BVHModel<fcl::OBBRSSd>;
+// Boxes alone: the spheres swept over rectangles that FCL can add serve distances, and take longest
+// to make.
+using Hierarchy = fcl::BVHModel<fcl::OBBd>;
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("CollisionOptions." + message);
