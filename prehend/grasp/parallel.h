@@ -1,25 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <numeric>
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 namespace prehend::grasp {
 
 /// Calls f(i) once for each 0 <= i < count on `threads` threads (0: as many as there are cores), in
-/// any order. What f() throws first is thrown again.
-template <class Function>
-void for_each_index(std::size_t count, int threads, Function f) {
-  if (threads == 1) {
-    for (std::size_t i = 0; i < count; ++i) f(i);
-    return;
-  }
-  tbb::task_arena arena(threads > 0 ? threads : static_cast<int>(tbb::task_arena::automatic));
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, count, f); });
-}
+/// any order. What f() throws first is thrown again, once all threads have ended.
+void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& f);
 
 /// A stride that has no divisor in common with `count`: i * stride % count for 0 <= i < count is
 /// every index once, and the first of them are spread over all.
