@@ -156,7 +156,9 @@ std::string pack_shares(const std::vector<float>& shares) {
   return bytes;
 }
 
-float unpack_share(char byte) { return static_cast<float>(static_cast<std::uint8_t>(byte) / 255.0); }
+float unpack_share(char byte) {
+  return static_cast<float>(static_cast<std::uint8_t>(byte) / 255.0);
+}
 
 shape::CompletionMethod method_named(const std::string& name) {
   using shape::CompletionMethod;

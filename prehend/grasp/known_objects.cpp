@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/grasp/grasp_database.h"
 #include "prehend/geometry/surface_samples.h"
+#include "prehend/grasp/grasp_database.h"
 #include "prehend/grasp/registration.h"
 
 namespace prehend::grasp {

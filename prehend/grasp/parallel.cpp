@@ -12,9 +12,9 @@ namespace prehend::grasp {
 // Plain threads: Embree, told to build in one thread, allows oneTBB no more than that in the whole
 // process.
 void for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& f) {
-  const std::size_t wanted =
-      threads > 0 ? static_cast<std::size_t>(threads)
-                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  const std::size_t wanted = threads > 0
+                                 ? static_cast<std::size_t>(threads)
+                                 : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   const std::size_t workers = std::min(wanted, count);
   if (workers <= 1) {
     for (std::size_t i = 0; i < count; ++i) f(i);

@@ -49,7 +49,7 @@ struct CompletionOptions {
   /// Depth differences below this are noise of the sensor [m], > 0.
   double depth_tolerance = 0.003;
   double support_weight = 1;         // kSupported, >= 0
-  double oblique_weight = 0.1;      // kSupported: of 1 - cos(angle between normal and view), >= 0
+  double oblique_weight = 0.1;       // kSupported: of 1 - cos(angle between normal and view), >= 0
   double depth_prior_weight = 0.01;  // kSupported: of |depth / width - 1| when completed, >= 0
 
   /// Mirror the completed cloud once more at a plane perpendicular to the first, when one exists
@@ -71,7 +71,8 @@ struct CompletionOptions {
   double min_support = 0.4;
 
   /// How many completions by other planes to hand back too, at most, >= 0: of `planes`, those that
-  /// face the viewer, are not refused, and vote worse than the winner by `alternative_vote` at most.
+  /// face the viewer, are not refused, and vote worse than the winner by `alternative_vote` at
+  /// most.
   int alternatives = 0;
   double alternative_vote = 0.1;  // >= 0
 };

@@ -15,7 +15,7 @@ struct RobotWorld::Implementation {
     geometry::RigidTransform X_CB = geometry::RigidTransform::Identity();
     Eigen::Vector3d moments = Eigen::Vector3d::Ones();  // kg m^2
     double friction = 0;
-    int body = -1;  // of the system; -1: not in it yet
+    int body = -1;               // of the system; -1: not in it yet
     engines::BodyMotion motion;  // when the system was last built
     double still_time = 0;       // s
     bool asleep = false;

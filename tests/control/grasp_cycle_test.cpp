@@ -423,8 +423,7 @@ TEST_F(LookingCycleTest, AnEmptyNewPlanIsSaidAndTheOldOneGoesOn) {
   run_until_it_looks(&looking);
   looking.take_plan({}, {0, 0.1, 0}, "cannot be grasped: too wide");
   EXPECT_TRUE(looking.finished());
-  EXPECT_NE(looking.result().reason.find("too wide"), std::string::npos)
-      << looking.result().reason;
+  EXPECT_NE(looking.result().reason.find("too wide"), std::string::npos) << looking.result().reason;
 }
 
 TEST_F(LookingCycleTest, WhatFailedIsTriedLastThoughItIsPlannedAgain) {
