@@ -1,0 +1,223 @@
+// The cycle of arm and hand in simulation, along a plan written by hand: KR5 with SDH-2 and PA10
+// with BarrettHand.
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "prehend/control/arm_cycle.h"
+#include "prehend/robot/inverse_kinematics.h"
+#include "prehend/robot/platform.h"
+#include "prehend/simulation/robot_world.h"
+#include "prehend/simulation/shapes.h"
+
+namespace prehend::control {
+namespace {
+
+using geometry::RigidTransform;
+
+/// The arm of a RobotWorld, in the test's thread.
+struct WorldArm : ArmPort {
+  explicit WorldArm(simulation::RobotWorld& world_in) : world(world_in) {}
+  void follow(const JointPath& path, double contact_force) override {
+    simulation::TrajectoryRequest request;
+    request.joints = path.joints;
+    for (const JointPath::Point& p : path.points) {
+      request.points.push_back({p.time, p.position, p.velocity, p.acceleration});
+    }
+    try {
+      world.follow(request);
+      world.stop_on_contact(contact_force);
+    } catch (const std::invalid_argument& error) {
+      refused = error.what();
+    }
+  }
+  MotionStatus motion() override {
+    using Status = simulation::ArmDrive::Status;
+    if (!refused.empty()) return MotionStatus::kFailed;
+    if (world.arm().status() == Status::kReached) return MotionStatus::kReached;
+    if (world.arm().status() == Status::kMoving || !world.arm().at_rest()) {
+      return MotionStatus::kMoving;
+    }
+    return world.stopped_by_contact() ? MotionStatus::kContact : MotionStatus::kFailed;
+  }
+  std::string problem() override { return refused + world.arm().reason(); }
+  void stop() override { world.arm().stop(); }
+  simulation::RobotWorld& world;
+  std::string refused;
+};
+
+struct WorldHand : HandPort {
+  explicit WorldHand(simulation::RobotWorld& world_in) : world(world_in) {}
+  void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
+            double speed, bool until_contact) override {
+    simulation::HandCommand command;
+    command.position = world.hand().targets();
+    const std::vector<std::string>& names = world.motor_names();
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const auto found = std::find(names.begin(), names.end(), "hand_" + joints[i]);
+      ASSERT_NE(found, names.end()) << joints[i];
+      command.position[found - names.begin()] = positions[i];
+    }
+    command.speed = speed;
+    command.until_contact = until_contact;
+    world.move_hand(command);
+  }
+  MotionStatus motion() override {
+    if (world.hand().moving()) return MotionStatus::kMoving;
+    return world.hand().reached() ? MotionStatus::kReached : MotionStatus::kContact;
+  }
+  std::string problem() override { return "refused"; }
+  void stop() override { world.stop_hand(); }
+  simulation::RobotWorld& world;
+};
+
+/// From a stand at `from` to a stand at `to`, by way of `between` poses of the tool: as many points
+/// of inverse kinematics as make straight lines straight.
+class PlanByHand {
+ public:
+  PlanByHand(const robot::Platform& platform, const robot::Preshape& preshape)
+      : platform_(platform),
+        preshape_(preshape),
+        inverse_(platform.arm_chain()),
+        q_(platform.homes.front().arm) {}
+
+  JointPath jump(const RigidTransform& X_WG) {
+    const robot::Positions from = q_;
+    move_to(X_WG);
+    return timed({from, q_}, 3.0);
+  }
+  JointPath straight(const RigidTransform& X_WG_from, const RigidTransform& X_WG_to) {
+    std::vector<robot::Positions> way{q_};
+    constexpr int kParts = 12;
+    for (int i = 1; i <= kParts; ++i) {
+      RigidTransform X = X_WG_to;
+      const double share = static_cast<double>(i) / kParts;
+      X.translation() = (1 - share) * X_WG_from.translation() + share * X_WG_to.translation();
+      move_to(X);
+      way.push_back(q_);
+    }
+    return timed(way, 2.0);
+  }
+
+ private:
+  void move_to(const RigidTransform& X_WG) {
+    const robot::InverseAnswer answer = inverse_.solve(platform_.X_BF(X_WG, preshape_), q_);
+    if (answer.solutions.empty()) throw std::runtime_error(answer.reason);
+    q_ = answer.solutions.front();
+  }
+  // Points at even shares of a smooth motion, with its velocities.
+  JointPath timed(const std::vector<robot::Positions>& way, double duration) const {
+    JointPath result;
+    for (const robot::ChainJoint& joint : inverse_.chain().joints()) {
+      result.joints.push_back(joint.name);
+    }
+    const std::size_t parts = way.size() - 1;
+    for (int k = 0; k <= 40; ++k) {
+      const double t = k / 40.0, s = t * t * t * (10 + t * (6 * t - 15));
+      const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;
+      const double x = s * static_cast<double>(parts);
+      const std::size_t i = std::min(parts - 1, static_cast<std::size_t>(x));
+      JointPath::Point point;
+      point.time = t * duration;
+      const robot::Positions delta = way[i + 1] - way[i];
+      for (Eigen::Index j = 0; j < delta.size(); ++j) {
+        point.position.push_back(way[i][j] + (x - static_cast<double>(i)) * delta[j]);
+        point.velocity.push_back(rate * static_cast<double>(parts) * delta[j]);
+      }
+      result.points.push_back(point);
+    }
+    return result;
+  }
+
+  const robot::Platform& platform_;
+  const robot::Preshape& preshape_;
+  robot::InverseKinematics inverse_;
+  robot::Positions q_;
+};
+
+struct PlatformSetup {
+  const char* platform;
+  const char* preshape;
+  bool reacts;
+  double height;  // m, of the tool over the table when it closes
+  double way;     // rad, that motors close as planned
+};
+
+class InSimulation : public testing::TestWithParam<PlatformSetup> {};
+
+TEST_P(InSimulation, PicksABoxAndPutsItDown) {
+  const PlatformSetup setup = GetParam();
+  const robot::Platform platform =
+      robot::read_platform(std::string("config/robots/") + setup.platform);
+  const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
+  simulation::RobotWorld world(platform, simulation::Scene());
+  geometry::TriangleMesh box = simulation::make_standing_box({0.06, 0.06, 0.14});
+  world.add_object("box", box, 0.4);
+
+  RigidTransform at = RigidTransform::Identity();
+  at.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  at.translation() = Eigen::Vector3d(0, 0, setup.height);
+  const auto over = [&](double y, double dz) {
+    RigidTransform X = at;
+    X.translation() += Eigen::Vector3d(0, y, dz);
+    return X;
+  };
+  PlanByHand plan(platform, preshape);
+  ArmGrasp grasp;
+  grasp.segments.emplace_back("reach", plan.jump(over(0, 0.12)));
+  grasp.segments.emplace_back("approach", plan.straight(over(0, 0.12), over(0, 0)));
+  grasp.segments.emplace_back("lift", plan.straight(over(0, 0), over(0, 0.1)));
+  grasp.segments.emplace_back("carry", plan.straight(over(0, 0.1), over(0.15, 0.1)));
+  grasp.segments.emplace_back("place", plan.straight(over(0.15, 0.1), over(0.15, 0.002)));
+  grasp.segments.emplace_back("retreat", plan.straight(over(0.15, 0.002), over(0.15, 0.12)));
+  grasp.hand_joints = platform.hand.actuated_names();
+  for (int i = 0; i < platform.hand.size(); ++i) {
+    grasp.open.push_back(preshape.open[i]);
+    grasp.closed.push_back(preshape.open[i] +
+                           setup.way * preshape.closing[static_cast<std::size_t>(i)].rate);
+  }
+  grasp.lifted_mass = 0.4;
+
+  WorldArm arm(world);
+  WorldHand hand(world);
+  ArmCycleOptions options;
+  options.reacts = setup.reacts;
+  ArmCycle cycle(options, arm, hand);
+  const auto percepts = [&] {
+    ArmPercepts now;
+    now.time = world.time();
+    for (const simulation::JointReading& joint : world.joints()) {
+      now.names.push_back(joint.name);
+      now.positions.push_back(joint.position);
+    }
+    now.wrist_force = world.wrist_wrench().force.norm();
+    return now;
+  };
+  cycle.step(percepts());
+  cycle.start({grasp});
+  double highest = 0;
+  while (!cycle.finished() && world.time() < 60) {
+    for (int i = 0; i < 20; ++i) world.step();
+    highest = std::max(highest, world.body("box").height);
+    cycle.step(percepts());
+  }
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_GT(highest, 0.09);
+  for (int i = 0; i < 500; ++i) world.step();
+  const simulation::RobotBodyReading put = world.body("box");
+  EXPECT_NEAR(put.X_WB.translation().y(), 0.15, 0.02);
+  EXPECT_LT(put.height, 0.003);
+  EXPECT_TRUE(put.touches_table);
+  EXPECT_FALSE(put.touches_robot);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Platforms, InSimulation,
+    testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09, 0.3},
+                    PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09, 1.0}));
+
+}  // namespace
+}  // namespace prehend::control

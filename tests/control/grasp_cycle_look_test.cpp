@@ -1,0 +1,132 @@
+// After a failed attempt: what is seen then, and which grasp is tried next.
+
+#include <numbers>
+
+#include "prehend/control/failed_grasps.h"
+#include "tests/control/grasp_cycle_fixture.h"
+
+namespace prehend::control {
+namespace {
+
+// The cycle that looks again, for at most 5 s.
+class LookingCycleTest : public GraspCycleTest {
+ protected:
+  static CycleOptions options() {
+    CycleOptions o;
+    o.look_timeout = 5;
+    return o;
+  }
+  void run_until_it_looks(GraspCycle* driven) {
+    for (int i = 0; i < 20000 && !driven->finished() && !driven->looks_since(); ++i) {
+      driven->step(world.percepts());
+      world.advance();
+    }
+    ASSERT_TRUE(driven->looks_since()) << driven->detail();
+  }
+  void run_to_the_end(GraspCycle* driven) {
+    for (int i = 0; i < 20000 && !driven->finished(); ++i) {
+      driven->step(world.percepts());
+      world.advance();
+    }
+    ASSERT_TRUE(driven->finished()) << driven->detail();
+  }
+  GraspCycle looking{robot::GripperModel{}, options(), gripper, carrier};
+};
+
+// Once the second attempt closed on nothing too: the first one had pushed the object aside.
+TEST_F(LookingCycleTest, TakesAPlanOfWhereTheObjectIsNow) {
+  world.object_is_anywhere = false;
+  world.object_x = 0.06;
+  const RigidTransform start = world.X_WG();
+  looking.start({grasp_at(0), grasp_at(0.01), grasp_at(-0.01)});
+  run_until_it_looks(&looking);
+  EXPECT_TRUE(world.X_WG().translation().isApprox(start.translation(), 1e-6))
+      << "it stands in the camera's view";
+  EXPECT_NEAR(*looking.looks_since(), world.percepts().time, 0.05);
+  looking.take_plan({grasp_at(0.06)}, {0.1, 0, 0});
+  EXPECT_FALSE(looking.looks_since());
+  run_to_the_end(&looking);
+  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_EQ(looking.result().attempts, 2);
+  EXPECT_EQ(looking.result().plans, 2);
+  EXPECT_EQ(looking.result().grasp_index, 0);
+  EXPECT_NEAR(looking.grasp().X_WG.translation().x(), 0.06, 1e-12);
+  EXPECT_NEAR(world.X_WG().translation().x(), 0.16, 1e-6) << "not carried by the new plan's way";
+}
+
+TEST_F(LookingCycleTest, WithoutANewPlanTakesTheNextGrasp) {
+  world.object_is_anywhere = false;
+  world.object_x = 0.05;
+  looking.start({grasp_at(0), grasp_at(0.002), grasp_at(0.05)});
+  run_until_it_looks(&looking);
+  const double since = *looking.looks_since();
+  bool said = false;
+  for (int i = 0; i < 20000 && !looking.finished(); ++i) {
+    looking.step(world.percepts());
+    said = said || looking.detail().find("no new plan came") != std::string::npos;
+    if (!looking.looks_since()) break;
+    world.advance();
+  }
+  EXPECT_NEAR(world.percepts().time - since, options().look_timeout, 0.05);
+  EXPECT_TRUE(said);
+  run_to_the_end(&looking);
+  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_EQ(looking.result().grasp_index, 2) << "2 mm beside the one that failed";
+  EXPECT_EQ(looking.result().plans, 1);
+}
+
+TEST_F(LookingCycleTest, AnEmptyNewPlanIsSaidAndTheOldOneGoesOn) {
+  world.object_width = 0;
+  looking.start({grasp_at(0)});
+  run_until_it_looks(&looking);
+  looking.take_plan({}, {0, 0.1, 0}, "cannot be grasped: too wide");
+  EXPECT_TRUE(looking.finished());
+  EXPECT_NE(looking.result().reason.find("too wide"), std::string::npos) << looking.result().reason;
+}
+
+TEST_F(LookingCycleTest, WhatFailedIsTriedLastThoughItIsPlannedAgain) {
+  world.object_is_anywhere = false;
+  world.object_x = 0.04;
+  looking.start({grasp_at(0)});
+  run_until_it_looks(&looking);
+  looking.take_plan({grasp_at(0.003), grasp_at(0.04)}, {0, 0.1, 0});
+  run_to_the_end(&looking);
+  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_EQ(looking.result().attempts, 2);
+  EXPECT_EQ(looking.result().grasp_index, 1);
+}
+
+TEST_F(LookingCycleTest, GivesUpAfterTheLastAttemptWithoutLooking) {
+  world.object_width = 0;
+  looking.start({grasp_at(0)});
+  for (int attempt = 1; attempt < options().largest_attempts; ++attempt) {
+    run_until_it_looks(&looking);
+    looking.take_plan({grasp_at(0.05 * attempt)}, {0, 0.1, 0});
+  }
+  run_to_the_end(&looking);
+  EXPECT_FALSE(looking.result().success);
+  EXPECT_EQ(looking.result().attempts, options().largest_attempts);
+  looking.take_plan({grasp_at(0)}, {0, 0.1, 0});
+  EXPECT_TRUE(looking.finished()) << "a plan that nobody waits for";
+}
+
+TEST(FailedGrasps, AreLikeOthersWithinMillimetresAndTurnedByHalf) {
+  const grasp::Grasp grasp = grasp_at(0);
+  EXPECT_TRUE(is_like(grasp, grasp_at(0.005)));
+  EXPECT_FALSE(is_like(grasp, grasp_at(0.007)));
+  grasp::Grasp turned = grasp;
+  turned.X_WG.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(is_like(grasp, turned));
+  turned.X_WG.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
+  EXPECT_FALSE(is_like(grasp, turned));
+  turned = grasp;
+  turned.X_WG.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()));
+  EXPECT_FALSE(is_like(grasp, turned));
+  EXPECT_EQ(next_to_try({}, {}, {}), std::nullopt);
+  EXPECT_EQ(next_to_try({grasp, grasp_at(0.05)}, {false, false}, {grasp}), 1u);
+  EXPECT_EQ(next_to_try({grasp, grasp_at(0.05)}, {false, true}, {grasp}), 0u);
+  EXPECT_EQ(next_to_try({grasp}, {true}, {grasp}), std::nullopt);
+}
+
+}  // namespace
+}  // namespace prehend::control
