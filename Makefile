@@ -5,17 +5,21 @@
 # make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
 # make clean  remove build and out
 
-.PHONY: demo build test bench fuzz clean packages
+.PHONY: demo build test bench fuzz clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
 	@scripts/install-packages.sh
 
-build: packages
-	@cmake --preset release --log-level=WARNING
+build: configure
 	@ninja -C build
 
-demo: build
+configure: packages
+	@cmake --preset release --log-level=WARNING
+
+# Only what the demo runs.
+demo: configure
+	@ninja -C build demo
 	@rm -f out/demo/summary.txt; \
 	build/bin/prehend launch launch/demo.yaml out:=out/demo; status=$$?; \
 	cat out/demo/summary.txt 2>/dev/null; exit $$status

@@ -13,20 +13,20 @@ namespace {
 using geometry::InputError;
 
 // The figures of a MethodResult by their names in the file.
-struct Figure {
+struct ResultFigure {
   const char* name;
   double MethodResult::*value;
 };
-constexpr Figure kFigures[] = {{"mean", &MethodResult::mean},
-                               {"variance", &MethodResult::variance},
-                               {"percentile_95", &MethodResult::percentile_95},
-                               {"max", &MethodResult::max},
-                               {"back_mean", &MethodResult::back_mean},
-                               {"back_max", &MethodResult::back_max},
-                               {"centroid_error", &MethodResult::centroid_error},
-                               {"vote", &MethodResult::vote},
-                               {"confidence", &MethodResult::confidence},
-                               {"seconds", &MethodResult::seconds}};
+constexpr ResultFigure kFigures[] = {{"mean", &MethodResult::mean},
+                                     {"variance", &MethodResult::variance},
+                                     {"percentile_95", &MethodResult::percentile_95},
+                                     {"max", &MethodResult::max},
+                                     {"back_mean", &MethodResult::back_mean},
+                                     {"back_max", &MethodResult::back_max},
+                                     {"centroid_error", &MethodResult::centroid_error},
+                                     {"vote", &MethodResult::vote},
+                                     {"confidence", &MethodResult::confidence},
+                                     {"seconds", &MethodResult::seconds}};
 
 struct EvidenceFigure {
   const char* name;
@@ -77,7 +77,7 @@ void write_case_result(const std::filesystem::path& file, const CaseResult& resu
   for (const MethodResult& method : result.methods) {
     out << YAML::BeginMap << YAML::Key << "method" << YAML::Value << method.method  //
         << YAML::Key << "problem" << YAML::Value << YAML::DoubleQuoted << method.problem;
-    for (const Figure& figure : kFigures) {
+    for (const ResultFigure& figure : kFigures) {
       out << YAML::Key << figure.name << YAML::Value << method.*figure.value;
     }
     out << YAML::Key << "watertight" << YAML::Value << method.watertight;
@@ -105,7 +105,7 @@ CaseResult read_case_result(const std::filesystem::path& file) {
       MethodResult method;
       method.method = node["method"].as<std::string>();
       method.problem = node["problem"].as<std::string>();
-      for (const Figure& figure : kFigures) {
+      for (const ResultFigure& figure : kFigures) {
         method.*figure.value = node[figure.name].as<double>();
       }
       method.watertight = node["watertight"].as<bool>();

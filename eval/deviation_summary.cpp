@@ -20,8 +20,6 @@ const MethodResult* method_of(const CaseResult& result, const std::string& name)
   return nullptr;
 }
 
-double deviation_of(const MethodResult& m) { return m.mean; }
-
 std::string cell(double value, double scale) {
   return std::isnan(value) ? "" : fmt::format("{:.4f}", scale * value);
 }

@@ -18,6 +18,9 @@ Spread spread_of(const std::vector<double>& values);
 
 /// A figure of a result, e.g. the mean deviation [m].
 using FigureOf = std::function<double(const MethodResult&)>;
+
+/// [m], the mean distance to the truth.
+inline double deviation_of(const MethodResult& m) { return m.mean; }
 /// The row a case falls into, e.g. its orientation.
 using RowOf = std::function<std::string(const CaseResult&)>;
 

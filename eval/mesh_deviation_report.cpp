@@ -15,7 +15,6 @@ namespace {
 
 std::string data_set_of(const CaseResult& r) { return r.data_set; }
 std::string orientation_of(const CaseResult& r) { return std::to_string(r.orientation); }
-double deviation_of(const MethodResult& m) { return m.mean; }
 double back_of(const MethodResult& m) { return m.back_mean; }
 double centroid_of(const MethodResult& m) { return m.centroid_error; }
 double vote_of(const MethodResult& m) { return m.vote; }

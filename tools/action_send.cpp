@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/protobuf_schema.h"
 #include "tools/command_node.h"
 #include "tools/json.h"
 #include "tools/message_input.h"
@@ -18,7 +18,7 @@ namespace prehend::tools {
 namespace {
 
 using graph::Status;
-using graph::recording::SchemaMessageFactory;
+using recording::SchemaMessageFactory;
 using std::chrono::steady_clock;
 
 constexpr auto kTurn = std::chrono::milliseconds(50);

@@ -7,13 +7,13 @@
 namespace prehend::tools {
 namespace {
 
-struct Choices {
+struct BagChoices {
   std::string file, output, folder, name;
   std::vector<std::string> topics;
   bool json = false;
 };
 
-void add_looks(CLI::App& group, const std::shared_ptr<Choices>& choices, Outcome& outcome) {
+void add_looks(CLI::App& group, const std::shared_ptr<BagChoices>& choices, Outcome& outcome) {
   CLI::App* info = group.add_subcommand("info", "Say what a recording holds and lacks");
   info->add_option("file", choices->file, "The recording (MCAP)")->required();
   info->add_flag("--json", choices->json, "Print JSON");
@@ -38,7 +38,7 @@ void add_looks(CLI::App& group, const std::shared_ptr<Choices>& choices, Outcome
   });
 }
 
-void add_recover(CLI::App& group, const std::shared_ptr<Choices>& choices, Outcome& outcome) {
+void add_recover(CLI::App& group, const std::shared_ptr<BagChoices>& choices, Outcome& outcome) {
   CLI::App* mend = group.add_subcommand(
       "recover", "Copy what can be read of a damaged or unfinished recording to a new one");
   mend->add_option("file", choices->file, "The damaged recording")->required();
@@ -69,7 +69,7 @@ void add_filter(CLI::App& group, Outcome& outcome) {
 }
 
 // A program of its own: only who exports pays for loading the libraries of images and clouds.
-void add_export(CLI::App& group, const std::shared_ptr<Choices>& choices) {
+void add_export(CLI::App& group, const std::shared_ptr<BagChoices>& choices) {
   CLI::App* command = group.add_subcommand(
       "export", "Write images as PNG, clouds as PCD, and all other fields as CSV");
   command->add_option("file", choices->file, "The recording")->required();
@@ -89,7 +89,7 @@ void add_export(CLI::App& group, const std::shared_ptr<Choices>& choices) {
 void add_bag_commands(CLI::App& app, Outcome& outcome) {
   CLI::App* group = app.add_subcommand("bag", "Look at, cut, export and mend recordings");
   group->require_subcommand(1);
-  auto choices = std::make_shared<Choices>();
+  auto choices = std::make_shared<BagChoices>();
   add_looks(*group, choices, outcome);
   add_recover(*group, choices, outcome);
   add_filter(*group, outcome);

@@ -6,11 +6,11 @@
 #include <map>
 #include <stdexcept>
 
-#include "prehend/graph/nearest_match.h"
-#include "prehend/graph/recording/latched_messages.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/mcap_writer.h"
-#include "prehend/graph/recording/topic_filter.h"
+#include "prehend/recording/latched_messages.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/mcap_writer.h"
+#include "prehend/recording/topic_filter.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/bag_tools.h"
 #include "tools/quantities.h"
 
@@ -18,7 +18,7 @@ namespace prehend::tools {
 namespace {
 
 namespace fs = std::filesystem;
-namespace recording = prehend::graph::recording;
+namespace recording = prehend::recording;
 
 // Writes parts of a recording to a new one.
 class Copy {
@@ -119,7 +119,7 @@ int bag_filter(const BagFilter& filter) {
   const auto recorded = topics_of(reader);
   if (const auto pattern = topics.unmatched(recorded)) {
     throw std::invalid_argument(filter.from + " has no topic " + *pattern +
-                                graph::nearest_match_hint(*pattern, recorded));
+                                text::nearest_match_hint(*pattern, recorded));
   }
   auto range = time_range(filter, reader);
   for (const std::string& topic : recorded) {
@@ -149,7 +149,7 @@ int bag_attachments(const std::string& path, const std::string& folder, const st
   for (const auto& index : reader.attachments()) names.push_back(index.name);
   if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
     throw std::invalid_argument(path + " has no attachment " + name +
-                                graph::nearest_match_hint(name, names));
+                                text::nearest_match_hint(name, names));
   }
   for (const auto& index : reader.attachments()) {
     if (!name.empty() && index.name != name) continue;

@@ -6,16 +6,16 @@
 #include <ctime>
 #include <map>
 
-#include "prehend/graph/recording/latched_messages.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/recording_check.h"
+#include "prehend/recording/latched_messages.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/recording_check.h"
 #include "tools/bag_tools.h"
 #include "tools/table.h"
 
 namespace prehend::tools {
 namespace {
 
-namespace recording = prehend::graph::recording;
+namespace recording = prehend::recording;
 using google::protobuf::Struct;
 using google::protobuf::Value;
 

@@ -51,7 +51,7 @@ class ClockCaller {
   graph::ServiceClient<ClockControlRequest, ClockControlResponse> client_;
 };
 
-struct Choices {
+struct ClockChoices {
   std::string registry, step;
   double speed = 1;
   bool json = false, no_wait = false;
@@ -71,7 +71,7 @@ void print(const ClockControlResponse& state, bool json) {
               state.paused() ? "paused" : "running", speed.c_str());
 }
 
-void run(const Choices& choices, ClockControlRequest request) {
+void run(const ClockChoices& choices, ClockControlRequest request) {
   ClockCaller caller(choices.registry);
   ClockControlResponse state = caller.call(request);
   // A step goes at the clock's speed; what is printed is where it ended.
@@ -82,7 +82,7 @@ void run(const Choices& choices, ClockControlRequest request) {
   print(state, choices.json);
 }
 
-CLI::App* add_command(CLI::App& group, const std::shared_ptr<Choices>& choices,
+CLI::App* add_command(CLI::App& group, const std::shared_ptr<ClockChoices>& choices,
                       const std::string& name, const std::string& description,
                       ClockControlRequest::Command command) {
   CLI::App* app = group.add_subcommand(name, description);
@@ -104,7 +104,7 @@ void add_clock_commands(CLI::App& app) {
   CLI::App* group = app.add_subcommand(
       "clock", "Pause, step and speed up the clock that a simulation or a replay publishes");
   group->require_subcommand(1);
-  auto choices = std::make_shared<Choices>();
+  auto choices = std::make_shared<ClockChoices>();
   add_command(*group, choices, "status", "Print time, pause and speed", ClockControlRequest::STATUS)
       ->footer("Example:\n  prehend clock status");
   add_command(*group, choices, "pause", "Stop the clock and with it all who follow it",

@@ -12,7 +12,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-constexpr std::chrono::milliseconds kPatience{300};  // of who pressed the Tab key
+constexpr std::chrono::milliseconds kCompletionPatience{300};  // of who pressed the Tab key
 
 // The command line so far.
 struct Position {
@@ -132,7 +132,7 @@ Words values_of(const std::string& name, const Position& at, const std::string& 
   if (const auto found = kChoices.find(name); found != kChoices.end()) return found->second;
   if (name == "file" && at.command->get_name() == "launch") return launch_files(word);
   try {
-    graph::Introspection graph(at.registry, kPatience);
+    graph::Introspection graph(at.registry, kCompletionPatience);
     if (name == "topics") return live_names(graph, "topic");
     if (name == "parameter" && !at.arguments.empty()) {
       Words names;

@@ -30,7 +30,7 @@ struct DoctorChoices {
   DeviceChoices devices;
 };
 
-constexpr const char* kLevels[] = {"ok", "warning", "error"};
+constexpr const char* kFindingLevels[] = {"ok", "warning", "error"};
 
 bool answers(const std::string& endpoint) {
   try {
@@ -59,15 +59,15 @@ Finding missing_registry(const std::string& endpoint, const std::string& error, 
   return finding;
 }
 
-void print_page(const std::string& registry, const std::optional<GraphView>& graph,
-                const Findings& findings, int errors, int warnings) {
+void print_findings(const std::string& registry, const std::optional<GraphView>& graph,
+                    const Findings& findings, int errors, int warnings) {
   const bool colours = ::isatty(STDOUT_FILENO) == 1;
   static constexpr const char* kColours[] = {"\x1b[32m", "\x1b[33m", "\x1b[31m"};
   std::printf("prehend doctor: registry %s%s\n\n", registry.c_str(),
               graph ? fmt::format(", {} nodes", graph->nodes.size()).c_str() : "");
   for (const Finding& finding : findings) {
     const int level = static_cast<int>(finding.level);
-    std::printf("%s%-8s%s %s: %s\n", colours ? kColours[level] : "", kLevels[level],
+    std::printf("%s%-8s%s %s: %s\n", colours ? kColours[level] : "", kFindingLevels[level],
                 colours ? "\x1b[0m" : "", finding.subject.c_str(), finding.what.c_str());
     if (!finding.mend.empty()) std::printf("         -> %s\n", finding.mend.c_str());
   }
@@ -78,12 +78,12 @@ void print_page(const std::string& registry, const std::optional<GraphView>& gra
   }
 }
 
-void print_json(const std::string& registry, const std::optional<GraphView>& graph,
-                const Findings& findings, int errors, int warnings) {
+void print_findings_json(const std::string& registry, const std::optional<GraphView>& graph,
+                         const Findings& findings, int errors, int warnings) {
   Json list = Json::array();
   for (const Finding& finding : findings) {
     list.add(Json::object()
-                 .set("level", kLevels[static_cast<int>(finding.level)])
+                 .set("level", kFindingLevels[static_cast<int>(finding.level)])
                  .set("subject", finding.subject)
                  .set("what", finding.what)
                  .set("mend", finding.mend));
@@ -125,7 +125,8 @@ int examine(const DoctorChoices& choices) {
                                           [&](const Finding& f) { return f.level == level; }));
   };
   const int errors = count(Level::kError), warnings = count(Level::kWarning);
-  (choices.json ? print_json : print_page)(registry, graph, findings, errors, warnings);
+  (choices.json ? print_findings_json : print_findings)(registry, graph, findings, errors,
+                                                        warnings);
   return errors > 0 ? 1 : 0;
 }
 

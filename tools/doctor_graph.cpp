@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::tools {
 namespace {
@@ -67,7 +67,7 @@ void examine_missing_publisher(const std::string& name, const TopicView& topic,
   for (const auto& [other, ends] : topics) {
     if (!ends.publishers.empty() && !is_built_in(other)) published.push_back(other);
   }
-  const auto nearest = graph::nearest_match(name, published);
+  const auto nearest = text::nearest_match(name, published);
   findings.push_back(
       {Level::kWarning, "topic " + name,
        "nobody publishes it; taken by " + nodes_text(topic.subscribers),

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::tools {
 namespace {
@@ -76,7 +76,7 @@ const NodeView& GraphView::node(const std::string& name) const {
     if (node.record.name() == name) return node;
   }
   throw std::runtime_error("there is no node \"" + name + "\"" +
-                           graph::nearest_match_hint(name, node_names()));
+                           text::nearest_match_hint(name, node_names()));
 }
 
 GraphView look_at_graph(const std::string& registry) {

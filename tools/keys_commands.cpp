@@ -53,12 +53,13 @@ void add_keys_commands(CLI::App& app) {
 
 void add_security_options(CLI::App& command) {
   // The environment carries it to everything the command starts or asks.
-  command.add_option_function<std::string>(
-      "--keys",
-      [](const std::string& file) {
-        ::setenv("PREHEND_KEYS", std::filesystem::absolute(file).c_str(), 1);
-      },
-      "Key file of the graph, see prehend keys; default: PREHEND_KEYS, else none")
+  command
+      .add_option_function<std::string>(
+          "--keys",
+          [](const std::string& file) {
+            ::setenv("PREHEND_KEYS", std::filesystem::absolute(file).c_str(), 1);
+          },
+          "Key file of the graph, see prehend keys; default: PREHEND_KEYS, else none")
       ->check(CLI::ExistingFile);
   command.add_option_function<std::string>(
       "--bind", [](const std::string& address) { ::setenv("PREHEND_BIND", address.c_str(), 1); },

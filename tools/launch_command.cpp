@@ -5,13 +5,13 @@
 #include <memory>
 #include <vector>
 
-#include "prehend/graph/launch/launch_file.h"
-#include "prehend/graph/launch/launch_output.h"
-#include "prehend/graph/launch/parameter_check.h"
-#include "prehend/graph/launch/process_plan.h"
-#include "prehend/graph/launch/supervisor.h"
-#include "prehend/graph/nearest_match.h"
 #include "prehend/graph/node.h"
+#include "prehend/launch/launch_file.h"
+#include "prehend/launch/launch_output.h"
+#include "prehend/launch/parameter_check.h"
+#include "prehend/launch/process_plan.h"
+#include "prehend/launch/supervisor.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
 #include "tools/table.h"
@@ -20,7 +20,7 @@ namespace prehend::tools {
 namespace {
 
 namespace fs = std::filesystem;
-namespace launch = prehend::graph::launch;
+namespace launch = prehend::launch;
 
 struct LaunchChoices {
   std::vector<std::string> words;  // files and arguments
@@ -28,7 +28,7 @@ struct LaunchChoices {
   bool check = false, dry_run = false, list_arguments = false;
 };
 
-const char* name_of(launch::LaunchArgument::Type type) {
+const char* type_name(launch::LaunchArgument::Type type) {
   switch (type) {
     case launch::LaunchArgument::Type::kString:
       return "string";
@@ -46,7 +46,7 @@ void print_arguments(const std::string& file) {
   std::vector<std::vector<std::string>> rows{{"ARGUMENT", "TYPE", "DEFAULT", "DESCRIPTION"}};
   for (const auto& argument : launch::declared_arguments(file)) {
     rows.push_back(
-        {argument.name + ":=", name_of(argument.type),
+        {argument.name + ":=", type_name(argument.type),
          argument.default_value ? "\"" + *argument.default_value + "\"" : "(must be given)",
          argument.description});
   }
@@ -162,7 +162,7 @@ std::string address_of(const launch::LaunchGraph& graph, const std::string& host
   std::vector<std::string> known;
   for (const auto& other : graph.hosts) known.push_back(other.name);
   throw launch::LaunchError("command line: --host " + host + ": " + graph.file +
-                            " has no such host" + graph::nearest_match_hint(host, known));
+                            " has no such host" + text::nearest_match_hint(host, known));
 }
 
 std::string host_to_start(const launch::LaunchGraph& graph, const std::string& chosen) {

@@ -30,7 +30,7 @@ struct LogChoices {
 
 constexpr const char* kLevels[] = {"debug", "info", "warning", "error"};
 
-const char* name_of(const LogLine& line) {
+const char* level_name(const LogLine& line) {
   return kLevels[std::clamp(static_cast<int>(line.level()), 0, 3)];
 }
 
@@ -49,7 +49,7 @@ void print_line(const LogLine& line, bool json) {
   if (json) {
     return print(Json::object()
                      .set("stamp", Json::stamp(line.stamp()))
-                     .set("level", name_of(line))
+                     .set("level", level_name(line))
                      .set("node", line.node())
                      .set("text", line.text()));
   }
@@ -57,7 +57,7 @@ void print_line(const LogLine& line, bool json) {
   if (::isatty(STDOUT_FILENO) == 1 && line.level() >= msgs::graph::WARNING) {
     colour = line.level() == msgs::graph::ERROR ? "\x1b[31m" : "\x1b[33m";
   }
-  std::printf("%s[%s] [%s] [%s] %s%s\n", colour, time_text(line.stamp()).c_str(), name_of(line),
+  std::printf("%s[%s] [%s] [%s] %s%s\n", colour, time_text(line.stamp()).c_str(), level_name(line),
               line.node().c_str(), line.text().c_str(), *colour ? "\x1b[0m" : "");
   std::fflush(stdout);
 }

@@ -12,13 +12,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::tools {
 namespace {
 
 namespace pb = google::protobuf;
-using graph::nearest_match_hint;
+using text::nearest_match_hint;
 
 // The message types and enumerations that a message can hold, itself the first.
 struct Reachable {
@@ -78,13 +78,13 @@ std::string hint_for_text(const std::string& words, const pb::Descriptor& type) 
   std::smatch match;
   if (std::regex_match(words, match, kNoField)) {
     const auto* holder = reachable.type_named(match[1]);
-    return holder ? nearest_match_hint(match[2].str(), fields_of(*holder)) : "";
+    return holder ? text::nearest_match_hint(match[2].str(), fields_of(*holder)) : "";
   }
   if (!std::regex_match(words, match, kNoValue)) return "";
   for (const auto* holder : reachable.types) {
     const auto* field = holder->FindFieldByName(match[2]);
     if (field && field->enum_type()) {
-      return nearest_match_hint(match[1].str(), values_of(*field->enum_type()));
+      return text::nearest_match_hint(match[1].str(), values_of(*field->enum_type()));
     }
   }
   return "";
@@ -99,12 +99,12 @@ std::string hint_for_json(const std::string& words, const pb::Descriptor& type) 
   if (std::regex_match(words, match, kNoField)) {
     const auto* field = match[1].matched ? field_at(type, match[1]) : nullptr;
     const auto* holder = field ? field->message_type() : match[1].matched ? nullptr : &type;
-    return holder ? nearest_match_hint(match[2].str(), fields_of(*holder)) : "";
+    return holder ? text::nearest_match_hint(match[2].str(), fields_of(*holder)) : "";
   }
   if (!std::regex_match(words, match, kNoValue)) return "";
   const auto* field = field_at(type, match[1]);
   return field && field->enum_type()
-             ? nearest_match_hint(match[2].str(), values_of(*field->enum_type()))
+             ? text::nearest_match_hint(match[2].str(), values_of(*field->enum_type()))
              : "";
 }
 

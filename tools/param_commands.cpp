@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/commands.h"
 #include "tools/json.h"
 #include "tools/parameter_file.h"
@@ -107,7 +107,7 @@ void load(const ParamChoices& choices) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw std::runtime_error(fmt::format("{}: node '{}' has no parameter '{}'{}", choices.file,
                                          choices.node, name,
-                                         graph::nearest_match_hint(name, known)));
+                                         text::nearest_match_hint(name, known)));
   }
   for (const auto& [name, value] : values) {
     const auto parameter = introspection.set_parameter(choices.node, name, value);

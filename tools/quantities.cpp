@@ -1,5 +1,7 @@
 #include "tools/quantities.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -23,9 +25,9 @@ double parse(const std::string& text, const Units& units, const std::string& exa
     }
   }
   std::string names;
-  for (const auto& [name, factor] : units) names += " " + std::string(name);
-  throw std::invalid_argument("'" + text + "' is not a number with one of the units" + names +
-                              ", as in " + example);
+  for (const auto& [name, factor] : units) names += fmt::format(" {}", name);
+  throw std::invalid_argument(
+      fmt::format("'{}' is not a number with one of the units{}, as in {}", text, names, example));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <ctime>
 #include <memory>
 
-#include "prehend/graph/recording/word_list.h"
+#include "prehend/recording/word_list.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
 #include "tools/quantities.h"
@@ -13,7 +13,7 @@
 namespace prehend::tools {
 namespace {
 
-using graph::recording::joined_words;
+using recording::joined_words;
 
 struct RecordChoices {
   std::string registry, output, compression = "lz4", clock = "wall";

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/protobuf_schema.h"
 #include "tools/command_node.h"
 #include "tools/json.h"
 #include "tools/message_input.h"
@@ -15,7 +15,7 @@
 namespace prehend::tools {
 
 int call_service(const CallOptions& options) {
-  using graph::recording::SchemaMessageFactory;
+  using recording::SchemaMessageFactory;
   const auto offer = graph::Introspection(options.registry).service(options.service);
   const SchemaMessageFactory request_type(offer[0].name, offer[0].descriptor_set);
   const SchemaMessageFactory response_type(offer[1].name, offer[1].descriptor_set);

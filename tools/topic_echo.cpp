@@ -7,8 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "prehend/graph/recording/protobuf_schema.h"
 #include "prehend/graph/schema.h"
+#include "prehend/recording/protobuf_schema.h"
 #include "tools/command_node.h"
 #include "tools/json.h"
 #include "tools/message_text.h"
@@ -16,7 +16,7 @@
 namespace prehend::tools {
 namespace {
 
-using graph::recording::SchemaMessageFactory;
+using recording::SchemaMessageFactory;
 
 // Prints messages of any type; makes one factory for each type it meets.
 class MessagePrinter {

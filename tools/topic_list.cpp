@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/graph_view.h"
 #include "tools/json.h"
 #include "tools/table.h"
@@ -67,7 +67,7 @@ void show_topic(const std::string& registry, const std::string& name, bool json)
   if (found == topics.end()) {
     std::vector<std::string> known;
     for (const auto& [topic, ends] : topics) known.push_back(topic);
-    throw std::runtime_error("there is no topic " + name + graph::nearest_match_hint(name, known));
+    throw std::runtime_error("there is no topic " + name + text::nearest_match_hint(name, known));
   }
   const TopicView& topic = found->second;
   if (json) return print(to_json(name, topic));

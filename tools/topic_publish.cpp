@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/nearest_match.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/protobuf_schema.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/command_node.h"
 #include "tools/message_input.h"
 #include "tools/own_message_types.h"
@@ -47,7 +47,7 @@ graph::Schema type_of(const PublishOptions& options) {
   known.erase(std::unique(known.begin(), known.end()), known.end());
   throw std::runtime_error("nobody publishes or takes " + options.topic +
                            ", so its type must be given" +
-                           graph::nearest_match_hint(options.topic, known));
+                           text::nearest_match_hint(options.topic, known));
 }
 
 // Sleeps until `deadline`; false when the node was shut down first.
@@ -69,7 +69,7 @@ steady_clock::duration duration_of(double seconds) {
 
 int publish_topic(const PublishOptions& options) {
   const graph::Schema schema = type_of(options);
-  const graph::recording::SchemaMessageFactory factory(schema.name, schema.descriptor_set);
+  const recording::SchemaMessageFactory factory(schema.name, schema.descriptor_set);
   const auto message = factory.make();
   parse_message(options.text, *message);
   const std::string bytes = message->SerializeAsString();

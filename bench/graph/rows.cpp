@@ -4,7 +4,7 @@
 #include <regex>
 
 #include "bench/graph/job.h"
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::bench {
 namespace {
@@ -88,7 +88,7 @@ std::vector<Row> rows(const std::string& filter, bool with_ros1) {
   }
   if (chosen.empty()) {
     throw BenchError("--filter: no row matches '" + filter + "'" +
-                     graph::nearest_match_hint(filter, names) + " (--list shows all)");
+                     text::nearest_match_hint(filter, names) + " (--list shows all)");
   }
   return chosen;
 }

@@ -20,7 +20,7 @@ using graph::QoS;
 using msgs::StereoPair;
 
 constexpr auto kSlowCallback = 20ms;
-const QoS kQos = QoS::queue(100);
+const QoS kSoakQos = QoS::queue(100);
 const QoS kSlowQos = QoS::queue(5);
 
 void print_figure(const std::string& key, std::uint64_t value) {
@@ -121,7 +121,7 @@ void run_soak_sender(const Job& job, Channel& channel) {
   std::vector<graph::Publisher<StereoPair>> publishers;
   std::vector<StereoPair> messages(std::size(kSoakTopics));
   for (std::size_t i = 0; i < std::size(kSoakTopics); ++i) {
-    publishers.push_back(node.advertise<StereoPair>(kSoakTopics[i].name, kQos));
+    publishers.push_back(node.advertise<StereoPair>(kSoakTopics[i].name, kSoakQos));
     messages[i].set_data(std::string(kSoakTopics[i].bytes, static_cast<char>(kPayloadMark)));
   }
   node.spin_in_background();
@@ -163,7 +163,7 @@ void run_soak_receiver(const Job& job, Channel& channel) {
   graph::Node slow(node_options("slow", registry));
   std::deque<Counter> counters;
   for (const SoakTopic& topic : kSoakTopics) {
-    counters.emplace_back(fast, topic, kQos, false);
+    counters.emplace_back(fast, topic, kSoakQos, false);
     if (!topic.has_slow_subscriber) continue;
     counters.emplace_back(slow, topic, kSlowQos, true);
   }

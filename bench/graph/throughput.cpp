@@ -16,10 +16,10 @@ using namespace std::chrono_literals;
 using graph::QoS;
 using msgs::StereoPair;
 
-constexpr const char* kTopic = "/bench/small";
+constexpr const char* kThroughputTopic = "/bench/small";
 constexpr std::uint64_t kBatch = 1024;          // messages between two acknowledgements
 constexpr std::uint64_t kWindow = 64 * kBatch;  // at most on their way
-const QoS kQos = QoS::queue(2 * kWindow);
+const QoS kThroughputQos = QoS::queue(2 * kWindow);
 
 class Flow {
  public:
@@ -54,7 +54,7 @@ void publish_batch(const graph::Publisher<StereoPair>& publisher,
 void run_throughput_sender(const Job& job, bool batched, Channel& channel) {
   graph::Registry registry({.endpoint = "tcp://127.0.0.1:*"});
   graph::Node node(node_options("sender", registry.endpoint()));
-  const auto publisher = node.advertise<StereoPair>(kTopic, kQos);
+  const auto publisher = node.advertise<StereoPair>(kThroughputTopic, kThroughputQos);
   node.spin_in_background();
   channel.write_line(registry.endpoint());
   channel.read_line(20s);
@@ -82,7 +82,7 @@ void run_throughput_receiver(const Job& job, Channel& channel) {
   {
     graph::Node node(node_options("receiver", channel.read_line(20s)));
     const auto subscription =
-        node.subscribe<StereoPair>(kTopic, kQos, [&](const graph::Received<StereoPair>& message) {
+        node.subscribe<StereoPair>(kThroughputTopic, kThroughputQos, [&](const graph::Received<StereoPair>& message) {
           const auto payload = message.payload();
           if (const char* problem = check_payload(payload.data(), payload.size(), job.bytes)) {
             end_worker(problem);

@@ -100,8 +100,8 @@ Findings work_cycle(const ExperimentOptions& options, report::Page& page) {
       const double lifted = hold.sample.box.z() - retreat.sample.box.z();
       const bool ok = std::abs(lifted - 0.1) < 0.005;
       all_lifted = all_lifted && ok;
-      const std::string name = text(100 * coverage) + " % of the pad" +
-                               (stiction > 0 ? ", stiction " + text(stiction) + " N" : "");
+      const std::string name = number_text(100 * coverage) + " % of the pad" +
+                               (stiction > 0 ? ", stiction " + number_text(stiction) + " N" : "");
       page.add_heading(name);
       page.add_chart(report::draw_line_chart(chart(result, name)), "Sums of both pads");
       add_images(page, result, false);

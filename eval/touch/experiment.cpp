@@ -12,7 +12,7 @@ namespace prehend::eval::touch {
 namespace {
 
 std::string shown(const Value& value) {
-  if (const auto* number = std::get_if<double>(&value)) return text(*number);
+  if (const auto* number = std::get_if<double>(&value)) return number_text(*number);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "yes" : "no";
   return std::get<std::string>(value);
 }
@@ -33,7 +33,7 @@ std::string json_members(const Row& row) {
 
 }  // namespace
 
-std::string text(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
+std::string number_text(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
 std::string to_json(const Findings& findings) {
   std::string json = "{\n  \"title\": " + json_string(findings.title);

@@ -41,6 +41,6 @@ int run_experiment(int argc, char** argv, const std::string& description,
                    const std::function<Findings(const ExperimentOptions&, report::Page&)>& work);
 
 /// `value` with `digits` significant digits.
-std::string text(double value, int digits = 4);
+std::string number_text(double value, int digits = 4);
 
 }  // namespace prehend::eval::touch

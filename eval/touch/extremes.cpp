@@ -45,7 +45,7 @@ void add_masses(std::vector<Extreme>& rows) {
     // What the pads' foam can bear; harder foam for heavier things.
     options.law.stiffness *= std::max(1.0, ratio / 100);
     options.law.bristle_stiffness *= std::max(1.0, ratio / 100);
-    rows.push_back(make("object : 50 g jaw", text(ratio) + " : 1", options));
+    rows.push_back(make("object : 50 g jaw", number_text(ratio) + " : 1", options));
   }
 }
 
@@ -54,25 +54,25 @@ void add_laws(std::vector<Extreme>& rows) {
     ParallelGraspOptions options = usual();
     options.law.stiffness = k;
     options.mass = 0.1;
-    Extreme row = make("stiffness k", text(k) + " N/m", options);
+    Extreme row = make("stiffness k", number_text(k) + " N/m", options);
     if (k < 100) row.force = 2;  // 84 texels of 10 N/m bear 2.5 N in 3 mm
     rows.push_back(row);
   }
   for (const double c : {0.0, 1.0, 1e2, 1e4}) {
     ParallelGraspOptions options = usual();
     options.law.damping = c;
-    rows.push_back(make("damping c", text(c) + " N s/m", options));
+    rows.push_back(make("damping c", number_text(c) + " N s/m", options));
   }
   for (const double sigma : {1e1, 1e3, 1e5, 1e7}) {
     ParallelGraspOptions options = usual();
     options.law.bristle_stiffness = sigma;
-    rows.push_back(make("bristle stiffness", text(sigma) + " N/m", options));
+    rows.push_back(make("bristle stiffness", number_text(sigma) + " N/m", options));
   }
 }
 
 void add_steps_and_sizes(std::vector<Extreme>& rows) {
   for (const double h : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 2e-2}) {
-    Extreme row = make("step", text(1e3 * h) + " ms", usual());
+    Extreme row = make("step", number_text(1e3 * h) + " ms", usual());
     row.step = h;
     if (h < 1e-5) row.duration = 0.1;
     rows.push_back(row);
@@ -84,7 +84,7 @@ void add_steps_and_sizes(std::vector<Extreme>& rows) {
     options.mass = std::clamp(1000 * size * size * size, 1e-4, 3.0);
     // Rays 3.4 mm apart would miss a thing of 1 mm.
     if (size <= 0.001) options.pad = refined(options.pad, 5);
-    Extreme row = make("object's size", text(1e3 * size) + " mm", options);
+    Extreme row = make("object's size", number_text(1e3 * size) + " mm", options);
     if (size <= 0.001) row.force = 0.01;
     rows.push_back(row);
   }
@@ -92,7 +92,7 @@ void add_steps_and_sizes(std::vector<Extreme>& rows) {
     ParallelGraspOptions options = usual();
     options.mass = 1e-4 * std::max(1.0, force);
     options.pad.thickness = 0.02;  // deep enough for 1 kN on 84 texels of 1 kN/m
-    Extreme row = make("grip force", text(force) + " N", options);
+    Extreme row = make("grip force", number_text(force) + " N", options);
     row.force = force;
     rows.push_back(row);
   }
@@ -239,8 +239,8 @@ std::string extremes_markdown(const std::vector<Extreme>& cases,
     if (r.refused) {
       table += "| | |\n";
     } else {
-      table += text(std::max(0.0, r.energy_growth), 2) + " | " + text(r.final_speed, 2) + " | " +
-               text(1e6 * r.error, 2) + " |\n";
+      table += number_text(std::max(0.0, r.energy_growth), 2) + " | " +
+               number_text(r.final_speed, 2) + " | " + number_text(1e6 * r.error, 2) + " |\n";
     }
   }
   return table;

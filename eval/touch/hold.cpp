@@ -10,7 +10,7 @@ using namespace simulation::engines;
 
 namespace {
 
-constexpr double kCube = 0.05, kFriction = 0.8, kGravity = 9.81, kSafety = 1.2;
+constexpr double kCube = 0.05, kHoldFriction = 0.8, kHoldGravity = 9.81, kHoldSafety = 1.2;
 constexpr double kPressed = 0.25;                         // s
 constexpr double kWeightBegins = 0.5, kWeightEnds = 1.0;  // s
 constexpr double kShakeEnds = 1.5;                        // s
@@ -27,19 +27,19 @@ double smooth(double share) {
 EngineScene hold_scene(const HoldTest& test) {
   EngineScene scene;
   scene.step = test.step;
-  scene.gravity = {0, 0, -kGravity};
+  scene.gravity = {0, 0, -kHoldGravity};
   scene.solver = test.solver;
   EngineBody cube;
   cube.name = "cube";
   cube.mass = test.mass;
-  cube.friction = kFriction;
+  cube.friction = kHoldFriction;
   cube.shape.size.setConstant(kCube);
   scene.bodies.push_back(cube);
   for (const int side : {1, -1}) {
     EngineBody jaw;
     jaw.name = side > 0 ? "left jaw" : "right jaw";
     jaw.mass = test.jaw_mass;
-    jaw.friction = kFriction;
+    jaw.friction = kHoldFriction;
     jaw.shape.size = {0.024, 0.012, 0.05};
     // It touches from the start, so that coarse steps do not shoot it through the cube.
     const double face = 0.5 * kCube - 1e-6;
@@ -56,7 +56,7 @@ EngineScene hold_scene(const HoldTest& test) {
     pad.X_BP.linear().col(1) = Eigen::Vector3d::UnitZ();
     pad.X_BP.linear().col(0) = Eigen::Vector3d::UnitZ().cross(Eigen::Vector3d(0, -side, 0));
     pad.X_BP.translation().y() = -side * 0.006;
-    pad.law.static_friction = pad.law.dynamic_friction = kFriction;
+    pad.law.static_friction = pad.law.dynamic_friction = kHoldFriction;
     pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
     pad.law.return_map = true;
     scene.pads.push_back(pad);
@@ -68,7 +68,8 @@ namespace {
 
 // The forces of the test at time t [s]; jaws close, the lift bears the cube at first.
 void press_and_load(Engine& engine, const HoldTest& test, double t, double shake) {
-  const double weight = test.mass * kGravity, press = kSafety * weight / (2 * kFriction);
+  const double weight = test.mass * kHoldGravity,
+               press = kHoldSafety * weight / (2 * kHoldFriction);
   for (const int joint : {0, 1}) engine.set_joint_force(joint, smooth(t / kPressed) * press);
   Vector6 wrench = Vector6::Zero();
   wrench[2] = weight * (1 - smooth((t - kWeightBegins) / (kWeightEnds - kWeightBegins)));

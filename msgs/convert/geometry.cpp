@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little,
 
 using geometry::InputError;
 
-const char* const kSenderMend = "Mend or update the sender";
+const char* const kGeometryMend = "Mend or update the sender";
 
 constexpr std::uint32_t kPositionBytes = 3 * sizeof(float);
 constexpr std::uint32_t kColorBytes = 4;
@@ -26,7 +26,7 @@ std::uint32_t point_stride(bool has_color, bool has_normal) {
 }
 
 void require_finite(const Eigen::Vector3d& v, const char* what) {
-  if (!v.allFinite()) throw InputError(std::string(what) + " with NaN or infinity", kSenderMend);
+  if (!v.allFinite()) throw InputError(std::string(what) + " with NaN or infinity", kGeometryMend);
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ msgs::Plane to_message(const geometry::Plane& plane) {
 geometry::Plane from_message(const msgs::Plane& message) {
   const Eigen::Vector3d normal = from_message(message.normal());
   if (!(std::abs(normal.norm() - 1) <= 1e-3) || !std::isfinite(message.offset())) {
-    throw InputError("A plane without unit normal or finite offset", kSenderMend);
+    throw InputError("A plane without unit normal or finite offset", kGeometryMend);
   }
   return {normal.normalized(), message.offset()};
 }
@@ -127,7 +127,7 @@ geometry::PointCloud from_message(const msgs::PointCloud& message) {
   const std::uint64_t grid = std::uint64_t{message.width()} * message.height();
   if (grid != 0 && grid != count) {
     throw InputError("An organized point cloud whose width times height is not its count",
-                     kSenderMend);
+                     kGeometryMend);
   }
   geometry::PointCloud cloud;
   cloud.width = static_cast<int>(message.width());
@@ -196,7 +196,7 @@ geometry::TriangleMesh from_message(const msgs::TriangleMesh& message) {
     std::memcpy(index, in, sizeof index);
     in += sizeof index;
     for (int k = 0; k < 3; ++k) {
-      if (index[k] >= vertices) throw InputError("A mesh's index out of range", kSenderMend);
+      if (index[k] >= vertices) throw InputError("A mesh's index out of range", kGeometryMend);
       t[k] = static_cast<int>(index[k]);
     }
   }

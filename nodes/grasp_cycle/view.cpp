@@ -6,6 +6,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "prehend/geometry/rotation_between.h"
 
 namespace prehend::nodes {
 namespace {
@@ -139,8 +140,7 @@ geometry::RigidTransform simulation_pose(const View& view, const Target& target)
   const bool stands_well = (up - Eigen::Vector3d::UnitZ()).norm() < 1e-6 &&
                            std::abs(foot.z()) < 0.005 && foot.head<2>().norm() < 0.4;
   if (stands_well) return X_SW;
-  X_SW.linear() =
-      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  X_SW.linear() = geometry::rotation_between(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   X_SW.translation() = -(X_SW.linear() * foot);
   return X_SW;
 }

@@ -11,19 +11,19 @@
 #include "nodes/recorder/run_facts.h"
 #include "nodes/recorder/topic_recorder.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/graph/recording/word_list.h"
 #include "prehend/graph/stop_signals.h"
+#include "prehend/recording/word_list.h"
 
 namespace {
 
 using prehend::graph::Node;
-using prehend::graph::recording::split_words;
+using prehend::recording::split_words;
 
 struct Settings {
   std::string output;
   std::vector<std::string> topics, attachments;
-  prehend::graph::recording::McapWriterOptions writer;
-  prehend::graph::recording::SplitOptions split;
+  prehend::recording::McapWriterOptions writer;
+  prehend::recording::SplitOptions split;
   double duration = 0;
 };
 
@@ -38,7 +38,7 @@ Settings declare_settings(Node& node) {
       {.name = "attachment",
        .description = "files to keep in the recording, separated by spaces, in double quotes where "
                       "they have some; the launch file of the graph always is"}));
-  s.writer.compression = prehend::graph::recording::compression_named(
+  s.writer.compression = prehend::recording::compression_named(
       node.declare_parameter<std::string>({.name = "compression",
                                            .default_value = "lz4",
                                            .choices = {"none", "lz4", "zstd"},

@@ -69,8 +69,8 @@ const char* media_type_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-graph::recording::McapMetadata run_facts() {
-  graph::recording::McapMetadata facts{kRunMetadata, {}};
+recording::McapMetadata run_facts() {
+  recording::McapMetadata facts{kRunMetadata, {}};
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) == 0) facts.entries["host"] = host.data();
   std::error_code error;
@@ -83,7 +83,7 @@ graph::recording::McapMetadata run_facts() {
   return facts;
 }
 
-graph::recording::McapAttachment attachment_of(const std::string& path) {
+recording::McapAttachment attachment_of(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
     throw std::runtime_error("cannot read the attachment " + path + ": " + std::strerror(errno));
@@ -92,7 +92,7 @@ graph::recording::McapAttachment attachment_of(const std::string& path) {
   if (!S_ISREG(status.st_mode) || !file) {
     throw std::runtime_error("cannot read the attachment " + path + ": it is no readable file");
   }
-  graph::recording::McapAttachment attachment;
+  recording::McapAttachment attachment;
   attachment.name = std::filesystem::path(path).filename().string();
   attachment.media_type = media_type_of(path);
   attachment.data.assign(std::istreambuf_iterator<char>(file), {});

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "prehend/graph/recording/mcap_records.h"
+#include "prehend/recording/mcap_records.h"
 
 namespace prehend {
 
@@ -12,9 +12,9 @@ inline constexpr const char* kRunMetadata = "prehend.run";
 /// Name of this host, command line and working directory of this process, the git revision of that
 /// folder (with "-dirty" when files differ from it; absent where it is no git tree), and the wall
 /// time. Waits at most 2 s for git.
-graph::recording::McapMetadata run_facts();
+recording::McapMetadata run_facts();
 
 /// The file as it is now, named by its file name. Throws std::runtime_error when it cannot be read.
-graph::recording::McapAttachment attachment_of(const std::string& path);
+recording::McapAttachment attachment_of(const std::string& path);
 
 }  // namespace prehend

@@ -5,13 +5,13 @@
 #include <thread>
 #include <utility>
 
-#include "prehend/graph/recording/latched_messages.h"
+#include "prehend/recording/latched_messages.h"
 
 namespace prehend {
 namespace {
 
-using graph::recording::McapError;
-using graph::recording::McapMetadata;
+using recording::McapError;
+using recording::McapMetadata;
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kQuietTime = std::chrono::milliseconds(100);  // then nothing more is on its way
@@ -68,15 +68,14 @@ TopicRecorder::TopicRecorder(graph::Node& node, const std::vector<std::string>& 
   });
 }
 
-void TopicRecorder::open(const std::string& path,
-                         const graph::recording::McapWriterOptions& options,
-                         const graph::recording::SplitOptions& split) {
+void TopicRecorder::open(const std::string& path, const recording::McapWriterOptions& options,
+                         const recording::SplitOptions& split) {
   const std::lock_guard lock(mutex_);
   path_ = path;
   writer_.emplace(path, options, split, [this] { return losses(); });
 }
 
-void TopicRecorder::add(graph::recording::McapAttachment attachment) {
+void TopicRecorder::add(recording::McapAttachment attachment) {
   attachment.log_time = unsigned_time(node_.clock().now());
   const std::lock_guard lock(mutex_);
   writer_->add_attachment(std::move(attachment));
@@ -106,7 +105,7 @@ void TopicRecorder::declare_channel(Topic& topic, const graph::RawMessage& messa
   std::map<std::string, std::string> metadata;
   const auto info = infos_.find(message.info.topic.str());
   if (info != infos_.end() && info->second.policy == graph::QoS::Policy::kLatched) {
-    metadata[graph::recording::kLatchedKey] = std::to_string(info->second.depth);
+    metadata[recording::kLatchedKey] = std::to_string(info->second.depth);
   }
   topic.channel = writer_->add_channel(message.info.topic.str(), message.schema->name,
                                        message.schema->descriptor_set, metadata);

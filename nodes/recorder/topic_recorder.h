@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/split_writer.h"
-#include "prehend/graph/recording/topic_filter.h"
+#include "prehend/recording/split_writer.h"
+#include "prehend/recording/topic_filter.h"
 
 namespace prehend {
 
@@ -28,13 +28,13 @@ class TopicRecorder {
   /// them, now and later; without any to all topics. Call open() before the node spins.
   TopicRecorder(graph::Node& node, const std::vector<std::string>& topics);
 
-  /// Creates the file; throws graph::recording::McapError when it cannot be written,
+  /// Creates the file; throws recording::McapError when it cannot be written,
   /// std::invalid_argument when the options make no sense.
-  void open(const std::string& path, const graph::recording::McapWriterOptions& options,
-            const graph::recording::SplitOptions& split);
+  void open(const std::string& path, const recording::McapWriterOptions& options,
+            const recording::SplitOptions& split);
 
-  void add(graph::recording::McapAttachment attachment);
-  void add(graph::recording::McapMetadata metadata);
+  void add(recording::McapAttachment attachment);
+  void add(recording::McapMetadata metadata);
 
   /// Writes a chunk that has become old. False once the file could not be written: then nothing
   /// more will be.
@@ -46,7 +46,7 @@ class TopicRecorder {
   void drain();
 
   /// Ends the recording and logs what it holds and what it lacks. Throws
-  /// graph::recording::McapError when not all of it could be written.
+  /// recording::McapError when not all of it could be written.
   void finish();
 
  private:
@@ -76,15 +76,15 @@ class TopicRecorder {
   void declare_channel(Topic& topic, const graph::RawMessage& message);
   void wait_for_arrivals(std::int64_t until);
   void wait_until_written();
-  std::vector<graph::recording::McapMetadata> losses() const;
+  std::vector<recording::McapMetadata> losses() const;
   void close();
   void log_summary() const;
 
   graph::Node& node_;
-  const graph::recording::TopicFilter filter_;
+  const recording::TopicFilter filter_;
   std::mutex mutex_;  // of everything below
   std::string path_;
-  std::optional<graph::recording::SplitWriter> writer_;
+  std::optional<recording::SplitWriter> writer_;
   std::map<std::string, Topic> topics_;
   std::map<std::string, graph::TopicInfo> infos_;
   std::string failure_;

@@ -6,12 +6,12 @@
 #include <google/protobuf/wire_format_lite.h>
 
 #include "msgs/geometry.pb.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/protobuf_schema.h"
 
 namespace prehend {
 
 int header_field_of(const std::string& name, const std::string& descriptor_set) {
-  const graph::recording::SchemaMessageFactory factory(name, descriptor_set);
+  const recording::SchemaMessageFactory factory(name, descriptor_set);
   const auto message = factory.make();
   const auto* field = message->GetDescriptor()->FindFieldByName("header");
   const bool is_header = field != nullptr && !field->is_repeated() &&

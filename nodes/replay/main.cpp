@@ -8,13 +8,13 @@
 
 #include "nodes/replay/recording_player.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/graph/recording/word_list.h"
+#include "prehend/recording/word_list.h"
 
 namespace {
 
 using prehend::graph::Node;
-using prehend::graph::recording::joined_words;
-using prehend::graph::recording::split_words;
+using prehend::recording::joined_words;
+using prehend::recording::split_words;
 
 constexpr auto kLastMessages = std::chrono::seconds(2);  // for subscribers to take them
 

@@ -5,15 +5,15 @@
 #include <stdexcept>
 
 #include "nodes/replay/header_stamp.h"
-#include "prehend/graph/nearest_match.h"
-#include "prehend/graph/recording/latched_messages.h"
 #include "prehend/graph/schema.h"
+#include "prehend/recording/latched_messages.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend {
 namespace {
 
-using graph::recording::McapChannel;
-using graph::recording::McapMessage;
+using recording::McapChannel;
+using recording::McapMessage;
 using std::chrono::steady_clock;
 
 constexpr auto kClockPeriod = std::chrono::milliseconds(5);  // wall time between /clock messages
@@ -78,7 +78,7 @@ void RecordingPlayer::advertise_chosen() {
   for (const auto& [id, channel] : reader_.channels()) recorded.push_back(channel.topic);
   if (const auto pattern = filter_.unmatched(recorded)) {
     throw std::invalid_argument(reader_.path() + " has no topic " + *pattern +
-                                graph::nearest_match_hint(*pattern, recorded));
+                                text::nearest_match_hint(*pattern, recorded));
   }
   for (const auto& [id, channel] : reader_.channels()) {
     if (filter_.wants(channel.topic) && !is_of_each_node(channel.topic)) advertise(channel);
@@ -103,7 +103,7 @@ void RecordingPlayer::advertise(const McapChannel& channel) {
     return;
   }
   graph::QoS qos = graph::QoS::queue(kQueueDepth);
-  if (const std::size_t depth = graph::recording::latched_depth(channel); depth > 0) {
+  if (const std::size_t depth = recording::latched_depth(channel); depth > 0) {
     qos = graph::QoS::latched(depth);
   } else if (options_.latch_all) {
     qos = graph::QoS::latched(1);
@@ -180,14 +180,14 @@ bool RecordingPlayer::publish(const McapMessage& message) {
 
 bool RecordingPlayer::publish_latched_before(std::uint64_t time) {
   if (filter_.include.empty() || options_.start <= 0) return true;
-  for (const McapMessage& message : graph::recording::latched_before(reader_, filter_, time)) {
+  for (const McapMessage& message : recording::latched_before(reader_, filter_, time)) {
     if (!publish(message)) return false;
   }
   return true;
 }
 
 bool RecordingPlayer::play() {
-  graph::recording::McapMessageFilter wanted;
+  recording::McapMessageFilter wanted;
   const std::uint64_t begin = reader_.statistics().message_start_time;
   wanted.start_time = begin + nanoseconds_of(options_.start);
   if (options_.end > 0) wanted.end_time = begin + nanoseconds_of(options_.end);

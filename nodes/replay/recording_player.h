@@ -12,8 +12,8 @@
 #include "nodes/replay/delivery_window.h"
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/topic_filter.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/topic_filter.h"
 
 namespace prehend {
 
@@ -34,7 +34,7 @@ struct RecordingPlayerOptions {
 class RecordingPlayer {
  public:
   /// Opens the file and advertises its topics. `pacer` is set to the options' rate and pause.
-  /// Throws graph::recording::McapError when it cannot be
+  /// Throws recording::McapError when it cannot be
   /// read, std::invalid_argument when the options make no sense or a topic of them is not in the
   /// file, naming the nearest one.
   RecordingPlayer(graph::Node& node, const std::string& path, const RecordingPlayerOptions& options,
@@ -59,17 +59,17 @@ class RecordingPlayer {
   };
 
   void advertise_chosen();
-  void advertise(const graph::recording::McapChannel& channel);
+  void advertise(const recording::McapChannel& channel);
   bool publish_latched_before(std::uint64_t time);
-  bool publish(const graph::recording::McapMessage& message);
+  bool publish(const recording::McapMessage& message);
   bool wait_for(std::uint64_t log_time);
   void tick(std::uint64_t time);
   void set_clock(std::uint64_t time);
 
   graph::Node& node_;
   const RecordingPlayerOptions options_;
-  graph::recording::McapReader reader_;
-  graph::recording::TopicFilter filter_;  // of the topics that are advertised
+  recording::McapReader reader_;
+  recording::TopicFilter filter_;  // of the topics that are advertised
   std::map<std::string, Topic> topics_;
   const std::shared_ptr<graph::ClockPacer> pacer_;
   DeliveryWindow window_;

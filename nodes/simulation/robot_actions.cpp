@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "prehend/robot/nearest_name.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::nodes {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 using simulation::ArmDrive;
 using simulation::RobotWorld;
 
-constexpr int kSlicesPerFeedback = 5;  // 20 Hz
+constexpr int kArmSlicesPerFeedback = 5;  // 20 Hz
 
 simulation::TrajectoryRequest request_of(const msgs::JointTrajectory& trajectory) {
   simulation::TrajectoryRequest request;
@@ -130,7 +130,7 @@ msgs::FollowTrajectoryResult RobotActions::follow(const msgs::FollowTrajectoryGo
       if (now.status == ArmDrive::Status::kOffPath) return finish(now.reason);
       return finish(now.contact ? "stopped by contact" : "stopped before the goal");
     }
-    if (slice % kSlicesPerFeedback != 0) continue;
+    if (slice % kArmSlicesPerFeedback != 0) continue;
     msgs::FollowTrajectoryFeedback feedback;
     feedback.set_time(now.time);
     put(now.desired, feedback.mutable_desired());
@@ -167,8 +167,8 @@ simulation::HandCommand RobotActions::command_of(const msgs::MoveHandGoal& goal,
     auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) found = std::find(names.begin(), names.end(), "hand_" + name);
     if (found == names.end()) {
-      refuse(fmt::format("the hand has no motor '{}'; the nearest is '{}'", name,
-                         robot::nearest_name(name, names)));
+      refuse(
+          fmt::format("the hand has no motor '{}'{}", name, text::nearest_match_hint(name, names)));
     }
     const int motor = static_cast<int>(found - names.begin());
     if (std::find(motors.begin(), motors.end(), motor) != motors.end()) {
@@ -219,7 +219,7 @@ msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, Han
       if (!context.preempted()) robot_.with_world([](RobotWorld& world) { world.stop_hand(); });
       return finish("cancelled");
     }
-    if (slice % kSlicesPerFeedback != 0) continue;
+    if (slice % kArmSlicesPerFeedback != 0) continue;
     msgs::MoveHandFeedback feedback;
     put(q, feedback.mutable_position());
     context.feedback(feedback);

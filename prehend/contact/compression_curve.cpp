@@ -8,7 +8,7 @@
 namespace prehend::contact {
 namespace {
 
-void require(bool condition, std::size_t sample, const char* rule) {
+void require_sample(bool condition, std::size_t sample, const char* rule) {
   if (!condition) {
     throw std::invalid_argument("CompressionCurve: sample " + std::to_string(sample) + " " + rule);
   }
@@ -19,14 +19,16 @@ void require(bool condition, std::size_t sample, const char* rule) {
 CompressionCurve::CompressionCurve(const std::vector<Sample>& samples) {
   if (samples.size() < 2) throw std::invalid_argument("CompressionCurve needs two samples or more");
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    require(std::isfinite(samples[i].depth) && std::isfinite(samples[i].force), i,
-            "must be finite");
+    require_sample(std::isfinite(samples[i].depth) && std::isfinite(samples[i].force), i,
+                   "must be finite");
     if (i == 0) continue;
-    require(samples[i].depth > samples[i - 1].depth, i, "must be deeper than the one before");
-    require(samples[i].force >= samples[i - 1].force, i, "must press as the one before or more");
+    require_sample(samples[i].depth > samples[i - 1].depth, i,
+                   "must be deeper than the one before");
+    require_sample(samples[i].force >= samples[i - 1].force, i,
+                   "must press as the one before or more");
   }
-  require(samples[0].depth == 0 && samples[0].force == 0, 0, "must be (0, 0)");
-  require(samples.back().force > 0, samples.size() - 1, "must press");
+  require_sample(samples[0].depth == 0 && samples[0].force == 0, 0, "must be (0, 0)");
+  require_sample(samples.back().force > 0, samples.size() - 1, "must press");
 
   const std::size_t n = samples.size();
   std::vector<double> secant(n - 1);

@@ -12,11 +12,11 @@
 namespace prehend::contact {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoHit = std::numeric_limits<double>::infinity();
 
 // The part of a line that is inside a convex solid; empty when enter > exit.
 struct Interval {
-  double enter = -kInfinity, exit = kInfinity;
+  double enter = -kNoHit, exit = kNoHit;
 };
 
 Interval intersection(const Interval& a, const Interval& b) {
@@ -53,7 +53,7 @@ Interval tube(const Eigen::Vector3d& o, const Eigen::Vector3d& d, double radius,
 
 // The first t >= 0 inside.
 double entry(const Interval& inside) {
-  if (inside.enter > inside.exit || inside.exit < 0) return kInfinity;
+  if (inside.enter > inside.exit || inside.exit < 0) return kNoHit;
   return std::max(0.0, inside.enter);
 }
 
@@ -113,7 +113,7 @@ Shape Shape::mesh(geometry::TriangleMesh mesh_B) {
 
 double Shape::ray_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                            double limit) const {
-  double distance = kInfinity;
+  double distance = kNoHit;
   switch (kind_) {
     case Kind::kBox: {
       Interval inside;
@@ -143,7 +143,7 @@ double Shape::ray_distance(const Eigen::Vector3d& origin, const Eigen::Vector3d&
     case Kind::kMesh:
       return mesh_->first_hit(origin, direction, limit);
   }
-  return distance <= limit ? distance : kInfinity;
+  return distance <= limit ? distance : kNoHit;
 }
 
 double Shape::depth_inside(const Eigen::Vector3d& p, Eigen::Vector3d& normal) const {

@@ -6,18 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "prehend/geometry/gravity.h"
+#include "prehend/text/require.h"
+
 namespace prehend::control {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("ArmCycleOptions." + message);
-}
+using geometry::kGravity;
 
 }  // namespace
 
 void ArmCycleOptions::validate() const {
+  const text::Require require{"ArmCycleOptions."};
   require(std::isfinite(contact_force) && contact_force > 0, "contact_force must be positive");
   require(opening_speed > 0 && opening_speed <= 1, "opening_speed must be in (0, 1]");
   require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");

@@ -3,16 +3,12 @@
 
 #include "prehend/control/grasp_cycle.h"
 
+#include "prehend/text/require.h"
+
 namespace prehend::control {
-namespace {
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("CycleOptions." + message);
-}
-
-}  // namespace
 
 void CycleOptions::validate() const {
+  const text::Require require{"CycleOptions."};
   require(std::abs(up_W.norm() - 1) < 1e-6, "up_W must be a unit vector");
   require(std::isfinite(transit_height), "transit_height must be finite");
   require(travel_speed > 0, "travel_speed must be positive");

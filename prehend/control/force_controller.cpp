@@ -5,16 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "prehend/text/require.h"
+
 namespace prehend::control {
-namespace {
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("ForceControllerOptions." + message);
-}
-
-}  // namespace
 
 void ForceControllerOptions::validate() const {
+  const text::Require require{"ForceControllerOptions."};
   require(force_per_current > 0, "force_per_current must be positive");
   require(least_current >= 0, "least_current must not be negative");
   require(largest_current > least_current, "largest_current must exceed least_current");

@@ -1,4 +1,5 @@
 #include "prehend/control/grasp_cycle.h"
+#include "prehend/geometry/gravity.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +12,7 @@ namespace {
 
 using geometry::RigidTransform;
 
-constexpr double kGravity = 9.81;  // m/s^2
+using geometry::kGravity;
 
 std::string millimetres(double metres) {
   std::array<char, 32> text{};

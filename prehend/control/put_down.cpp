@@ -7,14 +7,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "prehend/text/require.h"
+
 namespace prehend::control {
 namespace {
 
 using Rectangle = Eigen::AlignedBox2d;
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("PutDownOptions." + message);
-}
 
 Rectangle footprint(const Eigen::AlignedBox3d& box) {
   return {box.min().head<2>(), box.max().head<2>()};
@@ -39,6 +37,7 @@ double room(const Rectangle& object, double bottom, const Eigen::Vector3d& move,
 }  // namespace
 
 void PutDownOptions::validate() const {
+  const text::Require require{"PutDownOptions."};
   require(distance > 0, "distance must be positive");
   require(lift_height >= 0, "lift_height must not be negative");
   require(hand_radius >= 0, "hand_radius must not be negative");

@@ -12,12 +12,12 @@
 namespace prehend::fidelity {
 namespace {
 
-constexpr const char* kSubject = "plan";
+constexpr const char* kPlanSubject = "plan";
 constexpr double kOffset = 0.015;  // m, between positions across the fingers
 
 int whole_number(const std::string& knob, const std::string& text, int least) {
-  const int value = knob_number<int>(kSubject, knob, text);
-  if (value < least) refuse_knob(kSubject, knob, text);
+  const int value = knob_number<int>(kPlanSubject, knob, text);
+  if (value < least) refuse_knob(kPlanSubject, knob, text);
   return value;
 }
 
@@ -28,7 +28,7 @@ std::vector<std::string> generators_of(const std::string& text) {
     const std::size_t end = std::min(text.find('+', start), text.size());
     names.push_back(text.substr(start, end - start));
     if (std::find(known.begin(), known.end(), names.back()) == known.end()) {
-      refuse_knob(kSubject, "generators", text);
+      refuse_knob(kPlanSubject, "generators", text);
     }
     start = end + 1;
   }
@@ -38,7 +38,7 @@ std::vector<std::string> generators_of(const std::string& text) {
 // 0, -15 mm, 15 mm, -30 mm, ...
 std::vector<double> offsets_of(const std::string& text) {
   const int count = whole_number("offsets", text, 1);
-  if (count % 2 == 0) refuse_knob(kSubject, "offsets", text);
+  if (count % 2 == 0) refuse_knob(kPlanSubject, "offsets", text);
   std::vector<double> offsets{0};
   for (int i = 1; i <= count / 2; ++i) {
     offsets.push_back(-i * kOffset);
@@ -64,7 +64,7 @@ void apply_plan_setting(const Setting& setting, grasp::PlannerOptions* options) 
     } else if (knob == "count") {
       options->largest_count = whole_number(knob, value, 1);
     } else {
-      unknown_knob(kSubject, knob);
+      unknown_knob(kPlanSubject, knob);
     }
   }
 }

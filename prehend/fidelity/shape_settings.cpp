@@ -8,15 +8,15 @@
 namespace prehend::fidelity {
 namespace {
 
-constexpr const char* kSubject = "shape";
+constexpr const char* kShapeSubject = "shape";
 
 template <typename Number>
 Number number(const std::string& knob, const std::string& text) {
-  return knob_number<Number>(kSubject, knob, text);
+  return knob_number<Number>(kShapeSubject, knob, text);
 }
 
 bool one_of(const std::string& knob, const std::string& text, const char* yes, const char* no) {
-  return knob_is(kSubject, knob, text, yes, no);
+  return knob_is(kShapeSubject, knob, text, yes, no);
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ ShapeOptions shape_options(const Setting& setting) {
     } else if (knob == "resolution") {
       resolution = number<int>(knob, value);
     } else {
-      unknown_knob(kSubject, knob);
+      unknown_knob(kShapeSubject, knob);
     }
   }
   if (resolution) {

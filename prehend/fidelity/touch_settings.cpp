@@ -7,17 +7,17 @@
 namespace prehend::fidelity {
 namespace {
 
-constexpr const char* kSubject = "touch";
+constexpr const char* kTouchSubject = "touch";
 
 double positive(const std::string& knob, const std::string& value) {
-  const auto number = knob_number<double>(kSubject, knob, value);
-  if (!(number > 0 && number < 1)) refuse_knob(kSubject, knob, value);
+  const auto number = knob_number<double>(kTouchSubject, knob, value);
+  if (!(number > 0 && number < 1)) refuse_knob(kTouchSubject, knob, value);
   return number;
 }
 
 int count(const std::string& knob, const std::string& value, int most) {
-  const int number = knob_number<int>(kSubject, knob, value);
-  if (number < 1 || number > most) refuse_knob(kSubject, knob, value);
+  const int number = knob_number<int>(kTouchSubject, knob, value);
+  if (number < 1 || number > most) refuse_knob(kTouchSubject, knob, value);
   return number;
 }
 
@@ -30,7 +30,7 @@ TouchOptions touch_options(const Setting& setting) {
       try {
         options.step.integration = contact::integration_from_name(value);
       } catch (const std::invalid_argument&) {
-        refuse_knob(kSubject, knob, value);
+        refuse_knob(kTouchSubject, knob, value);
       }
     } else if (knob == "step") {
       options.step.step = positive(knob, value);
@@ -43,7 +43,7 @@ TouchOptions touch_options(const Setting& setting) {
     } else if (knob == "columns") {
       options.pad.columns = count(knob, value, 1000);
     } else {
-      unknown_knob(kSubject, knob);
+      unknown_knob(kTouchSubject, knob);
     }
   }
   return options;
@@ -57,14 +57,14 @@ EngineChoice engine_choice(const Setting& setting) {
     } else if (knob == "solver") {
       choice.solver = value;
     } else if (knob == "pads") {
-      choice.pads = knob_is(kSubject, knob, value, "yes", "no");
+      choice.pads = knob_is(kTouchSubject, knob, value, "yes", "no");
     } else if (knob == "step") {
       choice.step = positive(knob, value);
     } else {
-      unknown_knob(kSubject, knob);
+      unknown_knob(kTouchSubject, knob);
     }
   }
-  if (choice.engine.empty()) refuse_knob(kSubject, "engine", "");
+  if (choice.engine.empty()) refuse_knob(kTouchSubject, "engine", "");
   return choice;
 }
 

@@ -26,8 +26,8 @@ constexpr std::size_t kMaxPoints = std::numeric_limits<std::int32_t>::max();
 
 const std::string kCopyAgain = "Copy or record the file again";
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what,
-                       const std::string& mend = kCopyAgain) {
+[[noreturn]] void refuse_header(const std::filesystem::path& path, const std::string& what,
+                                const std::string& mend = kCopyAgain) {
   throw InputError('\'' + path.string() + "' " + what, mend);
 }
 
@@ -40,7 +40,7 @@ bool next_line(std::istream& stream, const std::filesystem::path& path, std::str
       return true;
     }
     line.push_back(static_cast<char>(c));
-    if (line.size() > kMaxHeaderLine) fail(path, "has no header that could be read");
+    if (line.size() > kMaxHeaderLine) refuse_header(path, "has no header that could be read");
   }
   return !line.empty();
 }
@@ -58,8 +58,8 @@ std::size_t parse_count(const std::filesystem::path& path, const std::string& ke
       !word.empty() && word.size() <= 18 &&
       std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
   if (!digits)
-    fail(path,
-         "has the header entry " + key + " = '" + word.substr(0, 40) + "', not a whole number");
+    refuse_header(path, "has the header entry " + key + " = '" + word.substr(0, 40) +
+                            "', not a whole number");
   return std::stoull(word);
 }
 
@@ -76,21 +76,22 @@ Entries read_pcd_entries(std::ifstream& stream, const std::filesystem::path& pat
                                                       "TYPE",      "COUNT",  "WIDTH",   "HEIGHT",
                                                       "VIEWPOINT", "POINTS"};
     const bool known = std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
-    if (!known && key != "DATA") fail(path, "is not a PCD file", "Pass a .pcd or .ply cloud");
+    if (!known && key != "DATA")
+      refuse_header(path, "is not a PCD file", "Pass a .pcd or .ply cloud");
     words.erase(words.begin());
     entries[key == "COLUMNS" ? "FIELDS" : key] = std::move(words);
     if (key == "DATA") return entries;
   }
-  fail(path, entries.empty() ? "is not a PCD file" : "has a PCD header without DATA line");
+  refuse_header(path, entries.empty() ? "is not a PCD file" : "has a PCD header without DATA line");
 }
 
 const std::vector<std::string>& entry(const Entries& entries, const std::filesystem::path& path,
                                       const std::string& key, std::size_t count) {
   const auto found = entries.find(key);
-  if (found == entries.end()) fail(path, "has a PCD header without " + key);
+  if (found == entries.end()) refuse_header(path, "has a PCD header without " + key);
   if (found->second.size() != count) {
-    fail(path, "has " + std::to_string(found->second.size()) + " values of " + key + ", not " +
-                   std::to_string(count));
+    refuse_header(path, "has " + std::to_string(found->second.size()) + " values of " + key +
+                            ", not " + std::to_string(count));
   }
   return found->second;
 }
@@ -111,13 +112,14 @@ std::size_t point_bytes(const Entries& entries, const std::filesystem::path& pat
     const bool is_whole =
         (types[i] == "I" || types[i] == "U") && (size == 1 || size == 2 || size == 4 || size == 8);
     if ((!is_float && !is_whole) || count == 0 || count > 65536) {
-      fail(path, "has field '" + fields[i] + "' of impossible type " + types[i] + ", size " +
-                     sizes[i] + " or count");
+      refuse_header(path, "has field '" + fields[i] + "' of impossible type " + types[i] +
+                              ", size " + sizes[i] + " or count");
     }
     const bool coordinate = fields[i] == "x" || fields[i] == "y" || fields[i] == "z";
     if (coordinate && (!is_float || count != 1)) {
-      fail(path, "has a coordinate '" + fields[i] + "' that is not one floating-point number",
-           "Convert it with pcl_convert_pcd_ascii_binary or CloudCompare");
+      refuse_header(path,
+                    "has a coordinate '" + fields[i] + "' that is not one floating-point number",
+                    "Convert it with pcl_convert_pcd_ascii_binary or CloudCompare");
     }
     bytes += size * count;
     values += count;
@@ -129,8 +131,8 @@ void require_coordinates(const std::filesystem::path& path,
                          const std::vector<std::string>& fields) {
   for (const char* name : {"x", "y", "z"}) {
     if (std::count(fields.begin(), fields.end(), name) != 1) {
-      fail(path, std::string("does not have exactly one field '") + name + "'",
-           "Pass a cloud with x, y and z");
+      refuse_header(path, std::string("does not have exactly one field '") + name + "'",
+                    "Pass a cloud with x, y and z");
     }
   }
 }
@@ -144,7 +146,7 @@ std::optional<RigidTransform> parse_viewpoint(const Entries& entries,
     char* end = nullptr;
     value[i] = std::strtod(words[i].c_str(), &end);
     if (end == words[i].c_str() || *end != '\0') {
-      fail(path, "has VIEWPOINT value '" + words[i].substr(0, 40) + "', not a number");
+      refuse_header(path, "has VIEWPOINT value '" + words[i].substr(0, 40) + "', not a number");
     }
   }
   const Eigen::Quaterniond q(value[3], value[4], value[5], value[6]);
@@ -159,8 +161,8 @@ void check_ascii_points(std::ifstream& stream, const std::filesystem::path& path
   std::string line;
   for (std::size_t i = 0; i < points; ++i) {
     if (!std::getline(stream, line)) {
-      fail(path, "is truncated: it has " + std::to_string(i) + " of " + std::to_string(points) +
-                     " points");
+      refuse_header(path, "is truncated: it has " + std::to_string(i) + " of " +
+                              std::to_string(points) + " points");
     }
     std::size_t count = 0;
     for (const char* position = line.c_str(); count <= values; ++count) {
@@ -169,12 +171,14 @@ void check_ascii_points(std::ifstream& stream, const std::filesystem::path& path
       if (end == position) {
         position += std::strspn(position, " \t\r");
         if (*position == '\0') break;
-        fail(path, "has a point with a value that is not a number, in point " + std::to_string(i));
+        refuse_header(
+            path, "has a point with a value that is not a number, in point " + std::to_string(i));
       }
       position = end;
     }
     if (count != values) {
-      fail(path, "has a point with too few or too many values, point " + std::to_string(i));
+      refuse_header(path,
+                    "has a point with too few or too many values, point " + std::to_string(i));
     }
   }
 }
@@ -184,9 +188,9 @@ void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
                     std::size_t file_size) {
   const std::size_t remaining = file_size - static_cast<std::size_t>(stream.tellg());
   const auto fail_short = [&](std::size_t needed) {
-    fail(path, "is truncated: its header promises " + std::to_string(header.points) +
-                   " points, which need " + std::to_string(needed) + " bytes; " +
-                   std::to_string(remaining) + " are there");
+    refuse_header(path, "is truncated: its header promises " + std::to_string(header.points) +
+                            " points, which need " + std::to_string(needed) + " bytes; " +
+                            std::to_string(remaining) + " are there");
   };
   const std::size_t size = header.points * bytes_per_point;
   if (header.encoding == "binary" && size > remaining) fail_short(size);
@@ -200,8 +204,9 @@ void check_pcd_body(std::ifstream& stream, const std::filesystem::path& path,
   stream.read(reinterpret_cast<char*>(sizes.data()), sizeof sizes);
   if (sizes[0] > remaining - sizeof sizes) fail_short(sizeof sizes + sizes[0]);
   if (sizes[1] != size || size / kMaxCompression > sizes[0]) {
-    fail(path, "says that its compressed data hold " + std::to_string(sizes[1]) + " bytes, but " +
-                   std::to_string(header.points) + " points need " + std::to_string(size));
+    refuse_header(path, "says that its compressed data hold " + std::to_string(sizes[1]) +
+                            " bytes, but " + std::to_string(header.points) + " points need " +
+                            std::to_string(size));
   }
 }
 
@@ -216,7 +221,8 @@ PlyNumber ply_number(const std::filesystem::path& path, const std::string& type)
       {"float", PlyNumber::kFloat32},  {"float32", PlyNumber::kFloat32},
       {"double", PlyNumber::kFloat64}, {"float64", PlyNumber::kFloat64}};
   const auto found = kTypes.find(type);
-  if (found == kTypes.end()) fail(path, "has a PLY property of unknown type '" + type + "'");
+  if (found == kTypes.end())
+    refuse_header(path, "has a PLY property of unknown type '" + type + "'");
   return found->second;
 }
 
@@ -225,11 +231,11 @@ PlyProperty parse_ply_property(const std::filesystem::path& path,
   if (words.size() == 5 && words[1] == "list") {
     const PlyNumber length = ply_number(path, words[2]);
     if (length == PlyNumber::kFloat32 || length == PlyNumber::kFloat64) {
-      fail(path, "has a PLY list whose length is not a whole number");
+      refuse_header(path, "has a PLY list whose length is not a whole number");
     }
     return {words[4], ply_number(path, words[3]), length};
   }
-  if (words.size() != 3) fail(path, "has a PLY property line that could not be read");
+  if (words.size() != 3) refuse_header(path, "has a PLY property line that could not be read");
   return {words[2], ply_number(path, words[1]), std::nullopt};
 }
 
@@ -237,7 +243,7 @@ std::vector<PlyElement> read_ply_elements(std::ifstream& stream, const std::file
                                           std::string& format) {
   std::vector<PlyElement> elements;
   std::string line;
-  if (!next_line(stream, path, line) || line != "ply") fail(path, "is not a PLY file");
+  if (!next_line(stream, path, line) || line != "ply") refuse_header(path, "is not a PLY file");
   for (std::size_t lines = 0; lines < kMaxHeaderLines && next_line(stream, path, line); ++lines) {
     const std::vector<std::string> words = words_of(line);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
@@ -250,10 +256,11 @@ std::vector<PlyElement> read_ply_elements(std::ifstream& stream, const std::file
                elements.back().properties.size() < kMaxFields) {
       elements.back().properties.push_back(parse_ply_property(path, words));
     } else {
-      fail(path, "has a PLY header line that could not be read: '" + line.substr(0, 60) + "'");
+      refuse_header(path,
+                    "has a PLY header line that could not be read: '" + line.substr(0, 60) + "'");
     }
   }
-  fail(path, "has a PLY header without end_header");
+  refuse_header(path, "has a PLY header without end_header");
 }
 
 }  // namespace
@@ -261,14 +268,17 @@ std::vector<PlyElement> read_ply_elements(std::ifstream& stream, const std::file
 std::size_t checked_file_size(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    fail(path, "does not exist", "Check the path; relative ones start at the working directory");
+    refuse_header(path, "does not exist",
+                  "Check the path; relative ones start at the working directory");
   }
-  if (!std::filesystem::is_regular_file(path, error)) fail(path, "is not a file", "Pass a file");
+  if (!std::filesystem::is_regular_file(path, error))
+    refuse_header(path, "is not a file", "Pass a file");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) fail(path, "could not be examined: " + error.message(), "Check its permissions");
-  if (size == 0) fail(path, "is empty");
+  if (error)
+    refuse_header(path, "could not be examined: " + error.message(), "Check its permissions");
+  if (size == 0) refuse_header(path, "is empty");
   if (!std::ifstream(path, std::ios::binary).good()) {
-    fail(path, "could not be opened", "Check its permissions");
+    refuse_header(path, "could not be opened", "Check its permissions");
   }
   return static_cast<std::size_t>(size);
 }
@@ -286,9 +296,9 @@ PcdHeader read_pcd_header(const std::filesystem::path& path) {
   const Entries entries = read_pcd_entries(stream, path);
 
   PcdHeader header;
-  if (!entries.contains("FIELDS")) fail(path, "has a PCD header without FIELDS");
+  if (!entries.contains("FIELDS")) refuse_header(path, "has a PCD header without FIELDS");
   header.fields = entries.at("FIELDS");
-  if (header.fields.size() > kMaxFields) fail(path, "has too many fields");
+  if (header.fields.size() > kMaxFields) refuse_header(path, "has too many fields");
   require_coordinates(path, header.fields);
   std::size_t values = 0;
   const std::size_t bytes = point_bytes(entries, path, header.fields, values);
@@ -298,22 +308,22 @@ PcdHeader read_pcd_header(const std::filesystem::path& path) {
   header.height = entries.contains("HEIGHT")
                       ? parse_count(path, "HEIGHT", entry(entries, path, "HEIGHT", 1)[0])
                       : 1;
-  if (header.points == 0) fail(path, "has no points", "Record the cloud again");
+  if (header.points == 0) refuse_header(path, "has no points", "Record the cloud again");
   // Every point takes a byte at least, so no honest count exceeds the compressed file's capacity.
   if (header.points > kMaxPoints || header.points / kMaxCompression > file_size) {
-    fail(path, "promises " + std::to_string(header.points) + " points in " +
-                   std::to_string(file_size) + " bytes");
+    refuse_header(path, "promises " + std::to_string(header.points) + " points in " +
+                            std::to_string(file_size) + " bytes");
   }
   if (header.width == 0 || header.height == 0 || header.width > header.points ||
       header.height > header.points || header.width * header.height != header.points) {
-    fail(path, "has WIDTH x HEIGHT = " + std::to_string(header.width) + " x " +
-                   std::to_string(header.height) +
-                   ", which is not POINTS = " + std::to_string(header.points));
+    refuse_header(path, "has WIDTH x HEIGHT = " + std::to_string(header.width) + " x " +
+                            std::to_string(header.height) +
+                            ", which is not POINTS = " + std::to_string(header.points));
   }
   header.encoding = entry(entries, path, "DATA", 1)[0];
   if (header.encoding != "ascii" && header.encoding != "binary" &&
       header.encoding != "binary_compressed") {
-    fail(path, "has DATA of unknown kind '" + header.encoding.substr(0, 40) + "'");
+    refuse_header(path, "has DATA of unknown kind '" + header.encoding.substr(0, 40) + "'");
   }
   header.viewpoint = parse_viewpoint(entries, path);
   check_pcd_body(stream, path, header, bytes, values, file_size);
@@ -342,7 +352,7 @@ PlyHeader read_ply_header(const std::filesystem::path& path) {
   header.elements = read_ply_elements(stream, path, header.format);
   const std::string& format = header.format;
   if (format != "ascii" && format != "binary_little_endian" && format != "binary_big_endian") {
-    fail(path, "has the unknown PLY format '" + format + "'");
+    refuse_header(path, "has the unknown PLY format '" + format + "'");
   }
   header.body_offset = static_cast<std::size_t>(stream.tellg());
   const std::size_t remaining = file_size - header.body_offset;
@@ -362,9 +372,9 @@ PlyHeader read_ply_header(const std::filesystem::path& path) {
       needed += element.count * bytes;
     }
     if (needed > remaining + 1) {
-      fail(path, "is truncated: its header promises " + std::to_string(element.count) + " of '" +
-                     element.name + "', more than its " + std::to_string(remaining) +
-                     " bytes can hold");
+      refuse_header(path, "is truncated: its header promises " + std::to_string(element.count) +
+                              " of '" + element.name + "', more than its " +
+                              std::to_string(remaining) + " bytes can hold");
     }
     if (element.name == "vertex") {
       header.vertices = element.count;
@@ -373,7 +383,7 @@ PlyHeader read_ply_header(const std::filesystem::path& path) {
     if (element.name == "face") header.faces = element.count;
     if (element.name == "camera" && element.count > 0) header.has_camera = true;
   }
-  if (header.vertices == 0) fail(path, "has no points", "Record the cloud again");
+  if (header.vertices == 0) refuse_header(path, "has no points", "Record the cloud again");
   return header;
 }
 

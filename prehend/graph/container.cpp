@@ -8,11 +8,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "prehend/graph/nearest_match.h"
 #include "prehend/graph/node_command_line.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/graph/stop_signals.h"
 #include "prehend/graph/warm_heap.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::graph {
 namespace {
@@ -102,7 +102,7 @@ const NodeProgram& program_named(const std::string& name) {
     if (program->description.name == name) return *program;
   }
   throw std::invalid_argument("no node program '" + name + "'" +
-                              nearest_match_hint(name, program_names()));
+                              text::nearest_match_hint(name, program_names()));
 }
 
 void print_help() {

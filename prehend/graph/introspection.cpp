@@ -13,8 +13,8 @@
 #include "prehend/graph/link/curve.h"
 #include "prehend/graph/link/frames.h"
 #include "prehend/graph/link/statistics_report.h"
-#include "prehend/graph/nearest_match.h"
 #include "prehend/graph/node.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::graph {
 
@@ -183,7 +183,8 @@ Schema Introspection::topic_schema(const std::string& topic) {
   }
   std::sort(topics.begin(), topics.end());
   topics.erase(std::unique(topics.begin(), topics.end()), topics.end());
-  throw std::runtime_error("nobody publishes topic " + topic + nearest_match_hint(topic, topics));
+  throw std::runtime_error("nobody publishes topic " + topic +
+                           text::nearest_match_hint(topic, topics));
 }
 
 Schema Introspection::schema(const std::string& name, std::uint64_t hash) {
@@ -256,7 +257,8 @@ NodeRecord find_node(const std::vector<NodeRecord>& nodes, const std::string& na
     if (node.name() == name) return node;
     names.push_back(node.name());
   }
-  throw std::runtime_error("no node '" + name + "' is there" + nearest_match_hint(name, names));
+  throw std::runtime_error("no node '" + name + "' is there" +
+                           text::nearest_match_hint(name, names));
 }
 
 }  // namespace
@@ -274,7 +276,7 @@ std::pair<NodeRecord, msgs::graph::Offer> find_offer(const std::vector<NodeRecor
     }
   }
   throw std::runtime_error(fmt::format("nobody serves {} {}{}", is_action ? "action" : "service",
-                                       name, nearest_match_hint(name, known)));
+                                       name, text::nearest_match_hint(name, known)));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "prehend/graph/parameter_list.h"
-#include "prehend/graph/strict_yaml.h"
+#include "prehend/text/strict_yaml.h"
 
 namespace prehend::graph {
 namespace {
@@ -45,7 +45,7 @@ void flatten(const YAML::Node& yaml, const std::string& prefix, const std::strin
 }  // namespace
 
 std::map<std::string, FileParameter> read_parameter_file(const std::string& file) {
-  const YAML::Node yaml = load_strict_yaml(file);
+  const YAML::Node yaml = text::load_strict_yaml(file);
   std::map<std::string, FileParameter> parameters;
   if (yaml.IsNull()) return parameters;
   if (!yaml.IsMap()) throw std::invalid_argument(file + ": must be a mapping of names to values");

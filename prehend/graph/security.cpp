@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::graph {
 namespace {
@@ -141,7 +141,7 @@ GraphKeys load_graph_keys(const std::string& file) {
     const std::string name = line.substr(0, colon);
     if (name != kPublicLine && name != kSecretLine) {
       fail(file, fmt::format("line {}: no such entry{}", number,
-                             nearest_match_hint(name, {kPublicLine, kSecretLine})));
+                             text::nearest_match_hint(name, {kPublicLine, kSecretLine})));
     }
     std::string& key = name == kPublicLine ? keys.public_key : keys.secret_key;
     if (!key.empty()) fail(file, fmt::format("line {}: {} a second time", number, name));

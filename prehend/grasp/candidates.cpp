@@ -11,16 +11,13 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/generators/directions.h"
 #include "prehend/grasp/generators/held_line.h"
+#include "prehend/text/require.h"
 
 namespace prehend::grasp {
 namespace {
 
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("CandidateOptions." + message);
-}
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -158,6 +155,7 @@ bool Reachability::reaches_point(const Eigen::Vector3d& p_W) const {
 }
 
 void CandidateOptions::validate() const {
+  const text::Require require{"CandidateOptions."};
   require(directions_per_circle > 0, "directions_per_circle must be positive");
   require(rolls > 0, "rolls must be positive");
   require(standoffs > 0, "standoffs must be positive");

@@ -9,15 +9,14 @@
 
 #include <Eigen/Cholesky>
 
+#include "prehend/geometry/symmetric_solve.h"
+#include "prehend/text/require.h"
+
 namespace prehend::grasp {
 namespace {
 
 using geometry::MeshQuery;
 using geometry::RigidTransform;
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("ClosingOptions." + message);
-}
 
 // Centre of the texel in row `row` (from the fingertip) and column `column` in G: x and z [m].
 Eigen::Vector2d texel_center(const robot::TactilePadModel& pad, int row, int column) {
@@ -81,7 +80,7 @@ class PadBeds {
         gradient.noalias() += d * rows_[i];
         hessian.noalias() += rows_[i] * rows_[i].transpose();
       }
-      const Eigen::Vector4d step = -hessian.ldlt().solve(gradient);
+      const Eigen::Vector4d step = -geometry::symmetric_solve<4>(hessian, gradient);
       double scale = 1;
       double next = energy(x_ + step, load);
       while (next > value && scale > 1e-6) {
@@ -210,6 +209,7 @@ ContactPatch make_patch(const PadBeds& beds, int side, double opening,
 }  // namespace
 
 void ClosingOptions::validate() const {
+  const text::Require require{"ClosingOptions."};
   require(touch_force > 0, "touch_force must be positive");
   require(largest_turn >= 0, "largest_turn must not be negative");
   require(touch_counts >= 0, "touch_counts must not be negative");

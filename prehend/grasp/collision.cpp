@@ -14,6 +14,7 @@
 #include <fcl/narrowphase/collision.h>
 
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/text/require.h"
 
 namespace prehend::grasp {
 namespace {
@@ -23,10 +24,6 @@ using geometry::TriangleMesh;
 // Boxes alone: the spheres swept over rectangles that FCL can add serve distances, and take longest
 // to make.
 using Hierarchy = fcl::BVHModel<fcl::OBBd>;
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("CollisionOptions." + message);
-}
 
 // A triangle mesh as a solid obstacle.
 class SolidMesh {
@@ -76,6 +73,7 @@ bool meets_any_point(const std::vector<Eigen::Vector3d>& points_W, const HandBox
 }  // namespace
 
 void CollisionOptions::validate() const {
+  const text::Require require{"CollisionOptions."};
   require(table_margin >= 0, "table_margin must not be negative");
   require(object_margin >= 0, "object_margin must not be negative");
   require(obstacle_margin >= 0, "obstacle_margin must not be negative");

@@ -6,14 +6,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "prehend/grasp/glpk_problem.h"
+
 namespace prehend::grasp {
 namespace {
 
 constexpr int kLargestIterations = 2000;
-
-struct ProgrammeDeleter {
-  void operator()(glp_prob* programme) const { glp_delete_prob(programme); }
-};
 
 bool is_optimal(glp_prob* programme, int return_code) {
   return return_code == 0 && glp_get_status(programme) == GLP_OPT;
@@ -31,7 +29,7 @@ std::optional<Eigen::VectorXd> DenseProgramme::maximise() const {
       !most.allFinite()) {
     throw std::invalid_argument("DenseProgramme: a number is not finite");
   }
-  const std::unique_ptr<glp_prob, ProgrammeDeleter> programme(glp_create_prob());
+  const GlpkProblem programme(glp_create_prob());
   glp_set_obj_dir(programme.get(), GLP_MAX);
   glp_add_rows(programme.get(), static_cast<int>(p + q));
   for (Eigen::Index i = 0; i < p; ++i) {

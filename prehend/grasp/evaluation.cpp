@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "prehend/geometry/gravity.h"
+#include "prehend/geometry/rotation_between.h"
 #include "prehend/grasp/force_closure.h"
 
 namespace prehend::grasp {
@@ -14,13 +16,12 @@ namespace {
 using geometry::RigidTransform;
 using Quantity = Miss::Quantity;
 
-constexpr double kGravity = 9.81;  // m/s^2
+using geometry::kGravity;
 
 // Turns the candidate about the centroid so that it approaches exactly along `approach_W`.
 Candidate snapped(const Candidate& candidate, const Eigen::Vector3d& approach_W,
                   const Eigen::Vector3d& centroid_W) {
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(candidate.approach_W, approach_W);
+  const Eigen::Quaterniond turn = geometry::rotation_between(candidate.approach_W, approach_W);
   Candidate result = candidate;
   result.approach_W = approach_W;
   result.X_WG.linear() = turn * candidate.X_WG.linear();

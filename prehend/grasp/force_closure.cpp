@@ -13,21 +13,16 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include "prehend/grasp/glpk_problem.h"
+#include "prehend/text/require.h"
+
 namespace prehend::grasp {
 namespace {
 
 using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 // A programme of some 20 variables takes about 20 iterations.
-constexpr int kLargestIterations = 500;
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("ForceClosureOptions." + message);
-}
-
-struct ProgrammeDeleter {
-  void operator()(glp_prob* programme) const { glp_delete_prob(programme); }
-};
+constexpr int kClosureIterations = 500;
 
 // Linear programmes over the weights lambda_1..n >= 0 of the primitive wrenches with sum 1, and one
 // more variable, GLPK's column n + 1: maximise it subject to W lambda + c x = 0.
@@ -55,7 +50,7 @@ class WrenchProgramme {
     glp_smcp parameters;
     glp_init_smcp(&parameters);
     parameters.msg_lev = GLP_MSG_OFF;
-    parameters.it_lim = kLargestIterations;
+    parameters.it_lim = kClosureIterations;
     glp_std_basis(programme_.get());
     *feasible = solved(glp_simplex(programme_.get(), &parameters));
     if (!*feasible) {
@@ -87,7 +82,7 @@ class WrenchProgramme {
     glp_set_mat_col(programme_.get(), column, entries, rows, values);
   }
 
-  std::unique_ptr<glp_prob, ProgrammeDeleter> programme_;
+  GlpkProblem programme_;
   int count_;
 };
 
@@ -122,6 +117,7 @@ double axis_quality(WrenchProgramme* programme) {
 }  // namespace
 
 void ForceClosureOptions::validate() const {
+  const text::Require require{"ForceClosureOptions."};
   require(cone_edges >= 3, "cone_edges must be at least 3");
   require(rank_tolerance > 0 && rank_tolerance < 1, "rank_tolerance must be between 0 and 1");
   require(margin >= 0 && margin < 1, "margin must be between 0 and 1");

@@ -4,7 +4,8 @@
 
 #include "prehend/grasp/generators/generators.h"
 #include "prehend/robot/gripper_model.h"
-#include "prehend/robot/nearest_name.h"
+#include "prehend/text/nearest_match.h"
+#include "prehend/text/require.h"
 
 namespace prehend::grasp {
 namespace {
@@ -18,10 +19,6 @@ constexpr Entry kGenerators[] = {
     {"antipodal", make_antipodal}, {"medial_axis", make_medial_axis},
 };
 
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("GeneratorOptions." + message);
-}
-
 }  // namespace
 
 HandReach hand_reach(const robot::GripperModel& gripper) {
@@ -29,6 +26,7 @@ HandReach hand_reach(const robot::GripperModel& gripper) {
 }
 
 void GeneratorOptions::validate() const {
+  const text::Require require{"GeneratorOptions."};
   circles.validate();
   require(samples > 0, "samples must be positive");
   require(approaches > 0, "approaches must be positive");
@@ -51,8 +49,8 @@ std::unique_ptr<CandidateGenerator> make_generator(const std::string& name,
   for (const Entry& entry : kGenerators) {
     if (name == entry.name) return entry.make(options);
   }
-  throw std::invalid_argument("There is no candidate generator '" + name + "'; the nearest is '" +
-                              robot::nearest_name(name, generator_names()) + "'");
+  throw std::invalid_argument("there is no candidate generator '" + name + "'" +
+                              text::nearest_match_hint(name, generator_names()));
 }
 
 }  // namespace prehend::grasp

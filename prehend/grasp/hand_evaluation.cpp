@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "prehend/geometry/gravity.h"
 #include "prehend/grasp/force_limits.h"
 
 namespace prehend::grasp {
@@ -13,7 +14,7 @@ using Eigen::Vector3d;
 using geometry::RigidTransform;
 using Quantity = Miss::Quantity;
 
-constexpr double kGravity = 9.81;    // m/s^2
+using geometry::kGravity;
 constexpr double kPrecision = 0.05;  // of epsilon while candidates are compared
 constexpr double kPoint = 1e-5;      // m, size of the triangle that stands for a point of a cloud
 constexpr double kMeeting =

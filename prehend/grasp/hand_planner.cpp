@@ -16,6 +16,7 @@
 #include "prehend/grasp/hand_evaluation.h"
 #include "prehend/grasp/parallel.h"
 #include "prehend/grasp/surface_trust.h"
+#include "prehend/text/require.h"
 
 namespace prehend::grasp {
 namespace {
@@ -24,10 +25,10 @@ using geometry::RigidTransform;
 using std::chrono::steady_clock;
 
 // In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{reason::kDirection,   reason::kTable,          reason::kObject,
-                             reason::kObstacle,    reason::kWorkspace,      reason::kArm,
-                             reason::kFingerTable, reason::kFingerObstacle, reason::kFewFingers,
-                             reason::kNotClosed,   reason::kFingersMeet,    reason::kTooWeak};
+constexpr std::array kHandStages{reason::kDirection,   reason::kTable,          reason::kObject,
+                                 reason::kObstacle,    reason::kWorkspace,      reason::kArm,
+                                 reason::kFingerTable, reason::kFingerObstacle, reason::kFewFingers,
+                                 reason::kNotClosed,   reason::kFingersMeet,    reason::kTooWeak};
 
 struct Tried {
   std::string generator;
@@ -35,7 +36,7 @@ struct Tried {
   Candidate candidate;
 };
 
-struct Listed {
+struct ListedHandGrasp {
   HandGrasp grasp;
   std::size_t order = 0;  // of the candidate
 };
@@ -46,7 +47,7 @@ struct Outcome {
   std::optional<Refusal> refusal;
 };
 
-bool better(const Listed& a, const Listed& b) {
+bool better_grasp(const ListedHandGrasp& a, const ListedHandGrasp& b) {
   return a.grasp.score != b.grasp.score ? a.grasp.score > b.grasp.score : a.order < b.order;
 }
 
@@ -60,11 +61,11 @@ bool same(const HandGrasp& a, const HandGrasp& b) {
          Eigen::AngleAxisd(a.X_WH.linear().transpose() * b.X_WH.linear()).angle() < kAngle;
 }
 
-class Planner {
+class HandPlanner {
  public:
-  Planner(const surface::ObjectModel& object, const geometry::Plane& table,
-          const Obstacles& obstacles, const HandToClose& hand, const Reachability& reachability,
-          const HandPlannerOptions& options)
+  HandPlanner(const surface::ObjectModel& object, const geometry::Plane& table,
+              const Obstacles& obstacles, const HandToClose& hand, const Reachability& reachability,
+              const HandPlannerOptions& options)
       : object_(object),
         evaluator_(make_solid(object.mesh_W, options.density), table, obstacles, hand, reachability,
                    options),
@@ -83,11 +84,13 @@ class Planner {
 
  private:
   std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
-  std::vector<Listed> ranked(const std::vector<Tried>& tried, std::size_t order,
-                             const std::function<bool()>& time_is_up, Ledger* ledger) const;
-  bool is_robust(const std::vector<Listed>& best) const;
-  std::vector<Listed> strongest(std::vector<Listed> listed, Ledger* ledger) const;
-  void assess_robustness(std::vector<Listed>* best, const std::function<bool()>& time_is_up) const;
+  std::vector<ListedHandGrasp> ranked(const std::vector<Tried>& tried, std::size_t order,
+                                      const std::function<bool()>& time_is_up,
+                                      Ledger* ledger) const;
+  bool is_robust(const std::vector<ListedHandGrasp>& best) const;
+  std::vector<ListedHandGrasp> strongest(std::vector<ListedHandGrasp> listed, Ledger* ledger) const;
+  void assess_robustness(std::vector<ListedHandGrasp>* best,
+                         const std::function<bool()>& time_is_up) const;
   void assess_surface(HandGrasp* grasp) const;
   std::string problem(const HandPlan& result, const Ledger& ledger) const;
 
@@ -101,7 +104,7 @@ class Planner {
   std::vector<const robot::Preshape*> preshapes_;
 };
 
-std::vector<Tried> Planner::candidates(const std::vector<std::string>& generators) const {
+std::vector<Tried> HandPlanner::candidates(const std::vector<std::string>& generators) const {
   std::vector<Tried> all;
   // Looked at once for all preshapes.
   std::vector<ApproachView> views;
@@ -132,7 +135,7 @@ std::vector<Tried> Planner::candidates(const std::vector<std::string>& generator
 }
 
 // How many of the contacts are on surface that nobody saw, and on surface that is there.
-void Planner::assess_surface(HandGrasp* grasp) const {
+void HandPlanner::assess_surface(HandGrasp* grasp) const {
   double there = 0;
   for (const HandContact& contact : grasp->contacts) {
     const auto trust = surface_trust(object_, evaluator_.query(), contact.contact_W.point);
@@ -149,12 +152,14 @@ void Planner::assess_surface(HandGrasp* grasp) const {
 
 // The best of a sorted list whose forces the motors have. Forces take longest: of the best alone,
 // until there are enough; as many at once as may still be needed.
-std::vector<Listed> Planner::strongest(std::vector<Listed> listed, Ledger* ledger) const {
+std::vector<ListedHandGrasp> HandPlanner::strongest(std::vector<ListedHandGrasp> listed,
+                                                    Ledger* ledger) const {
   const auto largest = static_cast<std::size_t>(options_.largest_count);
-  std::vector<Listed> best;
-  const auto is_known = [&best](const Listed& one) {
-    return std::any_of(best.begin(), best.end(),
-                       [&one](const Listed& other) { return same(one.grasp, other.grasp); });
+  std::vector<ListedHandGrasp> best;
+  const auto is_known = [&best](const ListedHandGrasp& one) {
+    return std::any_of(best.begin(), best.end(), [&one](const ListedHandGrasp& other) {
+      return same(one.grasp, other.grasp);
+    });
   };
   for (std::size_t first = 0; first < listed.size();) {
     if (best.size() == largest) {
@@ -176,7 +181,7 @@ std::vector<Listed> Planner::strongest(std::vector<Listed> listed, Ledger* ledge
       refusals[i] = evaluator_.assess_forces(&listed[next[i]].grasp);
     });
     for (std::size_t i = first, assessed = 0; i < last; ++i) {
-      Listed& one = listed[i];
+      ListedHandGrasp& one = listed[i];
       if (assessed == next.size() || next[assessed] != i) {
         ledger->reject(reason::kSame, one.grasp.generator);
       } else if (const auto& refusal = refusals[assessed++]) {
@@ -193,8 +198,8 @@ std::vector<Listed> Planner::strongest(std::vector<Listed> listed, Ledger* ledge
 }
 
 // Who is assessed no more counts as if nothing held.
-void Planner::assess_robustness(std::vector<Listed>* best,
-                                const std::function<bool()>& time_is_up) const {
+void HandPlanner::assess_robustness(std::vector<ListedHandGrasp>* best,
+                                    const std::function<bool()>& time_is_up) const {
   std::deque<HandEvaluator> alternatives;
   for (const auto& mesh_W : object_.alternatives_W) {
     alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, hand_,
@@ -223,11 +228,11 @@ void Planner::assess_robustness(std::vector<Listed>* best,
 }
 
 // The one reason to tell: the last test that at least a tenth of the candidates got to.
-std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const {
+std::string HandPlanner::problem(const HandPlan& result, const Ledger& ledger) const {
   const int reachable = result.candidates - ledger.count(reason::kDirection);
   if (reachable == 0) return "cannot be grasped: no approach to it is within the robot's reach";
   const char* last = reason::kNoTime;
-  for (const char* stage : kStages) {
+  for (const char* stage : kHandStages) {
     if (stage != reason::kDirection && 10 * ledger.count(stage) >= reachable) last = stage;
   }
   return fmt::format("cannot be grasped: {} ({} of {} reachable candidates)", last,
@@ -235,8 +240,9 @@ std::string Planner::problem(const HandPlan& result, const Ledger& ledger) const
 }
 
 // The best of these candidates, best first; `order` is of the first of them among all.
-std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t order,
-                                    const std::function<bool()>& time_is_up, Ledger* ledger) const {
+std::vector<ListedHandGrasp> HandPlanner::ranked(const std::vector<Tried>& tried, std::size_t order,
+                                                 const std::function<bool()>& time_is_up,
+                                                 Ledger* ledger) const {
   // With a budget in strides, so that whatever is tried is spread over all candidates.
   const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
   std::vector<Outcome> outcomes(tried.size());
@@ -251,7 +257,7 @@ std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t
     grasp.score = evaluator_.score(grasp);
     outcome.grasp = std::move(grasp);
   });
-  std::vector<Listed> listed;
+  std::vector<ListedHandGrasp> listed;
   for (std::size_t at = 0; at < tried.size(); ++at) {
     Outcome& outcome = outcomes[at];
     if (outcome.grasp) {
@@ -262,23 +268,23 @@ std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t
       ledger->reject(reason::kNoTime, tried[at].generator);
     }
   }
-  std::sort(listed.begin(), listed.end(), better);
-  std::vector<Listed> best = strongest(std::move(listed), ledger);
-  std::sort(best.begin(), best.end(), better);
+  std::sort(listed.begin(), listed.end(), better_grasp);
+  std::vector<ListedHandGrasp> best = strongest(std::move(listed), ledger);
+  std::sort(best.begin(), best.end(), better_grasp);
   if (!disturbances_.empty() && !best.empty()) {
     assess_robustness(&best, time_is_up);
-    std::sort(best.begin(), best.end(), better);
+    std::sort(best.begin(), best.end(), better_grasp);
   }
   return best;
 }
 
-bool Planner::is_robust(const std::vector<Listed>& best) const {
-  return std::any_of(best.begin(), best.end(), [this](const Listed& one) {
+bool HandPlanner::is_robust(const std::vector<ListedHandGrasp>& best) const {
+  return std::any_of(best.begin(), best.end(), [this](const ListedHandGrasp& one) {
     return disturbances_.empty() || one.grasp.robustness >= options_.enough;
   });
 }
 
-HandPlan Planner::plan() {
+HandPlan HandPlanner::plan() {
   const auto start = steady_clock::now();
   const auto time_is_up = [&] {
     return options_.budget > 0 &&
@@ -293,27 +299,23 @@ HandPlan Planner::plan() {
   HandPlan result;
   result.candidates = static_cast<int>(tried.size());
   result.mass = evaluator_.solid().mass;
-  std::vector<Listed> best = ranked(tried, 0, time_is_up, &ledger);
+  std::vector<ListedHandGrasp> best = ranked(tried, 0, time_is_up, &ledger);
   if (given.empty() && !is_robust(best) && !time_is_up()) {
     const std::vector<Tried> further = candidates(options_.further_generators);
     result.candidates += static_cast<int>(further.size());
-    for (Listed& one : ranked(further, tried.size(), time_is_up, &ledger)) {
+    for (ListedHandGrasp& one : ranked(further, tried.size(), time_is_up, &ledger)) {
       best.push_back(std::move(one));
     }
-    std::sort(best.begin(), best.end(), better);
+    std::sort(best.begin(), best.end(), better_grasp);
     while (static_cast<int>(best.size()) > options_.largest_count) {
       ledger.reject(reason::kRankedBelow, best.back().grasp.generator);
       best.pop_back();
     }
   }
-  for (Listed& one : best) result.grasps.push_back(std::move(one.grasp));
+  for (ListedHandGrasp& one : best) result.grasps.push_back(std::move(one.grasp));
   result.rejections = ledger.rejections();
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
-}
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("HandPlannerOptions." + message);
 }
 
 }  // namespace
@@ -327,6 +329,7 @@ HandPlannerOptions::HandPlannerOptions() {
 }
 
 void HandPlannerOptions::validate() const {
+  const text::Require require{"HandPlannerOptions."};
   require(!generators.empty(), "generators must name at least one generator");
   require(enough >= 0 && enough <= 1, "enough must be within 0 and 1");
   candidates.validate();
@@ -398,7 +401,7 @@ HandPlan plan_hand_grasps(const surface::ObjectModel& object, const geometry::Pl
                           const Obstacles& obstacles, const HandToClose& hand,
                           const Reachability& reachability, const HandPlannerOptions& options) {
   options.validate();
-  return Planner(object, table, obstacles, hand, reachability, options).plan();
+  return HandPlanner(object, table, obstacles, hand, reachability, options).plan();
 }
 
 }  // namespace prehend::grasp

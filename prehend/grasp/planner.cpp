@@ -15,6 +15,7 @@
 #include "prehend/grasp/evaluation.h"
 #include "prehend/grasp/parallel.h"
 #include "prehend/grasp/surface_trust.h"
+#include "prehend/text/require.h"
 
 namespace prehend::grasp {
 namespace {
@@ -28,10 +29,6 @@ constexpr std::array kStages{reason::kDirection, reason::kNothing,    reason::kT
                              reason::kObstacle,  reason::kBottomsOut, reason::kTurns,
                              reason::kFinger,    reason::kTooHeavy,   reason::kOffCentre,
                              reason::kNotClosed};
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("PlannerOptions." + message);
-}
 
 struct Listed {
   EvaluatedGrasp evaluated;
@@ -258,6 +255,7 @@ GraspPlanResult Planner::plan() {
 }  // namespace
 
 void PlannerOptions::validate() const {
+  const text::Require require{"PlannerOptions."};
   require(!generators.empty(), "generators must name at least one generator");
   candidates.validate();
   closing.validate();

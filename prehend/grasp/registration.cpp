@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "prehend/geometry/symmetric_solve.h"
+
 namespace prehend::grasp {
 namespace {
 
@@ -163,7 +165,7 @@ RigidTransform refined_pose(const OrientedPoints& seen_S, const geometry::MeshQu
     }
     // What the points do not tell, as the turn of a bottle, stays as it is.
     A.diagonal().array() += 1e-9 + 1e-6 * A.diagonal().mean();
-    const Eigen::Matrix<double, 6, 1> x = A.ldlt().solve(b);
+    const Eigen::Matrix<double, 6, 1> x = geometry::symmetric_solve<6>(A, b);
     if (!x.allFinite()) return X;
     RigidTransform step_O = RigidTransform::Identity();
     const Eigen::Vector3d turn = x.head<3>();

@@ -9,6 +9,8 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/text/require.h"
+
 namespace prehend::grasp {
 namespace {
 
@@ -30,13 +32,10 @@ class Normal {
   std::mt19937_64 random_;
 };
 
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument("UncertaintyOptions." + message);
-}
-
 }  // namespace
 
 void UncertaintyOptions::validate() const {
+  const text::Require require{"UncertaintyOptions."};
   require(samples >= 0, "samples must not be negative");
   require(position_deviation >= 0, "position_deviation must not be negative");
   require(rotation_deviation >= 0, "rotation_deviation must not be negative");

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "prehend/geometry/rotation_between.h"
 #include "prehend/motion/collision_world.h"
 
 namespace prehend::motion {
@@ -131,7 +132,7 @@ BatchScene make_batch_scene(const robot::KinematicChain& chain, const RobotSpher
   // A joint's own frame, turned so that its axis is z.
   std::vector<Eigen::Quaterniond> turned;
   for (const robot::ChainJoint& joint : chain.joints()) {
-    turned.push_back(Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), joint.axis_J));
+    turned.push_back(geometry::rotation_between(Vector3d::UnitZ(), joint.axis_J));
     Eigen::Matrix3d R = joint.X_PJ.linear() * turned.back().toRotationMatrix();
     Vector3d t = joint.X_PJ.translation();
     if (turned.size() > 1) {

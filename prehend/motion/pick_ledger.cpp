@@ -3,12 +3,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "prehend/text/require.h"
+
 namespace prehend::motion {
 namespace {
-
-void require(bool condition, const std::string& what) {
-  if (!condition) throw std::invalid_argument("plan_pick: " + what);
-}
 
 bool is_unit(const Eigen::Vector3d& v) { return std::abs(v.norm() - 1) < 1e-6; }
 
@@ -40,6 +38,7 @@ const char* to_string(PickFilter filter) {
 
 void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
                 const PickTask& task, const PickOptions& options) {
+  const text::Require require{"plan_pick: "};
   const int size = robot.chain().size();
   require(inverse.chain().size() == size, "robot and inverse kinematics have different chains");
   require(task.start.size() == size && task.start.allFinite(),

@@ -7,15 +7,14 @@ namespace prehend::motion {
 namespace {
 
 constexpr double kSlack = 1e-3;  // m that what is held may come nearer on its way up
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
 PickScenes::PickScenes(const RobotInWorld& robot, const PickTask& task)
     : task_(task), reach_(robot), approach_(robot), without_(robot) {
-  approach_.change_world([&task](CollisionWorld& world) {
-    world.set_margin(task.object.name, Part::kHand, -kInfinity);
-  });
+  approach_.change_world(
+      [&task](CollisionWorld& world) { world.set_margin(task.object.name, Part::kHand, -kNever); });
   without_.change_world([&task](CollisionWorld& world) { world.remove(task.object.name); });
 }
 
@@ -51,7 +50,7 @@ RobotInWorld PickScenes::retreat() const {
     for (const Ball& ball : task_.object.cover_O.balls) {
       world.add_sphere(task_.object.name, *task_.X_BO_place * ball.center, ball.radius);
     }
-    world.set_margin(task_.object.name, Part::kHand, -kInfinity);
+    world.set_margin(task_.object.name, Part::kHand, -kNever);
   });
   return scene;
 }

@@ -19,14 +19,14 @@ int pieces(double length, double resolution) {
   return std::max(1, static_cast<int>(std::ceil(length / resolution - 1e-9)));
 }
 
-struct Ball {
+struct LinkBall {
   Vector3d center;
   double radius;
 };
 
 /// Balls that hold a shape, in its own frame.
-std::vector<Ball> cover(const CollisionShape& shape, double resolution) {
-  std::vector<Ball> balls;
+std::vector<LinkBall> cover(const CollisionShape& shape, double resolution) {
+  std::vector<LinkBall> balls;
   if (shape.kind == CollisionShape::Kind::kSphere) return {{Vector3d::Zero(), shape.radius}};
   if (shape.kind == CollisionShape::Kind::kCylinder) {
     // Slices of a cylinder; a fine one does not need more of them than its radius asks for.
@@ -60,19 +60,19 @@ double resting_position(const robot::Joint& joint) {
 }
 
 /// The chain's joint that moves a link, and where the link's frame is in that joint's frame.
-struct Place {
+struct LinkPlace {
   int joint = -1;
   RigidTransform X_JL = RigidTransform::Identity();
 };
 
-std::vector<std::optional<Place>> places(const robot::RobotModel& model,
-                                         const robot::KinematicChain& chain, int base) {
-  std::vector<std::optional<Place>> result(model.links.size());
-  result[static_cast<std::size_t>(base)] = Place{};
+std::vector<std::optional<LinkPlace>> places(const robot::RobotModel& model,
+                                             const robot::KinematicChain& chain, int base) {
+  std::vector<std::optional<LinkPlace>> result(model.links.size());
+  result[static_cast<std::size_t>(base)] = LinkPlace{};
   for (const robot::Joint& joint : model.joints) {
     const auto& parent = result[static_cast<std::size_t>(joint.parent)];
     if (!parent) continue;  // not below the base
-    Place place;
+    LinkPlace place;
     const auto moving =
         std::find_if(chain.joints().begin(), chain.joints().end(),
                      [&](const robot::ChainJoint& j) { return j.name == joint.name; });
@@ -119,7 +119,7 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
                              "' has a mesh as collision shape",
                          "Give boxes, cylinders or spheres for it");
       }
-      for (const Ball& ball : cover(shape, resolution)) {
+      for (const LinkBall& ball : cover(shape, resolution)) {
         result.spheres.push_back(
             {all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center), ball.radius});
       }

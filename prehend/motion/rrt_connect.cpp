@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "prehend/geometry/symmetric_solve.h"
 #include "prehend/motion/nearest_kernel.h"
 
 namespace prehend::motion {
@@ -23,7 +24,7 @@ using robot::Positions;
 constexpr double kLargestJump = 0.3;   // rad or m, of a joint on a straight step
 constexpr double kLargestMiss = 1e-4;  // m and rad
 constexpr double kTurnStep = 0.05;     // rad
-constexpr int kNewtonSteps = 10;
+constexpr int kProjectionSteps = 10;
 constexpr int kRefinements = 4;  // of the resolution, by halves
 constexpr int kCornerHalvings = 5;
 constexpr double kLeastGain = 0.01;  // of the length, by a round of corners
@@ -344,11 +345,11 @@ JointPath straight_path(const RobotInWorld& robot, const Eigen::Ref<const Eigen:
       error << target.translation() - X.translation(), turn.angle() * turn.axis();
       return std::max(error.head<3>().norm(), error.tail<3>().norm());
     };
-    for (int k = 0; k < kNewtonSteps && miss() > 1e-9; ++k) {
+    for (int k = 0; k < kProjectionSteps && miss() > 1e-9; ++k) {
       const auto J = chain.jacobian(q);
       const Eigen::Matrix<double, 6, 6> normal =
           J * J.transpose() + 1e-10 * Eigen::Matrix<double, 6, 6>::Identity();
-      q += J.transpose() * normal.ldlt().solve(error);
+      q += J.transpose() * geometry::symmetric_solve<6>(normal, error);
     }
     std::string problem;
     if (miss() > kLargestMiss) {

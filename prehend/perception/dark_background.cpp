@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/disc.h"
 #include "prehend/perception/masks.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
@@ -34,10 +35,6 @@ void check(const DarkBackgroundOptions& o) {
   require(o.max_distance > 0, "max_distance must be positive");
   require(o.max_depth_spread > 0, "max_depth_spread must be positive");
   require(o.max_objects > 0, "max_objects must be positive");
-}
-
-cv::Mat disc(int radius) {
-  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
 }
 
 // 255 where the image is bright.

@@ -9,16 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "prehend/text/require.h"
+
 namespace prehend::perception {
 namespace {
 
 using geometry::Image;
 
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(std::string("DisparityFilterOptions: ") + what);
-}
-
 void check(const DisparityFilterOptions& o) {
+  const text::Require require{"DisparityFilterOptions: "};
   require(std::isfinite(o.smoothness) && o.smoothness > 0, "smoothness must be positive");
   require(std::isfinite(o.color_scale) && o.color_scale > 0, "color_scale must be positive");
   require(o.iterations >= 1 && o.iterations <= 10, "iterations must be 1..10");

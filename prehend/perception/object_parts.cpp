@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+#include "prehend/geometry/symmetric_solve.h"
+
 namespace prehend::perception {
 namespace {
 
@@ -143,7 +145,7 @@ class PartJoiner {
     result.middle = along.mean();
     const Eigen::Matrix3d normal_matrix = basis.transpose() * basis;
     const Eigen::Vector3d moments = basis.transpose() * along;
-    const Eigen::Vector3d solution = normal_matrix.ldlt().solve(moments);
+    const Eigen::Vector3d solution = geometry::symmetric_solve<3>(normal_matrix, moments);
     if (solution.allFinite()) result.curvature = solution[2];
     return result;
   }

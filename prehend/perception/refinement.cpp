@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/perception/disc.h"
 
 namespace prehend::perception {
 namespace {
@@ -28,10 +29,6 @@ void check(const RefinementOptions& o) {
 
 cv::Mat view(const geometry::MaskImage& mask) {
   return {mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t*>(mask.data.data())};
-}
-
-cv::Mat disc(int radius) {
-  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
 }
 
 // The cut's labels of the rectangle `area`; empty when the seeds leave nothing to decide.

@@ -9,6 +9,7 @@
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
 #include "prehend/perception/organized_components.h"
+#include "prehend/text/require.h"
 
 namespace prehend::perception {
 namespace {
@@ -20,11 +21,8 @@ using geometry::RigidTransform;
 constexpr int kMinClusterVoxels = 5;     // smaller ones are noise
 constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
 
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(std::string("SegmentationOptions: ") + what);
-}
-
 void check_options(const SegmentationOptions& o) {
+  const text::Require require{"SegmentationOptions: "};
   require(std::isfinite(o.min_height) && o.min_height > 0, "min_height must be positive");
   require(o.max_height > o.min_height, "max_height must exceed min_height");
   require(o.max_distance > 0, "max_distance must be positive");

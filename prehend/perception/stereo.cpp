@@ -11,6 +11,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/stereo_confidence.h"
+#include "prehend/text/require.h"
 
 namespace prehend::perception {
 namespace {
@@ -19,11 +20,8 @@ using geometry::InputError;
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(std::string("StereoOptions: ") + what);
-}
-
 void check_options(const StereoOptions& o) {
+  const text::Require require{"StereoOptions: "};
   require(std::isfinite(o.min_depth) && o.min_depth > 0, "min_depth must be positive");
   require(std::isfinite(o.max_depth) && o.max_depth > o.min_depth,
           "max_depth must exceed min_depth");

@@ -17,6 +17,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/cloud_partition.h"
+#include "prehend/text/require.h"
 
 namespace prehend::perception {
 namespace {
@@ -33,11 +34,8 @@ constexpr double kBareTable = 0.05;   // score of a plane without anything on it
 constexpr double kManyThings = 0.05;  // voxels of things per voxel of table: half the full score
 constexpr int kMinThingVoxels = 15;   // of something that stands on a plane
 
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(std::string("TableOptions: ") + what);
-}
-
 void check_options(const TableOptions& o) {
+  const text::Require require{"TableOptions: "};
   require(std::isfinite(o.inlier_distance) && o.inlier_distance > 0,
           "inlier_distance must be positive");
   require(o.max_iterations > 0, "max_iterations must be positive");

@@ -8,7 +8,9 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/geometry/rotation_between.h"
 #include "prehend/motion/robot_spheres.h"
+#include "prehend/text/require.h"
 
 namespace prehend::planning {
 namespace {
@@ -45,8 +47,8 @@ motion::CollisionWorld world_of(const PlatformScene& scene, const RigidTransform
       std::clamp((scene.table_W.project(p_WB) - on_table).norm() / std::sqrt(2.0) - kBaseClearance,
                  0.05, kTableReach);
   RigidTransform X_WT = RigidTransform::Identity();
-  X_WT.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), scene.table_W.normal)
-                      .toRotationMatrix();
+  X_WT.linear() =
+      geometry::rotation_between(Eigen::Vector3d::UnitZ(), scene.table_W.normal).toRotationMatrix();
   X_WT.translation() = on_table - kTableThickness / 2 * scene.table_W.normal;
   world.add_box("table", X_BW * X_WT, {2 * reach, 2 * reach, kTableThickness});
   for (const auto& piece : moved(scene.object_pieces_W, X_BW)) world.add_convex(kObject, piece);
@@ -80,10 +82,6 @@ std::vector<std::string> preshapes_of(const std::vector<PlatformGrasp>& grasps) 
   return names;
 }
 
-void require(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(std::string("PlatformPickOptions.") + message);
-}
-
 }  // namespace
 
 std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& platform) {
@@ -98,6 +96,7 @@ std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& plat
 PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Positions& start,
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene, const PlatformPickOptions& options) {
+  const text::Require require{"PlatformPickOptions."};
   require(options.arm_acceleration > 0, "arm_acceleration must be positive");
   require(options.margin >= 0, "margin must not be negative");
   require(options.move_W.allFinite(), "move_W must be finite");

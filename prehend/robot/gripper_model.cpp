@@ -6,7 +6,7 @@
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/tactile_pad_yaml.h"
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 namespace {
@@ -62,7 +62,7 @@ void validate(const GripperModel& model) {
 
 GripperModel read_gripper_model(const std::filesystem::path& path) {
   GripperModel model;
-  YamlMap map(load_yaml_map(path), path, "gripper");
+  text::YamlMap map(text::load_yaml_map(path), path, "gripper");
   map.read("name", model.name);
   map.read("max_opening", model.max_opening);
   map.read("max_speed", model.max_speed);

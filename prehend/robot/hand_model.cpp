@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/nearest_name.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::robot {
 namespace {
@@ -18,7 +18,7 @@ int find_name(const std::string& name, const std::vector<std::string>& names,
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
   throw geometry::InputError(what + " '" + name + "' is not there",
-                             "The nearest is '" + nearest_name(name, names) + "'");
+                             text::nearest_match_mend(name, names));
 }
 
 }  // namespace

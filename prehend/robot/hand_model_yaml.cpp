@@ -7,7 +7,7 @@
 #include "prehend/robot/hand_model.h"
 #include "prehend/robot/pose_yaml.h"
 #include "prehend/robot/tactile_pad_yaml.h"
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 namespace {
@@ -22,7 +22,7 @@ class HandReader {
   explicit HandReader(const std::filesystem::path& path) : path_(path) {}
 
   HandModel read() {
-    YamlMap map(load_yaml_map(path_), path_, "hand");
+    text::YamlMap map(text::load_yaml_map(path_), path_, "hand");
     std::string urdf, palm;
     map.read("name", hand_.name);
     map.read("urdf", urdf);
@@ -53,7 +53,7 @@ class HandReader {
  private:
   /// Runs `find`; a name that is not there becomes an error at the line of `key`.
   template <class Find>
-  static int at_line(const YamlMap& map, const std::string& key, Find find) {
+  static int at_line(const text::YamlMap& map, const std::string& key, Find find) {
     try {
       return find();
     } catch (const InputError& error) {
@@ -65,7 +65,7 @@ class HandReader {
     }
   }
 
-  static std::vector<std::string> words(const YamlMap& map, const std::string& key,
+  static std::vector<std::string> words(const text::YamlMap& map, const std::string& key,
                                         const YAML::Node& node) {
     std::vector<std::string> result;
     if (!node.IsSequence() || node.size() == 0) {
@@ -81,7 +81,7 @@ class HandReader {
   /// Every (name, value) of a map whose names are free, each asked for.
   template <class Visit>
   void each(const YAML::Node& node, const std::string& place, Visit visit) {
-    YamlMap map(node, path_, place);
+    text::YamlMap map(node, path_, place);
     if (node.size() == 0) {
       throw InputError(
           path_.string() + ":" + std::to_string(node.Mark().line + 1) + ": " + place + " is empty",
@@ -98,7 +98,7 @@ class HandReader {
     }
   }
 
-  void set_palm_pose(const YamlMap& map) {
+  void set_palm_pose(const text::YamlMap& map) {
     for (int link = hand_.palm; const auto above = hand_.model.joint_above(link);) {
       const Joint& joint = hand_.model.joints[place_of(*above)];
       if (joint.kind != Joint::Kind::kFixed) {
@@ -110,7 +110,7 @@ class HandReader {
     }
   }
 
-  void read_actuated(const YamlMap& map, const YAML::Node& node) {
+  void read_actuated(const text::YamlMap& map, const YAML::Node& node) {
     if (!node.IsDefined()) map.fail("actuated", "is missing", "List the joints with a motor");
     for (const std::string& name : words(map, "actuated", node)) {
       const int joint = at_line(map, "actuated", [&] { return hand_.model.joint_index(name); });
@@ -139,28 +139,29 @@ class HandReader {
   }
 
   void read_fingers(const YAML::Node& node) {
-    each(node, "hand.fingers", [&](YamlMap& map, const std::string& name, const YAML::Node& value) {
-      Finger finger;
-      finger.name = name;
-      for (const std::string& link : words(map, name, value)) {
-        const int index = at_line(map, name, [&] { return hand_.model.link_index(link); });
-        const auto above = hand_.model.joint_above(index);
-        const int parent = above ? hand_.model.joints[place_of(*above)].parent : -1;
-        const int before = finger.links.empty() ? hand_.palm : finger.links.back();
-        if (parent != before) {
-          map.fail(name, "lists '" + link + "', which does not follow on the link before",
-                   "List the links from the palm's child to the tip");
-        }
-        finger.links.push_back(index);
-      }
-      hand_.fingers.push_back(std::move(finger));
-    });
+    each(node, "hand.fingers",
+         [&](text::YamlMap& map, const std::string& name, const YAML::Node& value) {
+           Finger finger;
+           finger.name = name;
+           for (const std::string& link : words(map, name, value)) {
+             const int index = at_line(map, name, [&] { return hand_.model.link_index(link); });
+             const auto above = hand_.model.joint_above(index);
+             const int parent = above ? hand_.model.joints[place_of(*above)].parent : -1;
+             const int before = finger.links.empty() ? hand_.palm : finger.links.back();
+             if (parent != before) {
+               map.fail(name, "lists '" + link + "', which does not follow on the link before",
+                        "List the links from the palm's child to the tip");
+             }
+             finger.links.push_back(index);
+           }
+           hand_.fingers.push_back(std::move(finger));
+         });
   }
 
   void read_pads(const YAML::Node& node) {
-    each(node, "hand.pads", [&](YamlMap&, const std::string& name, const YAML::Node& value) {
+    each(node, "hand.pads", [&](text::YamlMap&, const std::string& name, const YAML::Node& value) {
       const std::string place = "hand.pads." + name;
-      YamlMap map(value, path_, place);
+      text::YamlMap map(value, path_, place);
       std::string link;
       Eigen::Vector3d center = Eigen::Vector3d::Zero(), normal = center, toward_tip = center;
       map.read("link", link);
@@ -194,7 +195,7 @@ class HandReader {
 
   void read_breakaways(const YAML::Node& node) {
     each(node, "hand.breakaway",
-         [&](YamlMap& names, const std::string& name, const YAML::Node& value) {
+         [&](text::YamlMap& names, const std::string& name, const YAML::Node& value) {
            Breakaway breakaway;
            breakaway.joint = at_line(names, name, [&] { return hand_.model.joint_index(name); });
            const Joint& joint = hand_.model.joints[place_of(breakaway.joint)];
@@ -202,7 +203,7 @@ class HandReader {
              names.fail(name, "follows no joint in the URDF", "Give it a mimic there");
            }
            breakaway.leader = joint.mimic->joint;
-           YamlMap map(value, path_, "hand.breakaway." + name);
+           text::YamlMap map(value, path_, "hand.breakaway." + name);
            map.read("torque", breakaway.torque);
            map.read("rate", breakaway.rate);
            map.finish();
@@ -212,18 +213,19 @@ class HandReader {
          });
   }
 
-  int actuated_at(const YamlMap& map, const std::string& key, const std::string& joint) const {
+  int actuated_at(const text::YamlMap& map, const std::string& key,
+                  const std::string& joint) const {
     return at_line(map, key, [&] { return hand_.actuated_index(joint); });
   }
 
-  Preshape::Closing read_closing(YamlMap& map, const std::string& name, const YAML::Node& value,
-                                 const std::string& place) {
+  Preshape::Closing read_closing(text::YamlMap& map, const std::string& name,
+                                 const YAML::Node& value, const std::string& place) {
     Preshape::Closing closing;
     if (value.IsScalar()) {
       map.read(name, closing.rate);
       return closing;
     }
-    YamlMap entry(value, path_, place + "." + name);
+    text::YamlMap entry(value, path_, place + "." + name);
     std::string with;
     entry.read("rate", closing.rate);
     entry.read("with", with);
@@ -234,9 +236,9 @@ class HandReader {
 
   void read_preshapes(const YAML::Node& node) {
     each(node, "hand.preshapes",
-         [&](YamlMap& names, const std::string& name, const YAML::Node& value) {
+         [&](text::YamlMap& names, const std::string& name, const YAML::Node& value) {
            const std::string place = "hand.preshapes." + name;
-           YamlMap map(value, path_, place);
+           text::YamlMap map(value, path_, place);
            Preshape preshape;
            preshape.name = name;
            preshape.X_PG = X_PG_;
@@ -248,11 +250,11 @@ class HandReader {
            if (!open.IsDefined()) map.fail("open", "is missing", "Give the joints' positions");
            if (!closing.IsDefined()) map.fail("closing", "is missing", "Give the joints' rates");
            each(open, place + ".open",
-                [&](YamlMap& joints, const std::string& joint, const YAML::Node&) {
+                [&](text::YamlMap& joints, const std::string& joint, const YAML::Node&) {
                   joints.read(joint, preshape.open[actuated_at(joints, joint, joint)]);
                 });
            each(closing, place + ".closing",
-                [&](YamlMap& joints, const std::string& joint, const YAML::Node& entry) {
+                [&](text::YamlMap& joints, const std::string& joint, const YAML::Node& entry) {
                   preshape.closing[place_of(actuated_at(joints, joint, joint))] =
                       read_closing(joints, joint, entry, place + ".closing");
                 });

@@ -11,6 +11,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "prehend/geometry/rotation_between.h"
+#include "prehend/geometry/symmetric_solve.h"
 #include "prehend/robot/inverse_collector.h"
 
 namespace prehend::robot {
@@ -105,7 +107,7 @@ bool meet(const Vector3d* points, const Vector3d* axes, Vector3d& where) {
   if (axes[0].cross(axes[1]).norm() < kParallel || axes[1].cross(axes[2]).norm() < kParallel) {
     return false;
   }
-  where = sum.ldlt().solve(right);
+  where = geometry::symmetric_solve<3>(sum, right);
   for (int i = 0; i < 3; ++i) {
     if ((where - points[i]).cross(axes[i]).norm() > kMeet) return false;
   }
@@ -365,7 +367,7 @@ void InverseKinematics::shoulder_and_wrist(const RigidTransform& X_BT, Collector
     q[3] = fourth.angle[static_cast<std::size_t>(i)];
     const Matrix3d R4 = turn(h4, q[3]);
     const Vector3d bent = (arm + R4 * fore).normalized();
-    const Matrix3d onto = Eigen::Quaterniond::FromTwoVectors(bent, direction).toRotationMatrix();
+    const Matrix3d onto = geometry::rotation_between(bent, direction).toRotationMatrix();
     for (int k = 0; k < options_.elbow_angles; ++k) {
       const Matrix3d R_shoulder = turn(direction, 2 * kPi * k / options_.elbow_angles) * onto;
       const ThreeAxes shoulder = decompose(axis_[0], axis_[1], axis_[2], R_shoulder, found.seed[0]);

@@ -10,6 +10,8 @@
 
 #include "prehend/robot/inverse_collector.h"
 
+#include "prehend/geometry/symmetric_solve.h"
+
 namespace prehend::robot {
 
 using Eigen::Matrix3d;
@@ -53,7 +55,7 @@ void InverseKinematics::numeric(const RigidTransform& X_BT, Collector& found) co
       const auto J = chain_.jacobian(q);
       const Eigen::Matrix<double, 6, 6> normal =
           J * J.transpose() + damping * Eigen::Matrix<double, 6, 6>::Identity();
-      Positions next = q + J.transpose() * normal.ldlt().solve(error);
+      Positions next = q + J.transpose() * geometry::symmetric_solve<6>(normal, error);
       clamp(next);
       const Eigen::Matrix<double, 6, 1> after = error_at(next);
       if (after.squaredNorm() < error.squaredNorm()) {

@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/nearest_name.h"
 #include "prehend/robot/pose_yaml.h"
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/nearest_match.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 namespace {
@@ -34,7 +34,7 @@ int append(const RobotModel& part, const std::string& prefix, RobotModel& whole)
 
 Positions read_home(const YAML::Node& node, const std::filesystem::path& path,
                     const std::string& place, const KinematicChain& chain) {
-  YamlMap map(node, path, place);
+  text::YamlMap map(node, path, place);
   Positions q = chain.middle();
   for (int i = 0; i < chain.size(); ++i) {
     const std::string joint =
@@ -78,12 +78,12 @@ const Platform::Home& Platform::home(const std::string& home_name) const {
     names.push_back(one.name);
   }
   throw geometry::InputError("Platform '" + name + "' has no home '" + home_name + "'",
-                             "The nearest is '" + nearest_name(home_name, names) + "'");
+                             text::nearest_match_mend(home_name, names));
 }
 
 Platform read_platform(const std::filesystem::path& path) {
   Platform platform;
-  YamlMap map(load_yaml_map(path), path, "platform");
+  text::YamlMap map(text::load_yaml_map(path), path, "platform");
   std::string arm, base, flange, hand;
   map.read("name", platform.name);
   map.read("arm", arm);

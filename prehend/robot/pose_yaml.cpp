@@ -1,12 +1,12 @@
 #include "prehend/robot/pose_yaml.h"
 
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 
 geometry::RigidTransform read_pose(const YAML::Node& node, const std::filesystem::path& path,
                                    const std::string& place) {
-  YamlMap map(node, path, place);
+  text::YamlMap map(node, path, place);
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero(), rpy = Eigen::Vector3d::Zero();
   map.read("xyz", xyz);
   map.read("rpy", rpy);

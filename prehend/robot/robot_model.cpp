@@ -7,8 +7,8 @@
 #include <urdf_model/model.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/nearest_name.h"
 #include "prehend/robot/urdf_document.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::robot {
 namespace {
@@ -23,9 +23,8 @@ int index_of(const std::vector<Item>& items, const std::string& name, const std:
   if (found != items.end()) return static_cast<int>(found - items.begin());
   std::vector<std::string> names;
   for (const Item& item : items) names.push_back(item.name);
-  throw InputError(
-      "Robot '" + robot + "' has no " + what + " '" + name + "'",
-      names.empty() ? "It has none" : "The nearest is '" + nearest_name(name, names) + "'");
+  throw InputError("Robot '" + robot + "' has no " + what + " '" + name + "'",
+                   text::nearest_match_mend(name, names));
 }
 
 CollisionShape shape_of(const urdf::Collision& given) {

@@ -1,13 +1,13 @@
 #include "prehend/robot/tactile_pad_yaml.h"
 
 #include "prehend/robot/texel_law_yaml.h"
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 
 void read_tactile_pad(const YAML::Node& node, const std::filesystem::path& path,
                       const std::string& place, TactilePadModel& pad) {
-  YamlMap map(node, path, place);
+  text::YamlMap map(node, path, place);
   map.read("rows", pad.rows);
   map.read("columns", pad.columns);
   map.read("texel_pitch", pad.texel_pitch);

@@ -7,7 +7,7 @@
 #include "prehend/contact/compression_curve.h"
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/yaml_map.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
 
@@ -16,7 +16,7 @@ using contact::NormalLaw;
 
 void read_texel_law(const YAML::Node& node, const std::filesystem::path& file,
                     const std::string& place, contact::TexelLaw& law) {
-  YamlMap map(node, file, place);
+  text::YamlMap map(node, file, place);
   map.read("stiffness", law.stiffness);
   map.read("damping", law.damping);
   map.read("bristle_stiffness", law.bristle_stiffness);

@@ -12,7 +12,7 @@
 namespace prehend::shape {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kLeastSlices = 4;
 constexpr double kSlices = 40;  // of the longest side
 
@@ -163,9 +163,9 @@ std::optional<Fallback> revolved(const FallbackInput& input) {
   }
   rings.emplace_back(slices.back().height, slices.back().radius);
   for (const auto& [height, radius] : rings) {
-    const int around = std::max(6, static_cast<int>(std::ceil(2 * kPi * radius / input.spacing)));
+    const int around = std::max(6, static_cast<int>(std::ceil(2 * pi * radius / input.spacing)));
     for (int k = 0; k < around; ++k) {
-      const double angle = 2 * kPi * k / around;
+      const double angle = 2 * pi * k / around;
       const Eigen::Vector2d p =
           fallback.center_T + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       fallback.points_T.emplace_back(p.x(), p.y(), height);

@@ -10,11 +10,11 @@
 namespace prehend::shape {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kPriorEvidence = 0.02;       // k of the support, as a fraction of the points
-constexpr double kSameAngle = 5 * kPi / 180;  // rad: closer planes are one
-constexpr double kSameShift = 0.03;           // of the extent
-constexpr int kRefinedPerPlane = 2;           // local minima refined for each plane asked for
+using std::numbers::pi;
+constexpr double kPriorEvidence = 0.02;      // k of the support, as a fraction of the points
+constexpr double kSameAngle = 5 * pi / 180;  // rad: closer planes are one
+constexpr double kSameShift = 0.03;          // of the extent
+constexpr int kRefinedPerPlane = 2;          // local minima refined for each plane asked for
 
 VoteOptions vote_options(const CompletionOptions& options, double reference) {
   return {options.depth_tolerance, std::max(2 * options.depth_tolerance, reference)};
@@ -44,10 +44,10 @@ std::vector<Eigen::Vector2d> convex_outline(const std::vector<Eigen::Vector3d>& 
 }
 
 /// Turned to the half circle away from the viewer.
-double normalized_turn(double turn) { return std::remainder(turn, kPi); }
+double normalized_turn(double turn) { return std::remainder(turn, pi); }
 
 bool same_plane(const Candidate& a, const Candidate& b, double extent) {
-  const double turned = std::remainder(a.plane.angle - b.plane.angle, kPi);
+  const double turned = std::remainder(a.plane.angle - b.plane.angle, pi);
   const bool opposite = std::cos(a.plane.angle - b.plane.angle) < 0;
   const double shifted = a.plane.shift - (opposite ? -b.plane.shift : b.plane.shift);
   return std::abs(turned) < kSameAngle && std::abs(shifted) < kSameShift * extent;

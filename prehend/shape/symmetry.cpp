@@ -16,7 +16,7 @@
 namespace prehend::shape {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 void check(const CompletionOptions& options) {
   const auto require = [](bool condition, const std::string& what) {
@@ -24,7 +24,7 @@ void check(const CompletionOptions& options) {
   };
   require(options.orientations >= 1 && options.orientations % 2 == 1,
           "orientations must be odd and >= 1");
-  require(options.max_angle > 0 && options.max_angle <= kPi / 2, "max_angle must be in (0, pi/2]");
+  require(options.max_angle > 0 && options.max_angle <= pi / 2, "max_angle must be in (0, pi/2]");
   require(options.shifts >= 2, "shifts must be >= 2");
   require(std::isfinite(options.min_shift) && options.min_shift < options.max_shift &&
               std::isfinite(options.max_shift),
@@ -32,7 +32,7 @@ void check(const CompletionOptions& options) {
   require(options.thinning >= 0 && options.thinning <= 0.2, "thinning must be in [0, 0.2]");
   require(options.planes >= 1, "planes must be >= 1");
   require(options.alternatives >= 0, "alternatives must be >= 0");
-  require(options.max_tilt >= 0 && options.max_tilt <= kPi / 4, "max_tilt must be in [0, pi/4]");
+  require(options.max_tilt >= 0 && options.max_tilt <= pi / 4, "max_tilt must be in [0, pi/4]");
   require(options.reference_fraction > 0 && std::isfinite(options.reference_fraction),
           "reference_fraction must be > 0");
   require(options.depth_tolerance > 0 && std::isfinite(options.depth_tolerance),
@@ -227,7 +227,7 @@ class Completion {
     const Ballot both(voting_, completed, map_, view_, supported);
 
     Candidate candidate;
-    candidate.plane.angle = first.plane.angle + kPi / 2;
+    candidate.plane.angle = first.plane.angle + pi / 2;
     const Eigen::Vector2d n = candidate.plane.normal_T().head<2>();
     const auto [left, right] = both.range(n);
     const double step = (right - left) / (2 * options_.shifts);
@@ -403,7 +403,7 @@ CompletionOptions as_published() {
   options.published_start = true;
   options.orientations = 7;
   options.shifts = 5;
-  options.max_angle = kPi / 9;
+  options.max_angle = pi / 9;
   options.thinning = 0;
   options.refine = false;
   options.max_tilt = 0;

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "prehend/contact/require.h"
-#include "prehend/robot/nearest_name.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::simulation {
 namespace {
@@ -30,8 +30,8 @@ std::vector<std::size_t> order_of(const robot::KinematicChain& chain,
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto found = std::find(known.begin(), known.end(), names[k]);
     if (found == known.end()) {
-      refuse(fmt::format("the arm has no joint '{}'; the nearest is '{}'", names[k],
-                         robot::nearest_name(names[k], known)));
+      refuse(fmt::format("the arm has no joint '{}'{}", names[k],
+                         text::nearest_match_hint(names[k], known)));
     }
     std::size_t& place = order[static_cast<std::size_t>(found - known.begin())];
     if (place != names.size()) refuse(fmt::format("joint '{}' is named twice", names[k]));

@@ -1,16 +1,16 @@
 #include "prehend/simulation/hardware_yaml.h"
 
 #include "prehend/robot/texel_law_yaml.h"
-#include "prehend/robot/yaml_map.h"
 #include "prehend/simulation/world_engine.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::simulation {
 
-using robot::YamlMap;
+using text::YamlMap;
 using Path = std::filesystem::path;
 
 void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
-  YamlMap map(node, file, "drive");
+  text::YamlMap map(node, file, "drive");
   SpindleDriveModel& drive = scene.drive;
   // So that a static friction given here is kept in newtons.
   drive.static_friction = drive_of(scene.gripper, drive).static_friction;
@@ -22,7 +22,7 @@ void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
   map.read("gear_ratio", drive.gear_ratio);
   map.read("spindle_lead", drive.spindle_lead);
   if (const YAML::Node node_of_thread = map.child("thread")) {
-    YamlMap thread(node_of_thread, file, "drive.thread");
+    text::YamlMap thread(node_of_thread, file, "drive.thread");
     drive.thread.emplace();
     thread.read("mean_diameter", drive.thread->mean_diameter);
     thread.read("friction", drive.thread->friction);
@@ -42,7 +42,7 @@ void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
 }
 
 void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
-  YamlMap map(node, file, "tactile");
+  text::YamlMap map(node, file, "tactile");
   TactileSensorOptions& sensor = scene.tactile.sensor;
   bool realistic = false;
   map.read("realistic", realistic);
@@ -71,7 +71,7 @@ void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
 }
 
 void read_wrench(const YAML::Node& node, const Path& file, Scene& scene) {
-  YamlMap map(node, file, "wrench");
+  text::YamlMap map(node, file, "wrench");
   if (!scene.wrench) scene.wrench.emplace();
   WrenchSensorOptions& sensor = *scene.wrench;
   map.read("force_noise", sensor.force_noise);
@@ -89,7 +89,7 @@ void read_wrench(const YAML::Node& node, const Path& file, Scene& scene) {
 }
 
 void read_physics(const YAML::Node& node, const Path& file, bool has_step, Scene& scene) {
-  YamlMap map(node, file, "physics");
+  text::YamlMap map(node, file, "physics");
   PhysicsOptions& physics = scene.physics;
   map.choose<contact::Integration>("integration",
                                    {{"first_order", contact::Integration::kFirstOrder},
@@ -114,7 +114,7 @@ void read_physics(const YAML::Node& node, const Path& file, bool has_step, Scene
     robot::read_texel_law(law, file, "physics.law", scene.gripper.pad.law);
   }
   if (const YAML::Node node_of_rules = map.child("rules")) {
-    YamlMap rules(node_of_rules, file, "physics.rules");
+    text::YamlMap rules(node_of_rules, file, "physics.rules");
     rules.read("gate_texels", physics.rules.gate_texels);
     rules.read("remember_triangles", physics.rules.remember_triangles);
     rules.read("skip_distant_pairs", physics.rules.skip_distant_pairs);

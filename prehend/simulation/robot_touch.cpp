@@ -15,7 +15,7 @@ using engines::TouchPoint;
 using engines::Vector6;
 using geometry::RigidTransform;
 
-constexpr double kSlack = 1e-4;        // m, looked ahead beyond what speeds say
+constexpr double kLookAhead = 1e-4;    // m, looked ahead beyond what speeds say
 constexpr double kArmSpacing = 0.015;  // m, between points on the arm
 constexpr double kCell = 0.005;        // m, of the grid of what is near
 constexpr int kMostCells = 40;         // along each side
@@ -206,7 +206,7 @@ void RobotTouch::find(const engines::Multibody& system, const engines::Multibody
   const auto margin = [&](int a, int b) {
     const double speed =
         speed_[static_cast<std::size_t>(a)] + (b < 0 ? 0.0 : speed_[static_cast<std::size_t>(b)]);
-    return std::min(0.002, kSlack + 2 * h * speed);
+    return std::min(0.002, kLookAhead + 2 * h * speed);
   };
   for (std::size_t o = 0; o < objects_.size(); ++o) {
     const Object& object = objects_[o];

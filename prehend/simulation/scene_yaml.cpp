@@ -1,19 +1,19 @@
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/yaml_map.h"
 #include "prehend/simulation/hardware_yaml.h"
 #include "prehend/simulation/scene.h"
+#include "prehend/text/yaml_map.h"
 
 namespace prehend::simulation {
 namespace {
 
-using robot::YamlMap;
+using text::YamlMap;
 using Path = std::filesystem::path;
 
 void read_texture(const YAML::Node& node, const Path& file, const std::string& owner,
                   Texture& texture) {
-  YamlMap map(node, file, owner + ".texture");
+  text::YamlMap map(node, file, owner + ".texture");
   std::string pattern;
   map.read("pattern", pattern);
   if (pattern == "noise")
@@ -36,7 +36,7 @@ void read_texture(const YAML::Node& node, const Path& file, const std::string& o
 }
 
 void read_table(const YAML::Node& node, const Path& file, TableModel& table) {
-  YamlMap map(node, file, "table");
+  text::YamlMap map(node, file, "table");
   map.read("friction", table.friction);
   map.read("center", table.center);
   map.read("size", table.size);
@@ -47,7 +47,7 @@ void read_table(const YAML::Node& node, const Path& file, TableModel& table) {
 }
 
 void read_carrier(const YAML::Node& node, const Path& file, CarrierModel& carrier) {
-  YamlMap map(node, file, "carrier");
+  text::YamlMap map(node, file, "carrier");
   map.read("minimum", carrier.minimum);
   map.read("maximum", carrier.maximum);
   map.read("max_speed", carrier.max_speed);
@@ -61,7 +61,7 @@ void read_carrier(const YAML::Node& node, const Path& file, CarrierModel& carrie
 }
 
 void read_camera(const YAML::Node& node, const Path& file, CameraSetup& setup) {
-  YamlMap map(node, file, "camera");
+  text::YamlMap map(node, file, "camera");
   map.read("width", setup.camera.left.width);
   map.read("height", setup.camera.left.height);
   map.read("fx", setup.camera.left.fx);
@@ -77,7 +77,7 @@ void read_camera(const YAML::Node& node, const Path& file, CameraSetup& setup) {
 }
 
 void read_light(const YAML::Node& node, const Path& file, Light& light) {
-  YamlMap map(node, file, "light");
+  text::YamlMap map(node, file, "light");
   map.read("direction", light.direction);
   map.read("ambient", light.ambient);
   map.finish();
@@ -85,7 +85,7 @@ void read_light(const YAML::Node& node, const Path& file, Light& light) {
 
 void read_gripper(const Path& file, Scene& scene) {
   scene.gripper = robot::read_gripper_model(file);
-  const YAML::Node node = robot::load_yaml_map(file);
+  const YAML::Node node = text::load_yaml_map(file);
   if (const YAML::Node drive = node["drive"]) read_drive(drive, file, scene);
   if (const YAML::Node tactile = node["tactile"]) read_tactile(tactile, file, scene);
   if (const YAML::Node wrench = node["wrench"]) read_wrench(wrench, file, scene);
@@ -93,7 +93,7 @@ void read_gripper(const Path& file, Scene& scene) {
 
 SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t index) {
   SceneObject object;
-  YamlMap map(node, file, "objects[" + std::to_string(index) + "]");
+  text::YamlMap map(node, file, "objects[" + std::to_string(index) + "]");
   map.read("name", object.name);
   map.read("shape", object.shape);
   map.read("size", object.size);
@@ -123,7 +123,7 @@ SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t in
 
 Scene read_scene(const std::filesystem::path& path) {
   Scene scene;
-  YamlMap map(robot::load_yaml_map(path), path, "scene");
+  text::YamlMap map(text::load_yaml_map(path), path, "scene");
   map.read("step", scene.step);
   map.read("gravity", scene.gravity);
   map.read("start_opening", scene.start_opening);

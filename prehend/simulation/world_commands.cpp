@@ -8,7 +8,7 @@
 namespace prehend::simulation {
 namespace {
 
-constexpr std::string_view kKind = "world-commands";
+constexpr std::string_view kCommandsKind = "world-commands";
 
 template <class Archive>
 void archive_command(Archive& archive, WorldCommand& c) {
@@ -66,11 +66,11 @@ std::string command_bytes(std::vector<WorldCommand> commands) {
   StateWriter writer;
   writer(static_cast<std::uint64_t>(commands.size()));
   for (WorldCommand& command : commands) archive_command(writer, command);
-  return framed(kKind, writer.bytes());
+  return framed(kCommandsKind, writer.bytes());
 }
 
 std::vector<WorldCommand> read_commands(std::string_view bytes, const std::string& what) {
-  StateReader reader(unframed(kKind, bytes, what), what);
+  StateReader reader(unframed(kCommandsKind, bytes, what), what);
   std::uint64_t count = 0;
   reader(count);
   std::vector<WorldCommand> commands;

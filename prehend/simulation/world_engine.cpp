@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/nearest_name.h"
 #include "prehend/simulation/engines/registry.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::simulation {
 namespace {
@@ -70,9 +70,9 @@ std::optional<EngineTrouble> engine_trouble(const std::string& name) {
     return EngineTrouble{why, std::string("Install ") + shipped.packages +
                                   " and build prehend again, or write one of " + joined(installed)};
   }
-  return EngineTrouble{"is '" + name + "', which is no engine",
-                       "Did you mean '" + robot::nearest_name(name, known) + "'? Installed are " +
-                           joined(installed)};
+  return EngineTrouble{
+      "is '" + name + "', which is no engine",
+      text::nearest_match_mend(name, known) + ". Installed are " + joined(installed)};
 }
 
 WorldEngine::WorldEngine(const Scene& scene)

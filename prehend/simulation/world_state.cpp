@@ -12,7 +12,7 @@
 namespace prehend::simulation {
 namespace {
 
-constexpr std::string_view kKind = "world-state";
+constexpr std::string_view kStateKind = "world-state";
 
 }  // namespace
 
@@ -90,13 +90,13 @@ std::string World::save_bytes() const {
   for (const BodyModel& model : implementation_->models) writer(model.name);
   State state = implementation_->state;
   writer(state);
-  return framed(kKind, writer.bytes());
+  return framed(kStateKind, writer.bytes());
 }
 
 void World::restore_bytes(std::string_view bytes, const std::string& what) {
   implementation_->refuse_with_engine("restored");
   Implementation& world = *implementation_;
-  StateReader reader(unframed(kKind, bytes, what), what);
+  StateReader reader(unframed(kStateKind, bytes, what), what);
   const auto foreign = [&](const std::string& wrong) {
     throw geometry::InputError(what + " is of another scene: " + wrong,
                                "Restore it into a world of the scene it was saved from");

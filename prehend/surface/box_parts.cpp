@@ -15,7 +15,7 @@
 namespace prehend::surface {
 namespace {
 
-constexpr std::size_t kDirections = 64;  // in which extremes are looked for
+constexpr std::size_t kHullDirections = 64;  // in which extremes are looked for
 // Weight of the halves' difference in size. The first cuts of a ring leave what the hulls fill as
 // it is; without it, slices would be cut off the rim.
 constexpr double kBalance = 0.3;
@@ -28,7 +28,7 @@ const std::vector<Eigen::Vector3f>& directions() {
       result.push_back(Eigen::Vector3f::Unit(axis));
       result.push_back(-Eigen::Vector3f::Unit(axis));
     }
-    const auto spread = spread_directions<float>(kDirections);
+    const auto spread = spread_directions<float>(kHullDirections);
     result.insert(result.end(), spread.begin(), spread.end());
     return result;
   }();
@@ -43,7 +43,7 @@ struct Hull {
   Eigen::Vector3i high;
 };
 
-Hull hull_of(const std::vector<Eigen::Vector3f>& candidates) {
+Hull box_hull(const std::vector<Eigen::Vector3f>& candidates) {
   Hull hull;
   if (candidates.empty()) return hull;
   const std::set<std::size_t> chosen = extremes_of(candidates, directions());
@@ -165,7 +165,7 @@ class Decomposition {
 
   Piece piece(const VoxelBox& box) const {
     Piece result;
-    result.hull = hull_of(row_ends(box));
+    result.hull = box_hull(row_ends(box));
     result.boxes = {box};
     measure(result);
     return result;
@@ -216,7 +216,7 @@ class Decomposition {
             std::abs(static_cast<double>(of_lower.size()) - static_cast<double>(of_upper.size())) /
             static_cast<double>(of_lower.size() + of_upper.size());
         const double sum =
-            cost(hull_of(of_lower)) + cost(hull_of(of_upper)) + kBalance * imbalance * of_whole;
+            cost(box_hull(of_lower)) + cost(box_hull(of_upper)) + kBalance * imbalance * of_whole;
         if (best && sum >= least) continue;
         best = {lower, upper};
         least = sum;
@@ -236,7 +236,7 @@ class Decomposition {
     std::vector<Eigen::Vector3f> points = a.hull.points;
     points.insert(points.end(), b.hull.points.begin(), b.hull.points.end());
     Piece result;
-    result.hull = hull_of(points);
+    result.hull = box_hull(points);
     result.boxes = a.boxes;
     result.boxes.insert(result.boxes.end(), b.boxes.begin(), b.boxes.end());
     measure(result);

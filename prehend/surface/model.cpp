@@ -30,7 +30,7 @@ class Stopwatch {
 };
 
 /// Longest side of the cloud's bounds [m].
-double extent(const geometry::PointCloud& cloud) {
+double cloud_extent(const geometry::PointCloud& cloud) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : cloud.points) box.extend(p);
   return box.sizes().maxCoeff();
@@ -58,7 +58,8 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
   Stopwatch stopwatch;
   geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
   if (options.close_sides) {
-    const geometry::PointCloud sides = side_points(shape, table_W, extent(cloud) / kPointsAcross);
+    const geometry::PointCloud sides =
+        side_points(shape, table_W, cloud_extent(cloud) / kPointsAcross);
     cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
   }
@@ -79,7 +80,8 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
-  VertexBasis basis = vertex_basis(model.mesh_W, shape, extent(shape.cloud_W) / kPointsAcross);
+  VertexBasis basis =
+      vertex_basis(model.mesh_W, shape, cloud_extent(shape.cloud_W) / kPointsAcross);
   model.vertex_origin = std::move(basis.origin);
   model.vertex_confidence = std::move(basis.confidence);
   model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);

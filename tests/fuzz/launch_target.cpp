@@ -8,14 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "prehend/graph/launch/launch_file.h"
-#include "prehend/graph/launch/process_plan.h"
+#include "prehend/launch/launch_file.h"
+#include "prehend/launch/process_plan.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using namespace prehend::graph::launch;
+using namespace prehend::launch;
 
 constexpr std::string_view kPart = R"(
 arguments: {rate: {default: 5, type: int}}

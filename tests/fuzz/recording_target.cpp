@@ -7,15 +7,15 @@
 #include <map>
 #include <stdexcept>
 
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/protobuf_schema.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/quiet_protobuf.h"
 
 namespace {
 
-using namespace prehend::graph::recording;
+using namespace prehend::recording;
 
 // The channels' message types, as far as their schemas define any.
 class Types {

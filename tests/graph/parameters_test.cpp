@@ -11,7 +11,7 @@ namespace {
 using Numbers = std::vector<double>;
 using Texts = std::vector<std::string>;
 
-std::string message_of(const std::function<void()>& throwing) {
+std::string refusal_of(const std::function<void()>& throwing) {
   try {
     throwing();
   } catch (const std::exception& error) {
@@ -51,13 +51,13 @@ TEST_F(ParameterValues, ListsAreGivenReadAndSet) {
   node.set_parameter("gains", "[]");
   EXPECT_EQ(node.parameter<Numbers>("gains"), Numbers{});
   node.set_parameter("gains", "[0.1, 1e-300, 10]");
-  EXPECT_EQ(message_of([&] { node.set_parameter("gains", "[1, -2]"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("gains", "[1, -2]"); }),
             "parameter 'gains': '[1, -2]' must be at least 0 (item 2)");
-  EXPECT_EQ(message_of([&] { node.set_parameter("gains", "[1, x]"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("gains", "[1, x]"); }),
             "parameter 'gains': '[1, x]' must be a list of numbers (item 2 is none)");
-  EXPECT_EQ(message_of([&] { node.set_parameter("gains", "1"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("gains", "1"); }),
             "parameter 'gains': '1' must be a list between brackets, as in [1, 2]");
-  EXPECT_EQ(message_of([&] { node.set_parameter("sides", "[left, up]"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("sides", "[left, up]"); }),
             "parameter 'sides': '[left, up]' must be one of: left, right (item 2)");
   for (const char* bad : {"[nan]", "[inf]", "[1e999]", "[0x1]", "[1,,2]", "[]]"}) {
     EXPECT_THROW(node.set_parameter("gains", bad), std::invalid_argument) << bad;
@@ -76,7 +76,7 @@ TEST_F(ParameterValues, HostileTextsAreRefused) {
   node.declare_parameter<double>({.name = "number"});
   node.declare_parameter<bool>({.name = "flag"});
   node.declare_parameter<std::string>({.name = "text"});
-  EXPECT_EQ(message_of([&] { node.set_parameter("narrow", "2147483648"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("narrow", "2147483648"); }),
             "parameter 'narrow': '2147483648' must be from -2147483648 to 2147483647");
   node.set_parameter("narrow", "-2147483648");
   EXPECT_EQ(node.parameter<int>("narrow"), std::numeric_limits<int>::min());
@@ -99,7 +99,7 @@ TEST_F(ParameterValues, HostileTextsAreRefused) {
   const std::string good = "é € 😀 \n";
   node.set_parameter("text", good);
   EXPECT_EQ(node.parameter<std::string>("text"), good);
-  EXPECT_LT(message_of([&] { node.set_parameter("number", std::string(5000, 'x')); }).size(), 300u);
+  EXPECT_LT(refusal_of([&] { node.set_parameter("number", std::string(5000, 'x')); }).size(), 300u);
 }
 
 TEST_F(ParameterValues, ValidationRefusesWithItsReason) {
@@ -109,7 +109,7 @@ TEST_F(ParameterValues, ValidationRefusesWithItsReason) {
   given.parameter_sources = {{"odd", "robot.yaml:7"}};
   Node of_file(given);
   EXPECT_EQ(
-      message_of([&] {
+      refusal_of([&] {
         of_file.declare_parameter<int>({.name = "odd", .default_value = 1, .validate = is_odd});
       }),
       "robot.yaml:7: parameter 'odd': '4' is refused: it must be odd");
@@ -125,18 +125,18 @@ TEST_F(ParameterValues, ValidationRefusesWithItsReason) {
                                  // No lock is held: the others can be read here.
                                  return node.parameter<int>("size") > 0 ? "" : "never";
                                }});
-  EXPECT_EQ(message_of([&] { node.set_parameter("thrower", "1"); }),
+  EXPECT_EQ(refusal_of([&] { node.set_parameter("thrower", "1"); }),
             "parameter 'thrower': '1' is refused: not one");
   EXPECT_THROW(node.set_parameter("thrower", "2"), std::invalid_argument);
   node.set_parameter("thrower", "3");
   Introspection look(endpoint, 500ms);
   // Validation is user code, and nobody runs the callbacks yet.
-  EXPECT_NE(message_of([&] { look.set_parameter("node", "size", "5"); }).find("does not answer"),
+  EXPECT_NE(refusal_of([&] { look.set_parameter("node", "size", "5"); }).find("does not answer"),
             std::string::npos);
   node.spin_in_background();
   EXPECT_TRUE(eventually([&] { return changes == 1; }));
   Introspection patient(endpoint, 10s);
-  EXPECT_EQ(message_of([&] { patient.set_parameter("node", "size", "6"); }),
+  EXPECT_EQ(refusal_of([&] { patient.set_parameter("node", "size", "6"); }),
             "node 'node': parameter 'size': '6' is refused: it must be odd");
   EXPECT_EQ(to_text(patient.set_parameter("node", "size", "7").value()), "7");
   EXPECT_TRUE(eventually([&] { return changes == 2; }));
@@ -159,11 +159,11 @@ TEST_F(ParameterValues, SeveralAreSetAllOrNone) {
   node.declare_parameter<double>({.name = "low", .default_value = 1, .maximum = 5});
   node.declare_parameter<double>({.name = "high", .default_value = 2, .maximum = 5});
   node.set_parameters({{"low", "3"}, {"high", "4"}});
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusal_of([&] {
               node.set_parameters({{"high", "4.5"}, {"low", "6"}});
             }),
             "parameter 'low': '6' must be at most 5");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusal_of([&] {
               node.set_parameters({{"high", "4.5"}, {"lwo", "3"}});
             }),
             "no parameter 'lwo'; did you mean \"low\"?");
@@ -187,7 +187,7 @@ TEST_F(ParameterValues, ReadOnlyOnesAreSetAtTheStartOnly) {
   Node node(given);
   EXPECT_EQ(node.declare_parameter<int>({.name = "port", .default_value = 1, .read_only = true}),
             5);
-  EXPECT_NE(message_of([&] { node.set_parameter("port", "6"); }).find("'port' is read-only"),
+  EXPECT_NE(refusal_of([&] { node.set_parameter("port", "6"); }).find("'port' is read-only"),
             std::string::npos);
   Introspection look(endpoint);
   EXPECT_TRUE(look.parameter("node", "port").read_only());
@@ -201,7 +201,7 @@ TEST_F(ParameterValues, UnknownOnesOfAFileAreNamedWithTheirLine) {
   given.parameter_sources = {{"orientatoins", "robot.yaml:12"}};
   Node node(given);
   node.declare_parameter<int>({.name = "orientations", .default_value = 5});
-  EXPECT_EQ(message_of([&] { node.spin(); }),
+  EXPECT_EQ(refusal_of([&] { node.spin(); }),
             "robot.yaml:12: unknown parameter 'orientatoins'; did you mean \"orientations\"?");
 }
 

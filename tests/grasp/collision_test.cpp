@@ -12,7 +12,7 @@ namespace {
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
 
-const robot::GripperModel kGripper;
+const robot::GripperModel kCollisionGripper;
 
 TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
   return geometry::transformed(geometry::make_box(size),
@@ -26,16 +26,18 @@ RigidTransform from_above(const Eigen::Vector3d& p) {
 
 TEST(Collision, TableClearanceIsThatOfTheFingertips) {
   const CollisionScene scene({}, geometry::Plane{}, {});
-  const auto hand = swept_hand(kGripper, 0.069, 0.1);
-  EXPECT_NEAR(scene.table_clearance(hand, from_above({0, 0, 0.1})), 0.1 - kGripper.tip_z(), 1e-12);
+  const auto hand = swept_hand(kCollisionGripper, 0.069, 0.1);
+  EXPECT_NEAR(scene.table_clearance(hand, from_above({0, 0, 0.1})), 0.1 - kCollisionGripper.tip_z(),
+              1e-12);
   EXPECT_EQ(scene.check(hand, from_above({0, 0, 0.1})), HandCollision::kNone);
-  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0039})),
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, kCollisionGripper.tip_z() + 0.0039})),
             HandCollision::kTable);
-  EXPECT_EQ(scene.check(hand, from_above({0, 0, kGripper.tip_z() + 0.0041})), HandCollision::kNone);
+  EXPECT_EQ(scene.check(hand, from_above({0, 0, kCollisionGripper.tip_z() + 0.0041})),
+            HandCollision::kNone);
 }
 
 TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
-  const auto hand = swept_hand(kGripper, 0.069, 0.1);
+  const auto hand = swept_hand(kCollisionGripper, 0.069, 0.1);
   const geometry::Plane table;
   const RigidTransform X_WG = from_above({0, 0, 0.05});
   // Margin 1.5 mm at each side: 66 mm is the limit.
@@ -48,8 +50,8 @@ TEST(Collision, OpenFingersStraddleWhatFitsBetweenThem) {
 }
 
 TEST(Collision, TheWayFromThePregraspIsSwept) {
-  const auto still = swept_hand(kGripper, 0.069, 0);
-  const auto swept = swept_hand(kGripper, 0.069, 0.2);
+  const auto still = swept_hand(kCollisionGripper, 0.069, 0);
+  const auto swept = swept_hand(kCollisionGripper, 0.069, 0.2);
   // A board over the housing: only the way down from the pregrasp meets it.
   Obstacles obstacles;
   obstacles.meshes_W.push_back(box_at({0.3, 0.3, 0.01}, {0, 0, 0.3}));
@@ -75,7 +77,7 @@ TEST(Collision, ObstacleCloudsAndMeshesAgree) {
   for (double opening : {0.02, 0.04, 0.05, 0.065, 0.069}) {
     // Finger's back at opening/2 + 12 mm, margin 5 mm, obstacle's face at 50 mm.
     const bool expected = opening / 2 + 0.012 + 0.005 > 0.05;
-    const auto hand = swept_hand(kGripper, opening, 0.0);
+    const auto hand = swept_hand(kCollisionGripper, opening, 0.0);
     const RigidTransform X_WG = from_above({0, 0, 0.06});
     EXPECT_EQ(mesh_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
     EXPECT_EQ(cloud_scene.check(hand, X_WG) == HandCollision::kObstacle, expected) << opening;
@@ -84,7 +86,7 @@ TEST(Collision, ObstacleCloudsAndMeshesAgree) {
 
 TEST(Collision, SwallowedHandIsNoticed) {
   const CollisionScene scene(box_at({10, 10, 10}, {0, 0, 5}), geometry::Plane{}, {});
-  EXPECT_EQ(scene.check(swept_hand(kGripper, 0.069, 0.1), from_above({0, 0, 4})),
+  EXPECT_EQ(scene.check(swept_hand(kCollisionGripper, 0.069, 0.1), from_above({0, 0, 4})),
             HandCollision::kObject);
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 using geometry::TriangleMesh;
 
-const robot::GripperModel kGripper;
+const robot::GripperModel kGeneratorGripper;
 
 class Scene {
  public:
   explicit Scene(const TriangleMesh& mesh, const Reachability& reachability = {})
       : query_(mesh),
         target_{query_, geometry::mass_properties(mesh).center_of_mass, geometry::Plane{},
-                hand_reach(kGripper), reachability} {}
+                hand_reach(kGeneratorGripper), reachability} {}
   std::vector<Candidate> generate(const std::string& name, const GeneratorOptions& options = {}) {
     return make_generator(name, options)->generate(target_);
   }
@@ -57,7 +57,7 @@ TEST_P(EachGenerator, MakesUsableFramesInTheSameOrder) {
       EXPECT_NEAR(R.determinant(), 1, 1e-9);
       EXPECT_NEAR((R.col(2) - candidate.approach_W).norm(), 0, 1e-9);
       // The standoff is from the fingertips to the centroid along the approach.
-      const Eigen::Vector3d tip = candidate.X_WG * Eigen::Vector3d(0, 0, kGripper.tip_z());
+      const Eigen::Vector3d tip = candidate.X_WG * Eigen::Vector3d(0, 0, kGeneratorGripper.tip_z());
       const Eigen::Vector3d centroid(0.3, 0.1, 0.05);
       EXPECT_NEAR((centroid - tip).dot(candidate.approach_W), candidate.standoff, 1e-9);
       if (reachability.approach_W && GetParam() != "circles") {
@@ -78,7 +78,8 @@ TEST_P(EachGenerator, FindsGraspsOfABoxABallAndACan) {
         std::pair(geometry::make_revolution({{0.03, -0.05}, {0.03, 0.05}}), 0.05)}) {
     surface::ObjectModel object;
     object.mesh_W = raised(mesh, height);
-    const auto result = plan_grasps(object, geometry::Plane{}, {}, kGripper, from_above(), options);
+    const auto result =
+        plan_grasps(object, geometry::Plane{}, {}, kGeneratorGripper, from_above(), options);
     EXPECT_FALSE(result.grasps.empty()) << result.problem;
     if (!result.grasps.empty()) {
       EXPECT_EQ(result.grasps.front().generator, GetParam());

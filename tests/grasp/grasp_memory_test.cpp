@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 using geometry::RigidTransform;
 
-const robot::GripperModel kGripper;
+const robot::GripperModel kMemoryGripper;
 
 class Memory : public ::testing::Test {
  protected:
@@ -46,10 +46,10 @@ class Memory : public ::testing::Test {
     Reachability from_above;
     from_above.approach_W = -Vector3d::UnitZ();
     return plan_grasps_with_memory(*database_, placed, object, geometry::Plane{}, obstacles,
-                                   kGripper, from_above, options_, &remembered_);
+                                   kMemoryGripper, from_above, options_, &remembered_);
   }
   std::vector<StoredGrasp> stored() const {
-    return database_->grasps(kGripper.name, content_hash(mesh()));
+    return database_->grasps(kMemoryGripper.name, content_hash(mesh()));
   }
 
   std::filesystem::path folder_;
@@ -110,8 +110,8 @@ TEST_F(Memory, WhatFailedRanksLower) {
   const auto before = plan(here);
   ASSERT_GT(before.grasps.size(), 1u);
   const Grasp best = before.grasps.front();
-  ASSERT_TRUE(remember_execution(*database_, here, kGripper.name, best.X_WG, false));
-  ASSERT_TRUE(remember_execution(*database_, here, kGripper.name, best.X_WG, false));
+  ASSERT_TRUE(remember_execution(*database_, here, kMemoryGripper.name, best.X_WG, false));
+  ASSERT_TRUE(remember_execution(*database_, here, kMemoryGripper.name, best.X_WG, false));
   EXPECT_FALSE(remember_execution(*database_, here, "another hand", best.X_WG, true));
   const auto after = plan(here);
   ASSERT_EQ(after.grasps.size(), before.grasps.size());

@@ -15,7 +15,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-const robot::GripperModel kGripper;
+const robot::GripperModel kPlannerGripper;
 
 surface::ObjectModel object_at(const TriangleMesh& mesh, const Eigen::Vector3d& p, double yaw = 0) {
   surface::ObjectModel object;
@@ -47,7 +47,8 @@ GraspPlanResult plan(const std::string& name, const surface::ObjectModel& object
                      const Reachability& reachability = carrier(),
                      const Obstacles& obstacles = {}) {
   const auto start = std::chrono::steady_clock::now();
-  const auto result = plan_grasps(object, geometry::Plane{}, obstacles, kGripper, reachability);
+  const auto result =
+      plan_grasps(object, geometry::Plane{}, obstacles, kPlannerGripper, reachability);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("%s: %d candidates, %zu grasps listed, %.3f s, %s\n", name.c_str(), result.candidates,
@@ -76,7 +77,7 @@ TEST(PlanGrasps, CubeFromAbove) {
   EXPECT_NEAR(best.X_WG.translation().y(), 0.1, 1e-3);
   EXPECT_GT(best.quality, 0);
   // The fingertips stay over the table.
-  EXPECT_GT((best.X_WG * Eigen::Vector3d(0, 0, kGripper.tip_z())).z(), 0.0039);
+  EXPECT_GT((best.X_WG * Eigen::Vector3d(0, 0, kPlannerGripper.tip_z())).z(), 0.0039);
   // The contacts lie on opposite faces of the cube, 50 mm apart.
   ASSERT_FALSE(best.left_contacts_W.empty());
   const Eigen::Vector3d apart = best.left_contacts_W.front() - best.right_contacts_W.front();
@@ -138,7 +139,8 @@ TEST(PlanGrasps, RobustnessFallsWithTheUncertainty) {
   const auto robustness = [&](double position, double rotation) {
     options.uncertainty.position_deviation = position;
     options.uncertainty.rotation_deviation = rotation;
-    const auto result = plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), options);
+    const auto result =
+        plan_grasps(cube, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
     return result.grasps.empty() ? -1.0 : result.grasps.front().robustness;
   };
   EXPECT_EQ(robustness(0, 0), 1);
@@ -153,7 +155,7 @@ TEST(PlanGrasps, AnotherShapeThatWouldNotFitTakesRobustness) {
   cube.alternatives_W = {wide.mesh_W, cube.mesh_W, wide.mesh_W};
   PlannerOptions options;
   options.uncertainty.position_deviation = options.uncertainty.rotation_deviation = 0;
-  const auto result = plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), options);
+  const auto result = plan_grasps(cube, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   ASSERT_FALSE(result.grasps.empty());
   int fitting = 0;
   for (const auto& grasp : result.grasps) {
@@ -167,17 +169,18 @@ TEST(PlanGrasps, AnotherShapeThatWouldNotFitTakesRobustness) {
 TEST(PlanGrasps, ALittleTooWideIsListedWithARemarkAndNotRobust) {
   const auto object = object_at(geometry::make_box({0.12, 0.068, 0.1}), {0.4, 0, 0.05});
   PlannerOptions options;
-  const auto tried = plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options);
+  const auto tried =
+      plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   ASSERT_FALSE(tried.grasps.empty()) << tried.problem;
   for (const auto& grasp : tried.grasps) {
     EXPECT_NE(grasp.remark.find("68.0 mm wide by the prediction"), std::string::npos)
         << grasp.remark;
-    EXPECT_LE(grasp.pregrasp_opening, kGripper.max_opening);
+    EXPECT_LE(grasp.pregrasp_opening, kPlannerGripper.max_opening);
     EXPECT_EQ(grasp.robustness, 0);
   }
   options.width_tolerance = 0;
-  EXPECT_TRUE(
-      plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options).grasps.empty());
+  EXPECT_TRUE(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options)
+                  .grasps.empty());
 }
 
 TEST(PlanGrasps, GuessedSurfaceIsPenalisedAndSaidSo) {
@@ -191,12 +194,13 @@ TEST(PlanGrasps, GuessedSurfaceIsPenalisedAndSaidSo) {
   }
   PlannerOptions options;
   options.uncertainty.samples = 0;
-  const auto result = plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options);
+  const auto result =
+      plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   ASSERT_FALSE(result.grasps.empty());
   auto known = object;
   known.vertex_origin.assign(object.mesh_W.vertices.size(), surface::SurfaceOrigin::kSeen);
   known.vertex_confidence.assign(object.mesh_W.vertices.size(), 1.0f);
-  const auto sure = plan_grasps(known, geometry::Plane{}, {}, kGripper, carrier(), options);
+  const auto sure = plan_grasps(known, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   bool compared = false;
   for (const auto& grasp : result.grasps) {
     // Closing along x, one pad is on the guessed face.
@@ -217,7 +221,7 @@ TEST(PlanGrasps, OutOfTimeSaysWhatWasNotTried) {
   PlannerOptions options;
   options.budget = 1e-9;
   const auto result = plan_grasps(object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025}),
-                                  geometry::Plane{}, {}, kGripper, carrier(), options);
+                                  geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   EXPECT_TRUE(result.grasps.empty());
   EXPECT_EQ(rejected(result, "not tried: the time was used up"), result.candidates);
   EXPECT_NE(result.problem.find("not tried"), std::string::npos) << result.problem;
@@ -227,7 +231,7 @@ TEST(PlanGrasps, TooHeavySaysHowHeavy) {
   PlannerOptions options;
   options.density = 20000;
   const auto result = plan_grasps(object_at(geometry::make_box({0.05, 0.05, 0.2}), {0, 0, 0.1}),
-                                  geometry::Plane{}, {}, kGripper, carrier(), options);
+                                  geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   EXPECT_TRUE(result.grasps.empty());
   EXPECT_NE(result.problem.find("too heavy"), std::string::npos) << result.problem;
 }
@@ -315,7 +319,7 @@ TEST(PlanGrasps, SameInputSameResultInAnyNumberOfThreads) {
   for (const int threads : {0, 1, 2, 5}) {
     PlannerOptions options;
     options.threads = threads;
-    const auto b = plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options);
+    const auto b = plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
     ASSERT_EQ(a.grasps.size(), b.grasps.size());
     ASSERT_EQ(a.rejections.size(), b.rejections.size());
     for (std::size_t i = 0; i < a.rejections.size(); ++i) {
@@ -350,20 +354,20 @@ TEST(PlanGrasps, InsideOutMeshIsTurned) {
 
 TEST(PlanGrasps, BrokenMeshesAreInputErrors) {
   surface::ObjectModel object;
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier()),
                geometry::InputError);
   object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
   object.mesh_W.vertices[3].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier()),
                geometry::InputError);
   object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
   object.mesh_W.triangles[0][1] = 99;
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier()),
                geometry::InputError);
   // A flat sheet bounds no solid.
   object.mesh_W.vertices = {{0, 0, 0.1}, {0.1, 0, 0.1}, {0, 0.1, 0.1}, {0.1, 0.1, 0.1}};
   object.mesh_W.triangles = {{0, 1, 2}, {2, 1, 3}};
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier()),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier()),
                geometry::InputError);
 }
 
@@ -371,11 +375,11 @@ TEST(PlanGrasps, RejectsNonsenseOptions) {
   const auto object = object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025});
   PlannerOptions options;
   options.density = -1;
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options),
                std::invalid_argument);
   options = {};
   options.safety_factor = 0.5;
-  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kGripper, carrier(), options),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options),
                std::invalid_argument);
 }
 

@@ -7,7 +7,7 @@
 #include "prehend/graph/parameter_file.h"
 #include "tests/launch/launch_file_fixture.h"
 
-namespace prehend::graph::launch {
+namespace prehend::launch {
 namespace {
 
 using testing::AllOf;
@@ -143,7 +143,7 @@ TEST_F(HostileLaunch, WrongTypesEverywhere) {
 TEST_F(HostileLaunch, ParameterFilesAreReadAsStrictly) {
   const auto refusal = [this](const std::string& text) -> std::string {
     try {
-      read_parameter_file(write("p.yaml", text));
+      graph::read_parameter_file(write("p.yaml", text));
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -160,4 +160,4 @@ TEST_F(HostileLaunch, ParameterFilesAreReadAsStrictly) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::launch
+}  // namespace prehend::launch

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "prehend/graph/launch/launch_file.h"
+#include "prehend/launch/launch_file.h"
 
-namespace prehend::graph::launch {
+namespace prehend::launch {
 
 /// Launch files in a folder of their own, with empty programs to name.
 class LaunchFileTest : public testing::Test {
@@ -47,4 +47,4 @@ class LaunchFileTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
-}  // namespace prehend::graph::launch
+}  // namespace prehend::launch

@@ -1,10 +1,10 @@
-#include "prehend/graph/launch/launch_file.h"
+#include "prehend/launch/launch_file.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/launch/launch_file_fixture.h"
 
-namespace prehend::graph::launch {
+namespace prehend::launch {
 namespace {
 
 using testing::ElementsAre;
@@ -198,4 +198,4 @@ TEST_F(LaunchFileTest, DeclaredArgumentsAreListed) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::launch
+}  // namespace prehend::launch

@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "prehend/graph/launch/process_plan.h"
+#include "prehend/launch/process_plan.h"
 #include "tests/launch/launch_file_fixture.h"
 
-namespace prehend::graph::launch {
+namespace prehend::launch {
 namespace {
 
 using testing::AllOf;
@@ -170,4 +170,4 @@ TEST_F(LaunchGroups, MissingArgumentsMayStayOpenForAChecker) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::launch
+}  // namespace prehend::launch

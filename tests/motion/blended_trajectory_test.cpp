@@ -13,7 +13,7 @@ namespace {
 
 using robot::Positions;
 
-Positions with(int joint, double value) {
+Positions posed(int joint, double value) {
   Positions q = Positions::Zero(6);
   q[joint] = value;
   return q;
@@ -70,10 +70,10 @@ TEST(BlendedTrajectory, OneLineIsTheTrapezoid) {
   const robot::KinematicChain arm = robot::kr5();
   const double v = arm.joints()[0].max_velocity, a = 10;
   const Eigen::VectorXd most = Eigen::VectorXd::Constant(6, a);
-  const BlendedTrajectory one(arm, BlendedPath({with(0, 0), with(0, 2.5)}, 0.1), most);
+  const BlendedTrajectory one(arm, BlendedPath({posed(0, 0), posed(0, 2.5)}, 0.1), most);
   EXPECT_NEAR(one.duration(), 2.5 / v + v / a, 1e-12);
   EXPECT_NEAR(one.at(v / a).position[0], v * v / (2 * a), 1e-12);
-  const BlendedTrajectory small(arm, BlendedPath({with(0, 0), with(0, 0.1)}, 0.1), most);
+  const BlendedTrajectory small(arm, BlendedPath({posed(0, 0), posed(0, 0.1)}, 0.1), most);
   EXPECT_NEAR(small.duration(), 2 * std::sqrt(0.1 / a), 1e-12);
   // Any line, at any time: as the motion that stops at waypoints.
   std::mt19937_64 random(1);
@@ -162,7 +162,7 @@ TEST(BlendedTrajectory, ALongerArcIsNoSlower) {
   // A right angle of two joints: the more may be cut, the sooner it is done.
   const robot::KinematicChain arm = robot::kr5();
   const Eigen::VectorXd most = Eigen::VectorXd::Constant(6, 8.0);
-  std::vector<Positions> way{with(0, 0), with(0, 1), with(0, 1)};
+  std::vector<Positions> way{posed(0, 0), posed(0, 1), posed(0, 1)};
   way.back()[1] = -1;
   double last = Trajectory(arm, way, most).duration() + 1e-9;
   for (const double deviation : {0.0, 0.001, 0.01, 0.03, 0.1, 0.3}) {
@@ -176,22 +176,23 @@ TEST(BlendedTrajectory, ExtremesAreTimed) {
   const robot::KinematicChain arm = robot::kr5();
   const Eigen::VectorXd most = Eigen::VectorXd::Constant(6, 8.0);
   // One waypoint; the same one again and again.
-  const BlendedTrajectory still(arm, BlendedPath({with(0, 1)}, 0.1), most);
+  const BlendedTrajectory still(arm, BlendedPath({posed(0, 1)}, 0.1), most);
   EXPECT_EQ(still.duration(), 0);
   EXPECT_EQ(still.at(3).position[0], 1);
-  const BlendedTrajectory same(arm, BlendedPath({with(0, 1), with(0, 1), with(0, 1)}, 0.1), most);
+  const BlendedTrajectory same(arm, BlendedPath({posed(0, 1), posed(0, 1), posed(0, 1)}, 0.1),
+                               most);
   EXPECT_EQ(same.duration(), 0);
   // Repeated and collinear waypoints cost nothing; a reversal is a stop.
   const double v = arm.joints()[0].max_velocity;
-  const std::vector<Positions> line{with(0, 0),   with(0, 0),   with(0, 0.5), with(0, 0.5),
-                                    with(0, 1.3), with(0, 2.5), with(0, 2.5)};
+  const std::vector<Positions> line{posed(0, 0),   posed(0, 0),   posed(0, 0.5), posed(0, 0.5),
+                                    posed(0, 1.3), posed(0, 2.5), posed(0, 2.5)};
   EXPECT_NEAR(BlendedTrajectory(arm, BlendedPath(line, 0.1), most).duration(), 2.5 / v + v / 8,
               1e-9);
-  const BlendedPath back({with(0, 0), with(0, 1), with(0, 0.2)}, 0.1);
+  const BlendedPath back({posed(0, 0), posed(0, 1), posed(0, 0.2)}, 0.1);
   EXPECT_EQ(back.stops(), 1);
   const BlendedTrajectory there(arm, back, most);
   EXPECT_NEAR(there.duration(),
-              Trajectory(arm, {with(0, 0), with(0, 1), with(0, 0.2)}, most).duration(), 1e-9);
+              Trajectory(arm, {posed(0, 0), posed(0, 1), posed(0, 0.2)}, most).duration(), 1e-9);
   // From micro-radians at snail's pace to limits that never bind.
   std::mt19937_64 random(6);
   for (const double size : {1e-6, 1e-3, 1.0}) {
@@ -287,14 +288,14 @@ TEST(BlendedPath, ShelvesAreNotTouched) {
 TEST(BlendedTrajectory, RefusesWhatItCannotTime) {
   const robot::KinematicChain arm = robot::kr5();
   const Eigen::VectorXd most = Eigen::VectorXd::Constant(6, 8.0);
-  const BlendedPath path({with(0, 0), with(0, 1)}, 0.1);
+  const BlendedPath path({posed(0, 0), posed(0, 1)}, 0.1);
   EXPECT_THROW(BlendedPath({}, 0.1), std::invalid_argument);
-  EXPECT_THROW(BlendedPath({with(0, 0)}, -1), std::invalid_argument);
-  EXPECT_THROW(BlendedPath({with(0, std::nan(""))}, 0.1), std::invalid_argument);
-  EXPECT_THROW(BlendedPath({with(0, 0), Positions::Zero(7)}, 0.1), std::invalid_argument);
+  EXPECT_THROW(BlendedPath({posed(0, 0)}, -1), std::invalid_argument);
+  EXPECT_THROW(BlendedPath({posed(0, std::nan(""))}, 0.1), std::invalid_argument);
+  EXPECT_THROW(BlendedPath({posed(0, 0), Positions::Zero(7)}, 0.1), std::invalid_argument);
   const Shelves shelves;
   const RobotInWorld seven = shelves.in_world();
-  EXPECT_THROW(BlendedPath(seven, {with(0, 0)}, 0.1), std::invalid_argument);
+  EXPECT_THROW(BlendedPath(seven, {posed(0, 0)}, 0.1), std::invalid_argument);
   EXPECT_THROW(BlendedPath(seven, {Positions::Zero(7)}, 0.1, 0), std::invalid_argument);
   EXPECT_THROW(BlendedTrajectory(robot::pa10(), path, Eigen::VectorXd::Constant(7, 1)),
                std::invalid_argument);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/geometry/rotation_between.h"
 #include "prehend/motion/pick_motion.h"
 #include "tests/motion/fcl_oracle.h"
 #include "tests/motion/shelves.h"
@@ -57,7 +58,7 @@ struct PickScene {
   void grasp(const Eigen::Vector3d& approach, double roll, double above) {
     const Eigen::Vector3d z = approach.normalized();
     PickGrasp grasp;
-    grasp.X_BT.linear() = (Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), z) *
+    grasp.X_BT.linear() = (geometry::rotation_between(Eigen::Vector3d::UnitZ(), z) *
                            Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
                               .toRotationMatrix();
     grasp.X_BT.translation() = task.object.X_BO * Eigen::Vector3d(0, 0, above);

@@ -15,7 +15,7 @@ using testing::standing_box;
 using testing::SyntheticView;
 using testing::table_top;
 
-double overlap(const geometry::MaskImage& mask, const geometry::Image<int>& owner, int box) {
+double box_overlap(const geometry::MaskImage& mask, const geometry::Image<int>& owner, int box) {
   double both = 0;
   double either = 0;
   for (std::size_t i = 0; i < mask.data.size(); ++i) {
@@ -42,9 +42,9 @@ TEST(Segment, FindsEveryBoxWithItsMask) {
   const geometry::Image<int> owner = testing::owners(view, depth);
   const SegmentedScene scene = segment(render(view), view.camera, view.X_WC);
   ASSERT_EQ(scene.objects.size(), 3U);
-  EXPECT_GT(overlap(scene.objects[0].mask, owner, 2), 0.88);
-  EXPECT_GT(overlap(scene.objects[1].mask, owner, 3), 0.85);
-  EXPECT_GT(overlap(scene.objects[2].mask, owner, 4), 0.75);  // its lowest 8 mm are the table's
+  EXPECT_GT(box_overlap(scene.objects[0].mask, owner, 2), 0.88);
+  EXPECT_GT(box_overlap(scene.objects[1].mask, owner, 3), 0.85);
+  EXPECT_GT(box_overlap(scene.objects[2].mask, owner, 4), 0.75);  // its lowest 8 mm are the table's
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(scene.objects[k].id, static_cast<int>(k));
     EXPECT_FALSE(scene.objects[k].touches_image_border);
@@ -91,7 +91,7 @@ TEST(Segment, UnorganizedCloudGivesMasksWithoutHoles) {
   const geometry::Image<int> owner = testing::owners(view, depth);
   const SegmentedScene scene = segment(cloud, view.camera, view.X_WC);
   ASSERT_EQ(scene.objects.size(), 3U);
-  EXPECT_GT(overlap(scene.objects[0].mask, owner, 2), 0.85);
+  EXPECT_GT(box_overlap(scene.objects[0].mask, owner, 2), 0.85);
   EXPECT_EQ(scene.depth.width, view.camera.width);
 }
 

@@ -14,31 +14,31 @@
 namespace prehend::perception {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 200;
+constexpr int kMatchWidth = 320, kMatchHeight = 200;
 constexpr int kFar = 20, kNear = 30;  // pixels of disparity
-const float kNan = std::numeric_limits<float>::quiet_NaN();
+const float kUnknownDisparity = std::numeric_limits<float>::quiet_NaN();
 
-geometry::StereoCamera camera() { return {{kWidth, kHeight, 400, 400, 160, 100}, 0.05}; }
+geometry::StereoCamera camera() { return {{kMatchWidth, kMatchHeight, 400, 400, 160, 100}, 0.05}; }
 
 bool in_square(int u, int v) { return u >= 130 && u < 220 && v >= 60 && v < 140; }
 // Without texture, so that nothing can be matched.
 bool in_blank(int u, int v) { return u >= 240 && u < 300 && v >= 20 && v < 60; }
 
-struct Pair {
-  GreyImage left{kWidth, kHeight}, right{kWidth, kHeight};
-  DisparityImage truth{kWidth, kHeight};
+struct MatchPair {
+  GreyImage left{kMatchWidth, kMatchHeight}, right{kMatchWidth, kMatchHeight};
+  DisparityImage truth{kMatchWidth, kMatchHeight};
 };
 
-Pair make_pair() {
+MatchPair make_pair() {
   std::mt19937_64 random(3);
-  GreyImage wall(kWidth + 100, kHeight), square(kWidth + 100, kHeight);
+  GreyImage wall(kMatchWidth + 100, kMatchHeight), square(kMatchWidth + 100, kMatchHeight);
   for (auto* texture : {&wall, &square}) {
     for (std::uint8_t& value : texture->data) value = static_cast<std::uint8_t>(random() % 200);
   }
   for (std::uint8_t& value : square.data) value = static_cast<std::uint8_t>(value / 2 + 128);
-  Pair pair;
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
+  MatchPair pair;
+  for (int v = 0; v < kMatchHeight; ++v) {
+    for (int u = 0; u < kMatchWidth; ++u) {
       const bool near = in_square(u, v);
       pair.truth.at(u, v) = static_cast<float>(near ? kNear : kFar);
       pair.left.at(u, v) = near ? square.at(u, v) : in_blank(u, v) ? 90 : wall.at(u, v);
@@ -69,7 +69,7 @@ Quality quality_of(const DisparityImage& found, const DisparityImage& truth) {
 }
 
 TEST(MatchStereo, BothMethodsFindTheStep) {
-  const Pair pair = make_pair();
+  const MatchPair pair = make_pair();
   for (const StereoMethod method : {StereoMethod::kSemiGlobal, StereoMethod::kBlockMatching}) {
     StereoOptions options;
     options.method = method;
@@ -80,7 +80,7 @@ TEST(MatchStereo, BothMethodsFindTheStep) {
     EXPECT_NEAR(match.disparity.at(175, 100), kNear, 0.5);
     EXPECT_NEAR(match.disparity.at(60, 100), kFar, 0.5);
     // Grey in three channels is the same picture.
-    geometry::ColorImage left(kWidth, kHeight), right(kWidth, kHeight);
+    geometry::ColorImage left(kMatchWidth, kMatchHeight), right(kMatchWidth, kMatchHeight);
     for (std::size_t i = 0; i < left.data.size(); ++i) {
       left.data[i].fill(pair.left.data[i]);
       right.data[i].fill(pair.right.data[i]);
@@ -92,7 +92,7 @@ TEST(MatchStereo, BothMethodsFindTheStep) {
 }
 
 TEST(MatchStereo, ConfidenceTellsWrongFromRight) {
-  const Pair pair = make_pair();
+  const MatchPair pair = make_pair();
   StereoOptions options;
   options.left_right_tolerance = -1;  // so that there is something wrong to find
   options.uniqueness_percent = 0;
@@ -116,7 +116,7 @@ TEST(MatchStereo, ConfidenceTellsWrongFromRight) {
 }
 
 TEST(MatchStereo, LeastConfidenceDropsPixels) {
-  const Pair pair = make_pair();
+  const MatchPair pair = make_pair();
   StereoOptions options;
   const Quality all =
       quality_of(match_stereo(pair.left, pair.right, camera(), options).disparity, pair.truth);
@@ -139,13 +139,13 @@ TEST(FilteredDisparity, FillsHolesUpToEdgesOfTheGuide) {
       disparity.at(u, v) = 40;
       guide.at(u, v) = 200;
     }
-    for (int u = 26; u < 34; ++u) disparity.at(u, v) = kNan;
+    for (int u = 26; u < 34; ++u) disparity.at(u, v) = kUnknownDisparity;
   }
   const DisparityImage filtered = filtered_disparity(disparity, confidence, guide);
   for (int u = 0; u < n; ++u) EXPECT_NEAR(filtered.at(u, 20), u < 30 ? 10 : 40, 0.5) << u;
 
   // Where nothing is known nearby, nothing is invented.
-  const DisparityImage nothing(n, n, kNan);
+  const DisparityImage nothing(n, n, kUnknownDisparity);
   for (const float d : filtered_disparity(nothing, confidence, guide).data) {
     EXPECT_TRUE(std::isnan(d));
   }
@@ -179,8 +179,9 @@ TEST(FilteredDisparity, RejectsBadOptionsAndSizes) {
   const DisparityImage image(8, 8, 1.0F);
   const geometry::Image<float> confidence(8, 8, 1.0F);
   EXPECT_THROW(filtered_disparity(image, confidence, GreyImage(8, 9)), std::invalid_argument);
-  EXPECT_THROW(filtered_disparity(image, confidence, GreyImage(8, 8), {.smoothness = kNan}),
-               std::invalid_argument);
+  EXPECT_THROW(
+      filtered_disparity(image, confidence, GreyImage(8, 8), {.smoothness = kUnknownDisparity}),
+      std::invalid_argument);
   EXPECT_THROW(filtered_disparity(image, confidence, GreyImage(8, 8), {.iterations = 0}),
                std::invalid_argument);
   EXPECT_THROW(stereo_confidence(GreyImage(8, 8), image, {}, 4), std::invalid_argument);

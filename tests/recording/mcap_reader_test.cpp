@@ -1,4 +1,4 @@
-#include "prehend/graph/recording/mcap_reader.h"
+#include "prehend/recording/mcap_reader.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "tests/recording/recording_test_files.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 namespace {
 
 using testing::ElementsAre;
@@ -288,4 +288,4 @@ TEST(McapReader, ADamagedAttachmentIsNotHandedOut) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

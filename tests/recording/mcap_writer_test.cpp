@@ -1,4 +1,4 @@
-#include "prehend/graph/recording/mcap_writer.h"
+#include "prehend/recording/mcap_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 #include "tests/recording/recording_test_files.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 namespace {
 
 using testing::HasSubstr;
@@ -245,4 +245,4 @@ TEST(McapWriter, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

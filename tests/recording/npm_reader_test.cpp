@@ -9,10 +9,10 @@
 #include <filesystem>
 
 #include "msgs/sensors.pb.h"
-#include "prehend/graph/recording/protobuf_schema.h"
+#include "prehend/recording/protobuf_schema.h"
 #include "tests/recording/recording_test_files.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 namespace {
 
 const std::string kFolder = "tests/recording/npm";
@@ -169,4 +169,4 @@ TEST_F(NpmReader, WeReadWhatTheNpmWriterWrites) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

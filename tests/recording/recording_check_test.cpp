@@ -1,16 +1,16 @@
 // Checking recordings, and choosing from them: topic patterns, latched messages, word lists.
 
-#include "prehend/graph/recording/recording_check.h"
+#include "prehend/recording/recording_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "prehend/graph/recording/latched_messages.h"
-#include "prehend/graph/recording/topic_filter.h"
-#include "prehend/graph/recording/word_list.h"
+#include "prehend/recording/latched_messages.h"
+#include "prehend/recording/topic_filter.h"
+#include "prehend/recording/word_list.h"
 #include "tests/recording/recording_test_files.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 namespace {
 
 using testing::Contains;
@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::string message_of(double x) {
+std::string checked_message_of(double x) {
   std::string data = "\x09";
   data.append(reinterpret_cast<const char*>(&x), sizeof x);
   return data;
@@ -33,7 +33,8 @@ McapWriterOptions all_checksums(Compression compression) {
 }
 
 // About 2 kB with every kind of record.
-void write_recording(const std::string& path, Compression compression = Compression::kNone) {
+void write_checked_recording(const std::string& path,
+                             Compression compression = Compression::kNone) {
   McapWriter writer(path, all_checksums(compression));
   const auto schema = writer.add_schema("t.P", "protobuf", example_schema());
   const auto p = writer.add_channel("/p", "protobuf", schema);
@@ -41,7 +42,7 @@ void write_recording(const std::string& path, Compression compression = Compress
   writer.add_attachment({3, 2, "launch.yaml", "text/yaml", "nodes: []\n"});
   writer.add_metadata({"run", {{"seed", "7"}}});
   for (std::uint32_t i = 1; i <= 10; ++i) {
-    writer.write(p, i, 10 * i, 10 * i, message_of(i));
+    writer.write(p, i, 10 * i, 10 * i, checked_message_of(i));
     writer.write(raw, i, 10 * i + 1, 10 * i, "anything");
   }
   writer.close();
@@ -54,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Compressions, CheckRecording,
 
 TEST_P(CheckRecording, FindsNothingInASoundFile) {
   TemporaryFolder folder;
-  write_recording(folder.file("a.mcap"), GetParam());
+  write_checked_recording(folder.file("a.mcap"), GetParam());
   const RecordingCheck check = check_recording(folder.file("a.mcap"));
   EXPECT_THAT(check.problems, IsEmpty());
   EXPECT_EQ(check.messages, 20u);
@@ -65,7 +66,7 @@ TEST_P(CheckRecording, FindsNothingInASoundFile) {
 // The checksum of the data section covers all before it, that of the summary all after.
 TEST_P(CheckRecording, FindsAnyFlippedBit) {
   TemporaryFolder folder;
-  write_recording(folder.file("a.mcap"), GetParam());
+  write_checked_recording(folder.file("a.mcap"), GetParam());
   const std::string bytes = read_file(folder.file("a.mcap"));
   for (std::size_t i = 8; i < bytes.size(); ++i) {
     std::string damaged = bytes;
@@ -77,7 +78,7 @@ TEST_P(CheckRecording, FindsAnyFlippedBit) {
 
 TEST_P(CheckRecording, FindsAnyCut) {
   TemporaryFolder folder;
-  write_recording(folder.file("a.mcap"), GetParam());
+  write_checked_recording(folder.file("a.mcap"), GetParam());
   const std::string bytes = read_file(folder.file("a.mcap"));
   for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
     write_file(folder.file("b.mcap"), bytes.substr(0, cut));
@@ -93,7 +94,7 @@ TEST_P(CheckRecording, FindsAnyCut) {
 // message that was not written.
 TEST_P(CheckRecording, ReaderSurvivesEveryCutAndFlippedBit) {
   TemporaryFolder folder;
-  write_recording(folder.file("a.mcap"), GetParam());
+  write_checked_recording(folder.file("a.mcap"), GetParam());
   const std::string bytes = read_file(folder.file("a.mcap"));
   const auto read = [&](const std::string& content) {
     write_file(folder.file("b.mcap"), content);
@@ -130,8 +131,8 @@ TEST(CheckRecordings, NamesWhatIsWrong) {
   EXPECT_THAT(problems_of([](McapWriter& writer) {
                 const auto schema = writer.add_schema("t.P", "protobuf", example_schema());
                 const auto p = writer.add_channel("/p", "protobuf", schema);
-                writer.write(p, 1, 10, 10, message_of(1));
-                writer.write(p, 2, 9, 9, message_of(2));
+                writer.write(p, 1, 10, 10, checked_message_of(1));
+                writer.write(p, 2, 9, 9, checked_message_of(2));
                 writer.write(p, 3, 20, 20, "\x09?");
               }),
               ElementsAre(HasSubstr("/p: message 2 at byte 32 is earlier than the one before"),
@@ -200,4 +201,4 @@ TEST(WordList, ComesBackAsItWas) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

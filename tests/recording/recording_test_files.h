@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/mcap_writer.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/mcap_writer.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 
 /// A folder of its own that vanishes with the object.
 class TemporaryFolder {
@@ -54,4 +54,4 @@ inline std::string example_schema() {
          "R\x01xb\x06proto3"s;
 }
 
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

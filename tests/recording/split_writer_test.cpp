@@ -1,4 +1,4 @@
-#include "prehend/graph/recording/split_writer.h"
+#include "prehend/recording/split_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 #include <random>
 #include <set>
 
-#include "prehend/graph/recording/recording_check.h"
+#include "prehend/recording/recording_check.h"
 #include "tests/recording/recording_test_files.h"
 
-namespace prehend::graph::recording {
+namespace prehend::recording {
 namespace {
 
 using testing::ElementsAre;
@@ -145,4 +145,4 @@ TEST(SplitWriter, SaysWhatItRefuses) {
 }
 
 }  // namespace
-}  // namespace prehend::graph::recording
+}  // namespace prehend::recording

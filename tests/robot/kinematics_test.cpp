@@ -17,7 +17,7 @@ using geometry::InputError;
 using geometry::RigidTransform;
 using ::testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 std::string with_joint(const std::string& joint) {
   return "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>" + joint + "</robot>";
@@ -115,7 +115,7 @@ TEST(KinematicChain, StandsAsPublishedAtPositionZero) {
                   .isApprox(Eigen::Vector3d(0, 0, 1.345), 1e-12));
   // The KR 5's first axis turns clockwise, seen from above.
   Eigen::VectorXd q = Eigen::VectorXd::Zero(6);
-  q[0] = kPi / 2;
+  q[0] = kHalfTurn / 2;
   EXPECT_TRUE(arm.forward(q).translation().isApprox(Eigen::Vector3d(0, -0.925, 0.425), 1e-12));
 }
 
@@ -129,9 +129,10 @@ RigidTransform kr5_by_table(const Eigen::VectorXd& q) {
   RigidTransform X = RigidTransform::Identity();
   for (int i = 0; i < 6; ++i) {
     const Row& row = rows[i];
-    X.rotate(Eigen::AngleAxisd(row.alpha * kPi / 180, Eigen::Vector3d::UnitX()));
+    X.rotate(Eigen::AngleAxisd(row.alpha * kHalfTurn / 180, Eigen::Vector3d::UnitX()));
     X.translate(Eigen::Vector3d(row.a, 0, 0));
-    X.rotate(Eigen::AngleAxisd(row.sign * q[i] + row.offset * kPi / 180, Eigen::Vector3d::UnitZ()));
+    X.rotate(Eigen::AngleAxisd(row.sign * q[i] + row.offset * kHalfTurn / 180,
+                               Eigen::Vector3d::UnitZ()));
     X.translate(Eigen::Vector3d(0, 0, row.d));
   }
   return X;

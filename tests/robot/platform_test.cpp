@@ -15,13 +15,13 @@ using geometry::RigidTransform;
 
 constexpr const char* kPlatforms[] = {"kr5_sdh", "pa10_barrett", "kr5_pg70"};
 
-Platform shipped(const std::string& name) {
+Platform shipped_platform(const std::string& name) {
   return read_platform("config/robots/" + name + ".yaml");
 }
 
 TEST(Platform, HomesHoldTheHandDownWithinReach) {
   for (const char* name : kPlatforms) {
-    const Platform platform = shipped(name);
+    const Platform platform = shipped_platform(name);
     const KinematicChain arm = platform.arm_chain();
     for (const Platform::Home& home : platform.homes) {
       const RigidTransform X_WF = platform.X_WB * arm.forward(home.arm);
@@ -33,7 +33,7 @@ TEST(Platform, HomesHoldTheHandDownWithinReach) {
 
 TEST(Platform, ToolIsWhereInverseKinematicsPutsIt) {
   for (const char* name : kPlatforms) {
-    const Platform platform = shipped(name);
+    const Platform platform = shipped_platform(name);
     const KinematicChain arm = platform.arm_chain();
     const InverseKinematics inverse(arm);
     for (const Preshape& preshape : platform.hand.preshapes) {
@@ -52,7 +52,7 @@ TEST(Platform, ToolIsWhereInverseKinematicsPutsIt) {
 }
 
 TEST(Platform, JoinsArmAndHandWithTheirMimics) {
-  const Platform platform = shipped("pa10_barrett");
+  const Platform platform = shipped_platform("pa10_barrett");
   const RobotModel& model = platform.model;
   const Joint& outer =
       model.joints[static_cast<std::size_t>(model.joint_index("hand_finger_2_outer"))];
@@ -65,7 +65,7 @@ TEST(Platform, JoinsArmAndHandWithTheirMimics) {
 }
 
 TEST(Platform, HandFixedAtPositionsStandsThere) {
-  const Platform platform = shipped("kr5_sdh");
+  const Platform platform = shipped_platform("kr5_sdh");
   const Eigen::VectorXd all = platform.hand.all_positions(platform.hand.preshape("spherical").open);
   const RobotModel fixed = platform.with_hand_at(all);
   const KinematicChain to_tip(fixed, platform.base, "hand_thumb_distal_link");
@@ -91,13 +91,13 @@ class PlatformFile : public RobotFile {
 
 TEST_F(PlatformFile, ErrorsNameLineNearestAndMend) {
   EXPECT_HAS(error("flange: tool0", "flange: tol0"), "'arm_tool0'");
-  EXPECT_HAS(error("mount:", "mout:"), "The nearest known key is 'mount'");
+  EXPECT_HAS(error("mount:", "mout:"), "The nearest is 'mount'");
   EXPECT_HAS(error("axis_5: 1.5707963", "axis_5: 2.5"), "is beyond 120.0 deg");
   EXPECT_HAS(error("axis_6: 0}", "axis_7: 0}"), "home.axis_6 is missing");
   EXPECT_HAS(error("hand: sdh2.yaml", "hand: sdh3.yaml"), "sdh3.yaml does not exist");
   EXPECT_HAS(error("arm: kr5_sixx_r850.urdf", ""), "platform.arm is missing");
   EXPECT_HAS(error("xyz: [0, 0, 0.02]", "xyz: [0, 0]"), "3 finite numbers");
-  EXPECT_HAS(error_of([] { shipped("kr5_sdh").home("hme"); }), "The nearest is 'home'");
+  EXPECT_HAS(error_of([] { shipped_platform("kr5_sdh").home("hme"); }), "The nearest is 'home'");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ SyntheticView good_view() {
 }
 
 /// What complete_by_symmetry complains of; "" when it does not.
-std::string complaint(const SyntheticView& view) {
+std::string hostile_complaint(const SyntheticView& view) {
   try {
     complete_by_symmetry(view.view());
   } catch (const geometry::InputError& error) {
@@ -29,14 +29,14 @@ std::string complaint(const SyntheticView& view) {
   return "";
 }
 
-TEST(HostileView, TheGoodOneIsAccepted) { EXPECT_EQ(complaint(good_view()), ""); }
+TEST(HostileView, TheGoodOneIsAccepted) { EXPECT_EQ(hostile_complaint(good_view()), ""); }
 
 TEST(HostileView, EmptyAndTooSmallClouds) {
   SyntheticView view = good_view();
   view.cloud_W.points.clear();
-  EXPECT_THAT(complaint(view), HasSubstr("0 seen points"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("0 seen points"));
   view.cloud_W.points.emplace_back(0.f, 0.f, 0.1f);
-  EXPECT_THAT(complaint(view), HasSubstr("1 seen points"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("1 seen points"));
 }
 
 TEST(HostileView, NotFinitePoints) {
@@ -44,55 +44,55 @@ TEST(HostileView, NotFinitePoints) {
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     SyntheticView view = good_view();
     view.cloud_W.points[5].y() = bad;
-    EXPECT_THAT(complaint(view), HasSubstr("not finite"));
+    EXPECT_THAT(hostile_complaint(view), HasSubstr("not finite"));
     for (auto& p : view.cloud_W.points) p.setConstant(bad);
-    EXPECT_THAT(complaint(view), HasSubstr("not finite"));
+    EXPECT_THAT(hostile_complaint(view), HasSubstr("not finite"));
   }
 }
 
 TEST(HostileView, CoincidentCollinearAndCoplanarPoints) {
   SyntheticView view = good_view();
   for (auto& p : view.cloud_W.points) p = view.cloud_W.points[0];
-  EXPECT_THAT(complaint(view), HasSubstr("coincide"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("coincide"));
 
   view = good_view();
   for (std::size_t i = 0; i < view.cloud_W.size(); ++i) {
     view.cloud_W.points[i] = Eigen::Vector3f(0.001f, 0.0005f, 0.001f) * static_cast<float>(i);
   }
-  EXPECT_THAT(complaint(view), HasSubstr("on a line"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("on a line"));
 
   view = good_view();
   for (auto& p : view.cloud_W.points) p.x() = 0.03f;
-  EXPECT_THAT(complaint(view), HasSubstr("in one plane"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("in one plane"));
 }
 
 TEST(HostileView, MasksThatDoNotFit) {
   SyntheticView view = good_view();
   view.mask.data.assign(view.mask.data.size(), 0);
-  EXPECT_THAT(complaint(view), HasSubstr("mask is empty"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("mask is empty"));
 
   view = good_view();
   view.mask = geometry::MaskImage(10, 10, 255);
-  EXPECT_THAT(complaint(view), HasSubstr("10 x 10"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("10 x 10"));
 
   view = good_view();
   view.mask = geometry::MaskImage(view.camera.width, view.camera.height, 0);
   view.mask.at(0, 0) = 255;
-  EXPECT_THAT(complaint(view), HasSubstr("project into the object's mask"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("project into the object's mask"));
 }
 
 TEST(HostileView, CamerasThatCannotBe) {
   SyntheticView view = good_view();
   view.camera.fx = 0;
-  EXPECT_THAT(complaint(view), HasSubstr("camera"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("camera"));
 
   view = good_view();
   view.X_WC.linear() *= Eigen::AngleAxisd(3.14159, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  EXPECT_THAT(complaint(view), HasSubstr("behind the camera"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("behind the camera"));
 
   view = good_view();
   view.table_W.normal.setZero();
-  EXPECT_THAT(complaint(view), HasSubstr("table's normal"));
+  EXPECT_THAT(hostile_complaint(view), HasSubstr("table's normal"));
 }
 
 TEST(HostileView, OptionsOutOfRangeAreNamed) {

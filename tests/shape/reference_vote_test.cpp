@@ -10,7 +10,7 @@
 namespace prehend::shape {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kVoteDegree = std::numbers::pi / 180;
 
 /// A camera at the origin of W that looks along +z; the table is y = 0.1 with normal -y.
 SyntheticView empty_view() {
@@ -90,27 +90,27 @@ TEST(ReferenceVote, StartsAlongTheEigenvectorMostPerpendicularToTheView) {
   for (const double yaw : {0.0, 15.0, -30.0}) {
     // 15 cm across the view, 6 cm along it: the plane's trace is across.
     const SyntheticView view = synthetic_view(
-        standing(geometry::make_box({0.06, 0.15, 0.05}), yaw * kDegree), {.width = 160});
+        standing(geometry::make_box({0.06, 0.15, 0.05}), yaw * kVoteDegree), {.width = 160});
     const StartingPlane start = reference_start(view.view());
     EXPECT_NEAR(start.normal_W.z(), 0, 1e-9);
     EXPECT_LT(start.normal_W.x(), 0);  // away from the camera at +x
     EXPECT_NEAR(start.normal_W.norm(), 1, 1e-12);
-    EXPECT_LT(std::abs(std::atan2(start.normal_W.y(), -start.normal_W.x()) + yaw * kDegree),
-              12 * kDegree);
+    EXPECT_LT(std::abs(std::atan2(start.normal_W.y(), -start.normal_W.x()) + yaw * kVoteDegree),
+              12 * kVoteDegree);
   }
 }
 
 TEST(ReferenceVote, ThirtyFiveHypothesesOfThePaper) {
   const SyntheticView view =
       synthetic_view(standing(geometry::make_box({0.06, 0.15, 0.05}), 0), {.width = 160});
-  const auto planes = reference_hypotheses(view.view(), 7, 5, 20 * kDegree);
+  const auto planes = reference_hypotheses(view.view(), 7, 5, 20 * kVoteDegree);
   ASSERT_EQ(planes.size(), 35u);
   const StartingPlane start = reference_start(view.view());
   const Eigen::Vector3d center_C = view.X_WC.inverse() * start.center_W;
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const Eigen::Vector3d normal_W = view.X_WC.linear() * planes[k].normal;
     EXPECT_NEAR(normal_W.z(), 0, 1e-12);
-    const double angle = std::abs(static_cast<double>(k / 5) - 3) * 20 / 3 * kDegree;
+    const double angle = std::abs(static_cast<double>(k / 5) - 3) * 20 / 3 * kVoteDegree;
     EXPECT_NEAR(normal_W.dot(start.normal_W), std::cos(angle), 1e-9);
     EXPECT_NEAR(planes[k].signed_distance(center_C) == 0, k % 5 == 0, 0);
     EXPECT_LE(planes[k].signed_distance(center_C), 1e-12);  // away from the viewer
@@ -119,17 +119,17 @@ TEST(ReferenceVote, ThirtyFiveHypothesesOfThePaper) {
 
 TEST(ReferenceVote, LeastForTheTrueOrientation) {
   const SyntheticView view = synthetic_view(
-      standing(geometry::make_box({0.06, 0.15, 0.05}), 10 * kDegree), {.width = 160});
-  const auto planes = reference_hypotheses(view.view(), 7, 5, 20 * kDegree);
+      standing(geometry::make_box({0.06, 0.15, 0.05}), 10 * kVoteDegree), {.width = 160});
+  const auto planes = reference_hypotheses(view.view(), 7, 5, 20 * kVoteDegree);
   const auto votes = reference_votes(view.view(), planes, {});
   std::size_t best = 0;
   for (std::size_t k = 0; k < votes.size(); ++k) {
     if (votes[k].published_vote() < votes[best].published_vote()) best = k;
   }
   const Eigen::Vector3d normal_W = view.X_WC.linear() * planes[best].normal;
-  EXPECT_GT(
-      std::abs(normal_W.dot(Eigen::Vector3d(std::cos(10 * kDegree), std::sin(10 * kDegree), 0))),
-      std::cos(8 * kDegree));
+  EXPECT_GT(std::abs(normal_W.dot(
+                Eigen::Vector3d(std::cos(10 * kVoteDegree), std::sin(10 * kVoteDegree), 0))),
+            std::cos(8 * kVoteDegree));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace prehend::shape {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
+constexpr double kPlaneDegree = 0.017453292519943295;
 
 /// Distances of the mirrored points to the true surface [m], ascending.
 std::vector<double> mirrored_errors(const CompletedShape& shape,
@@ -47,7 +47,7 @@ struct Solid {
   geometry::TriangleMesh mesh;
 };
 
-Solid box() { return {"box", geometry::make_box({0.06, 0.09, 0.12})}; }
+Solid box_solid() { return {"box", geometry::make_box({0.06, 0.09, 0.12})}; }
 Solid square_box() { return {"square_box", geometry::make_box({0.06, 0.06, 0.15})}; }
 Solid long_box() { return {"long_box", geometry::make_box({0.15, 0.06, 0.08})}; }
 Solid cylinder() {
@@ -66,7 +66,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 
 std::vector<Case> cases() {
   std::vector<Case> result;
-  for (const Solid& solid : {box(), square_box(), long_box(), cylinder()}) {
+  for (const Solid& solid : {box_solid(), square_box(), long_box(), cylinder()}) {
     for (const double elevation : {35.0, 42.0, 50.0}) {
       for (const double yaw : {0.0, 20.0, 45.0, 70.0, 90.0}) {
         result.push_back({solid, elevation, yaw});
@@ -80,8 +80,8 @@ class CutByTheView : public testing::TestWithParam<Case> {};
 
 TEST_P(CutByTheView, IsCompletedWithinTwoMillimetres) {
   const auto& [solid, elevation, yaw] = GetParam();
-  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kDegree, 0.1, 0.05);
-  const SyntheticView view = synthetic_view(truth, {.elevation = elevation * kDegree});
+  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kPlaneDegree, 0.1, 0.05);
+  const SyntheticView view = synthetic_view(truth, {.elevation = elevation * kPlaneDegree});
   const CompletedShape shape = complete_by_symmetry(view.view());
   const std::vector<double> errors = mirrored_errors(shape, truth);
   ASSERT_GT(errors.size(), view.cloud_W.size() / 2);
@@ -90,9 +90,9 @@ TEST_P(CutByTheView, IsCompletedWithinTwoMillimetres) {
 
 TEST_P(CutByTheView, StaysWithinThreeMillimetresUnderOneMillimetreOfNoise) {
   const auto& [solid, elevation, yaw] = GetParam();
-  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kDegree, 0.1, 0.05);
-  const SyntheticView view =
-      synthetic_view(truth, {.elevation = elevation * kDegree, .depth_noise = 0.001, .seed = 7});
+  const geometry::TriangleMesh truth = standing(solid.mesh, yaw * kPlaneDegree, 0.1, 0.05);
+  const SyntheticView view = synthetic_view(
+      truth, {.elevation = elevation * kPlaneDegree, .depth_noise = 0.001, .seed = 7});
   const CompletedShape shape = complete_by_symmetry(view.view());
   const std::vector<double> errors = mirrored_errors(shape, truth);
   ASSERT_GT(errors.size(), view.cloud_W.size() / 2);
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Solids, CutByTheView, testing::ValuesIn(cases()),
                          testing::PrintToStringParamName());
 
 TEST(Symmetry, ASquareBoxHasAnAlternativeThatIsRightToo) {
-  const geometry::TriangleMesh truth = standing(square_box().mesh, 20 * kDegree);
+  const geometry::TriangleMesh truth = standing(square_box().mesh, 20 * kPlaneDegree);
   const SyntheticView view = synthetic_view(truth, {});
   CompletionOptions options;
   EXPECT_TRUE(complete_by_symmetry(view.view(), options).alternatives.empty());
@@ -125,7 +125,7 @@ TEST(Symmetry, ASquareBoxHasAnAlternativeThatIsRightToo) {
 }
 
 TEST(Symmetry, AlternativesDoNotChangeTheWinner) {
-  const SyntheticView view = synthetic_view(standing(box().mesh, 30 * kDegree), {});
+  const SyntheticView view = synthetic_view(standing(box_solid().mesh, 30 * kPlaneDegree), {});
   CompletionOptions options;
   const CompletedShape alone = complete_by_symmetry(view.view(), options);
   options.alternatives = 4;
@@ -139,14 +139,14 @@ TEST(Symmetry, AlternativesDoNotChangeTheWinner) {
 }
 
 TEST(Symmetry, FillsTheFarSidesOfABoxSeenOverItsEdge) {
-  const geometry::TriangleMesh truth = standing(box().mesh, 40 * kDegree);
+  const geometry::TriangleMesh truth = standing(box_solid().mesh, 40 * kPlaneDegree);
   const SyntheticView view = synthetic_view(truth, {.width = 320});
   std::vector<Eigen::Vector3d> corners_and_centers;
   for (const double x : {-0.03, 0.0, 0.03}) {
     for (const double y : {-0.045, 0.0, 0.045}) {
       if (x == 0 && y == 0) continue;
       for (const double z : {0.01, 0.06, 0.12}) {
-        const Eigen::AngleAxisd turn(40 * kDegree, Eigen::Vector3d::UnitZ());
+        const Eigen::AngleAxisd turn(40 * kPlaneDegree, Eigen::Vector3d::UnitZ());
         corners_and_centers.push_back(turn * Eigen::Vector3d(x, y, z));
       }
     }
@@ -179,7 +179,7 @@ TEST(Symmetry, ClosesTheFarSideWhenTheBestPlaneRunsAlongTheSight) {
 }
 
 TEST(Symmetry, PlaneStandsOnTheTableAndMirrorsTheViewpoint) {
-  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {});
+  const SyntheticView view = synthetic_view(standing(box_solid().mesh, 0.5), {});
   const CompletedShape shape = complete_by_symmetry(view.view());
   EXPECT_NEAR(shape.symmetry.normal_W.norm(), 1, 1e-12);
   EXPECT_NEAR(shape.symmetry.normal_W.dot(view.table_W.normal), 0, 1e-12);
@@ -190,7 +190,7 @@ TEST(Symmetry, PlaneStandsOnTheTableAndMirrorsTheViewpoint) {
 }
 
 TEST(Symmetry, KeepsTheSeenPointsFirstWithTheirColors) {
-  SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {.width = 160});
+  SyntheticView view = synthetic_view(standing(box_solid().mesh, 0.5), {.width = 160});
   view.cloud_W.colors.assign(view.cloud_W.size(), geometry::Rgb{1, 2, 3});
   const CompletedShape shape = complete_by_symmetry(view.view());
   ASSERT_EQ(shape.origin.size(), shape.cloud_W.size());
@@ -203,7 +203,7 @@ TEST(Symmetry, KeepsTheSeenPointsFirstWithTheirColors) {
 }
 
 TEST(Symmetry, ListsTheHypothesesBestFirst) {
-  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {.width = 320});
+  const SyntheticView view = synthetic_view(standing(box_solid().mesh, 0.5), {.width = 320});
   const CompletionOptions options;
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   ASSERT_GE(shape.hypotheses.size(),
@@ -216,7 +216,7 @@ TEST(Symmetry, ListsTheHypothesesBestFirst) {
 }
 
 TEST(Symmetry, VoteHasALowValueForTheTruthAndTellsItsParts) {
-  const SyntheticView view = synthetic_view(standing(box().mesh, 0.5), {});
+  const SyntheticView view = synthetic_view(standing(box_solid().mesh, 0.5), {});
   const CompletedShape shape = complete_by_symmetry(view.view());
   EXPECT_LT(shape.symmetry.outside, 1e-3);
   EXPECT_LT(shape.symmetry.in_front, 5e-3);
@@ -225,7 +225,7 @@ TEST(Symmetry, VoteHasALowValueForTheTruthAndTellsItsParts) {
 }
 
 TEST(Symmetry, VoteHardlyDependsOnTheCamerasResolution) {
-  const geometry::TriangleMesh truth = standing(box().mesh, 20 * kDegree);
+  const geometry::TriangleMesh truth = standing(box_solid().mesh, 20 * kPlaneDegree);
   const CompletionOptions options = as_published();
   const auto worst = [&](int width) {
     const SyntheticView view = synthetic_view(truth, {.width = width});
@@ -237,7 +237,7 @@ TEST(Symmetry, VoteHardlyDependsOnTheCamerasResolution) {
 
 TEST(Symmetry, PublishedVoteAloneStaysWithinAGridStep) {
   for (const double yaw : {0.0, 10.0}) {
-    const geometry::TriangleMesh truth = standing(long_box().mesh, yaw * kDegree, 0.1, 0.05);
+    const geometry::TriangleMesh truth = standing(long_box().mesh, yaw * kPlaneDegree, 0.1, 0.05);
     const SyntheticView view = synthetic_view(truth, {});
     const CompletedShape shape = complete_by_symmetry(view.view(), as_published());
     EXPECT_EQ(shape.cloud_W.size(), 2 * view.cloud_W.size());
@@ -250,7 +250,7 @@ TEST(Symmetry, PublishedVoteAloneStaysWithinAGridStep) {
 
 TEST(Symmetry, AsPublishedIsTheReference) {
   const SyntheticView view =
-      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 240});
+      synthetic_view(standing(box_solid().mesh, 0.3), {.depth_noise = 0.001, .width = 240});
   const CompletionOptions options = as_published();
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   const auto planes_C = reference_hypotheses(view.view(), 7, 5, options.max_angle);
@@ -296,7 +296,7 @@ TEST(Symmetry, HandsBackDistinctPlanesBestFirst) {
     const double angle = 0.5 + k * std::numbers::pi / 4;
     const Eigen::Vector3d n(std::cos(angle), std::sin(angle), 0);
     found += std::any_of(shape.planes.begin(), shape.planes.end(), [&](const auto& plane) {
-      return std::abs(n.dot(plane.normal_W)) > std::cos(3 * kDegree) &&
+      return std::abs(n.dot(plane.normal_W)) > std::cos(3 * kPlaneDegree) &&
              std::abs(plane.normal_W.dot(plane.point_W)) < 0.004;
     });
   }
@@ -306,14 +306,14 @@ TEST(Symmetry, HandsBackDistinctPlanesBestFirst) {
 }
 
 TEST(Symmetry, TiltIsFreedWhenTheViewAsksForIt) {
-  // A tall box that leans by 6 degrees away from the camera.
+  // A tall box_solid that leans by 6 degrees away from the camera.
   geometry::RigidTransform lean = geometry::RigidTransform::Identity();
-  lean.linear() = Eigen::AngleAxisd(-6 * kDegree, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  lean.linear() = Eigen::AngleAxisd(-6 * kPlaneDegree, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const geometry::TriangleMesh truth =
       standing(geometry::transformed(geometry::make_box({0.05, 0.07, 0.2}), lean), 0);
   const SyntheticView view = synthetic_view(truth, {.depth_noise = 0.0005});
   const Eigen::Vector3d normal = complete_by_symmetry(view.view()).symmetry.normal_W;
-  EXPECT_NEAR(std::abs(normal.z()), std::sin(6 * kDegree), std::sin(2.5 * kDegree));
+  EXPECT_NEAR(std::abs(normal.z()), std::sin(6 * kPlaneDegree), std::sin(2.5 * kPlaneDegree));
   CompletionOptions upright;
   upright.max_tilt = 0;
   EXPECT_NEAR(complete_by_symmetry(view.view(), upright).symmetry.normal_W.z(), 0, 1e-12);
@@ -321,7 +321,7 @@ TEST(Symmetry, TiltIsFreedWhenTheViewAsksForIt) {
 
 TEST(Symmetry, SameInputGivesTheSameBits) {
   const SyntheticView view =
-      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
+      synthetic_view(standing(box_solid().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
   const CompletedShape first = complete_by_symmetry(view.view());
   const CompletedShape second = complete_by_symmetry(view.view());
   EXPECT_EQ(first.symmetry.vote, second.symmetry.vote);
@@ -331,7 +331,7 @@ TEST(Symmetry, SameInputGivesTheSameBits) {
 
 TEST(Symmetry, OrderOfThePointsDoesNotMatter) {
   const SyntheticView view =
-      synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
+      synthetic_view(standing(box_solid().mesh, 0.3), {.depth_noise = 0.001, .width = 320});
   SyntheticView reversed = view;
   std::reverse(reversed.cloud_W.points.begin(), reversed.cloud_W.points.end());
   const CompletedShape first = complete_by_symmetry(view.view());
@@ -343,7 +343,8 @@ TEST(Symmetry, OrderOfThePointsDoesNotMatter) {
 }
 
 TEST(Symmetry, MovesWithARigidMotionOfEverything) {
-  const SyntheticView view = synthetic_view(standing(box().mesh, 0.3), {.depth_noise = 0.001});
+  const SyntheticView view =
+      synthetic_view(standing(box_solid().mesh, 0.3), {.depth_noise = 0.001});
   const CompletedShape shape = complete_by_symmetry(view.view());
   for (int i = 0; i < 5; ++i) {
     const geometry::RigidTransform X_VW = geometry::make_transform(
@@ -353,7 +354,7 @@ TEST(Symmetry, MovesWithARigidMotionOfEverything) {
     // Single precision moves a few points to another voxel.
     EXPECT_NEAR(other.symmetry.vote, shape.symmetry.vote, 0.01);
     const Eigen::Vector3d normal_V = X_VW.linear() * shape.symmetry.normal_W;
-    EXPECT_GT(normal_V.dot(other.symmetry.normal_W), std::cos(1 * kDegree));
+    EXPECT_GT(normal_V.dot(other.symmetry.normal_W), std::cos(1 * kPlaneDegree));
     const Eigen::Vector3d center_V = X_VW * Eigen::Vector3d(0, 0, 0.06);
     EXPECT_NEAR((center_V - X_VW * shape.symmetry.point_W).dot(normal_V),
                 (center_V - other.symmetry.point_W).dot(other.symmetry.normal_W), 0.0005);
@@ -361,10 +362,10 @@ TEST(Symmetry, MovesWithARigidMotionOfEverything) {
 }
 
 TEST(Symmetry, SizeOfTheWorldDoesNotMatter) {
-  // The same picture of a box 1000 and 0.01 times the size, with the tolerance scaled alike.
+  // The same picture of a box_solid 1000 and 0.01 times the size, with the tolerance scaled alike.
   for (const double scale : {0.01, 1.0, 1000.0}) {
     const geometry::TriangleMesh truth =
-        standing(geometry::make_box(scale * Eigen::Vector3d(0.06, 0.09, 0.12)), 20 * kDegree);
+        standing(geometry::make_box(scale * Eigen::Vector3d(0.06, 0.09, 0.12)), 20 * kPlaneDegree);
     const SyntheticView view = synthetic_view(truth, {.distance = 0.7 * scale});
     CompletionOptions options;
     options.depth_tolerance *= scale;

@@ -16,7 +16,7 @@
 
 #include "msgs/geometry.pb.h"
 #include "prehend/graph/introspection.h"
-#include "prehend/graph/recording/mcap_reader.h"
+#include "prehend/recording/mcap_reader.h"
 #include "tests/system/fault_graph.h"
 
 namespace prehend::testing {
@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kKills = 200;
 // Usually 0.3 s, and under 2 s; more than that tells of a busy machine, far more of a fault. [s]
 constexpr double kWholeWithin = 10.0;
-constexpr double kHangs = 20.0;       // [s]
+constexpr double kHangs = 20.0;  // [s]
 constexpr std::size_t kMostSlabBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostResidentBytes = std::size_t{400} << 20;
 
@@ -163,7 +163,7 @@ class Kill : public ::testing::Test {
   /// A recording whose writer was killed: what is in it is whole and in order.
   void check_recording(const fs::path& path) {
     ASSERT_TRUE(fs::exists(path));
-    graph::recording::McapReader reader(path);
+    recording::McapReader reader(path);
     auto cursor = reader.messages();
     std::map<std::pair<std::string, std::uint64_t>, std::uint32_t> last;
     while (const auto message = cursor.next()) {
@@ -230,7 +230,7 @@ void Kill::end_and_check() {
   }
   for (const std::string& name : graph_.subscribers()) EXPECT_EQ(graph_.stop(name), 0) << name;
   EXPECT_EQ(graph_.stop("recorder"), 0) << graph_.output("recorder");
-  const graph::recording::McapReader last(graph_.recording("recorder"));
+  const recording::McapReader last(graph_.recording("recorder"));
   EXPECT_TRUE(last.complete());
   EXPECT_THAT(last.problems(), ::testing::IsEmpty());
   EXPECT_EQ(graph_.stop("registry"), 0) << graph_.output("registry");

@@ -5,7 +5,7 @@
 namespace prehend::testing {
 
 std::map<std::string, std::vector<Recorded>> read_recording(const std::string& path) {
-  graph::recording::McapReader reader(path);
+  recording::McapReader reader(path);
   EXPECT_TRUE(reader.complete()) << path << " was not closed";
   std::map<std::string, std::vector<Recorded>> out;
   auto cursor = reader.messages();

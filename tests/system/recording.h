@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "prehend/graph/recording/mcap_reader.h"
+#include "prehend/recording/mcap_reader.h"
 
 namespace prehend::testing {
 

@@ -16,17 +16,17 @@
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/geometry/cloud_files.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/mcap_writer.h"
 #include "prehend/graph/schema.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/mcap_writer.h"
 #include "tests/launch/child_program.h"
 
 namespace prehend::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using graph::recording::McapReader;
-using graph::recording::McapWriter;
+using recording::McapReader;
+using recording::McapWriter;
 using std::chrono::seconds;
 using ::testing::AllOf;
 using ::testing::HasSubstr;

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/mcap_writer.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/mcap_writer.h"
 #include "tests/tools/command_fixture.h"
 
 namespace prehend::testing {
@@ -87,16 +87,16 @@ TEST_F(Command, RecordsForATimeAndSaysWhatIsInside) {
 TEST_F(Command, RecoversARecordingWithoutItsEnd) {
   const std::string file = scratch_.path("a.mcap");
   {
-    graph::recording::McapWriter writer(file);
+    recording::McapWriter writer(file);
     const auto channel = writer.add_channel("/a", "raw", 0, {{"key", "value"}});
     for (std::uint64_t i = 1; i <= 100; ++i) writer.write(channel, 1, i, i, "hello");
     writer.close();
   }
-  const auto& first = graph::recording::McapReader(file).chunks().at(0);
+  const auto& first = recording::McapReader(file).chunks().at(0);
   std::filesystem::resize_file(file, first.chunk_start_offset + first.chunk_length);
   EXPECT_THAT(run({"bag", "info", file}).output, HasSubstr("NOT CLOSED PROPERLY"));
   EXPECT_EQ(run({"bag", "recover", file, scratch_.path("b.mcap")}).exit_code, 0);
-  const graph::recording::McapReader mended(scratch_.path("b.mcap"));
+  const recording::McapReader mended(scratch_.path("b.mcap"));
   EXPECT_TRUE(mended.complete());
   EXPECT_EQ(mended.statistics().message_count, 100u);
   EXPECT_EQ(mended.channels().begin()->second.metadata.at("key"), "value");

@@ -14,16 +14,16 @@
 
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/mcap_writer.h"
 #include "prehend/graph/registry.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/mcap_writer.h"
 #include "tests/launch/child_program.h"
 
 namespace prehend::testing {
 namespace {
 
 using graph::QoS;
-using graph::recording::McapReader;
+using recording::McapReader;
 using std::chrono::seconds;
 using ::testing::HasSubstr;
 
@@ -127,10 +127,9 @@ TEST(Recorder, LosesNothingOfWhatWasPublishedBeforeItWasStopped) {
     EXPECT_EQ(digests_of(found[topic]), digests_of(samples)) << topic;
   }
   for (const auto& [id, channel] : reader.channels()) {
-    EXPECT_EQ(channel.metadata.count("latched") > 0, channel.topic == "/camera" ||
-                                                         channel.topic == "/log" ||
-                                                         channel.topic == "/diagnostics" ||
-                                                         channel.topic == "/statistics")
+    EXPECT_EQ(channel.metadata.count("latched") > 0,
+              channel.topic == "/camera" || channel.topic == "/log" ||
+                  channel.topic == "/diagnostics" || channel.topic == "/statistics")
         << channel.topic;
   }
   ASSERT_EQ(reader.attachments().size(), 1u);
@@ -232,7 +231,7 @@ TEST(Replay, PublishesTheSameMessagesWithTheSameStampsAndTheClock) {
 void write_timed_recording(const std::string& path) {
   const auto clock_schema = graph::schema_of(*msgs::Clock::descriptor());
   const auto touch_schema = graph::schema_of(*msgs::TactileFrame::descriptor());
-  graph::recording::McapWriter writer(path);
+  recording::McapWriter writer(path);
   const auto clock = writer.add_channel(
       "/clock", "protobuf",
       writer.add_schema(clock_schema->name, "protobuf", clock_schema->descriptor_set));

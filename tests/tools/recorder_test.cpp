@@ -18,16 +18,16 @@
 #include "msgs/graph.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/recording_check.h"
 #include "prehend/graph/registry.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/recording_check.h"
 #include "tests/launch/child_program.h"
 
 namespace prehend::testing {
 namespace {
 
 using graph::QoS;
-using graph::recording::McapReader;
+using recording::McapReader;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::AllOf;
@@ -105,7 +105,7 @@ TEST_F(Recorder, StoppedWhileAFastPublisherGoesOnHasAllFromBeforeTheSignal) {
   const auto numbers = numbers_in(scratch_.path("a.mcap"));
   EXPECT_GE(numbers.size(), static_cast<std::size_t>(before)) << recorder.output();
   for (std::size_t i = 0; i < numbers.size(); ++i) ASSERT_EQ(numbers[i], static_cast<int>(i) + 1);
-  EXPECT_THAT(graph::recording::check_recording(scratch_.path("a.mcap")).problems, IsEmpty());
+  EXPECT_THAT(recording::check_recording(scratch_.path("a.mcap")).problems, IsEmpty());
 }
 
 TEST_F(Recorder, PartsHoldEveryMessageOnceAndSayWhatTheyAreOf) {
@@ -133,7 +133,7 @@ TEST_F(Recorder, PartsHoldEveryMessageOnceAndSayWhatTheyAreOf) {
   const auto part = [&] { return scratch_.path(fmt::format("a_{:04}.mcap", parts)); };
   for (; std::filesystem::exists(part()) && parts < 1000; ++parts) {
     const std::string file = part();
-    EXPECT_THAT(graph::recording::check_recording(file).problems, IsEmpty()) << file;
+    EXPECT_THAT(recording::check_recording(file).problems, IsEmpty()) << file;
     const auto numbers = numbers_in(file);
     all.insert(all.end(), numbers.begin(), numbers.end());
     McapReader reader(file);
@@ -240,8 +240,7 @@ class FullDisk : public Recorder {
                          scratch_.path("recover.txt"));
     EXPECT_EQ(recover.wait(seconds(20)), 0) << recover.output();
     EXPECT_EQ(numbers_in(scratch_.path("mended.mcap")).size(), static_cast<std::size_t>(count));
-    EXPECT_THAT(graph::recording::check_recording(scratch_.path("mended.mcap")).problems,
-                IsEmpty());
+    EXPECT_THAT(recording::check_recording(scratch_.path("mended.mcap")).problems, IsEmpty());
   }
 };
 

@@ -11,8 +11,8 @@
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node.h"
-#include "prehend/graph/recording/mcap_writer.h"
 #include "prehend/graph/registry.h"
+#include "prehend/recording/mcap_writer.h"
 #include "tests/launch/child_program.h"
 
 namespace prehend::testing {
@@ -31,7 +31,7 @@ constexpr std::int64_t kBegin = 1'000'000 * kMs;
 
 // 100 tactile frames, one each 10 ms, and a latched camera model at 0 and at 500 ms.
 void write_run(const std::string& path) {
-  graph::recording::McapWriter writer(path);
+  recording::McapWriter writer(path);
   const auto channel = [&](const std::string& topic, const google::protobuf::Descriptor& type,
                            const std::map<std::string, std::string>& metadata) {
     const auto schema = graph::schema_of(type);

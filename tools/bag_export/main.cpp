@@ -15,17 +15,17 @@
 #include <string>
 #include <vector>
 
-#include "prehend/graph/nearest_match.h"
-#include "prehend/graph/recording/mcap_reader.h"
-#include "prehend/graph/recording/message_decoder.h"
-#include "prehend/graph/recording/topic_filter.h"
+#include "prehend/recording/mcap_reader.h"
+#include "prehend/recording/message_decoder.h"
+#include "prehend/recording/topic_filter.h"
+#include "prehend/text/nearest_match.h"
 #include "tools/bag_export/field_columns.h"
 #include "tools/bag_export/pictures.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-namespace recording = prehend::graph::recording;
+namespace recording = prehend::recording;
 using google::protobuf::Message;
 
 // The topic as path below `folder`; a recording must not write outside of it.
@@ -64,7 +64,7 @@ class Export {
     for (const auto& [id, channel] : reader_.channels()) recorded.push_back(channel.topic);
     if (const auto pattern = filter_.unmatched(recorded)) {
       throw std::invalid_argument(file + " has no topic " + *pattern +
-                                  prehend::graph::nearest_match_hint(*pattern, recorded));
+                                  prehend::text::nearest_match_hint(*pattern, recorded));
     }
     for (const auto& [id, schema] : reader_.schemas()) {
       const std::string problem = decoder_.add(schema);

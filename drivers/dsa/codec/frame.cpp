@@ -6,7 +6,7 @@
 namespace prehend::drivers::dsa {
 namespace {
 
-constexpr std::size_t kHeader = 5;
+constexpr std::size_t kFrameHeader = 5;
 constexpr std::uint8_t kRunLength = 0x01;
 constexpr unsigned kLongestRun = 15;
 
@@ -35,10 +35,10 @@ bool decode_runs(Bytes data, std::size_t texels, Frame& frame) {
 }  // namespace
 
 std::vector<std::uint8_t> encode_frame(const Frame& frame, bool run_length) {
-  std::vector<std::uint8_t> payload(kHeader + 2 * frame.texels.size());
+  std::vector<std::uint8_t> payload(kFrameHeader + 2 * frame.texels.size());
   store_little(payload.data(), frame.timestamp);
   payload[4] = run_length ? kRunLength : std::uint8_t{0};
-  std::size_t end = kHeader;
+  std::size_t end = kFrameHeader;
   for (std::size_t i = 0; i < frame.texels.size();) {
     const std::uint16_t value = frame.texels[i];
     if (value > kFullScale) {
@@ -59,11 +59,11 @@ std::vector<std::uint8_t> encode_frame(const Frame& frame, bool run_length) {
 }
 
 bool decode_frame(Bytes payload, std::size_t texels, Frame& frame) {
-  if (payload.size() < kHeader) return false;
+  if (payload.size() < kFrameHeader) return false;
   frame.timestamp = load_little<std::uint32_t>(payload.data());
   frame.texels.clear();
   frame.texels.reserve(texels);
-  const Bytes data = payload.subspan(kHeader);
+  const Bytes data = payload.subspan(kFrameHeader);
   return payload[4] & kRunLength ? decode_runs(data, texels, frame)
                                  : decode_raw(data, texels, frame);
 }

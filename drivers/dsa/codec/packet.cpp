@@ -8,7 +8,7 @@
 namespace prehend::drivers::dsa {
 namespace {
 
-constexpr std::size_t kPreamble = 3, kHeader = 6, kChecksum = 2;
+constexpr std::size_t kPreamble = 3, kPacketHeader = 6, kChecksum = 2;
 constexpr std::uint8_t kPreambleByte = 0xAA;
 
 }  // namespace
@@ -29,7 +29,7 @@ void append_packet(std::vector<std::uint8_t>& bytes, std::uint8_t id, Bytes payl
 
 std::vector<std::uint8_t> encode_packet(std::uint8_t id, Bytes payload) {
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(kHeader + payload.size() + kChecksum);
+  bytes.reserve(kPacketHeader + payload.size() + kChecksum);
   append_packet(bytes, id, payload);
   return bytes;
 }
@@ -68,22 +68,22 @@ std::optional<Packet> PacketDecoder::next() {
   while (find_preamble()) {
     const std::uint8_t* packet = buffer_.data() + position_;
     const std::size_t available = buffer_.size() - position_;
-    if (available < kHeader) return std::nullopt;
+    if (available < kPacketHeader) return std::nullopt;
     const std::size_t size = load_little<std::uint16_t>(packet + 4);
     if (size > most_payload_) {
       discard(1);
       continue;
     }
-    const std::size_t whole = kHeader + size + (size > 0 ? kChecksum : 0);
+    const std::size_t whole = kPacketHeader + size + (size > 0 ? kChecksum : 0);
     if (available < whole) return std::nullopt;
-    if (size > 0 && crc16_weiss({packet + kPreamble, kHeader - kPreamble + size}) !=
-                        load_little<std::uint16_t>(packet + kHeader + size)) {
+    if (size > 0 && crc16_weiss({packet + kPreamble, kPacketHeader - kPreamble + size}) !=
+                        load_little<std::uint16_t>(packet + kPacketHeader + size)) {
       ++bad_checksums_;
       discard(1);
       continue;
     }
     position_ += whole;
-    return Packet{packet[3], {packet + kHeader, packet + kHeader + size}};
+    return Packet{packet[3], {packet + kPacketHeader, packet + kPacketHeader + size}};
   }
   return std::nullopt;
 }

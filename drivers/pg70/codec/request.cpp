@@ -12,7 +12,7 @@ Content begin(Command command) {
   return content;
 }
 
-struct Encoder {
+struct RequestEncoder {
   Content operator()(const PlainRequest& request) const { return begin(request.command); }
   Content operator()(const SetTarget& request) const {
     Content content = begin(request.command);
@@ -127,7 +127,7 @@ int most_values(Command command) {
   }
 }
 
-Content encode(const Request& request) { return std::visit(Encoder{}, request); }
+Content encode(const Request& request) { return std::visit(RequestEncoder{}, request); }
 
 Request decode_request(const Content& content) {
   const auto fitting =

@@ -30,7 +30,7 @@ Bytes bytes_of(const Container& container) {
   return {reinterpret_cast<const std::uint8_t*>(container.data()), container.size()};
 }
 
-struct Encoder {
+struct ResponseEncoder {
   Content operator()(const Refusal& r) const {
     return content_of(r.command, static_cast<std::uint8_t>(r.reason));
   }
@@ -184,7 +184,7 @@ std::optional<Response> decode_fitting(Command command, Bytes parameters, std::u
 
 }  // namespace
 
-Content encode(const Response& response) { return std::visit(Encoder{}, response); }
+Content encode(const Response& response) { return std::visit(ResponseEncoder{}, response); }
 
 Response decode_response(const Content& content, std::uint8_t state_mode) {
   const auto fitting =

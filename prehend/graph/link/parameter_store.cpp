@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "prehend/graph/nearest_match.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::graph {
 namespace {
@@ -60,7 +60,8 @@ ParameterValue ParameterStore::declare(ParameterInfo parameter) {
 const ParameterInfo& ParameterStore::find(const std::string& name) const {
   const auto found = parameters_.find(name);
   if (found == parameters_.end()) {
-    throw std::invalid_argument("no parameter '" + name + "'" + nearest_match_hint(name, names()));
+    throw std::invalid_argument("no parameter '" + name + "'" +
+                                text::nearest_match_hint(name, names()));
   }
   return found->second;
 }
@@ -119,7 +120,7 @@ void ParameterStore::check_all_given_are_declared() const {
   for (const auto& [name, text] : given_) {
     if (parameters_.count(name)) continue;
     throw std::runtime_error(place_of(name) + "unknown parameter '" + name + "'" +
-                             nearest_match_hint(name, names()));
+                             text::nearest_match_hint(name, names()));
   }
 }
 

@@ -9,7 +9,7 @@ namespace prehend::grasp {
 namespace {
 
 constexpr int kShrinkings = 30;
-constexpr double kSkin = 1e-6;            // m
+constexpr double kMedialSkin = 1e-6;      // m
 constexpr double kLeastOpposition = 0.5;  // cosine: 120 degrees between the points of touch
 // By how much of its radius a ball may reach through the surface. Between the facets of a round
 // mesh there is no room for a ball that is tangent to one of them and exact.
@@ -42,9 +42,9 @@ class MedialAxis : public CandidateGenerator {
   static std::optional<HeldLine> touching_line(const geometry::MeshQuery& object,
                                                const Eigen::Vector3d& p,
                                                const Eigen::Vector3d& normal) {
-    const auto exit = object.cast_ray(p - kSkin * normal, -normal);
+    const auto exit = object.cast_ray(p - kMedialSkin * normal, -normal);
     if (!exit) return std::nullopt;
-    Eigen::Vector3d other = p - (exit->distance + kSkin) * normal;
+    Eigen::Vector3d other = p - (exit->distance + kMedialSkin) * normal;
     double radius = (p - other).norm() / 2;
     for (int i = 0; i < kShrinkings; ++i) {
       const Eigen::Vector3d center = p - radius * normal;
@@ -53,7 +53,7 @@ class MedialAxis : public CandidateGenerator {
       // The ball through p, tangent to the surface there, and through the nearer point.
       const Eigen::Vector3d between = p - nearest->point;
       const double depth = between.dot(normal);
-      if (!(depth > kSkin)) return std::nullopt;  // a concave edge at p itself
+      if (!(depth > kMedialSkin)) return std::nullopt;  // a concave edge at p itself
       other = nearest->point;
       radius = between.squaredNorm() / (2 * depth);
     }

@@ -9,7 +9,7 @@ const double kGamma = 1 - 1 / std::sqrt(2.0);
 
 // Every number of a state but touches, which vary in number, and what follows from the others.
 template <class State, class Visit>
-void visit_state(State& state, Visit visit) {
+void visit_multibody_state(State& state, Visit visit) {
   visit(state.time);
   for (auto& X : state.X_WB) {
     for (int r = 0; r < 3; ++r) {
@@ -95,7 +95,7 @@ std::vector<double> MultibodyEngine::pad_forces(int pad) const {
 
 std::vector<double> MultibodyEngine::save() const {
   std::vector<double> numbers;
-  visit_state(state_, [&](const double& value) { numbers.push_back(value); });
+  visit_multibody_state(state_, [&](const double& value) { numbers.push_back(value); });
   for (const TouchPoint& touch : state_.touches) {
     numbers.push_back(touch.a);
     numbers.push_back(touch.b);
@@ -110,12 +110,12 @@ std::vector<double> MultibodyEngine::save() const {
 void MultibodyEngine::restore(const std::vector<double>& numbers) {
   MultibodyState state = state_;
   std::size_t count = 0;
-  visit_state(state, [&](double&) { ++count; });
+  visit_multibody_state(state, [&](double&) { ++count; });
   if (numbers.size() < count || (numbers.size() - count) % kTouchNumbers != 0) {
     throw std::invalid_argument("native: the saved state is of another scene");
   }
   auto next = numbers.begin();
-  visit_state(state, [&](double& value) { value = *next++; });
+  visit_multibody_state(state, [&](double& value) { value = *next++; });
   state.touches.clear();
   for (; next != numbers.end(); next += kTouchNumbers) {
     TouchPoint touch;
