@@ -33,7 +33,7 @@ YAML::Node load_yaml_map(const std::filesystem::path& path) {
   try {
     node = load_strict_yaml(path.string());
   } catch (const YamlError& error) {
-    throw InputError(error.what(), "Correct the syntax at that line");
+    throw InputError(error.what(), "Correct the YAML at that line");
   }
   if (!node.IsMap()) {
     throw InputError(path.string() + ":1: expected a map of keys at the top",

@@ -153,7 +153,7 @@ TEST(Generators, UnknownNameIsToldTheNearest) {
     make_generator("antipodel");
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("'antipodal'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("\"antipodal\""), std::string::npos) << error.what();
   }
   GeneratorOptions options;
   options.samples = 0;
