@@ -1,11 +1,15 @@
 # make demo   build, then watch an object being predicted, grasped, lifted, moved and released
 # make build  install what is missing, configure and build
 # make test   build, then run all tests
+# make asan   the same under AddressSanitizer and UndefinedBehaviorSanitizer (build-debug)
+# make asan-quick  those that end within three minutes
+# make tsan   the same under ThreadSanitizer (build-tsan)
 # make bench  build, then run the benchmarks; figures go to out/bench/*.json
 # make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
+# make format, make check-format   clang-format
 # make clean  remove build and out
 
-.PHONY: demo build test bench fuzz clean configure packages
+.PHONY: demo build test asan asan-quick tsan format check-format bench fuzz clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -25,9 +29,17 @@ demo: configure
 	cat out/demo/summary.txt 2>/dev/null; exit $$status
 
 test: build
-# Some tests run at real time beside emulated hardware, and a machine that is throttled can make them
-# late: what fails three times has failed.
-	@ctest --test-dir build --output-on-failure --timeout 300 --repeat until-pass:3
+	@scripts/run-tests.sh build
+
+# All tests under AddressSanitizer and UndefinedBehaviorSanitizer, or under ThreadSanitizer.
+asan: packages
+	@cmake --preset debug --log-level=WARNING && ninja -C build-debug && scripts/run-tests.sh build-debug
+# The part of it that ends within three minutes.
+asan-quick: packages
+	@cmake --preset debug --log-level=WARNING -DPREHEND_BUILD_BENCHMARKS=OFF
+	@ninja -C build-debug quick_tests && ctest --test-dir build-debug -j "$$(nproc)" --output-on-failure -L quick
+tsan: packages
+	@cmake --preset tsan --log-level=WARNING && ninja -C build-tsan && scripts/run-tests.sh build-tsan
 
 bench: build
 	@mkdir -p out/bench
@@ -41,5 +53,11 @@ fuzz: packages
 	@cmake --build --preset fuzz
 	@tests/fuzz/run.sh build-fuzz/bin out/fuzz $(FUZZ_SECONDS)
 
+SOURCES = git ls-files '*.cpp' '*.h' | xargs
+format:
+	@$(SOURCES) clang-format -i
+check-format: packages
+	@$(SOURCES) clang-format --dry-run --Werror
+
 clean:
-	rm -rf build build-fuzz out
+	rm -rf build build-debug build-tsan build-fuzz out

@@ -15,4 +15,9 @@ template Eigen::Vector4d symmetric_solve<4>(const Eigen::Matrix4d&, const Eigen:
 template Eigen::Matrix<double, 6, 1> symmetric_solve<6>(const Eigen::Matrix<double, 6, 6>&,
                                                         const Eigen::Matrix<double, 6, 1>&);
 
+void cholesky_solve_in_place(Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::VectorXd> b) {
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(A);
+  factors.solveInPlace(b);
+}
+
 }  // namespace prehend::geometry

@@ -16,4 +16,9 @@ extern template Eigen::Vector4d symmetric_solve<4>(const Eigen::Matrix4d&, const
 extern template Eigen::Matrix<double, 6, 1> symmetric_solve<6>(const Eigen::Matrix<double, 6, 6>&,
                                                                const Eigen::Matrix<double, 6, 1>&);
 
+/// Solves A x = b for a symmetric positive definite A of any size by Cholesky's decomposition, of
+/// which only the lower triangle is read; no memory is allocated. `A` becomes its factor, `b`
+/// becomes x. Where A is not positive definite, x is not finite or meaningless.
+void cholesky_solve_in_place(Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::VectorXd> b);
+
 }  // namespace prehend::geometry

@@ -156,8 +156,8 @@ std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool f
     footprint.emplace_back(static_cast<float>(r.x() / points.extent),
                            static_cast<float>(r.y() / points.extent));
   }
-  const Eigen::Matrix2d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvectors();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  const Eigen::Matrix2d axes = solver.computeDirect(covariance).eigenvectors();
   const auto away = [&](const Eigen::Vector2d& n) -> Eigen::Vector2d {
     return n.dot(points.away_T) < 0 ? -n : n;
   };

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "prehend/contact/rotation.h"
+#include "prehend/geometry/symmetric_solve.h"
 
 namespace prehend::simulation {
 namespace {
@@ -144,8 +145,7 @@ void ContactSolver::solve_equations() {
 double ContactSolver::take_solution() {
   MatrixMap matrix(matrix_.data(), size_, size_);
   VectorMap solution(right_.data(), size_);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> decomposition(matrix);  // in place
-  decomposition.solveInPlace(solution);
+  geometry::cholesky_solve_in_place(matrix, solution);
   double moved = 0;
   for (const int i : members_) {
     SolverBody& body = (*bodies_)[i];

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 
 #include "prehend/contact/rotation.h"
 #include "prehend/contact/texel.h"
+#include "prehend/geometry/symmetric_solve.h"
 #include "prehend/simulation/engines/multibody.h"
 #include "prehend/simulation/engines/twist_rows.h"
 
@@ -308,8 +308,7 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     project_blocks();
     add_joints(base, h);
     add_rows(h);
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(matrix);
-    factors.solveInPlace(right);
+    geometry::cholesky_solve_in_place(matrix, right);
     for (int k = 0; k < size_; ++k) {
       if (active_[k] >= 0) solved_[k] = right[active_[k]];
     }
