@@ -12,7 +12,7 @@
 
 #include "prehend/grasp/force_closure.h"
 #include "prehend/grasp/wrench_hull.h"
-#include "prehend/motion/ompl_planner.h"
+#include "tests/oracles/ompl_planner.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "tests/motion/pick_scene.h"
 #include "tests/motion/shelves.h"

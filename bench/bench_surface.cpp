@@ -12,7 +12,7 @@
 #include "prehend/surface/convex_pieces.h"
 #include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
-#include "prehend/surface/reference_pieces.h"
+#include "tests/oracles/reference_pieces.h"
 #include "tests/shape/synthetic_view.h"
 #include "tests/surface/sampled_solid.h"
 

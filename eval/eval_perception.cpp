@@ -18,6 +18,7 @@
 #include "eval/stereo_accuracy.h"
 #include "eval/text_files.h"
 #include "prehend/report/page.h"
+#include "prehend/text/json.h"
 
 namespace {
 
@@ -84,31 +85,29 @@ std::string to_csv(const std::vector<std::string>& header, const Rows& rows) {
 }
 
 // A list of objects; cells that are numbers as numbers, empty ones as null.
-std::string to_json(const std::vector<std::string>& header, const Rows& rows) {
-  std::string text = "[";
+prehend::text::Json to_json(const std::vector<std::string>& header, const Rows& rows) {
+  prehend::text::Json table = prehend::text::Json::array();
   for (const auto& row : rows) {
-    text += text.size() > 1 ? ",\n    {" : "\n    {";
+    prehend::text::Json object = prehend::text::Json::object();
     for (std::size_t i = 0; i < row.size(); ++i) {
       char* end = nullptr;
       const double number = std::strtod(row[i].c_str(), &end);
       const bool is_number = !row[i].empty() && *end == '\0';
-      text += (i == 0 ? "" : ", ") + eval::json_string(header[i]) + ": ";
-      text += row[i].empty() ? "null"
-              : is_number    ? eval::json_number(number)
-                             : eval::json_string(row[i]);
+      object.set(header[i], row[i].empty() ? prehend::text::Json::null()
+                            : is_number    ? prehend::text::Json(number)
+                                           : prehend::text::Json(row[i]));
     }
-    text += '}';
+    table.add(object);
   }
-  return text + "]";
+  return table;
 }
 
 // A table in the page, in a file of its own, in `json` and on the terminal.
-void add_table(report::Page& page, std::string& json, const fs::path& folder,
+void add_table(report::Page& page, prehend::text::Json& json, const fs::path& folder,
                const std::string& name, const std::string& title,
                const std::vector<std::string>& header, const Rows& rows) {
   if (rows.empty()) return;
-  json +=
-      (json.empty() ? "" : ",\n") + ("  " + eval::json_string(name)) + ": " + to_json(header, rows);
+  json.set(name, to_json(header, rows));
   page.add_heading(title);
   page.add_table(header, rows);
   const std::string csv = to_csv(header, rows);
@@ -137,7 +136,7 @@ int main(int argc, char** argv) {
   try {
     cv::setNumThreads(1);
     report::Page page("Perception against the truth");
-    std::string json;
+    prehend::text::Json json = prehend::text::Json::object();
     const char* shared = std::getenv("PREHEND_SHARED_DATA");
     if (shared != nullptr && *shared != '\0') {
       const fs::path data = shared;
@@ -155,7 +154,7 @@ int main(int argc, char** argv) {
     add_table(page, json, out, "rendered", "Rendered tables, four objects each",
               kSegmentationHeader, segmentation_rows(eval::rendered_segmentation(scenes, seed)));
     page.write(out / "index.html");
-    if (!json_file.empty()) eval::write_text(json_file, "{\n" + json + "\n}\n");
+    if (!json_file.empty()) eval::write_text(json_file, json.pretty());
     std::printf("\n%s\n", (out / "index.html").c_str());
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -26,6 +26,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
+#include "prehend/text/quantities.h"
 
 namespace {
 
@@ -58,7 +59,7 @@ std::string processor() {
 
 // Lengths in metres; shares as plain numbers.
 double tolerance_of(const Options& options, const fidelity::Front& front) {
-  if (front.error_unit == "m") return fidelity::parse_metres(options.tolerance);
+  if (front.error_unit == "m") return text::parse_metres(options.tolerance);
   char* end = nullptr;
   const double share = std::strtod(options.tolerance.c_str(), &end);
   if (end == options.tolerance.c_str() || *end != '\0' || !(share > 0 && share < 1)) {
@@ -80,7 +81,7 @@ int choose(const Options& options,
   const fidelity::Setting& chosen =
       options.budget.empty()
           ? fidelity::within_tolerance(front, tolerance_of(options, front))
-          : fidelity::within_budget(front, fidelity::parse_seconds(options.budget));
+          : fidelity::within_budget(front, text::parse_seconds(options.budget));
   // Both: the most accurate within the budget must also keep the tolerance.
   if (!options.budget.empty() && !options.tolerance.empty() &&
       chosen.error > tolerance_of(options, front)) {

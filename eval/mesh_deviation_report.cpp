@@ -9,6 +9,7 @@
 #include "eval/text_files.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
+#include "prehend/text/json.h"
 
 namespace prehend::eval {
 namespace {
@@ -214,33 +215,37 @@ void write_mesh_deviation_report(const std::filesystem::path& folder,
 
 std::string mesh_deviation_json(const std::vector<CaseResult>& results,
                                 const std::vector<Method>& methods) {
-  std::string text = "{\"groups\": [";
+  text::Json groups = text::Json::array();
   for (const std::string& group : groups_of(results)) {
     const std::vector<CaseResult> of = of_group(results, group);
-    text += fmt::format("{}\n {{\"name\": {}, \"cases\": {}, \"goals\": [",
-                        text.back() == '[' ? "" : ",", json_string(group), of.size());
+    text::Json goals = text::Json::array();
     for (const Goal& goal : judge(of)) {
-      text +=
-          fmt::format("{}\n  {{\"name\": {}, \"bar\": {}, \"measured\": {}, \"met\": {}}}",
-                      text.back() == '[' ? "" : ",", json_string(goal.name), json_string(goal.bar),
-                      json_string(goal.measured), json_string(to_string(goal.outcome)));
+      goals.add(text::Json::object()
+                    .set("name", goal.name)
+                    .set("bar", goal.bar)
+                    .set("measured", goal.measured)
+                    .set("met", to_string(goal.outcome)));
     }
-    text += "],\n  \"methods\": [";
+    text::Json of_methods = text::Json::array();
     for (const Method& method : methods) {
-      const auto mean = [&](const FigureOf& figure) {
-        return json_number(total(of, method.name, figure).mean);
-      };
-      text += fmt::format(
-          "{}\n  {{\"name\": {}, \"mean_deviation_m\": {}, \"standard_deviation_m\": {}, "
-          "\"mean_back_deviation_m\": {}, \"mean_centroid_error\": {}, \"mean_seconds\": {}, "
-          "\"without_mesh\": {}}}",
-          text.back() == '[' ? "" : ",", json_string(method.name), mean(deviation_of),
-          json_number(total(of, method.name, deviation_of).deviation), mean(back_of),
-          mean(centroid_of), mean(seconds_of), failures_of(of, method.name));
+      const auto mean = [&](const FigureOf& figure) { return total(of, method.name, figure).mean; };
+      of_methods.add(
+          text::Json::object()
+              .set("name", method.name)
+              .set("mean_deviation_m", mean(deviation_of))
+              .set("standard_deviation_m", total(of, method.name, deviation_of).deviation)
+              .set("mean_back_deviation_m", mean(back_of))
+              .set("mean_centroid_error", mean(centroid_of))
+              .set("mean_seconds", mean(seconds_of))
+              .set("without_mesh", failures_of(of, method.name)));
     }
-    text += "]}";
+    groups.add(text::Json::object()
+                   .set("name", group)
+                   .set("cases", of.size())
+                   .set("goals", goals)
+                   .set("methods", of_methods));
   }
-  return text + "]}\n";
+  return text::Json::object().set("groups", groups).pretty();
 }
 
 std::string mesh_deviation_text(const std::vector<CaseResult>& results,

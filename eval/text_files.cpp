@@ -1,8 +1,5 @@
 #include "eval/text_files.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <fstream>
 #include <stdexcept>
 
@@ -14,25 +11,6 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   stream << text;
   stream.flush();
   if (!stream) throw std::runtime_error("cannot write '" + file.string() + "'");
-}
-
-std::string json_string(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", static_cast<int>(c));
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
-
-std::string json_number(double value) {
-  return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null";
 }
 
 }  // namespace prehend::eval

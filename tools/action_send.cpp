@@ -46,7 +46,7 @@ struct ActionTypes {
 };
 
 void print_feedback(const google::protobuf::Message& feedback, bool json) {
-  if (json) return print(Json::object().set("feedback", Json::of(feedback)));
+  if (json) return print(Json::object().set("feedback", json_of(feedback)));
   std::printf("feedback\n%s---\n", message_text(feedback, false).c_str());
   std::fflush(stdout);
 }
@@ -57,7 +57,7 @@ int print_end(Status status, const std::string& error, const google::protobuf::M
     print(Json::object()
               .set("status", graph::to_string(status))
               .set("error", error)
-              .set("result", result ? Json::of(*result) : Json::null()));
+              .set("result", result ? json_of(*result) : Json::null()));
   } else {
     std::printf("%s%s%s\n", status == Status::kOk ? "done" : graph::to_string(status),
                 error.empty() ? "" : ": ", error.c_str());

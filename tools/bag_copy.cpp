@@ -12,7 +12,7 @@
 #include "prehend/recording/topic_filter.h"
 #include "prehend/text/nearest_match.h"
 #include "tools/bag_tools.h"
-#include "tools/quantities.h"
+#include "prehend/text/quantities.h"
 
 namespace prehend::tools {
 namespace {
@@ -91,7 +91,7 @@ recording::McapMessageFilter time_range(const BagFilter& filter,
   recording::McapMessageFilter range;
   const std::uint64_t begin = reader.statistics().message_start_time;
   const auto after = [&](const std::string& text) {
-    return begin + static_cast<std::uint64_t>(parse_duration(text));
+    return begin + static_cast<std::uint64_t>(text::parse_duration(text));
   };
   if (!filter.start.empty()) range.start_time = after(filter.start);
   if (!filter.end.empty()) range.end_time = after(filter.end);

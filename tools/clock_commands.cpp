@@ -9,7 +9,7 @@
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node.h"
 #include "tools/commands.h"
-#include "tools/quantities.h"
+#include "prehend/text/quantities.h"
 
 namespace prehend::tools {
 namespace {
@@ -91,7 +91,7 @@ CLI::App* add_command(CLI::App& group, const std::shared_ptr<ClockChoices>& choi
   app->callback([choices, command] {
     ClockControlRequest request;
     request.set_command(command);
-    if (command == ClockControlRequest::STEP) request.set_step(parse_duration(choices->step));
+    if (command == ClockControlRequest::STEP) request.set_step(text::parse_duration(choices->step));
     request.set_speed(choices->speed);
     run(*choices, request);
   });

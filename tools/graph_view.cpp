@@ -130,7 +130,7 @@ Json to_json(const TopicEndView& end) {
       .set("node", end.node->record.name())
       .set("type", end.end.schema_name())
       .set("qos", qos_text(end.end));
-  json.set("statistics", end.statistics ? Json::of(*end.statistics) : Json::null());
+  json.set("statistics", end.statistics ? json_of(*end.statistics) : Json::null());
   return json;
 }
 

@@ -26,8 +26,8 @@ Json to_json(const NodeView& node) {
       .set("status", name_of(node.status()))
       .set("status_text", node.status_text())
       .set("silence", static_cast<double>(node.record.silence()) * 1e-9)
-      .set("record", Json::of(node.record))
-      .set("statistics", node.statistics ? Json::of(*node.statistics) : Json::null());
+      .set("record", json_of(node.record))
+      .set("statistics", node.statistics ? json_of(*node.statistics) : Json::null());
   return json;
 }
 

@@ -36,7 +36,7 @@ std::string range_of(const ParameterRecord& parameter) {
 
 void print_json(const std::vector<ParameterRecord>& parameters) {
   Json list = Json::array();
-  for (const ParameterRecord& parameter : parameters) list.add(Json::of(parameter));
+  for (const ParameterRecord& parameter : parameters) list.add(json_of(parameter));
   print(list);
 }
 
@@ -73,14 +73,14 @@ void describe(const ParamChoices& choices) {
 
 void get(const ParamChoices& choices) {
   const auto parameter = Introspection(choices.registry).parameter(choices.node, choices.name);
-  if (choices.json) return print(Json::of(parameter));
+  if (choices.json) return print(json_of(parameter));
   std::printf("%s\n", graph::to_text(parameter.value()).c_str());
 }
 
 void set(const ParamChoices& choices) {
   const auto parameter =
       Introspection(choices.registry).set_parameter(choices.node, choices.name, choices.value);
-  if (choices.json) return print(Json::of(parameter));
+  if (choices.json) return print(json_of(parameter));
   std::printf("%s = %s\n", parameter.name().c_str(), graph::to_text(parameter.value()).c_str());
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
+#include "prehend/text/strict_yaml.h"
 
 namespace prehend::tools {
 namespace {
@@ -49,18 +50,12 @@ std::string parameter_file_text(const std::string& node,
 }
 
 Values read_parameter_file(const std::string& file) {
-  try {
-    const YAML::Node yaml = YAML::LoadFile(file);
-    Values values;
-    if (yaml.IsNull()) return values;
-    if (!yaml.IsMap()) throw std::runtime_error(file + ": must be a mapping of names to values");
-    add_values(yaml, "", file, values);
-    return values;
-  } catch (const YAML::BadFile&) {
-    throw std::runtime_error("parameter file '" + file + "' cannot be read");
-  } catch (const YAML::Exception& error) {
-    throw std::runtime_error(fmt::format("{}:{}: {}", file, error.mark.line + 1, error.msg));
-  }
+  const YAML::Node yaml = text::load_strict_yaml(file);
+  Values values;
+  if (yaml.IsNull()) return values;
+  if (!yaml.IsMap()) throw std::runtime_error(file + ": must be a mapping of names to values");
+  add_values(yaml, "", file, values);
+  return values;
 }
 
 }  // namespace prehend::tools

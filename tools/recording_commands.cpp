@@ -8,7 +8,7 @@
 #include "prehend/recording/word_list.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
-#include "tools/quantities.h"
+#include "prehend/text/quantities.h"
 
 namespace prehend::tools {
 namespace {
@@ -70,10 +70,10 @@ void record(const RecordChoices& choices) {
   add_parameter(words, "compression", choices.compression);
   add_parameter(words, "duration", number_text(choices.duration));
   if (!choices.split_size.empty()) {
-    add_parameter(words, "split_size", std::to_string(parse_bytes(choices.split_size)));
+    add_parameter(words, "split_size", std::to_string(text::parse_bytes(choices.split_size)));
   }
   if (!choices.split_duration.empty()) {
-    const auto nanoseconds = static_cast<double>(parse_duration(choices.split_duration));
+    const auto nanoseconds = static_cast<double>(text::parse_duration(choices.split_duration));
     add_parameter(words, "split_duration", number_text(nanoseconds * 1e-9));
   }
   become_program("recorder", words);

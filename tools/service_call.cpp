@@ -30,7 +30,7 @@ int call_service(const CallOptions& options) {
     throw std::runtime_error(error);
   }
   if (options.json) {
-    print(Json::of(*response));
+    print(json_of(*response));
   } else {
     std::fputs(message_text(*response, false).c_str(), stdout);
   }

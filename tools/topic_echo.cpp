@@ -47,7 +47,7 @@ class MessagePrinter {
         .set("sequence", raw.info.sequence)
         .set("stamp", Json::stamp(raw.info.stamp))
         .set("publish_time", Json::stamp(raw.info.publish_time))
-        .set("message", Json::of(message));
+        .set("message", json_of(message));
     tools::print(json);
   }
 

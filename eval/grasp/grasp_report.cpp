@@ -11,6 +11,7 @@
 #include "eval/text_files.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
+#include "prehend/text/json.h"
 
 namespace prehend::eval {
 namespace {
@@ -278,22 +279,24 @@ std::string grasp_text(const std::vector<GraspCase>& cases) {
 }
 
 std::string grasp_json(const std::vector<GraspCase>& cases) {
-  std::string totals, goals;
+  text::Json totals = text::Json::array(), goals = text::Json::array();
   for (const GraspTotals& t : grasp_totals(cases)) {
-    totals += fmt::format(
-        "{}{{\"hand\": {}, \"setting\": {}, \"cases\": {}, \"no_grasp\": {}, \"first\": {}, "
-        "\"within_three\": {}, \"slip_m\": {}, \"contact_error_m\": {}, \"opening_error_m\": {}, "
-        "\"plan_s\": {}}}",
-        totals.empty() ? "" : ",\n  ", json_string(t.hand), json_string(t.setting), t.cases,
-        t.unplanned, json_number(t.first_share()), json_number(t.within_three_share()),
-        json_number(t.slip), json_number(t.contact_error), json_number(t.opening_error),
-        json_number(t.plan_seconds));
+    totals.add(text::Json::object()
+                   .set("hand", t.hand)
+                   .set("setting", t.setting)
+                   .set("cases", t.cases)
+                   .set("no_grasp", t.unplanned)
+                   .set("first", t.first_share())
+                   .set("within_three", t.within_three_share())
+                   .set("slip_m", t.slip)
+                   .set("contact_error_m", t.contact_error)
+                   .set("opening_error_m", t.opening_error)
+                   .set("plan_s", t.plan_seconds));
   }
   for (const Goal& goal : goals_of(cases)) {
-    goals += fmt::format("{}{{\"goal\": {}, \"met\": {}}}", goals.empty() ? "" : ",\n  ",
-                         json_string(goal.text), goal.met);
+    goals.add(text::Json::object().set("goal", goal.text).set("met", goal.met));
   }
-  return fmt::format("{{\"totals\": [\n  {}],\n \"goals\": [\n  {}]}}\n", totals, goals);
+  return text::Json::object().set("totals", totals).set("goals", goals).pretty();
 }
 
 void write_grasp_report(const std::filesystem::path& folder, const std::vector<GraspCase>& cases) {

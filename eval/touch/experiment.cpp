@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/text_files.h"
+#include "prehend/text/json.h"
 
 namespace prehend::eval::touch {
 namespace {
@@ -17,18 +18,13 @@ std::string shown(const Value& value) {
   return std::get<std::string>(value);
 }
 
-std::string json_value(const Value& value) {
-  if (const auto* number = std::get_if<double>(&value)) return json_number(*number);
-  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  return json_string(std::get<std::string>(value));
+text::Json json_value(const Value& value) {
+  return std::visit([](const auto& said) { return text::Json(said); }, value);
 }
 
-std::string json_members(const Row& row) {
-  std::string members;
-  for (const auto& [name, value] : row) {
-    members += (members.empty() ? "" : ", ") + json_string(name) + ": " + json_value(value);
-  }
-  return members;
+text::Json& add_members(text::Json& json, const Row& row) {
+  for (const auto& [name, value] : row) json.set(name, json_value(value));
+  return json;
 }
 
 }  // namespace
@@ -36,16 +32,18 @@ std::string json_members(const Row& row) {
 std::string number_text(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
 std::string to_json(const Findings& findings) {
-  std::string json = "{\n  \"title\": " + json_string(findings.title);
-  if (!findings.summary.empty()) json += ",\n  " + json_members(findings.summary);
+  text::Json json = text::Json::object();
+  json.set("title", findings.title);
+  add_members(json, findings.summary);
   for (const auto& [name, rows] : findings.tables) {
-    json += ",\n  " + json_string(name) + ": [";
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      json += (i ? ",\n    {" : "\n    {") + json_members(rows[i]) + "}";
+    text::Json table = text::Json::array();
+    for (const Row& row : rows) {
+      text::Json object = text::Json::object();
+      table.add(add_members(object, row));
     }
-    json += "\n  ]";
+    json.set(name, table);
   }
-  return json + "\n}\n";
+  return json.pretty();
 }
 
 void add_table(report::Page& page, const std::vector<Row>& rows) {

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <initializer_list>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/whole_file.h"
+#include "prehend/text/strict_yaml.h"
 
 namespace prehend::fidelity {
 namespace {
@@ -26,20 +26,6 @@ void check_not_empty(const Front& front) {
   if (front.settings.empty()) {
     throw std::invalid_argument("The front of '" + front.subject + "' has no setting");
   }
-}
-
-double parse_quantity(const std::string& text, const char* what,
-                      std::initializer_list<std::pair<const char*, double>> units) {
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  std::string unit(end);
-  unit.erase(0, unit.find_first_not_of(' '));
-  std::string known;
-  for (const auto& [name, factor] : units) {
-    if (unit == name && number > 0 && std::isfinite(number)) return number * factor;
-    known += (known.empty() ? "" : ", ") + std::string(name);
-  }
-  throw InputError("'" + text + "' is no " + what, "Write a positive number and one of " + known);
 }
 
 std::string described(const Setting& setting, const std::string& unit) {
@@ -130,7 +116,7 @@ const Setting& within_tolerance(const Front& front, double error) {
 Front read_front(const std::filesystem::path& file) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file.string());
+    root = text::load_strict_yaml(file.string());
     check_keys(root, {"subject", "error_name", "error_unit", "machine", "settings"}, file);
     Front front;
     for (const auto& [key, value] :
@@ -160,6 +146,8 @@ Front read_front(const std::filesystem::path& file) {
       }
     }
     return front;
+  } catch (const text::YamlError& error) {
+    fail(file, std::string("cannot be read: ") + error.what());
   } catch (const YAML::Exception& error) {
     fail(file, std::string("cannot be read: ") + error.what());
   }
@@ -186,14 +174,6 @@ void write_front(const std::filesystem::path& file, const Front& front) {
   }
   out << YAML::EndSeq << YAML::EndMap;
   geometry::write_whole_file(file, out.c_str(), "The front");
-}
-
-double parse_seconds(const std::string& text) {
-  return parse_quantity(text, "duration", {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}});
-}
-
-double parse_metres(const std::string& text) {
-  return parse_quantity(text, "length", {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}});
 }
 
 }  // namespace prehend::fidelity

@@ -61,9 +61,4 @@ Front read_front(const std::filesystem::path& file);
 /// Writes YAML, whole or not at all. @throws geometry::InputError when it cannot.
 void write_front(const std::filesystem::path& file, const Front& front);
 
-/// "20ms", "0.5 s", "200us" -> seconds; "3mm", "0.2 cm", "1e-3 m" -> metres.
-/// @throws geometry::InputError without one of these units or for a number that is not positive.
-double parse_seconds(const std::string& text);
-double parse_metres(const std::string& text);
-
 }  // namespace prehend::fidelity

@@ -9,6 +9,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/text/strict_yaml.h"
 
 namespace prehend::shape {
 namespace {
@@ -67,8 +68,8 @@ ConfidenceModel read_confidence_model(const std::filesystem::path& path) {
   const std::string place = "the confidence model " + path.string();
   YAML::Node file;
   try {
-    file = YAML::LoadFile(path.string());
-  } catch (const YAML::Exception& error) {
+    file = text::load_strict_yaml(path.string());
+  } catch (const text::YamlError& error) {
     throw InputError(place + " cannot be read: " + error.what(), "check the path and its YAML");
   }
   if (!file.IsMap()) throw InputError(place + " is not a map", "write lines `name: number`");

@@ -84,17 +84,6 @@ TEST(Choice, NamesTheNearestWhenThereIsNone) {
   EXPECT_THROW(within_tolerance(three(), 0), std::invalid_argument);
 }
 
-TEST(Quantities, NeedTheirUnit) {
-  EXPECT_DOUBLE_EQ(parse_seconds("20ms"), 0.02);
-  EXPECT_DOUBLE_EQ(parse_seconds("0.5 s"), 0.5);
-  EXPECT_DOUBLE_EQ(parse_metres("3mm"), 0.003);
-  EXPECT_DOUBLE_EQ(parse_metres("0.2 cm"), 0.002);
-  for (const char* bad : {"", "20", "ms", "-1ms", "0ms", "3mm", "nanms", "infs", "1 ms x"}) {
-    EXPECT_THROW(parse_seconds(bad), InputError) << bad;
-  }
-  EXPECT_THROW(parse_metres("3ms"), InputError);
-}
-
 class FrontFile : public ::testing::Test {
  protected:
   void SetUp() override {

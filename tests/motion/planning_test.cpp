@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "prehend/motion/ompl_planner.h"
+#include "tests/oracles/ompl_planner.h"
 #include "prehend/motion/rrt_connect.h"
 #include "tests/motion/shelves.h"
 #include "tests/robot/arms.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/surface/reference_pieces.h"
+#include "tests/oracles/reference_pieces.h"
 #include "tests/surface/sampled_solid.h"
 
 namespace prehend::surface {

@@ -1,4 +1,4 @@
-#include "prehend/surface/reference_pieces.h"
+#include "tests/oracles/reference_pieces.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "prehend/motion/ompl_planner.h"
+#include "tests/oracles/ompl_planner.h"
 
 #include <cmath>
 #include <memory>
