@@ -5,7 +5,7 @@
 
 namespace prehend::shape {
 
-/// The method as published: equation (4) alone, 7 orientations x 5 shifts about one eigenvector,
+/// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,
 /// one plane, every point votes, and every mirrored point is kept. Its hypotheses and votes are
 /// those of reference_vote.h.
 CompletionOptions as_published();

@@ -255,20 +255,11 @@ TEST(Symmetry, AsPublishedIsTheReference) {
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   const auto planes_C = reference_hypotheses(view.view(), 7, 5, options.max_angle);
   const SeenImages images = reference_images(view.view());
-  double extent = 0;  // of the bounds along the camera's forward direction on the table and across
-  for (int axis = 0; axis < 2; ++axis) {
-    double least = 1e9, most = -1e9;
-    for (const auto& p : view.cloud_W.points) {
-      least = std::min<double>(least, p(axis));
-      most = std::max<double>(most, p(axis));
-    }
-    extent = std::max(extent, most - least);
-  }
   ASSERT_EQ(shape.hypotheses.size(), planes_C.size() + 1);  // the winner stands first once more
   std::vector<std::pair<double, geometry::Plane>> votes;
   for (const auto& plane_C : planes_C) {
     const VoteTally tally = reference_tally(view.view(), images, plane_C, {});
-    votes.emplace_back(tally.published_vote() / (options.reference_fraction * extent), plane_C);
+    votes.emplace_back(tally.published_vote(), plane_C);
   }
   std::sort(votes.begin(), votes.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
