@@ -33,7 +33,7 @@ LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
     argument.description = text_of(scope, value["description"], "description");
   }
   if (value["default"]) {
-    argument.default_value = 
+    argument.default_value =
         argument.type == LaunchArgument::Type::kList
             ? value_text_of(scope, value["default"], "default of " + argument.name)
             : text_of(scope, value["default"], "default of " + argument.name);

@@ -225,10 +225,10 @@ class SpannedLoop {
   const std::vector<Eigen::Vector2d>& pixels_;
   const Edges& edges_;
   std::size_t count_;
-  double turn_ = 1;                       // sign of the loop's area in the image
-  double turned_over_ = 0, shared_ = 0;   // m^2, more than any area of the loop
-  std::vector<double> cost_;              // count x count: of the piece from i to k [m^2]
-  std::vector<std::size_t> middle_;       // count x count: third corner over the chord from i to k
+  double turn_ = 1;                      // sign of the loop's area in the image
+  double turned_over_ = 0, shared_ = 0;  // m^2, more than any area of the loop
+  std::vector<double> cost_;             // count x count: of the piece from i to k [m^2]
+  std::vector<std::size_t> middle_;      // count x count: third corner over the chord from i to k
 };
 
 /// Closes every loop of border edges by triangles between its vertices, without new ones.

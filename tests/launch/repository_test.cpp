@@ -44,8 +44,7 @@ TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   const ScratchDirectory scratch;
   int calls = 0;
   const auto check = [&](const std::string& parameters) {
-    scratch.write("a.yaml",
-                  "nodes: [{node: grasp_planning, parameters: {" + parameters + "}}]\n");
+    scratch.write("a.yaml", "nodes: [{node: grasp_planning, parameters: {" + parameters + "}}]\n");
     ChildProgram program("prehend", {"launch", "--check", scratch.path("a.yaml")},
                          scratch.path(std::to_string(++calls)));
     const bool is_right = program.wait(seconds(30)) == 0;

@@ -113,9 +113,9 @@ TEST(ReferenceVote, AddsTwoExpectationsOverTheirOwnPoints) {
   add(0, 0.5);
   VoteTally tally = reference_tally(view.view(), images, plane, {});
   EXPECT_NEAR(tally.published_vote(), (25. + 64.) / 2, 1e-9);
-  add(10, 0.49);   // 10 mm nearer than what it hides
-  add(16, 0.48);   // 20 mm
-  add(12, 0.499);  // 1 mm: within our tolerance, which the paper has not
+  add(10, 0.49);                             // 10 mm nearer than what it hides
+  add(16, 0.48);                             // 20 mm
+  add(12, 0.499);                            // 1 mm: within our tolerance, which the paper has not
   for (int u = 8; u < 20; ++u) add(u, 0.7);  // hidden: in neither expectation
   tally = reference_tally(view.view(), images, plane, {});
   EXPECT_EQ(tally.outside_points, 2);

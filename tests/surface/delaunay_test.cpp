@@ -64,12 +64,11 @@ TEST(Delaunay, EveryVertexWasSeen) {
 
 // A view of an L seen from above: what is spanned behind the contour stays within it.
 TEST(Delaunay, ClosingStaysWithinAConcaveContour) {
-  const TriangleMesh angle =
-      geometry::concatenated({geometry::make_box({0.12, 0.03, 0.02}),
-                              geometry::transformed(geometry::make_box({0.03, 0.12, 0.02}),
-                                                    geometry::make_transform(
-                                                        Eigen::Quaterniond::Identity(),
-                                                        {-0.045, 0.075, 0}))});
+  const TriangleMesh angle = geometry::concatenated(
+      {geometry::make_box({0.12, 0.03, 0.02}),
+       geometry::transformed(
+           geometry::make_box({0.03, 0.12, 0.02}),
+           geometry::make_transform(Eigen::Quaterniond::Identity(), {-0.045, 0.075, 0}))});
   const SyntheticView view = shape::synthetic_view(shape::standing(angle, 0), {});
   const TriangleMesh mesh = surface_of(view, {.samples = 1500});
   ASSERT_TRUE(geometry::find_defects(mesh).watertight());
@@ -79,8 +78,8 @@ TEST(Delaunay, ClosingStaysWithinAConcaveContour) {
     const Eigen::Vector3d middle =
         (mesh.vertices[t.x()] + mesh.vertices[t.y()] + mesh.vertices[t.z()]) / 3;
     const Eigen::Vector2d pixel = view.camera.project(X_CW * middle);
-    beside += view.mask.at(static_cast<int>(pixel.x() + 0.5), static_cast<int>(pixel.y() + 0.5)) ==
-              0;
+    beside +=
+        view.mask.at(static_cast<int>(pixel.x() + 0.5), static_cast<int>(pixel.y() + 0.5)) == 0;
   }
   EXPECT_LT(beside, 0.01 * static_cast<double>(mesh.triangles.size()));
 }
