@@ -96,7 +96,7 @@ TEST(Fallbacks, ExtrusionOfOneUprightFaceTellsNothing) {
 TEST(Fallbacks, HullEnclosesWhatWasSeen) {
   const geometry::TriangleMesh truth = standing(geometry::make_box({0.06, 0.09, 0.12}), 0.7);
   const Prepared p(truth);
-  const Fallback fallback = hulled(p.input());
+  const Fallback fallback = hulled(p.input()).value();
   Eigen::AlignedBox3d seen, hull;
   for (const auto& q : p.voting.points_T) seen.extend(q);
   for (const auto& q : fallback.points_T) hull.extend(q);
