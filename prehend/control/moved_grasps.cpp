@@ -11,7 +11,7 @@ namespace {
 
 using geometry::RigidTransform;
 
-void move(const RigidTransform& X, std::vector<Eigen::Vector3d>* points) {
+void move_points(const RigidTransform& X, std::vector<Eigen::Vector3d>* points) {
   for (Eigen::Vector3d& p : *points) p = X * p;
 }
 
@@ -29,8 +29,8 @@ grasp::Grasp moved(const grasp::Grasp& grasp, const RigidTransform& X) {
   grasp::Grasp result = grasp;
   result.X_WG = X * grasp.X_WG;
   result.approach_W = X.linear() * grasp.approach_W;
-  move(X, &result.left_contacts_W);
-  move(X, &result.right_contacts_W);
+  move_points(X, &result.left_contacts_W);
+  move_points(X, &result.right_contacts_W);
   return result;
 }
 

@@ -10,7 +10,8 @@ namespace prehend::grasp {
 namespace {
 
 using geometry::RigidTransform;
-using Normal = Eigen::Matrix<double, 9, 9>;  // of the pose's six and the stretches' three unknowns
+using NormalMatrix =
+    Eigen::Matrix<double, 9, 9>;  // of the pose's six and the stretches' three unknowns
 using Unknowns = Eigen::Matrix<double, 9, 1>;
 
 constexpr double kPrior = 0.3;  // standard deviation of the logarithm of a stretch, without points
@@ -42,7 +43,7 @@ Principal principal_frame(const DescribedPoints& samples_O) {
 
 /// Normal equations of one step.
 struct Equations {
-  Normal A = Normal::Zero();
+  NormalMatrix A = NormalMatrix::Zero();
   Unknowns b = Unknowns::Zero();
   double squares = 0;  // m^2, of the distances
   int count = 0;
@@ -130,7 +131,7 @@ SizeEstimate estimated_size(const OrientedPoints& seen_S, const RegisteredModel&
   estimate.difference = frame.extent.cwiseProduct((log_stretch.array().exp() - 1).matrix());
   // So many points, one every `spacing`, have one error between them.
   const double alike = std::max(1.0, std::pow(correlation / spacing, 2));
-  const Normal covariance = solvable(last).A.inverse();
+  const NormalMatrix covariance = solvable(last).A.inverse();
   for (int axis = 0; axis < 3; ++axis) {
     estimate.deviation(axis) = frame.extent(axis) * std::exp(log_stretch(axis)) * estimate.noise *
                                std::sqrt(alike * std::max(0.0, covariance(6 + axis, 6 + axis)));

@@ -15,15 +15,15 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Turned by `angle` about `axis` through `at`, then moved.
-RigidTransform motion(const Eigen::Vector3d& axis, double angle, const Eigen::Vector3d& at,
-                      const Eigen::Vector3d& moved) {
+RigidTransform turned_by(const Eigen::Vector3d& axis, double angle, const Eigen::Vector3d& at,
+                         const Eigen::Vector3d& moved) {
   RigidTransform X = RigidTransform::Identity();
   X.linear() = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
   X.translation() = at - X.linear() * at + moved;
   return X;
 }
 
-std::vector<grasp::Grasp> plan() {
+std::vector<grasp::Grasp> two_grasps() {
   std::vector<grasp::Grasp> grasps{grasp_at(0), grasp_at(0.02)};
   for (grasp::Grasp& grasp : grasps) {
     grasp.left_contacts_W = {grasp.X_WG.translation() + Eigen::Vector3d(0, 0.025, -0.02)};
@@ -33,8 +33,8 @@ std::vector<grasp::Grasp> plan() {
 }
 
 TEST(MovedGrasps, GoWithTheObject) {
-  const auto X = motion(Eigen::Vector3d::UnitZ(), 0.8, {0, 0, 0}, {0.1, -0.2, 0});
-  const auto before = plan();
+  const auto X = turned_by(Eigen::Vector3d::UnitZ(), 0.8, {0, 0, 0}, {0.1, -0.2, 0});
+  const auto before = two_grasps();
   const MovedGrasps now = moved_grasps(before, X);
   ASSERT_EQ(now.grasps.size(), 2u) << now.problem;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -45,8 +45,8 @@ TEST(MovedGrasps, GoWithTheObject) {
 }
 
 TEST(MovedGrasps, StayUprightWhereTheObjectLeansALittle) {
-  const auto X = motion(Eigen::Vector3d::UnitX(), 0.06, {0, 0, 0.02}, {0.1, 0, 0});
-  const auto before = plan();
+  const auto X = turned_by(Eigen::Vector3d::UnitX(), 0.06, {0, 0, 0.02}, {0.1, 0, 0});
+  const auto before = two_grasps();
   const MovedGrasps now = moved_grasps(before, X);
   ASSERT_EQ(now.grasps.size(), 2u) << now.problem;
   EXPECT_TRUE((now.grasps[0].X_WG.linear().col(2)).isApprox(-Eigen::Vector3d::UnitZ(), 1e-9));
@@ -57,17 +57,18 @@ TEST(MovedGrasps, StayUprightWhereTheObjectLeansALittle) {
 
 TEST(MovedGrasps, AreRefusedWithTheReason) {
   const auto reason = [](const RigidTransform& X, const MovedGraspLimits& limits = {}) {
-    const MovedGrasps now = moved_grasps(plan(), X, limits);
+    const MovedGrasps now = moved_grasps(two_grasps(), X, limits);
     EXPECT_TRUE(now.grasps.empty());
     return now.problem;
   };
-  EXPECT_THAT(reason(motion(Eigen::Vector3d::UnitX(), std::numbers::pi / 2, {0, 0, 0}, {0, 0, 0})),
-              HasSubstr("tipped by 90 deg"));
-  EXPECT_THAT(reason(motion(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0, 0, -0.7})),
+  EXPECT_THAT(
+      reason(turned_by(Eigen::Vector3d::UnitX(), std::numbers::pi / 2, {0, 0, 0}, {0, 0, 0})),
+      HasSubstr("tipped by 90 deg"));
+  EXPECT_THAT(reason(turned_by(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0, 0, -0.7})),
               HasSubstr("700 mm lower"));
   MovedGraspLimits near;
   near.workspace_W = {Eigen::Vector3d(-0.3, -0.3, -1), Eigen::Vector3d(0.3, 0.3, 1)};
-  EXPECT_THAT(reason(motion(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0.5, 0, 0}), near),
+  EXPECT_THAT(reason(turned_by(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0.5, 0, 0}), near),
               HasSubstr("reach"));
   RigidTransform nowhere = RigidTransform::Identity();
   nowhere.linear() *= std::nan("");
@@ -76,14 +77,14 @@ TEST(MovedGrasps, AreRefusedWithTheReason) {
 }
 
 TEST(MovedGrasps, FromTheSideCannotTurnWithTheObject) {
-  auto grasps = plan();
+  auto grasps = two_grasps();
   grasps[1].approach_W = Eigen::Vector3d::UnitX();
   grasps[1].X_WG.linear() = (Eigen::Matrix3d() << 0, 0, 1, 0, 1, 0, -1, 0, 0).finished();
   const auto turned =
-      moved_grasps(grasps, motion(Eigen::Vector3d::UnitZ(), 1.2, {0, 0, 0}, {0, 0, 0}));
+      moved_grasps(grasps, turned_by(Eigen::Vector3d::UnitZ(), 1.2, {0, 0, 0}, {0, 0, 0}));
   EXPECT_EQ(turned.grasps.size(), 1u);
   const auto shifted =
-      moved_grasps(grasps, motion(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0.1, 0, 0}));
+      moved_grasps(grasps, turned_by(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0.1, 0, 0}));
   EXPECT_EQ(shifted.grasps.size(), 2u);
 }
 
