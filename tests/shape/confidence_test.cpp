@@ -56,9 +56,9 @@ TEST(Confidence, MethodsAreTrustedInTheirOrder) {
   Evidence e;
   e.support = 1;
   double last = 1;
-  for (const auto method : {CompletionMethod::kMirror, CompletionMethod::kRotation,
-                            CompletionMethod::kExtrusion, CompletionMethod::kConvexHull,
-                            CompletionMethod::kRefusedMirror}) {
+  for (const auto method :
+       {CompletionMethod::kMirror, CompletionMethod::kRotation, CompletionMethod::kExtrusion,
+        CompletionMethod::kConvexHull, CompletionMethod::kRefusedMirror}) {
     e.method = method;
     EXPECT_LT(confidence(e), last);
     last = confidence(e);
