@@ -15,8 +15,8 @@ namespace {
 using shape::ConfidenceModel;
 using shape::Evidence;
 
-constexpr int kMethods = 4;
-constexpr int kCoefficients = 12;
+constexpr int kMethods = 5;
+constexpr int kCoefficients = 13;
 constexpr int kMostSteps = 5000;
 
 // In the order of shape::CompletionMethod, then the others; features() has the same order.
@@ -25,6 +25,7 @@ constexpr std::array<std::pair<const char*, double ConfidenceModel::*>, kCoeffic
      {"rotation", &ConfidenceModel::rotation},
      {"extrusion", &ConfidenceModel::extrusion},
      {"convex_hull", &ConfidenceModel::convex_hull},
+     {"refused_mirror", &ConfidenceModel::refused_mirror},
      {"contradiction", &ConfidenceModel::contradiction},
      {"contradicted", &ConfidenceModel::contradicted},
      {"unsupported", &ConfidenceModel::unsupported},

@@ -37,14 +37,30 @@ Reconstruction delaunay(const SegmentedScene& scene, const ObjectHypothesis& obj
   return result;
 }
 
-// As the paper used it: whatever pcl::Poisson gives, with holes if it has any.
+// As in section II.B of the paper: outliers go, normals of all points by the plane through the k
+// nearest, those of mirrored points towards the mirrored viewpoint.
+geometry::PointCloud published_cloud(const shape::CompletedShape& shape) {
+  geometry::PointCloud cloud;
+  std::vector<Eigen::Vector3d> viewpoints;
+  for (const int i : surface::without_outliers(shape.cloud_W.points)) {
+    cloud.points.push_back(shape.cloud_W.points[i]);
+    viewpoints.push_back(shape.viewpoint_of(shape.origin[i]));
+  }
+  cloud.normals = surface::estimate_normals(cloud.points, viewpoints);
+  return cloud;
+}
+
+// Whatever pcl::Poisson gives, with holes if it has any. The screening of points (Kazhdan and Hoppe
+// 2013) came after the paper, so it is off.
 Reconstruction published(const SegmentedScene& scene, const ObjectHypothesis& object, int depth) {
   const shape::CompletedShape shape = completed(scene, object, shape::as_published());
   surface::PclPoissonOptions options;
   options.depth = depth;
+  options.point_weight = 0;
+  options.samples_per_node = 1;
   Reconstruction result;
   result.vote = shape.symmetry.vote;
-  result.mesh_W = surface::pcl_poisson(surface::oriented_cloud(shape), options);
+  result.mesh_W = surface::pcl_poisson(published_cloud(shape), options);
   return result;
 }
 

@@ -32,7 +32,8 @@ struct Method {
 /// The methods that are compared:
 ///  - Ext, the fall-back: convex hull of the seen points and their feet on the table;
 ///  - Del: surface::delaunay_surface, without any prediction;
-///  - Mir5, Mir7: the published completion, pcl::Poisson at depth 5 and 7, nothing closed;
+///  - Mir5, Mir7: the published completion and normals, Poisson reconstruction as of 2006 (without
+///    screening) by pcl::Poisson at depth 5 and 7, nothing thinned or closed;
 ///  - Ours: the library's defaults.
 std::vector<Method> compared_methods();
 

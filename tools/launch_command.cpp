@@ -38,6 +38,8 @@ const char* type_name(launch::LaunchArgument::Type type) {
       return "double";
     case launch::LaunchArgument::Type::kBool:
       return "bool";
+    case launch::LaunchArgument::Type::kList:
+      return "list";
   }
   return "";
 }

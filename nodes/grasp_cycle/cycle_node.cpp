@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "msgs/convert/geometry.h"
+#include "prehend/control/moved_grasps.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
@@ -62,6 +63,18 @@ double touched_area(const msgs::TactileFrame& frame, int counts) {
       frame.intensity().begin(), frame.intensity().end(),
       [counts](std::uint32_t value) { return value > static_cast<std::uint32_t>(counts); });
   return static_cast<double>(touched) * frame.texel_width() * frame.texel_height();
+}
+
+std::string spawned_name(std::uint32_t id) { return "object_" + std::to_string(id); }
+
+// The body's pose at `since` or later, where the simulation has told it.
+std::optional<geometry::RigidTransform> pose_of(const msgs::GroundTruth* truth,
+                                                const std::string& name, std::int64_t since) {
+  if (!truth || truth->header().stamp() < since) return std::nullopt;
+  for (const auto& body : truth->bodies()) {
+    if (body.name() == name) return convert::from_message(body.x_wb());
+  }
+  return std::nullopt;
 }
 
 Eigen::AlignedBox3d bounds_in(const geometry::TriangleMesh& mesh_W,
@@ -127,6 +140,7 @@ void CycleNode::subscribe() {
   keep("/tactile/right", right_);
   keep("/gripper/state", gripper_state_);
   keep("/carrier/state", carrier_state_);
+  if (spawns_) keep("/ground_truth", truth_);
   subscriptions_.push_back(
       node_.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
         wrist_force_ = convert::from_message(message->wrench().force()).norm();
@@ -177,6 +191,9 @@ void CycleNode::tick() {
   const bool stalled = now - std::exchange(last_tick_, now) > kStall;
   if (running_) {
     if (stalled) return;
+    if (spawns_ && !spawned_.X_SB) {
+      spawned_.X_SB = pose_of(truth_.get(), spawned_name(target_.id), 0);
+    }
     cycle_->step(percepts());
     if (const auto since = cycle_->looks_since()) look_again(*since);
     publish_progress();
@@ -218,8 +235,9 @@ void CycleNode::start(const View& view) {
 void CycleNode::begin() try {
   control::CycleOptions options = options_;
   options.move_W = move_W_;
-  // Predicted objects in a simulation are seen by nobody.
-  options.look_timeout = spawns_ ? 0 : look_.timeout();
+  options.look_timeout = look_.timeout();
+  // Predicted objects in a simulation are seen by nobody, but it says where they are.
+  options.only_seen_again = spawns_;
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
                  target_.grasps.size(), target_.grasps.front().score);
   cycle_.emplace(gripper_model_, options, gripper_, carrier_);
@@ -233,7 +251,31 @@ void CycleNode::begin() try {
   finish(failure, false);
 }
 
+void CycleNode::follow_spawned(double since) {
+  const auto X_SB = pose_of(truth_.get(), spawned_name(target_.id), graph::nanoseconds(since));
+  if (!X_SB) return;  // the cycle gives up when it does not come
+  if (!spawned_.X_SB) {
+    return cycle_->take_plan({}, move_W_, "the simulation did not say where the object was");
+  }
+  const geometry::RigidTransform X_moved = *X_SB * spawned_.X_SB->inverse();
+  target_.grasps.erase(target_.grasps.begin() + cycle_->grasp_index());
+  control::MovedGraspLimits limits;
+  limits.workspace_W = put_down_.workspace_W;
+  const control::MovedGrasps moved = control::moved_grasps(target_.grasps, X_moved, limits);
+  if (!moved.grasps.empty()) {
+    const double distance = (X_SB->translation() - spawned_.X_SB->translation()).norm();
+    target_.grasps = moved.grasps;
+    spawned_.X_SB = X_SB;
+    spawned_.X_moved = X_moved * spawned_.X_moved;
+    move_W_ = choose_move(spawned_.view, target_, spawned_.X_SW, spawned_.X_moved);
+    node_.log_info("object {} lies {:.0f} mm from where it was: {} grasps there", target_.id,
+                   1e3 * distance, target_.grasps.size());
+  }
+  cycle_->take_plan(moved.grasps, move_W_, moved.problem);
+}
+
 void CycleNode::look_again(double since) {
+  if (spawns_) return follow_spawned(since);
   look_.ask(since);
   if (!look_.problem().empty()) return cycle_->take_plan({}, move_W_, look_.problem());
   const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
@@ -258,11 +300,15 @@ void CycleNode::look_again(double since) {
 
 void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform& X_SW) {
   to_spawn_.clear();
+  spawned_ = {.view = view,
+              .X_SW = X_SW,
+              .X_SB = std::nullopt,
+              .X_moved = geometry::RigidTransform::Identity()};
   for (const auto& [id, mesh_W] : meshes_of(view)) {
     Spawn& spawn = to_spawn_.emplace_back();
     spawn.id = id;
     msgs::SpawnRequest& request = spawn.request;
-    request.set_name("object_" + std::to_string(id));
+    request.set_name(spawned_name(id));
     *request.mutable_mesh() = convert::to_message(geometry::transformed(mesh_W, X_SW));
     for (const auto& piece : view.models.at(id)->convex_pieces()) {
       *request.add_convex_pieces() =
@@ -305,12 +351,13 @@ void CycleNode::take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnR
 }
 
 Eigen::Vector3d CycleNode::choose_move(const View& view, const Target& target,
-                                       const geometry::RigidTransform& X_SW) const {
+                                       const geometry::RigidTransform& X_SW,
+                                       const geometry::RigidTransform& X_moved) const {
   const Eigen::Vector3d hand = target.grasps.front().X_WG.translation();
   Eigen::AlignedBox3d object(hand, hand);
   std::vector<Eigen::AlignedBox3d> obstacles;
   for (const auto& [id, mesh_W] : meshes_of(view)) {
-    const Eigen::AlignedBox3d box = bounds_in(mesh_W, X_SW);
+    const Eigen::AlignedBox3d box = bounds_in(mesh_W, id == target.id ? X_moved * X_SW : X_SW);
     if (id == target.id) {
       object = box;
     } else {

@@ -39,8 +39,12 @@ class CycleNode {
   void begin();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
-  Eigen::Vector3d choose_move(const View& view, const Target& target,
-                              const geometry::RigidTransform& X_SW) const;
+  /// The same for a predicted object in the simulation: takes its grasps to where it is `since`.
+  void follow_spawned(double since);
+  /// `X_moved`: by which the target has moved since it was seen.
+  Eigen::Vector3d choose_move(
+      const View& view, const Target& target, const geometry::RigidTransform& X_SW,
+      const geometry::RigidTransform& X_moved = geometry::RigidTransform::Identity()) const;
   control::Percepts percepts() const;
   void publish_progress();
   void finish(const control::CycleResult& result, bool ungraspable);
@@ -71,7 +75,8 @@ class CycleNode {
   std::shared_ptr<const msgs::TactileFrame> left_, right_;
   std::shared_ptr<const msgs::GripperState> gripper_state_;
   std::shared_ptr<const msgs::CarrierState> carrier_state_;
-  std::optional<double> wrist_force_;  // N
+  std::shared_ptr<const msgs::GroundTruth> truth_;  // of the simulation that objects are put into
+  std::optional<double> wrist_force_;               // N
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
@@ -84,6 +89,13 @@ class CycleNode {
     msgs::SpawnRequest request;
   };
   std::deque<Spawn> to_spawn_;
+  struct Spawned {
+    View view;  // that was put into the simulation, at X_SW
+    geometry::RigidTransform X_SW = geometry::RigidTransform::Identity();
+    std::optional<geometry::RigidTransform> X_SB;  // of the target's body when it was planned on
+    geometry::RigidTransform X_moved = geometry::RigidTransform::Identity();  // since it was put in
+  };
+  Spawned spawned_;
   Eigen::Vector3d move_W_ = Eigen::Vector3d::Zero();  // of the object, when it is lifted
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;

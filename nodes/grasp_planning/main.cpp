@@ -10,6 +10,7 @@
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/objects.h"
 #include "nodes/grasp_planning/grasp_records.h"
+#include "nodes/grasp_planning/hand_options.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
 #include "prehend/fidelity/plan_settings.h"
@@ -55,19 +56,23 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   declare("table_margin", options.collision.table_margin, "m", 0, "between hand and table");
   declare("obstacle_margin", options.collision.obstacle_margin, "m", 0,
           "between hand and other objects");
-  options.generators = node.declare_parameter<std::vector<std::string>>(
+  const auto generators = node.declare_parameter<std::vector<std::string>>(
       {.name = "generators",
-       .default_value = options.generators,
        .choices = grasp::generator_names(),
-       .description = "ways to make candidates, one or more"});
+       .description =
+           "ways to make candidates, these alone; none: circles and boxes for the "
+           "parallel gripper, circles for a platform's hand, and antipodal where none of "
+           "those holds"});
+  if (!generators.empty()) options.generators = generators;
   declare("budget", options.budget, "s", 0,
           "for the grasps of one object: the best setting of the front within it, which ends "
           "planning in any case; 0: as long as it takes. At the start only");
   const auto front = node.declare_parameter<std::string>(
       {.name = "front",
-       .description = "measured front (config/fidelity/plan.yaml) from which the budget chooses "
-                      "generators, rolls, standoffs and robustness samples, in place of those "
-                      "that are given; empty: these"});
+       .description =
+           "measured front (config/fidelity/plan.yaml) from which the budget chooses "
+           "generators, rolls, standoffs and robustness samples, which must not be given "
+           "then; empty: these. Not with a platform"});
   options.uncertainty.samples = node.declare_parameter<int>(
       {.name = "robustness_samples",
        .default_value = options.uncertainty.samples,
@@ -87,6 +92,12 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
                                    .default_value = options.candidates.circles.standoffs,
                                    .minimum = 1,
                                    .description = "depths of the fingertips tried"});
+  if (node.is_parameter_given("rolls")) {
+    options.candidates.rolls = options.candidates.circles.rolls;
+  }
+  if (node.is_parameter_given("standoffs")) {
+    options.candidates.standoffs = options.candidates.circles.standoffs;
+  }
   options.largest_count = node.declare_parameter<int>({.name = "largest_count",
                                                        .default_value = options.largest_count,
                                                        .minimum = 1,
@@ -114,10 +125,6 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
       {.name = "home",
        .default_value = "home",
        .description = "of the platform: where its arm stands when a motion starts"});
-  grasp::HandPlannerOptions grasps;
-  grasps.density = common.density;
-  grasps.collision = common.collision;
-  grasps.budget = common.budget;
   planning::PlatformPickOptions arm;
   const auto move = node.declare_parameter<std::vector<double>>(
       {.name = "move",
@@ -137,10 +144,14 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .default_value = 3,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm"});
+  const bool front_chooses =
+      !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
+  nodes::refuse_what_does_not_apply(node, !file.empty(), front_chooses);
   if (file.empty()) return nullptr;
   arm.move_W = {move[0], move[1], move[2]};
   return std::make_unique<nodes::PlatformPlanning>(std::filesystem::path(folder) / (file + ".yaml"),
-                                                   home, grasps, arm, motions);
+                                                   home, nodes::hand_options(node, common), arm,
+                                                   motions);
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node, const std::string& hand) {

@@ -52,6 +52,15 @@ planning::KnownModels declare_models(graph::Node& node) {
        .minimum = 0.0,
        .maximum = 1.0,
        .description = "share of the known surface that may stand where the camera saw nothing"});
+  options.size_margin = node.declare_parameter<double>(
+      {.name = "size_margin",
+       .default_value = options.size_margin,
+       .unit = "m",
+       .minimum = 0.0,
+       .maximum = 1.0,
+       .description =
+           "by which the seen object may be larger or smaller than the known one, beyond "
+           "three standard deviations of what its points tell"});
   return planning::KnownModels(folder, scale, options);
 }
 

@@ -132,6 +132,7 @@ void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   result_ = {};
   surprises_.clear();
   phase_times_.clear();
+  failed_attempts_.clear();
   grasp_index_ = 0;
   step_ = Step::kWaiting;
   if (grasps_.empty()) return finish(false, problem.empty() ? "the plan has no grasps" : problem);
@@ -214,6 +215,7 @@ void ArmCycle::check() {
 
 void ArmCycle::give_up(const std::string& reason) {
   failure_ = fmt::format("grasp {}: {}", grasp_index_, reason);
+  failed_attempts_.add(static_cast<int>(step_), failure_);
   arm_.stop();
   hand_.move(grasp().hand_joints, grasp().open, options_.opening_speed, false);
   enter(Step::kGiveUpOpen, failure_ + "; opening");
@@ -253,7 +255,7 @@ void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& proble
 void ArmCycle::next_grasp(const std::string& why) {
   if (grasp_index_ + 1 >= static_cast<int>(grasps_.size()) ||
       result_.attempts >= options_.largest_attempts) {
-    return finish(false, failure_ + (why.empty() ? "" : "; " + why));
+    return finish(false, failed_attempts_.text() + (why.empty() ? "" : "; " + why));
   }
   ++grasp_index_;
   begin_attempt();

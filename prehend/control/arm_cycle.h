@@ -183,6 +183,7 @@ class ArmCycle {
   double step_start_ = 0;  // s
   int grasp_index_ = 0;
   std::string failure_;
+  FailedAttempts failed_attempts_;
   CycleResult result_;
   std::vector<Surprise> surprises_;
   std::vector<std::pair<std::string, double>> phase_times_;

@@ -52,6 +52,7 @@ void GraspCycle::start(std::vector<grasp::Grasp> grasps, const std::string& prob
   grasps_ = std::move(grasps);
   tried_.assign(grasps_.size(), false);
   failed_.clear();
+  failed_attempts_.clear();
   grasp_index_ = 0;
   result_ = {};
   surprises_.clear();
@@ -340,7 +341,10 @@ void GraspCycle::step_carry(const Percepts& percepts) {
   regulate_force(percepts);
   const bool lowering = step_ == Step::kLower;
   const std::string reason = why_not_held(percepts);
-  if (!reason.empty() && !lowering) return give_up_attempt("lost while carrying: " + reason);
+  if (!reason.empty() && !lowering) {
+    add_surprise(SurpriseKind::kHeldAfterLift, 1, 0, "open, take the next grasp");
+    return give_up_attempt("lost while carrying: " + reason);
+  }
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kFailed || (status == MotionStatus::kContact && !lowering)) {
     return give_up_attempt("the carrier failed while carrying");
@@ -382,6 +386,7 @@ void GraspCycle::step_release(const Percepts& percepts) {
 
 void GraspCycle::give_up_attempt(const std::string& reason) {
   failure_ = reason;
+  failed_attempts_.add(static_cast<int>(step_), reason);
   carrier_port_.stop();
   gripper_port_.stop();
   gripper_port_.move_to(gripper_.max_opening, options_.opening_speed);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "prehend/control/failed_attempts.h"
 #include "prehend/control/force_controller.h"
 #include "prehend/control/surprise.h"
 #include "prehend/geometry/rigid_transform.h"
@@ -92,6 +93,9 @@ struct CycleOptions {
   /// s, >= 0, to wait for a plan of what is there after a failed attempt, see GraspCycle; 0: the
   /// next grasp of the plan is taken at once.
   double look_timeout = 0;
+  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the cycle
+  /// ends when none come. Else it takes up the plan before, made for where the object was.
+  bool only_seen_again = false;
   ForceControllerOptions force;
   SurpriseTolerances tolerances;
 
@@ -231,6 +235,7 @@ class GraspCycle {
   geometry::RigidTransform X_WG_target_ = geometry::RigidTransform::Identity();
   geometry::RigidTransform X_WG_start_ = geometry::RigidTransform::Identity();  // of the cycle
   std::string failure_;  // of the current attempt
+  FailedAttempts failed_attempts_;
   CycleResult result_;
   std::vector<Surprise> surprises_;
   std::vector<std::pair<std::string, double>> phase_times_;

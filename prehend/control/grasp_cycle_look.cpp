@@ -45,10 +45,9 @@ void GraspCycle::take_plan(std::vector<grasp::Grasp> grasps, const Eigen::Vector
 // `why` it is not a grasp of a new look, in words; empty: nobody looked.
 void GraspCycle::next_grasp(const std::string& why) {
   const auto next = next_to_try(grasps_, tried_, failed_);
-  if (!next || result_.attempts >= options_.largest_attempts) {
-    return finish(false, "no grasp succeeded in " + std::to_string(result_.attempts) +
-                             (result_.attempts == 1 ? " attempt" : " attempts") +
-                             "; the last: " + failure_ + (why.empty() ? "" : "; " + why));
+  const bool out_of_date = options_.only_seen_again && !why.empty();
+  if (!next || out_of_date || result_.attempts >= options_.largest_attempts) {
+    return finish(false, failed_attempts_.text() + (why.empty() ? "" : "; " + why));
   }
   grasp_index_ = static_cast<int>(*next);
   begin_attempt();

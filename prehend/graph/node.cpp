@@ -50,6 +50,10 @@ ParameterValue Node::parameter_value(const std::string& name) const {
 
 std::vector<ParameterInfo> Node::parameters() const { return impl_->parameters.all(); }
 
+bool Node::is_parameter_given(const std::string& name) const {
+  return impl_->parameters.is_given(name);
+}
+
 void Node::set_parameter(const std::string& name, const std::string& text) {
   set_parameters({{name, text}});
 }

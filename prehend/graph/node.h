@@ -122,6 +122,9 @@ class Node {
   }
 
   std::vector<ParameterInfo> parameters() const;
+  /// Whether the command line, a parameter file or the launch gave it, be it the default's value:
+  /// what is given but does not apply beside others is to be refused, not ignored.
+  bool is_parameter_given(const std::string& name) const;
   /// Sets from text, with the checks of declare_parameter; then on_change is called back, and
   /// topic /parameter_events (msgs::graph::ParameterEvent) tells everybody.
   void set_parameter(const std::string& name, const std::string& text);

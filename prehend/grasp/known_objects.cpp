@@ -12,6 +12,7 @@
 #include "prehend/geometry/surface_samples.h"
 #include "prehend/grasp/grasp_database.h"
 #include "prehend/grasp/registration.h"
+#include "prehend/grasp/size_estimate.h"
 
 namespace prehend::grasp {
 namespace {
@@ -149,6 +150,26 @@ std::string reason_against(const Recognition& recognition, const Violation& viol
   return {};
 }
 
+// Puts the size into `recognition`; why it speaks against the model, or "".
+std::string judge_size(const OrientedPoints& points, const RegisteredModel& model,
+                       const RecognitionOptions& options, Recognition* recognition) {
+  const SizeEstimate size = estimated_size(points, model, recognition->X_WO.inverse(),
+                                           options.tolerance, options.spacing, options.correlation);
+  constexpr double kDeviations = 3;
+  int worst = 0;
+  const Eigen::Vector3d excess = size.difference.cwiseAbs() - kDeviations * size.deviation;
+  excess.maxCoeff(&worst);
+  recognition->size_difference = size.difference(worst);
+  recognition->size_deviation = size.deviation(worst);
+  if (!(excess(worst) > options.size_margin)) return {};
+  constexpr double kMillimetres = 1e3;
+  return fmt::format(
+      "what is seen is {:.0f} mm long where it is {:.0f} mm, a difference of {:.1f} +- {:.1f} mm",
+      kMillimetres * (size.extent(worst) + size.difference(worst)),
+      kMillimetres * size.extent(worst), kMillimetres * std::abs(size.difference(worst)),
+      kMillimetres * size.deviation(worst));
+}
+
 }  // namespace
 
 void RecognitionOptions::validate() const {
@@ -158,6 +179,8 @@ void RecognitionOptions::validate() const {
   const auto is_positive = [](double value) { return std::isfinite(value) && value > 0; };
   require(is_positive(spacing), "spacing must be positive and finite");
   require(is_positive(tolerance), "tolerance must be positive and finite");
+  require(std::isfinite(size_margin) && size_margin >= 0, "size_margin must not be negative");
+  require(is_positive(correlation), "correlation must be positive and finite");
   require(is_positive(free_margin), "free_margin must be positive and finite");
   require(least_explained >= 0 && least_explained <= 1, "least_explained must be in [0, 1]");
   require(most_violated >= 0 && most_violated <= 1, "most_violated must be in [0, 1]");
@@ -240,9 +263,13 @@ Recognition KnownObjects::Implementation::fit(
     if (fitness <= best_fitness) continue;
     best_fitness = fitness;
     one.reason = reason_against(one, violation, options);
-    one.accepted = one.reason.empty();
     best = one;
   }
+  if (best.reason.empty()) {
+    best.reason =
+        judge_size(OrientedPoints{points.points, points.normals}, model.registered, options, &best);
+  }
+  best.accepted = best.reason.empty();
   return best;
 }
 

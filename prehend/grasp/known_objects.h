@@ -34,6 +34,12 @@ struct RecognitionOptions {
   /// Share of the model's surface that the camera should see, 0..1, that may stand in space that
   /// it saw to be free, or below the table.
   double most_violated = 0.1;
+  /// m, >= 0: by so much the seen object may be larger or smaller than the model along each of the
+  /// model's axes, beyond three standard deviations of what the points tell about that
+  /// (size_estimate.h): stereo widens outlines, and models are not exact.
+  double size_margin = 0.004;
+  /// m, > 0: within it the errors of the sensor are alike, so that more points tell no more.
+  double correlation = 0.015;
   /// Pairs of points that are tried. The honest knob: more find poses of flat or round objects
   /// that fewer miss, in proportional time.
   int samples = 120000;
@@ -52,6 +58,9 @@ struct Recognition {
   double explained = 0;  // share of the seen points within the tolerance of its surface
   double violated = 0;   // share of its visible surface in free space or below the table
   double residual = 0;   // m, root mean square distance of the points explained
+  /// m, by which the seen object is longer than the model along the axis that speaks most against
+  /// it, and the standard deviation of that; 0 where fit, free space or table have refused already.
+  double size_difference = 0, size_deviation = 0;
   bool accepted = false;
   std::string reason;  // why not, with the figures; "" when accepted
 
@@ -70,8 +79,10 @@ struct Recognition {
 /// section III; PCL's own draws from the process' rand(), so it is neither
 /// repeatable nor reentrant). The best are refined by point-to-plane ICP (Chen and Medioni,
 /// "Object modelling by registration of multiple range images", 1992) against the exact surface.
-/// A fit is believed only when the model explains the seen points and does not stand where the
-/// camera looked through. Const calls may run in several threads; same input, same answer.
+/// A fit is believed only when the model explains the seen points, does not stand where the camera
+/// looked through, and is not larger or smaller than the points tell: a can lies within the
+/// tolerance of one that is a fifth wider all over its seen side, but curves otherwise. Const calls
+/// may run in several threads; same input, same answer.
 class KnownObjects {
  public:
   /// @throws std::invalid_argument as RecognitionOptions::validate.

@@ -13,9 +13,10 @@ LaunchArgument::Type type_named(const LaunchScope& scope, const YAML::Node& node
   if (name == "int") return LaunchArgument::Type::kInteger;
   if (name == "double") return LaunchArgument::Type::kNumber;
   if (name == "bool") return LaunchArgument::Type::kBool;
+  if (name == "list") return LaunchArgument::Type::kList;
   fail(scope, node,
        "unknown argument type \"" + name + "\"" +
-           text::nearest_match_hint(name, {"string", "int", "double", "bool"}));
+           text::nearest_match_hint(name, {"string", "int", "double", "bool", "list"}));
 }
 
 LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
@@ -32,7 +33,10 @@ LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
     argument.description = text_of(scope, value["description"], "description");
   }
   if (value["default"]) {
-    argument.default_value = text_of(scope, value["default"], "default of " + argument.name);
+    argument.default_value =
+        argument.type == LaunchArgument::Type::kList
+            ? value_text_of(scope, value["default"], "default of " + argument.name)
+            : text_of(scope, value["default"], "default of " + argument.name);
     check_type(scope, value["default"], argument, *argument.default_value);
   }
   return argument;

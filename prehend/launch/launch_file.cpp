@@ -150,7 +150,7 @@ class Loader {
       check_keys(scope, entry, "an include", with_settings({"file", "arguments", "if"}));
       if (!entry["file"]) fail(scope, entry, "an include needs the key \"file\"");
       if (!condition_of(scope, entry["if"])) continue;
-      const auto arguments = text_map_of(scope, entry["arguments"], "arguments");
+      const auto arguments = text_map_of(scope, entry["arguments"], "arguments", Values::kSingleOrLists);
       const std::string file = file_beside(scope, entry["file"], "included file");
       if (file.empty()) continue;  // depends on an argument without a value
       load(file, arguments, place_of(scope, entry),

@@ -17,7 +17,7 @@ class LaunchError : public std::runtime_error {
 
 /// An argument a launch file declares. Its value on the command line: `name:=value`.
 struct LaunchArgument {
-  enum class Type { kString, kInteger, kNumber, kBool };
+  enum class Type { kString, kInteger, kNumber, kBool, kList };
   std::string name;
   Type type = Type::kString;
   std::optional<std::string> default_value;  ///< none: a value must be given

@@ -151,7 +151,7 @@ void take_program(const LaunchScope& scope, const YAML::Node& entry, const std::
 // A new name begins with "//" when it shall not be in the node's namespace.
 std::map<std::string, std::string> remaps_of(const LaunchScope& scope, const YAML::Node& list,
                                              const std::string& name_space) {
-  std::map<std::string, std::string> remaps = text_map_of(scope, list, "remap");
+  std::map<std::string, std::string> remaps = text_map_of(scope, list, "remap", Values::kSingle);
   for (auto& [from, to] : remaps) {
     const std::string what = "remap " + from + ": " + to;
     const bool whole_graph = to.starts_with("//");
@@ -164,7 +164,7 @@ std::map<std::string, std::string> remaps_of(const LaunchScope& scope, const YAM
 
 std::map<std::string, std::string> environment_of(const LaunchScope& scope,
                                                   const YAML::Node& list) {
-  const auto environment = text_map_of(scope, list, "environment");
+  const auto environment = text_map_of(scope, list, "environment", Values::kSingle);
   for (const auto& [name, value] : environment) {
     if (name.find('=') != std::string::npos) {
       fail(scope, list, "environment: \"" + name + "\" is no name of a variable");
@@ -221,7 +221,8 @@ LaunchNode node_of(const LaunchScope& scope, const YAML::Node& entry,
   node.process = settings.process;
   node.environment = settings.environment;
   node.cpu_affinity = settings.cpu_affinity;
-  node.parameters = text_map_of(scope, entry["parameters"], "parameters", &node.parameter_places);
+  node.parameters = text_map_of(scope, entry["parameters"], "parameters", Values::kSingleOrLists,
+                                &node.parameter_places);
   if (!text_of(scope, entry["parameter_file"], "parameter_file").empty()) {
     node.parameter_file = file_beside(scope, entry["parameter_file"], "parameter_file");
   }

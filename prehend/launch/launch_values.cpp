@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 
+#include "prehend/graph/parameter_list.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::launch {
@@ -35,6 +37,15 @@ std::optional<bool> truth_of(const std::string& text) {
   return std::nullopt;
 }
 
+bool is_list(const std::string& text) {
+  try {
+    graph::split_list(text);
+    return true;
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
 template <class Number>
 bool is_number(const std::string& text) {
   Number value{};
@@ -43,15 +54,18 @@ bool is_number(const std::string& text) {
 }
 
 void add_entries(const LaunchScope& scope, const YAML::Node& node, const std::string& what,
-                 const std::string& prefix, std::map<std::string, std::string>& entries,
+                 const std::string& prefix, Values values,
+                 std::map<std::string, std::string>& entries,
                  std::map<std::string, std::string>* places) {
   if (!node.IsMap()) fail(scope, node, what + " must be a mapping of names to values");
   for (const auto& entry : node) {
     const std::string key = prefix + entry.first.Scalar();
     if (entry.second.IsMap()) {
-      add_entries(scope, entry.second, what, key + ".", entries, places);
+      add_entries(scope, entry.second, what, key + ".", values, entries, places);
     } else {
-      const std::string value = text_of(scope, entry.second, what + " " + key);
+      const std::string value = values == Values::kSingleOrLists
+                                    ? value_text_of(scope, entry.second, what + " " + key)
+                                    : text_of(scope, entry.second, what + " " + key);
       if (!entries.emplace(key, value).second) {
         fail(scope, entry.first, what + " gives " + key + " twice");
       }
@@ -121,6 +135,14 @@ std::string text_of(const LaunchScope& scope, const YAML::Node& node, const std:
   return substitute(scope, node, node.Scalar());
 }
 
+std::string value_text_of(const LaunchScope& scope, const YAML::Node& node,
+                          const std::string& what) {
+  if (!node || !node.IsSequence()) return text_of(scope, node, what);
+  std::vector<std::string> items;
+  for (const YAML::Node& item : node) items.push_back(text_of(scope, item, "each of " + what));
+  return graph::join_list(items);
+}
+
 bool bool_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what) {
   const std::string text = text_of(scope, node, what);
   if (is_open(text)) return false;
@@ -157,10 +179,10 @@ std::vector<std::string> text_list_of(const LaunchScope& scope, const YAML::Node
 }
 
 std::map<std::string, std::string> text_map_of(const LaunchScope& scope, const YAML::Node& node,
-                                               const std::string& what,
+                                               const std::string& what, Values values,
                                                std::map<std::string, std::string>* places) {
   std::map<std::string, std::string> entries;
-  if (node && !node.IsNull()) add_entries(scope, node, what, "", entries, places);
+  if (node && !node.IsNull()) add_entries(scope, node, what, "", values, entries, places);
   return entries;
 }
 
@@ -202,6 +224,7 @@ void check_type(const LaunchScope& scope, const YAML::Node& place, const LaunchA
   if (argument.type == LaunchArgument::Type::kInteger)
     expect(is_number<long long>(value), "an integer");
   if (argument.type == LaunchArgument::Type::kNumber) expect(is_number<double>(value), "a number");
+  if (argument.type == LaunchArgument::Type::kList) expect(is_list(value), "a list, as in [a, b]");
 }
 
 }  // namespace prehend::launch

@@ -40,6 +40,9 @@ std::string substitute(const LaunchScope& scope, const YAML::Node& place, const 
 
 /// The text of a scalar, with substitution; "" for null and nothing.
 std::string text_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what);
+/// The same; a list of scalars becomes the text form of a list (graph/parameter_list.h).
+std::string value_text_of(const LaunchScope& scope, const YAML::Node& node,
+                          const std::string& what);
 bool bool_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what);
 /// A number from 0 to `most`; `otherwise` when the key is not there.
 double number_of(const LaunchScope& scope, const YAML::Node& node, const std::string& what,
@@ -49,10 +52,13 @@ double number_of(const LaunchScope& scope, const YAML::Node& node, const std::st
 std::vector<std::string> text_list_of(const LaunchScope& scope, const YAML::Node& node,
                                       const std::string& what);
 
-/// A mapping of names to scalars, nested mappings joined with '.', with substitution. `places`,
-/// when given, takes "FILE:LINE" of each.
+/// What may stand in a mapping: parameters and arguments may be lists, a remap or variable not.
+enum class Values { kSingle, kSingleOrLists };
+
+/// A mapping of names to texts as text_of or value_text_of gives them, nested mappings joined with
+/// '.'. `places`, when given, takes "FILE:LINE" of each.
 std::map<std::string, std::string> text_map_of(
-    const LaunchScope& scope, const YAML::Node& node, const std::string& what,
+    const LaunchScope& scope, const YAML::Node& node, const std::string& what, Values values,
     std::map<std::string, std::string>* places = nullptr);
 
 /// The value of an `if:` key: true | false | a == b | a != b. True when the key is not there.

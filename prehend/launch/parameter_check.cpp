@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "msgs/graph.pb.h"
+#include "prehend/graph/link/parameter_store.h"
 #include "prehend/graph/parameter.h"
 #include "prehend/graph/parameter_file.h"
 #include "prehend/launch/child_process.h"
@@ -94,37 +95,6 @@ class Questions {
   std::map<std::string, Question> running_;
 };
 
-std::optional<graph::ParameterValue> value_of(const msgs::graph::ParameterValue& value) {
-  using Value = msgs::graph::ParameterValue;
-  switch (value.value_case()) {
-    case Value::kBoolValue:
-      return value.bool_value();
-    case Value::kIntValue:
-      return std::int64_t{value.int_value()};
-    case Value::kDoubleValue:
-      return value.double_value();
-    case Value::kStringValue:
-      return value.string_value();
-    default:
-      return std::nullopt;
-  }
-}
-
-graph::ParameterInfo info_of(const msgs::graph::ParameterRecord& record) {
-  graph::ParameterInfo info;
-  info.name = record.name();
-  info.unit = record.unit();
-  info.default_value = value_of(record.default_value()).value_or(std::string());
-  if (record.has_minimum()) info.minimum = value_of(record.minimum());
-  if (record.has_maximum()) info.maximum = value_of(record.maximum());
-  std::vector<graph::ParameterValue> choices;
-  for (const std::string& choice : record.choices()) {
-    choices.push_back(graph::parse_parameter(info, choice));
-  }
-  info.choices = choices;
-  return info;
-}
-
 // What a program declares.
 struct Declared {
   std::map<std::string, graph::ParameterInfo> parameters;
@@ -174,7 +144,7 @@ class Check {
     declared.emplace();
     declared->complete = description.failure().empty();
     for (const auto& record : description.parameters()) {
-      declared->parameters[record.name()] = info_of(record);
+      declared->parameters[record.name()] = graph::from_record(record);
     }
     return &*declared;
   }

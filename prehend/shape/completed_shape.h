@@ -70,7 +70,7 @@ struct CompletedShape {
   std::vector<SymmetryHypothesis> planes;      // best distinct planes, best first
   std::vector<SymmetryHypothesis> hypotheses;  // the winner, then all that were tried, best first
   CompletionMethod method = CompletionMethod::kMirror;
-  std::string refused;  // why better methods were not used, in words; empty for kMirror
+  std::string refused;  // why better methods were not used, in words; empty for a good plane
   Evidence evidence;
   double confidence = 0;  // of the whole, see confidence.h
   /// Mean of point_confidence over the points of each PointOrigin; 0 where there are none.

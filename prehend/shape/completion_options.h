@@ -6,7 +6,8 @@ namespace prehend::shape {
 
 /// What a symmetry plane is judged by.
 enum class VoteKind {
-  /// The vote of Bohg et al. (2011), equation (4) of reference_vote.h, and nothing else.
+  /// The vote of Bohg et al. (2011), equation (3) of reference_vote.h, and nothing else, in its
+  /// own unit (square pixels and kPublishedDepthUnit).
   kPublished,
   /// What contradicts the view, squared outside the mask; a term for mirrored points that coincide
   /// with seen ones (the paper's case i, which its vote ignores); and two weak priors that decide

@@ -27,6 +27,7 @@ constexpr std::array kCoefficients{
     Coefficient{"rotation", &ConfidenceModel::rotation, true},
     Coefficient{"extrusion", &ConfidenceModel::extrusion, true},
     Coefficient{"convex_hull", &ConfidenceModel::convex_hull, true},
+    Coefficient{"refused_mirror", &ConfidenceModel::refused_mirror, true},
     Coefficient{"contradiction", &ConfidenceModel::contradiction, false},
     Coefficient{"contradicted", &ConfidenceModel::contradicted, false},
     Coefficient{"unsupported", &ConfidenceModel::unsupported, false},
@@ -53,6 +54,9 @@ double confidence(const Evidence& e, const ConfidenceModel& model) {
       break;
     case CompletionMethod::kConvexHull:
       x = model.convex_hull;
+      break;
+    case CompletionMethod::kRefusedMirror:
+      x = model.refused_mirror;
       break;
   }
   x -= model.contradiction * std::sqrt(std::clamp(e.contradiction, 0.0, 1.0)) +

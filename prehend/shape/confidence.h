@@ -11,9 +11,11 @@ enum class CompletionMethod : std::uint8_t {
   kRotation = 1,    // about a vertical axis
   kExtrusion = 2,   // of the seen outline down to the table
   kConvexHull = 3,  // of the seen points and their shadow on the table
+  /// At a plane that was refused, where the view speaks against every other method still more.
+  kRefusedMirror = 4,
 };
 
-/// "mirror", "rotation", "extrusion", "convex_hull".
+/// "mirror", "rotation", "extrusion", "convex_hull", "refused_mirror".
 inline const char* name(CompletionMethod method) {
   switch (method) {
     case CompletionMethod::kMirror:
@@ -24,6 +26,8 @@ inline const char* name(CompletionMethod method) {
       return "extrusion";
     case CompletionMethod::kConvexHull:
       return "convex_hull";
+    case CompletionMethod::kRefusedMirror:
+      return "refused_mirror";
   }
   return "unknown";
 }
@@ -63,6 +67,7 @@ struct ConfidenceModel {
   double rotation = 3.8;
   double extrusion = 3.7;
   double convex_hull = 3.6;
+  double refused_mirror = 2.5;
   // Taken off.
   double contradiction = 2.9;  // times the root of Evidence::contradiction, at most 1
   double contradicted = 3.4;   // times the root of Evidence::contradicted

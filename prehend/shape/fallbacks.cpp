@@ -279,7 +279,7 @@ std::optional<Fallback> extruded(const FallbackInput& input) {
   return fallback;
 }
 
-Fallback hulled(const FallbackInput& input) {
+std::optional<Fallback> hulled(const FallbackInput& input) {
   std::vector<Eigen::Vector3d> corners = input.voting.points_T;
   for (const Eigen::Vector3d& p : input.voting.points_T) corners.emplace_back(p.x(), p.y(), 0);
   const geometry::TriangleMesh hull = geometry::convex_hull(corners);

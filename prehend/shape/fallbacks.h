@@ -45,7 +45,7 @@ std::optional<Fallback> revolved(const FallbackInput& input);
 /// footprint is a line.
 std::optional<Fallback> extruded(const FallbackInput& input);
 
-/// The convex hull of the seen points and of their projection on the table, sampled.
-Fallback hulled(const FallbackInput& input);
+/// The convex hull of the seen points and of their projection on the table, sampled. Always there.
+std::optional<Fallback> hulled(const FallbackInput& input);
 
 }  // namespace prehend::shape

@@ -67,7 +67,8 @@ std::vector<VoteTally> FastVote::tallies(const std::vector<geometry::Plane>& pla
   std::vector<VoteTally> tallies;
   tallies.reserve(sums.size());
   for (const KernelSums& sum : sums) {
-    tallies.push_back({count_, sum.outside, sum.outside_squared, sum.in_front, sum.coincident,
+    tallies.push_back({count_, sum.outside_points, sum.outside_pixels, sum.nearer_points,
+                       sum.nearer, sum.outside_squared, sum.in_front, sum.coincident,
                        sum.contradicted, sum.hidden, sum.unseen});
   }
   return tallies;

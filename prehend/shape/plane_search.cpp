@@ -139,7 +139,7 @@ void Ballot::vote(std::vector<Candidate>& candidates) const {
     h.unseen = tally.unseen / count;
     h.vote =
         options_.vote == VoteKind::kPublished
-            ? tally.published_vote() / reference_
+            ? tally.published_vote()
             : contradiction(h) + options_.support_weight * (1 - support(h)) + priors(candidates[i]);
     const Eigen::Vector3d n_T = candidates[i].plane.normal_T();
     Eigen::Vector3d on_plane_T = voting_.center_T + candidates[i].plane.shift * n_T;

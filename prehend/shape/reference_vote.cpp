@@ -97,12 +97,17 @@ VoteTally reference_tally(const ObjectView& view, const SeenImages& images,
     const double distance = images.distance.at(static_cast<int>(u), static_cast<int>(v));
     if (distance > 0) {
       const double outside = (distance - 0.5) * mirrored_C.z() / focal_length;
-      tally.outside += outside;
+      ++tally.outside_points;
+      tally.outside_pixels += distance * distance;
       tally.outside_squared += outside * outside;
       tally.contradicted += ramp(outside / (0.5 * t));
     } else {
       const double before =
           images.depth.at(static_cast<int>(u), static_cast<int>(v)) - mirrored_C.z();
+      if (before > kNearer) {
+        ++tally.nearer_points;
+        tally.nearer += before;
+      }
       tally.in_front += std::max(0.0, before - t);
       tally.contradicted += ramp(before / t);
       tally.hidden += before < -t;

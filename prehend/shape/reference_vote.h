@@ -10,37 +10,33 @@
 namespace prehend::shape {
 
 // The method of Bohg, Johnson-Roberson, León, Felip, Gratal, Bergström, Kragic and Morales, "Mind
-// the Gap - Robotic Grasping under Incomplete Observation", ICRA 2011, section III, step by step in
-// plain double precision. It is slow and stays so: fast_vote.h is tested against it.
+// the Gap - Robotic Grasping under Incomplete Observation", ICRA 2011, section II.A, step by step
+// in plain double precision. It is slow and stays so: fast_vote.h is tested against it.
 //
-// Section III in our words and numbering. The cloud P = {p} is projected onto the table; c is the
-// projection's mean, e_a and e_b its eigenvectors, v the viewing direction along the table.
+// Its equations in our words. The cloud P = {p} is projected onto the table; c is the projection's
+// mean, e_a and e_b its eigenvectors, v the viewing direction along the table.
 //
 //   (1)  s = e_a if |e_a · v| <= |e_b · v| else e_b: the plane's trace on the table is the
 //        eigenvector most perpendicular to the view; its normal n is s turned by 90 deg, pointing
 //        away from the viewer.
 //   (2)  Hypotheses (i, j): n_j = n turned by alpha_j in [-20 deg, 20 deg] about the table's
-//   normal,
-//        through c_ij = c + d_ij n_j with shifts d_ij >= 0 away from the viewer.
-//   (3)  p' = p - 2 n_j (n_j · (p - c_ij)). Seen again by the camera, p'
-//          (i)   coincides with a seen point: supports the hypothesis;
-//          (ii)  lies behind a seen point: hidden, agrees;
-//          (iii) lies before a seen point, or projects beside the object's mask, where the camera
-//                saw something further away: contradicts, by the depth difference or by the
-//                distance to the mask's border (a distance transform).
-//   (4)  vote_ij = E[distance to the mask] + E[depth before the seen surface]; the least wins.
+//        normal, through c_ij = c + d_ij n_j with shifts d_ij >= 0 away from the viewer, and
+//        p' = p - 2 n_j (n_j · (p - c_ij)).
+//   (3)  p' is seen again by the camera at a pixel q. With O the object's mask,
+//          vote_ij = E over the q outside O of the squared distance to the nearest pixel of O (a
+//                    distance transform)
+//                  + E over the q in O whose depth is smaller than that of the pixel they hide, of
+//                    the difference of the depths.
+//        Each expectation is over its own points alone. No weight stands between the two, and no
+//        unit of depth is given: see kPublishedDepthUnit.
+//   (4)  The plane with the least vote wins.
 //
-// What could be verified in public text: the authors' released program (jbohg/mirror_objects,
-// src/predictObject.cc) for the eigenvectors, +-20 deg in 7 orientations, 5 shifts (so 35
-// hypotheses), shifts of j/10 of the distance from the centre to the point farthest from the
-// viewer, the cases and the nearest seen depth where a pixel has none; the implementation of A.
-// Huaman Quispe (PCL, 2014) for the rule that chooses the eigenvector and for the distance
-// transform. What could not, because the paper's text is not freely stored: the literal form of its
-// equations (1)-(4). In particular E may be over the contradicting points only, as in both
-// programs; here it is over all points, so that one stray pixel does not weigh as much as half of
-// the cloud. The released program measures points outside the mask by depth difference, the paper
-// by a distance transform; we follow the paper. Both distances are metres here (pixels times depth
-// over focal length), so that they can be added without weights.
+// A p' that coincides with a seen point (i) supports the plane, one behind a seen point (ii) agrees
+// with it, one that is before a seen point or beside the mask (iii) contradicts it; the vote is
+// made of (iii) alone. The numbers of orientations and shifts (7 and 5, so 35 hypotheses) and the
+// shifts of j/10 of the distance from the centre to the point farthest from the viewer are those of
+// the authors' released program (jbohg/mirror_objects, src/predictObject.cc), as is the nearest
+// seen depth where a pixel of the mask has none.
 
 /// What the camera saw, over its whole image.
 struct SeenImages {
@@ -54,12 +50,15 @@ struct SeenImages {
 /// @throws geometry::InputError as check_view (seen_map.h) does.
 SeenImages reference_images(const ObjectView& view);
 
-/// Equation (3) for all points of the view mirrored at `plane_C` (optical frame), summed. With
-/// (u, v) the pixel p' rounds to, f = (fx + fy)/2, t the depth tolerance,
+/// Equation (3) for all points of the view mirrored at `plane_C` (optical frame), summed, and what
+/// our own vote is made of. With (u, v) the pixel p' rounds to, f = (fx + fy)/2, t the depth
+/// tolerance,
 ///
 ///     unseen             1 for p' behind the camera or beside the image: nobody looked there;
-///     (iii) outside      d = (distance(u, v) - 1/2) z'/f, contradicted ramp(d / (t/2));
-///     (iii) in_front     max(0, b - t) with b = depth(u, v) - z', contradicted ramp(b / t);
+///     (iii) outside_...  points 1, pixels distance(u, v)^2; with d = (distance(u, v) - 1/2) z'/f
+///                        squared d^2, contradicted ramp(d / (t/2));
+///     (iii) nearer       b = depth(u, v) - z' where it is > 0, nearer_points 1;
+///     (iii) in_front     max(0, b - t), contradicted ramp(b / t);
 ///     (i)   coincident   max(0, 1 - |b| / t) when the mirror moved p by more than least_motion;
 ///     (ii)  hidden       1 when b < -t;
 ///

@@ -99,7 +99,7 @@ class Completion {
     if (acceptable(fine, best, options_.max_contradicted)) {
       mirror(fine, best);
     } else {
-      fall_back(best);
+      fall_back(fine, best);
     }
     set_confidence();
     return std::move(shape_);
@@ -288,7 +288,10 @@ class Completion {
     behind_.assign(count, 0.f);
   }
 
-  void fall_back(const Candidate& refused) {
+  /// Completes without `refused`, the best plane, unless the view speaks against every other way at
+  /// least as much: all are measured alike, by the share of their points where the camera looked
+  /// through.
+  void fall_back(const Ballot& ballot, const Candidate& refused) {
     char text[160];
     std::snprintf(text, sizeof text,
                   "mirror: the view speaks against %.0f %% of the best plane's points, for %.0f %%",
@@ -297,23 +300,29 @@ class Completion {
     const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
     const FallbackInput input{
         voting_, map_, view_.camera, X_CT, options_.depth_tolerance, 0.015 * voting_.extent};
-    std::vector<Fallback> made;
-    for (const auto make : {revolved, extruded}) {
-      const std::optional<Fallback> fallback = make(input);
-      const char* tried = make == revolved ? "rotation" : "extrusion";
-      if (fallback && fallback->score() <= kGoodFallbackScore) return use(*fallback);
-      if (fallback) {
-        std::snprintf(text, sizeof text, "; %s: score %.2f", tried, fallback->score());
-        made.push_back(*fallback);
+    std::vector<Fallback> no_worse;
+    for (const auto& [make, name] :
+         {std::pair{&revolved, "rotation"}, {&extruded, "extrusion"}, {&hulled, "convex hull"}}) {
+      std::optional<Fallback> fallback = make(input);
+      if (!fallback) {
+        std::snprintf(text, sizeof text, "; %s: the seen points do not tell one", name);
       } else {
-        std::snprintf(text, sizeof text, "; %s: the seen points do not tell one", tried);
+        const bool is_worse = fallback->contradicted > refused.hypothesis.contradicted;
+        if (!is_worse && fallback->score() <= kGoodFallbackScore) return use(*fallback);
+        std::snprintf(text, sizeof text, "; %s: against %.0f %%, misfit %.2f", name,
+                      100 * fallback->contradicted, fallback->misfit);
+        if (!is_worse) no_worse.push_back(std::move(*fallback));
       }
       shape_.refused += text;
     }
-    made.push_back(hulled(input));
-    use(*std::min_element(made.begin(), made.end(), [](const Fallback& a, const Fallback& b) {
-      return a.score() < b.score();
-    }));
+    if (no_worse.empty()) {
+      shape_.refused += "; so the mirror after all";
+      shape_.method = shape_.evidence.method = CompletionMethod::kRefusedMirror;
+      return mirror(ballot, refused);
+    }
+    use(*std::min_element(
+        no_worse.begin(), no_worse.end(),
+        [](const Fallback& a, const Fallback& b) { return a.score() < b.score(); }));
   }
 
   void use(const Fallback& fallback) {

@@ -5,7 +5,7 @@
 
 namespace prehend::shape {
 
-/// The method as published: equation (4) alone, 7 orientations x 5 shifts about one eigenvector,
+/// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,
 /// one plane, every point votes, and every mirrored point is kept. Its hypotheses and votes are
 /// those of reference_vote.h.
 CompletionOptions as_published();
@@ -37,10 +37,11 @@ CompletionOptions as_published();
 ///
 /// When every plane would put more than `max_contradicted` of its points where the camera looked
 /// through, or has a support s below `min_support`, the first of these that does not contradict the
-/// view much completes the shape instead (fallbacks.h): a surface
-/// of revolution about a vertical axis, an extrusion to the table, the convex hull of what was seen
-/// and its shadow. When none of the three is good, the least bad of them; `method` and `refused`
-/// say what was used and why.
+/// view much completes the shape instead (fallbacks.h): a surface of revolution about a vertical
+/// axis, an extrusion to the table, the convex hull of what was seen and its shadow. When none of
+/// the three is good, the least bad of them. None is used that puts a larger share of its points
+/// where the camera looked through than the refused plane did: when all do, the plane serves after
+/// all, with little confidence. `method` and `refused` say what was used and why.
 ///
 /// The result's cloud is the seen points in their order, then the predicted ones, each with what
 /// the view says about it and how sure it is (confidence.h). It does not depend on the order of the

@@ -13,22 +13,43 @@ struct VoteOptions {
   double least_motion = 0.006;
 };
 
+/// The unit of depth that equation (3) adds to square pixels [m]. The paper does not say which;
+/// docs/shape.md has what another one changes.
+inline constexpr double kPublishedDepthUnit = 1e-3;
+
+/// By how much the depth of a mirrored point must be smaller for equation (3) to count it [m]: what
+/// single precision of the clouds resolves. Points in the plane are mirrored onto themselves.
+inline constexpr double kNearer = 1e-6;
+
 /// What one view says about all points of one object mirrored at one plane: sums over the points.
 /// reference_vote.h defines every term; fast_vote.h computes the same to float accuracy.
 struct VoteTally {
-  std::size_t points = 0;      // mirrored points, n
-  double outside = 0;          // distance to the mask [m]
-  double outside_squared = 0;  // its square [m^2]
+  std::size_t points = 0;  // mirrored points, n
+  // Of equation (3) as it is published: pixels, without tolerance.
+  double outside_points = 0;  // points whose pixel is outside the mask
+  double outside_pixels = 0;  // squared distance of those pixels to the nearest of the mask [px^2]
+  double nearer_points = 0;   // points within the mask, nearer than the pixel they hide
+  double nearer = 0;          // depth by which they are [m]
+  // Of our own vote.
+  double outside_squared = 0;  // squared distance to the mask [m^2]
   double in_front = 0;         // depth before the seen surface, less the tolerance [m]
   double coincident = 0;       // 1 on the seen surface, falling to 0 at the tolerance
   double contradicted = 0;     // 1 where the camera looked through, 0 where it agrees or is hidden
   double hidden = 0;           // points behind the seen surface, beyond the tolerance
   double unseen = 0;           // points behind the camera or beside its image: nobody looked there
 
-  /// The paper's vote (equation 4): expected distance outside the mask plus expected depth before
-  /// the seen surface, over all points [m]. Smaller is better.
+  /// The paper's vote (equation 3): two expectations, each over its own points, added without
+  /// weights,
+  ///
+  ///     v = E_{q outside the mask}[squared distance to the mask]
+  ///       + E_{q within it, nearer than the pixel it hides}[depth by which it is],
+  ///
+  /// in square pixels and in units of kPublishedDepthUnit; 0 where there are no such points.
+  /// Smaller is better.
   double published_vote() const {
-    return points == 0 ? 0 : (outside + in_front) / static_cast<double>(points);
+    const double outside = outside_points > 0 ? outside_pixels / outside_points : 0;
+    const double depth = nearer_points > 0 ? nearer / nearer_points : 0;
+    return outside + depth / kPublishedDepthUnit;
   }
 };
 

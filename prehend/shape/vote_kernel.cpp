@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "prehend/shape/vote.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "prehend/shape/vote_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -22,7 +24,8 @@ using Ints = hn::RebindToSigned<Floats>;
 constexpr std::size_t kBlock = 1024;
 
 struct Lanes {
-  Float outside, outside_squared, in_front, coincident, contradicted, hidden, unseen;
+  Float outside_points, outside_pixels, nearer_points, nearer;
+  Float outside_squared, in_front, coincident, contradicted, hidden, unseen;
 };
 
 HWY_INLINE void add_points(const KernelInput& in, const KernelPlane& plane, std::size_t i,
@@ -62,7 +65,13 @@ HWY_INLINE void add_points(const KernelInput& in, const KernelPlane& plane, std:
   const hn::Mask<Floats> moved =
       hn::And(inside, hn::Gt(hn::Abs(motion), hn::Set(d, in.least_motion)));
 
-  sum.outside = hn::Add(sum.outside, outside);
+  const hn::Mask<Floats> beside = hn::Lt(value, zero);
+  const Float distance = hn::IfThenElseZero(beside, hn::Add(pixels, half));
+  const hn::Mask<Floats> nearer = hn::Gt(before, hn::Set(d, static_cast<float>(kNearer)));
+  sum.outside_points = hn::Add(sum.outside_points, hn::IfThenElseZero(beside, one));
+  sum.outside_pixels = hn::MulAdd(distance, distance, sum.outside_pixels);
+  sum.nearer_points = hn::Add(sum.nearer_points, hn::IfThenElseZero(nearer, one));
+  sum.nearer = hn::Add(sum.nearer, hn::IfThenElseZero(nearer, before));
   sum.outside_squared = hn::MulAdd(outside, outside, sum.outside_squared);
   sum.in_front = hn::Add(sum.in_front, hn::Max(hn::Sub(before, tolerance), zero));
   sum.coincident = hn::Add(sum.coincident, hn::IfThenElseZero(moved, near_surface));
@@ -90,11 +99,14 @@ void sum_votes(const KernelInput& in, const std::vector<KernelPlane>& planes,
     const std::size_t end = std::min(begin + kBlock, in.count);
     for (std::size_t k = 0; k < planes.size(); ++k) {
       const Float zero = hn::Zero(d);
-      Lanes sum{zero, zero, zero, zero, zero, zero, zero};
+      Lanes sum{zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
       std::size_t i = begin;
       for (; i + lanes <= end; i += lanes) add_points(in, planes[k], i, all, sum);
       if (i < end) add_points(in, planes[k], i, hn::FirstN(d, end - i), sum);
-      sums[k].outside += total(sum.outside);
+      sums[k].outside_points += total(sum.outside_points);
+      sums[k].outside_pixels += total(sum.outside_pixels);
+      sums[k].nearer_points += total(sum.nearer_points);
+      sums[k].nearer += total(sum.nearer);
       sums[k].outside_squared += total(sum.outside_squared);
       sums[k].in_front += total(sum.in_front);
       sums[k].coincident += total(sum.coincident);

@@ -14,7 +14,10 @@ struct KernelPlane {
 
 /// What the kernel sums for one plane; see VoteTally.
 struct KernelSums {
-  double outside = 0;
+  double outside_points = 0;
+  double outside_pixels = 0;
+  double nearer_points = 0;
+  double nearer = 0;
   double outside_squared = 0;
   double in_front = 0;
   double coincident = 0;

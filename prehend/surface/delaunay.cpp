@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -77,17 +79,18 @@ std::vector<Eigen::Vector3i> triangulated(const std::vector<cv::Point2f>& pixels
 }
 
 /// Without the triangles that have an edge over `factor` times the median edge.
-void drop_long(std::vector<Eigen::Vector3i>& triangles, const std::vector<Eigen::Vector3f>& points,
-               double factor) {
-  std::vector<float> lengths;
+template <class Length>
+void drop_long(std::vector<Eigen::Vector3i>& triangles, double factor, const Length& length) {
+  std::vector<double> lengths;
   for (const Eigen::Vector3i& t : triangles) {
-    for (int k = 0; k < 3; ++k) lengths.push_back((points[t[k]] - points[t[(k + 1) % 3]]).norm());
+    for (int k = 0; k < 3; ++k) lengths.push_back(length(t[k], t[(k + 1) % 3]));
   }
+  if (lengths.empty()) return;
   std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
   const double longest = factor * lengths[lengths.size() / 2];
   std::erase_if(triangles, [&](const Eigen::Vector3i& t) {
     for (int k = 0; k < 3; ++k) {
-      if ((points[t[k]] - points[t[(k + 1) % 3]]).norm() > longest) return true;
+      if (length(t[k], t[(k + 1) % 3]) > longest) return true;
     }
     return false;
   });
@@ -144,15 +147,104 @@ TriangleMesh largest_part(const std::vector<Eigen::Vector3i>& triangles,
   return mesh;
 }
 
-/// Closes every loop of border edges by triangles to its centre.
-void close_contours(TriangleMesh& mesh) {
-  std::map<std::pair<int, int>, int> edges;
+using Edges = std::set<std::pair<int, int>>;
+
+/// Triangles between the vertices of a closed `loop` of border edges, in its direction: of all
+/// ways to span them, the one with the least area. Chords that are edges of the mesh already would
+/// join four triangles, and triangles that are turned over in the image would lie outside the
+/// contour; both are taken only where nothing else closes it. Dynamic programming over the loop's
+/// pieces (Barequet and Sharir, "Filling gaps in the boundary of a polyhedron", CAGD 1995).
+class SpannedLoop {
+ public:
+  SpannedLoop(const std::vector<int>& loop, const TriangleMesh& mesh,
+              const std::vector<Eigen::Vector2d>& pixels, const Edges& edges)
+      : loop_(loop), mesh_(mesh), pixels_(pixels), edges_(edges), count_(loop.size()) {
+    double twice = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Eigen::Vector2d& p = pixels_[loop_[i]];
+      const Eigen::Vector2d& q = pixels_[loop_[(i + 1) % count_]];
+      twice += p.x() * q.y() - p.y() * q.x();
+    }
+    turn_ = twice < 0 ? -1 : 1;
+  }
+
+  std::vector<Eigen::Vector3i> triangles() {
+    Eigen::AlignedBox3d box;
+    for (const int i : loop_) box.extend(mesh_.vertices[i]);
+    turned_over_ = box.diagonal().squaredNorm() * static_cast<double>(count_);
+    shared_ = turned_over_ * static_cast<double>(count_);
+    cost_.assign(count_ * count_, 0.0);
+    middle_.assign(count_ * count_, 0);
+    for (std::size_t length = 2; length < count_; ++length) {
+      for (std::size_t i = 0; i + length < count_; ++i) span(i, i + length);
+    }
+    std::vector<Eigen::Vector3i> result;
+    collect(0, count_ - 1, result);
+    return result;
+  }
+
+ private:
+  // The best triangle over the chord from i to k.
+  void span(std::size_t i, std::size_t k) {
+    double& best = cost_[i * count_ + k];
+    best = std::numeric_limits<double>::infinity();
+    for (std::size_t j = i + 1; j < k; ++j) {
+      const double cost = cost_[i * count_ + j] + cost_[j * count_ + k] + triangle_cost(i, j, k);
+      if (cost >= best) continue;
+      best = cost;
+      middle_[i * count_ + k] = j;
+    }
+    const bool is_border = i == 0 && k + 1 == count_;
+    if (!is_border && edges_.count(std::minmax(loop_[i], loop_[k])) > 0) best += shared_;
+  }
+
+  double triangle_cost(std::size_t i, std::size_t j, std::size_t k) const {
+    const Eigen::Vector3d& a = mesh_.vertices[loop_[i]];
+    const Eigen::Vector3d ab = mesh_.vertices[loop_[j]] - a, ac = mesh_.vertices[loop_[k]] - a;
+    const Eigen::Vector2d p = pixels_[loop_[j]] - pixels_[loop_[i]];
+    const Eigen::Vector2d q = pixels_[loop_[k]] - pixels_[loop_[i]];
+    const bool turned_over = turn_ * (p.x() * q.y() - p.y() * q.x()) < 0;
+    return 0.5 * ab.cross(ac).norm() + (turned_over ? turned_over_ : 0);
+  }
+
+  void collect(std::size_t first, std::size_t last, std::vector<Eigen::Vector3i>& result) const {
+    std::vector<std::pair<std::size_t, std::size_t>> chords{{first, last}};
+    while (!chords.empty()) {
+      const auto [i, k] = chords.back();
+      chords.pop_back();
+      if (k < i + 2) continue;
+      const std::size_t j = middle_[i * count_ + k];
+      result.emplace_back(loop_[i], loop_[j], loop_[k]);
+      chords.emplace_back(i, j);
+      chords.emplace_back(j, k);
+    }
+  }
+
+  const std::vector<int>& loop_;
+  const TriangleMesh& mesh_;
+  const std::vector<Eigen::Vector2d>& pixels_;
+  const Edges& edges_;
+  std::size_t count_;
+  double turn_ = 1;                      // sign of the loop's area in the image
+  double turned_over_ = 0, shared_ = 0;  // m^2, more than any area of the loop
+  std::vector<double> cost_;             // count x count: of the piece from i to k [m^2]
+  std::vector<std::size_t> middle_;      // count x count: third corner over the chord from i to k
+};
+
+/// Closes every loop of border edges by triangles between its vertices, without new ones.
+/// `pixels`: of the vertices.
+void close_contours(TriangleMesh& mesh, const std::vector<Eigen::Vector2d>& pixels) {
+  std::set<std::pair<int, int>> directed;
+  Edges edges;
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    for (int k = 0; k < 3; ++k) {
+      directed.emplace(t[k], t[(k + 1) % 3]);
+      edges.insert(std::minmax(t[k], t[(k + 1) % 3]));
+    }
   }
   std::map<int, int> next;  // along the border, against the triangles' direction
-  for (const auto& [edge, uses] : edges) {
-    if (edges.count({edge.second, edge.first}) == 0) next[edge.second] = edge.first;
+  for (const auto& [from, to] : directed) {
+    if (directed.count({to, from}) == 0) next[to] = from;
   }
   while (!next.empty()) {
     std::vector<int> loop;
@@ -162,12 +254,8 @@ void close_contours(TriangleMesh& mesh) {
       next.erase(at);
       at = next.find(to);
     }
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();
-    for (const int i : loop) center += mesh.vertices[i] / static_cast<double>(loop.size());
-    const int apex = static_cast<int>(mesh.vertices.size());
-    mesh.vertices.push_back(center);
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      mesh.triangles.emplace_back(apex, loop[i], loop[(i + 1) % loop.size()]);
+    for (const Eigen::Vector3i& t : SpannedLoop(loop, mesh, pixels, edges).triangles()) {
+      mesh.triangles.push_back(t);
     }
   }
 }
@@ -196,10 +284,16 @@ TriangleMesh delaunay_surface(const geometry::PointCloud& cloud_W,
   }
   std::vector<Eigen::Vector3i> triangles = triangulated(pixels);
   if (triangles.empty()) throw InputError("all points lie on a line of the image", mend);
-  drop_long(triangles, points, options.longest_edge);
+  drop_long(triangles, options.longest_edge, [&](int i, int k) {
+    return std::hypot(pixels[i].x - pixels[k].x, pixels[i].y - pixels[k].y);
+  });
+  drop_long(triangles, options.longest_edge,
+            [&](int i, int k) { return (points[i] - points[k]).norm(); });
   if (triangles.empty()) throw InputError("every triangle has a long edge", "raise longest_edge");
   TriangleMesh mesh = largest_part(triangles, points);
-  close_contours(mesh);
+  std::vector<Eigen::Vector2d> projected;
+  for (const Eigen::Vector3d& p_W : mesh.vertices) projected.push_back(camera.project(X_CW * p_W));
+  close_contours(mesh, projected);
   return mesh;
 }
 

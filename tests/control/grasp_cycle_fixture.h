@@ -21,6 +21,7 @@ class FakeWorld {
   double object_x = 0;         // m; the pads find it within 20 mm
   bool object_is_anywhere = true;
   bool slips_when_lifted = false;
+  bool lost_when_carried = false;
   double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
   double finger_stop = 0;  // m, of the opening, where the fingers meet the object beside the pads
@@ -129,6 +130,7 @@ class FakeWorld {
       held_possible_ = false;
       object_height_ = 0;
     }
+    if (lost_when_carried && gripped && X_WG_.translation().y() > 0.05) held_possible_ = false;
     if (!gripped || force() == 0) object_height_ = 0;
     touching_obstacle_ = height() < obstacle_height;
     if (contact_force_ > 0 && touching_obstacle_) {

@@ -84,6 +84,27 @@ TEST_F(LookingCycleTest, AnEmptyNewPlanIsSaidAndTheOldOneGoesOn) {
   EXPECT_NE(looking.result().reason.find("too wide"), std::string::npos) << looking.result().reason;
 }
 
+// In a replay the next grasp of the plan closed where the object had been.
+TEST_F(LookingCycleTest, EndsWithoutANewPlanWhenOnlyThatWillDo) {
+  CycleOptions only = options();
+  only.only_seen_again = true;
+  GraspCycle strict{robot::GripperModel{}, only, gripper, carrier};
+  world.object_width = 0;
+  strict.start({grasp_at(0), grasp_at(0.05)});
+  run_until_it_looks(&strict);
+  strict.take_plan({}, {0, 0.1, 0}, "the object has tipped by 90 deg");
+  EXPECT_TRUE(strict.finished());
+  EXPECT_EQ(strict.result().attempts, 1);
+  EXPECT_NE(strict.result().reason.find("tipped by 90 deg"), std::string::npos)
+      << strict.result().reason;
+  GraspCycle waiting{robot::GripperModel{}, only, gripper, carrier};
+  waiting.start({grasp_at(0), grasp_at(0.05)});
+  run_to_the_end(&waiting);
+  EXPECT_EQ(waiting.result().attempts, 1);
+  EXPECT_NE(waiting.result().reason.find("no new plan came"), std::string::npos)
+      << waiting.result().reason;
+}
+
 TEST_F(LookingCycleTest, WhatFailedIsTriedLastThoughItIsPlannedAgain) {
   world.object_is_anywhere = false;
   world.object_x = 0.04;

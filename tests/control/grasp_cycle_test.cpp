@@ -1,5 +1,6 @@
 #include "prehend/control/grasp_cycle.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -42,6 +43,22 @@ TEST_F(GraspCycleTest, NothingThereTriesTheNextGrasps) {
   EXPECT_FALSE(cycle.result().success);
   EXPECT_EQ(cycle.result().attempts, 3);
   EXPECT_NE(cycle.result().reason.find("neither pad"), std::string::npos) << cycle.result().reason;
+}
+
+// The reason was "closed completely, neither pad felt anything", of the attempts that came after.
+TEST_F(GraspCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
+  world.lost_when_carried = true;
+  run(3);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_EQ(cycle.result().attempts, 3);
+  const std::string& reason = cycle.result().reason;
+  EXPECT_NE(reason.find("attempt 1 came furthest: lost while carrying"), std::string::npos)
+      << reason;
+  EXPECT_LT(reason.find("lost while carrying"), reason.find("neither pad")) << reason;
+  const auto held = std::count_if(
+      cycle.surprises().begin(), cycle.surprises().end(),
+      [](const Surprise& s) { return s.kind == SurpriseKind::kHeldAfterLift && s.surprising; });
+  EXPECT_EQ(held, 1);
 }
 
 TEST_F(GraspCycleTest, SlippedObjectIsNoticedAfterTheLift) {

@@ -117,7 +117,7 @@ TEST_F(HostileLaunch, WrongTypesEverywhere) {
   }
   for (const char* key : {"parameters", "remap", "environment"}) {
     EXPECT_THAT(error_of(node + key + ": [1, 2]\n"), HasSubstr("a.yaml:3: ")) << key;
-    EXPECT_THAT(error_of(node + key + ": {/a: [1]}\n"), HasSubstr("a.yaml:3: ")) << key;
+    EXPECT_THAT(error_of(node + key + ": {/a: [[1]]}\n"), HasSubstr("a.yaml:3: ")) << key;
     EXPECT_THAT(error_of(node + key + ": {[a]: 1}\n"), HasSubstr("a key must be plain text"));
   }
   for (const char* key : {"respawn", "after", "cpu_affinity"}) {

@@ -49,6 +49,38 @@ nodes:
   EXPECT_THAT(node_options(graph.nodes[1], ""), ElementsAre("--name", "report", "--clock", "wall"));
 }
 
+// A list was "one value, not a list or mapping" wherever it stood.
+TEST_F(LaunchFileTest, ListsAreParametersAndArguments) {
+  write("part.yaml", R"(
+arguments:
+  generators: {type: list, default: [circles, "a, b"]}
+  plain: {default: "[x]"}
+nodes:
+  - {node: grasp_planning, parameters: {generators: $(generators), plain: $(plain)}}
+)");
+  const std::string whole = R"(
+arguments: {matrix: {type: double, default: 0.5}}
+include: [{file: $(launch_dir)/part.yaml, arguments: {generators: [segments, boxes]}}]
+nodes:
+  - node: simulation
+    parameters: {move: [0, $(matrix), -1e-3], names: [left, "a, b", ""], none: [], deep: {er: [1]}}
+)";
+  const LaunchGraph graph = load(whole);
+  ASSERT_EQ(graph.nodes.size(), 2u);
+  EXPECT_THAT(graph.nodes[0].parameters,
+              ElementsAre(Pair("generators", "[segments, boxes]"), Pair("plain", "[x]")));
+  EXPECT_THAT(graph.nodes[1].parameters,
+              ElementsAre(Pair("deep.er", "[1]"), Pair("move", "[0, 0.5, -1e-3]"),
+                          Pair("names", "[left, \"a, b\", \"\"]"), Pair("none", "[]")));
+  const LaunchGraph part =
+      load_launch_file((folder_ / "launch/part.yaml").string(), {}, (folder_ / "bin").string());
+  EXPECT_EQ(part.nodes[0].parameters.at("generators"), "[circles, \"a, b\"]");
+  EXPECT_THAT(error_of("arguments: {a: {type: list, default: b}}\nnodes: [{node: report}]"),
+              HasSubstr("argument a must be a list, as in [a, b], is \"b\""));
+  EXPECT_THAT(error_of("arguments: {a: {type: list}}\nnodes: [{node: report}]", {"a:=[1, 2"}),
+              HasSubstr("argument a must be a list"));
+}
+
 TEST_F(LaunchFileTest, ItsDescriptionLoadsToTheSameGraph) {
   const LaunchGraph graph = load(R"(
 hosts: {cell: {address: 127.0.0.1}, arm: {address: 127.0.0.2}}
@@ -144,7 +176,10 @@ TEST_F(LaunchFileTest, WrongValuesAreNamed) {
               HasSubstr("required must be"));
   EXPECT_THAT(error_of("nodes: [{node: report, required: true, respawn: true}]"),
               HasSubstr("both"));
-  EXPECT_THAT(error_of("nodes: [{node: report, parameters: {a: [1, 2]}}]"), HasSubstr("one value"));
+  EXPECT_THAT(error_of("nodes: [{node: report, parameters: {a: [[1], 2]}}]"),
+              HasSubstr("each of parameters a must be one value"));
+  EXPECT_THAT(error_of("nodes: [{node: report, environment: {A: [1, 2]}}]"),
+              HasSubstr("one value"));
   EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"),
               HasSubstr("begin with '/'"));
   EXPECT_THAT(error_of("nodes: [{node: report, name: a-b}]"), HasSubstr("no node name"));

@@ -31,7 +31,7 @@ TEST(Confidence, NeverRisesWhenEvidenceGetsWorse) {
       [](Evidence& e, double by) { e.open_top += by; },
       [](Evidence& e, double) { e.cut_by_image = true; }};
   for (int i = 0; i < 2000; ++i) {
-    const Evidence before{static_cast<CompletionMethod>(random() % 4),
+    const Evidence before{static_cast<CompletionMethod>(random() % 5),
                           unit(),
                           unit(),
                           unit(),
@@ -56,8 +56,9 @@ TEST(Confidence, MethodsAreTrustedInTheirOrder) {
   Evidence e;
   e.support = 1;
   double last = 1;
-  for (const auto method : {CompletionMethod::kMirror, CompletionMethod::kRotation,
-                            CompletionMethod::kExtrusion, CompletionMethod::kConvexHull}) {
+  for (const auto method :
+       {CompletionMethod::kMirror, CompletionMethod::kRotation, CompletionMethod::kExtrusion,
+        CompletionMethod::kConvexHull, CompletionMethod::kRefusedMirror}) {
     e.method = method;
     EXPECT_LT(confidence(e), last);
     last = confidence(e);

@@ -74,8 +74,9 @@ TEST(ReferenceVote, EachCaseOfEquationThree) {
   // (iii) beside the mask: 0.06 m to the right is pixel 15.5 + 12 = 27.5, rounded 28; the mask ends
   // at 23, so 5 - 1/2 pixels of 5 mm.
   const VoteTally outside = tally(Eigen::Vector3d::UnitX(), 0.03);
-  EXPECT_NEAR(outside.outside, 4.5 * 0.5 / 100, 1e-7);
-  EXPECT_NEAR(outside.outside_squared, outside.outside * outside.outside, 1e-12);
+  EXPECT_EQ(outside.outside_points, 1);
+  EXPECT_EQ(outside.outside_pixels, 25);
+  EXPECT_NEAR(outside.outside_squared, std::pow(4.5 * 0.5 / 100, 2), 1e-9);
   EXPECT_EQ(outside.contradicted, 1);
   // (i) moved along the surface by 2 cm: coincides. Not moved: says nothing.
   EXPECT_NEAR(tally(Eigen::Vector3d::UnitX(), 0.01).coincident, 1, 1e-4);
@@ -84,6 +85,44 @@ TEST(ReferenceVote, EachCaseOfEquationThree) {
   EXPECT_EQ(tally(Eigen::Vector3d::UnitZ(), -0.1).unseen, 1);
   EXPECT_EQ(tally(Eigen::Vector3d::UnitX(), 0.2).unseen, 1);
   EXPECT_EQ(tally(Eigen::Vector3d::UnitX(), 0.2).published_vote(), 0);
+}
+
+// Squared distances, and two expectations over their own points each: not one mean of plain
+// distances over the whole cloud, as it once was.
+TEST(ReferenceVote, AddsTwoExpectationsOverTheirOwnPoints) {
+  SyntheticView view = empty_view();
+  for (int v = 0; v < 24; ++v) {
+    for (int u = 4; u < 24; ++u) view.mask.at(u, v) = 255;
+  }
+  const SeenImages images = [&] {
+    SyntheticView wall = view;  // seen all over at 0.5 m
+    for (int v = 0; v < 24; ++v) {
+      for (int u = 4; u < 24; ++u) {
+        wall.cloud_W.points.push_back(view.camera.unproject(u, v, 0.5).cast<float>());
+      }
+    }
+    return reference_images(wall.view());
+  }();
+  // Mirrored at x = 0, pixel u goes to 31 - u: 3 and 0 end 5 and 8 pixels beside the mask, at
+  // 28 and 31; 10 and 16 stay within.
+  const geometry::Plane plane{Eigen::Vector3d::UnitX(), 0};
+  const auto add = [&](int u, double z) {
+    view.cloud_W.points.push_back(view.camera.unproject(u, 12, z).cast<float>());
+  };
+  add(3, 0.5);
+  add(0, 0.5);
+  VoteTally tally = reference_tally(view.view(), images, plane, {});
+  EXPECT_NEAR(tally.published_vote(), (25. + 64.) / 2, 1e-9);
+  add(10, 0.49);                             // 10 mm nearer than what it hides
+  add(16, 0.48);                             // 20 mm
+  add(12, 0.499);                            // 1 mm: within our tolerance, which the paper has not
+  for (int u = 8; u < 20; ++u) add(u, 0.7);  // hidden: in neither expectation
+  tally = reference_tally(view.view(), images, plane, {});
+  EXPECT_EQ(tally.outside_points, 2);
+  EXPECT_EQ(tally.nearer_points, 3);
+  EXPECT_EQ(tally.hidden, 12);
+  EXPECT_NEAR(tally.nearer, 0.031, 1e-6);
+  EXPECT_NEAR(tally.published_vote(), 89. / 2 + 0.031 / 3 / kPublishedDepthUnit, 1e-3);
 }
 
 TEST(ReferenceVote, StartsAlongTheEigenvectorMostPerpendicularToTheView) {

@@ -226,13 +226,16 @@ TEST(Symmetry, VoteHasALowValueForTheTruthAndTellsItsParts) {
 
 TEST(Symmetry, VoteHardlyDependsOnTheCamerasResolution) {
   const geometry::TriangleMesh truth = standing(box_solid().mesh, 20 * kPlaneDegree);
-  const CompletionOptions options = as_published();
-  const auto worst = [&](int width) {
+  const auto worst = [&](int width, const CompletionOptions& options) {
     const SyntheticView view = synthetic_view(truth, {.width = width});
     return complete_by_symmetry(view.view(), options).hypotheses.back().vote;
   };
-  // In pixels it would be 1/16.
-  EXPECT_NEAR(worst(320) / worst(1280), 1, 0.2);
+  CompletionOptions ours = as_published();
+  ours.vote = VoteKind::kSupported;
+  ours.support_weight = ours.oblique_weight = ours.depth_prior_weight = 0;
+  EXPECT_NEAR(worst(320, ours) / worst(1280, ours), 1, 0.2);
+  // The published one counts square pixels, 1/16, beside depths.
+  EXPECT_LT(worst(320, as_published()) / worst(1280, as_published()), 0.2);
 }
 
 TEST(Symmetry, PublishedVoteAloneStaysWithinAGridStep) {
@@ -255,20 +258,11 @@ TEST(Symmetry, AsPublishedIsTheReference) {
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   const auto planes_C = reference_hypotheses(view.view(), 7, 5, options.max_angle);
   const SeenImages images = reference_images(view.view());
-  double extent = 0;  // of the bounds along the camera's forward direction on the table and across
-  for (int axis = 0; axis < 2; ++axis) {
-    double least = 1e9, most = -1e9;
-    for (const auto& p : view.cloud_W.points) {
-      least = std::min<double>(least, p(axis));
-      most = std::max<double>(most, p(axis));
-    }
-    extent = std::max(extent, most - least);
-  }
   ASSERT_EQ(shape.hypotheses.size(), planes_C.size() + 1);  // the winner stands first once more
   std::vector<std::pair<double, geometry::Plane>> votes;
   for (const auto& plane_C : planes_C) {
     const VoteTally tally = reference_tally(view.view(), images, plane_C, {});
-    votes.emplace_back(tally.published_vote() / (options.reference_fraction * extent), plane_C);
+    votes.emplace_back(tally.published_vote(), plane_C);
   }
   std::sort(votes.begin(), votes.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -102,7 +102,12 @@ void expect_same(const VoteTally& fast, const VoteTally& reference, double relat
   const double n = static_cast<double>(reference.points);
   ASSERT_EQ(fast.points, reference.points);
   // Sums that are tiny beside the object are compared on its scale: 1e-9 m or 1e-6 of a point each.
-  EXPECT_NEAR(fast.outside, reference.outside, relative * reference.outside + 1e-9 * n);
+  EXPECT_EQ(fast.outside_points, reference.outside_points);
+  EXPECT_NEAR(fast.outside_pixels, reference.outside_pixels,
+              relative * reference.outside_pixels + 1e-3);
+  // Points that hide what they are mirrored from, or nearly: the sign is that of the rounding.
+  EXPECT_NEAR(fast.nearer_points, reference.nearer_points, 2 + 1e-3 * n);
+  EXPECT_NEAR(fast.nearer, reference.nearer, relative * reference.nearer + 1e-8 * n);
   EXPECT_NEAR(fast.outside_squared, reference.outside_squared,
               relative * reference.outside_squared + 1e-9 * n);
   EXPECT_NEAR(fast.in_front, reference.in_front, relative * reference.in_front + 1e-8 * n);

@@ -101,7 +101,10 @@ void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned*
 
 void plan_fingers(const PlanChoices& choices, const PlanTarget& target, Planned* planned) {
   grasp::HandPlannerOptions options;
-  if (!choices.generators.empty()) options.generators = choices.generators;
+  if (!choices.generators.empty()) {
+    options.generators = choices.generators;
+    options.further_generators.clear();
+  }
   options.preshapes = choices.preshapes;
   options.density = choices.density;
   options.budget = choices.budget;

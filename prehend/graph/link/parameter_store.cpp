@@ -31,6 +31,29 @@ void fill(const ParameterValue& value, msgs::graph::ParameterValue& out) {
   }
 }
 
+ParameterValue value_of(const msgs::graph::ParameterValue& value) {
+  using Value = msgs::graph::ParameterValue;
+  switch (value.value_case()) {
+    case Value::kBoolValue:
+      return value.bool_value();
+    case Value::kIntValue:
+      return std::int64_t{value.int_value()};
+    case Value::kDoubleValue:
+      return value.double_value();
+    case Value::kStringValue:
+      return value.string_value();
+    case Value::kNumbersValue:
+      return std::vector<double>(value.numbers_value().values().begin(),
+                                 value.numbers_value().values().end());
+    case Value::kTextsValue:
+      return std::vector<std::string>(value.texts_value().values().begin(),
+                                      value.texts_value().values().end());
+    case Value::VALUE_NOT_SET:
+      break;
+  }
+  return std::string();
+}
+
 }  // namespace
 
 std::string ParameterStore::place_of(const std::string& name) const {
@@ -136,6 +159,29 @@ msgs::graph::ParameterRecord to_record(const ParameterInfo& parameter) {
   record.set_description(parameter.description);
   record.set_read_only(parameter.read_only);
   return record;
+}
+
+ParameterInfo from_record(const msgs::graph::ParameterRecord& record) {
+  ParameterInfo info;
+  info.name = record.name();
+  info.unit = record.unit();
+  info.description = record.description();
+  info.read_only = record.read_only();
+  info.default_value = value_of(record.default_value());
+  info.value = record.has_value() ? value_of(record.value()) : info.default_value;
+  if (record.has_minimum()) info.minimum = value_of(record.minimum());
+  if (record.has_maximum()) info.maximum = value_of(record.maximum());
+  ParameterInfo choice;  // of the element's type
+  choice.name = record.name();
+  choice.default_value = info.default_value;
+  if (std::holds_alternative<std::vector<double>>(info.default_value)) choice.default_value = 0.0;
+  if (std::holds_alternative<std::vector<std::string>>(info.default_value)) {
+    choice.default_value = std::string();
+  }
+  for (const std::string& text : record.choices()) {
+    info.choices.push_back(parse_parameter(choice, text));
+  }
+  return info;
 }
 
 }  // namespace prehend::graph

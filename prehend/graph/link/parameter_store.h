@@ -33,6 +33,8 @@ class ParameterStore {
   bool has_validation(const std::map<std::string, std::string>& texts) const;
   /// Sorted by name.
   std::vector<ParameterInfo> all() const;
+  /// True when the command line or a parameter file names it, declared or not.
+  bool is_given(const std::string& name) const { return given_.count(name) > 0; }
   /// Throws std::runtime_error when a parameter was given that is not declared.
   void check_all_given_are_declared() const;
 
@@ -50,5 +52,9 @@ class ParameterStore {
 
 /// As it goes over the wire.
 msgs::graph::ParameterRecord to_record(const ParameterInfo& parameter);
+/// The same back: type, value, default, range and choices, so that parse_parameter() judges a text
+/// as the node itself would. What validate() refuses only the node knows.
+/// @throws std::invalid_argument for a choice that is not of the parameter's type.
+ParameterInfo from_record(const msgs::graph::ParameterRecord& record);
 
 }  // namespace prehend::graph
