@@ -37,6 +37,13 @@ control::ArmCycleOptions declare_options(graph::Node& node, double look_timeout)
        .unit = "rad",
        .minimum = 0.0,
        .description = "how far fingers go on beyond where they were predicted to touch"});
+  options.stale_time = node.declare_parameter<double>(
+      {.name = "stale_time",
+       .default_value = options.stale_time,
+       .unit = "s",
+       .minimum = 0.02,
+       .maximum = 10,
+       .description = "without a word of joints or wrist: all is stopped"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
@@ -76,7 +83,9 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
   subscriptions_.push_back(
       node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+        // What cannot be read leaves the older one in place, which soon is too old to move by.
         wrist_force_ = convert::from_message(message->wrench().force()).norm();
+        wrist_stamp_ = message->header().stamp();
       }));
   subscriptions_.push_back(
       node.subscribe<msgs::GraspPlan>("/plans", QoS::latched(32), [this](const auto& plan) {
@@ -106,12 +115,15 @@ const ArmCycleNode::View* ArmCycleNode::newest_ready(std::int64_t since) const {
 
 void ArmCycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
-  if (!joints_) return;
   control::ArmPercepts percepts;
   percepts.time = graph::seconds(node_.clock().now());
-  percepts.names.assign(joints_->name().begin(), joints_->name().end());
-  percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+  if (joints_) {
+    percepts.names.assign(joints_->name().begin(), joints_->name().end());
+    percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+    percepts.joints_age = percepts.time - graph::seconds(joints_->header().stamp());
+  }
   percepts.wrist_force = wrist_force_;
+  percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   if (running_) {
     cycle_.step(percepts);
     if (const auto since = cycle_.looks_since()) look_again(*since);

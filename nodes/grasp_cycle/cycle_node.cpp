@@ -12,7 +12,6 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
-constexpr std::chrono::milliseconds kStall(50);              // of wall time between two ticks
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
 
@@ -38,6 +37,13 @@ control::CycleOptions declare_cycle_options(graph::Node& node, const robot::Grip
       declare_length(node, "lift_height", options.lift_height, 0.12, "of the object");
   options.transit_height = declare_length(node, "transit_height", options.transit_height, 0,
                                           "above which the hand crosses the scene");
+  options.stale_time = node.declare_parameter<double>(
+      {.name = "stale_time",
+       .default_value = options.stale_time,
+       .unit = "s",
+       .minimum = 0.02,
+       .maximum = 10,
+       .description = "without a word of gripper, pads, wrist or carrier: all is stopped"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
@@ -106,8 +112,8 @@ CycleNode::CycleNode(graph::Node& node)
                                           .minimum = 0.0,
                                           .description = "wall time to wait for the next plan of "
                                                          "a view"}))),
-      gripper_(node),
-      carrier_(node),
+      gripper_port_(node),
+      carrier_port_(node),
       spawn_(node.client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn")),
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
@@ -126,11 +132,15 @@ void CycleNode::subscribe() {
   keep("/tactile/left", left_);
   keep("/tactile/right", right_);
   keep("/gripper/state", gripper_state_);
-  keep("/carrier/state", carrier_state_);
-  subscriptions_.push_back(
-      node_.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
-        wrist_force_ = convert::from_message(message->wrench().force()).norm();
+  // What cannot be read here leaves the older one in place, which soon is too old to move by.
+  subscriptions_.push_back(node_.subscribe<msgs::CarrierState>(
+      "/carrier/state", QoS::latest(), [this](const auto& message) {
+        carrier_ = {convert::from_message(message->x_wg()), message->header().stamp()};
       }));
+  subscriptions_.push_back(node_.subscribe<
+                           msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+    wrist_ = {convert::from_message(message->wrench().force()).norm(), message->header().stamp()};
+  }));
   subscriptions_.push_back(node_.subscribe<msgs::GraspPlan>(
       "/plans", QoS::latched(32),
       [this](const auto& plan) { views_.add(plan.shared(), steady_clock::now()); }));
@@ -153,9 +163,12 @@ void CycleNode::subscribe() {
 control::Percepts CycleNode::percepts() const {
   control::Percepts percepts;
   percepts.time = graph::seconds(node_.clock().now());
-  const auto pad = [this](const msgs::TactileFrame& frame) {
-    return control::PadPercept{graph::seconds(frame.header().stamp()), frame.sum(),
-                               touched_area(frame, touch_counts_)};
+  const auto age = [&percepts](std::int64_t stamp) {
+    return percepts.time - graph::seconds(stamp);
+  };
+  const auto pad = [&](const msgs::TactileFrame& frame) {
+    return control::PadPercept{frame.sum(), touched_area(frame, touch_counts_),
+                               age(frame.header().stamp())};
   };
   if (left_) percepts.left = pad(*left_);
   if (right_) percepts.right = pad(*right_);
@@ -163,20 +176,22 @@ control::Percepts CycleNode::percepts() const {
     percepts.opening = gripper_state_->opening();
     percepts.gripper_blocked = gripper_state_->blocked();
     percepts.gripper_error = gripper_state_->error_code();
+    percepts.gripper_age = age(gripper_state_->header().stamp());
   }
-  percepts.wrist_force = wrist_force_;
-  if (carrier_state_) percepts.X_WG = convert::from_message(carrier_state_->x_wg());
+  if (wrist_) {
+    percepts.wrist_force = wrist_->value;
+    percepts.wrist_age = age(wrist_->stamp);
+  }
+  if (carrier_) {
+    percepts.X_WG = carrier_->value;
+    percepts.carrier_age = age(carrier_->stamp);
+  }
   return percepts;
 }
 
 void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
-  // After a stall of this process the clock may be heard before the pads are: what waits comes in
-  // before it counts as stale.
-  const steady_clock::time_point now = steady_clock::now();
-  const bool stalled = now - std::exchange(last_tick_, now) > kStall;
   if (running_) {
-    if (stalled) return;
     cycle_->step(percepts());
     if (const auto since = cycle_->looks_since()) look_again(*since);
     publish_progress();
@@ -222,7 +237,7 @@ void CycleNode::begin() try {
   options.look_timeout = spawns_ ? 0 : look_.timeout();
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
                  target_.grasps.size(), target_.grasps.front().score);
-  cycle_.emplace(gripper_model_, options, gripper_, carrier_);
+  cycle_.emplace(gripper_model_, options, gripper_port_, carrier_port_);
   surprises_sent_ = 0;
   last_detail_.clear();
   cycle_->start(target_.grasps);

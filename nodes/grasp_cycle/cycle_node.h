@@ -58,8 +58,8 @@ class CycleNode {
   control::PutDownOptions put_down_;
   LookAgain look_;
   ViewCollector views_;
-  GripperActions gripper_;
-  CarrierActions carrier_;
+  GripperActions gripper_port_;
+  CarrierActions carrier_port_;
   graph::ServiceClient<msgs::SpawnRequest, msgs::SpawnResponse> spawn_;
   graph::Publisher<msgs::Surprise> surprises_;
   graph::Publisher<msgs::CycleState> states_;
@@ -70,8 +70,13 @@ class CycleNode {
 
   std::shared_ptr<const msgs::TactileFrame> left_, right_;
   std::shared_ptr<const msgs::GripperState> gripper_state_;
-  std::shared_ptr<const msgs::CarrierState> carrier_state_;
-  std::optional<double> wrist_force_;  // N
+  template <class Value>
+  struct Stamped {
+    Value value;
+    std::int64_t stamp;  // ns
+  };
+  std::optional<Stamped<geometry::RigidTransform>> carrier_;  // X_WG
+  std::optional<Stamped<double>> wrist_;                      // N
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
@@ -88,7 +93,6 @@ class CycleNode {
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
-  std::chrono::steady_clock::time_point last_tick_;
   int exit_code_ = 0;
 };
 
