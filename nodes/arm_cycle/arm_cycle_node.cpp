@@ -125,8 +125,12 @@ void ArmCycleNode::tick() {
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   if (running_) {
-    cycle_.step(percepts);
-    if (const auto since = cycle_.looks_since()) look_again(*since);
+    // A step that cannot be done is no reason to let things move on.
+    const std::string failure = node_.shield("cycle", [&] {
+      cycle_.step(percepts);
+      if (const auto since = cycle_.looks_since()) look_again(*since);
+    });
+    if (!failure.empty()) cycle_.abort("a step of the cycle failed: " + failure);
     publish_progress();
     if (cycle_.finished()) finish(cycle_.result(), false);
     return;
@@ -135,7 +139,9 @@ void ArmCycleNode::tick() {
   if (const View* view = newest_ready(std::numeric_limits<std::int64_t>::min())) {
     armed_ = false;
     cycle_.step(percepts);  // it knows where the arm stands before it starts
-    start(*view);
+    control::CycleResult failure;
+    failure.reason = node_.shield("plan", [&] { start(*view); });
+    if (!failure.reason.empty()) finish(failure, false);
   }
 }
 

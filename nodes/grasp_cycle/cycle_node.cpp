@@ -192,8 +192,12 @@ control::Percepts CycleNode::percepts() const {
 void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
   if (running_) {
-    cycle_->step(percepts());
-    if (const auto since = cycle_->looks_since()) look_again(*since);
+    // A step that cannot be done is no reason to let things move on.
+    const std::string failure = node_.shield("cycle", [this] {
+      cycle_->step(percepts());
+      if (const auto since = cycle_->looks_since()) look_again(*since);
+    });
+    if (!failure.empty()) cycle_->abort("a step of the cycle failed: " + failure);
     publish_progress();
     if (cycle_->finished()) finish(cycle_->result(), false);
     return;
@@ -207,16 +211,18 @@ void CycleNode::tick() {
 
 void CycleNode::start(const View& view) {
   control::CycleResult failure;
-  try {
+  failure.reason = node_.shield("plan", [&] {
     target_ = choose_target(view, object_);
     if (target_.grasps.empty()) {
-      failure.reason = target_.problem;
-      return finish(failure, target_.ungraspable);
+      control::CycleResult nothing;
+      nothing.reason = target_.problem;
+      return finish(nothing, target_.ungraspable);
     }
     centroid_W_ = convert::from_message(view.plans.at(target_.id)->centroid());
     if (spawns_ && view.models.count(target_.id) == 0) {
-      failure.reason = "the model of object " + std::to_string(target_.id) + " did not come";
-      return finish(failure, false);
+      throw geometry::InputError(
+          "the model of object " + std::to_string(target_.id) + " did not come",
+          "See what the node that makes models says");
     }
     const auto X_SW =
         spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
@@ -224,13 +230,11 @@ void CycleNode::start(const View& view) {
     move_W_ = choose_move(view, target_, X_SW);
     if (spawns_) return spawn_predicted(view, X_SW);
     begin();
-  } catch (const geometry::InputError& error) {
-    failure.reason = error.what();
-    finish(failure, false);
-  }
+  });
+  if (!failure.reason.empty()) finish(failure, false);
 }
 
-void CycleNode::begin() try {
+void CycleNode::begin() {
   control::CycleOptions options = options_;
   options.move_W = move_W_;
   // Predicted objects in a simulation are seen by nobody.
@@ -242,10 +246,6 @@ void CycleNode::begin() try {
   last_detail_.clear();
   cycle_->start(target_.grasps);
   running_ = true;
-} catch (const geometry::InputError& error) {
-  control::CycleResult failure;
-  failure.reason = error.what();
-  finish(failure, false);
 }
 
 void CycleNode::look_again(double since) {
@@ -253,7 +253,7 @@ void CycleNode::look_again(double since) {
   if (!look_.problem().empty()) return cycle_->take_plan({}, move_W_, look_.problem());
   const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
   if (!view) return;
-  try {
+  const std::string failure = node_.shield("plan", [&] {
     // Ids are of one view: the object asked for is what lies nearest to where it was.
     Target target =
         choose_target(*view, object_ < 0 ? -1 : nearest_object(view->plans, centroid_W_));
@@ -266,9 +266,8 @@ void CycleNode::look_again(double since) {
       return cycle_->take_plan(target_.grasps, move_W_);
     }
     cycle_->take_plan({}, move_W_, target.problem);
-  } catch (const geometry::InputError& error) {
-    cycle_->take_plan({}, move_W_, error.what());
-  }
+  });
+  if (!failure.empty()) cycle_->take_plan({}, move_W_, failure);
 }
 
 void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform& X_SW) {
@@ -294,7 +293,10 @@ void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform
 void CycleNode::spawn_next() {
   if (to_spawn_.empty()) {
     preparing_ = false;
-    return begin();
+    control::CycleResult failure;
+    failure.reason = node_.shield("plan", [this] { begin(); });
+    if (!failure.reason.empty()) finish(failure, false);
+    return;
   }
   const Spawn spawn = std::move(to_spawn_.front());
   to_spawn_.pop_front();
@@ -387,7 +389,7 @@ void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
     }
   }
   results_.publish(message);
-  running_ = false;
+  running_ = preparing_ = false;
   if (result.success) {
     node_.log_info("success: {}", result.reason);
   } else if (ungraspable) {

@@ -1,6 +1,8 @@
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -208,7 +210,24 @@ class GraspPlanning {
                    fmt::format("planning with {} of {} models of the view as obstacles",
                                batch_.models().size(), ready.front()->object_count()));
     }
+    if (!ready.empty()) read_obstacles();
     for (const auto& model : ready) plans_.publish(plan(*model));
+  }
+
+  // What the view's objects are to each other. One that cannot be read is no obstacle, and is said.
+  void read_obstacles() {
+    obstacles_.clear();
+    for (const auto& [id, model] : batch_.models()) {
+      if (!model->valid()) continue;
+      node_.shield(fmt::format("object {} is left out as an obstacle", id), [&, id = id] {
+        std::vector<geometry::TriangleMesh> meshes;
+        if (!platform_) meshes.push_back(convert::from_message(model->mesh()));
+        for (int i = 0; platform_ && i < model->convex_pieces_size(); ++i) {
+          meshes.push_back(convert::from_message(model->convex_pieces(i)));
+        }
+        obstacles_[id] = std::move(meshes);
+      });
+    }
   }
 
   grasp::Reachability reachability(const geometry::Plane& table) const {
@@ -227,6 +246,18 @@ class GraspPlanning {
     return result;
   }
 
+  // Whatever is wrong with one object is its own problem: the others are planned all the same.
+  msgs::GraspPlan plan_alone(const msgs::ObjectModel& message) {
+    msgs::GraspPlan plan;
+    const std::string failure =
+        node_.shield(fmt::format("object {}", message.id()), [&] { plan = plan_on(message); });
+    if (failure.empty()) return plan;
+    plan = msgs::GraspPlan();
+    plan.set_problem("planning failed: " + failure);
+    return plan;
+  }
+
+  // A model that makes no sense is an answer; other exceptions are failures of planning.
   msgs::GraspPlan plan_on(const msgs::ObjectModel& message) {
     msgs::GraspPlan failed;
     if (!message.valid()) {
@@ -239,10 +270,10 @@ class GraspPlanning {
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       if (platform_) {
-        return platform_->plan(object, table, neighbours_of(message, true), database, known);
+        return platform_->plan(object, table, neighbours_of(message), database, known);
       }
       grasp::Obstacles obstacles;
-      obstacles.meshes_W = neighbours_of(message, false);
+      obstacles.meshes_W = neighbours_of(message);
       return convert::to_message(
           database ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
                                                     gripper_, reachability(table), options_)
@@ -255,22 +286,17 @@ class GraspPlanning {
   }
 
   // The other objects of the view: their meshes or their convex pieces.
-  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message,
-                                                    bool convex) const {
+  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message) const {
     std::vector<geometry::TriangleMesh> meshes;
-    for (const auto& [id, other] : batch_.models()) {
-      if (id == message.id() || !other->valid()) continue;
-      if (!convex) meshes.push_back(convert::from_message(other->mesh()));
-      for (int i = 0; convex && i < other->convex_pieces_size(); ++i) {
-        meshes.push_back(convert::from_message(other->convex_pieces(i)));
-      }
+    for (const auto& [id, own] : obstacles_) {
+      if (id != message.id()) meshes.insert(meshes.end(), own.begin(), own.end());
     }
     return meshes;
   }
 
   msgs::GraspPlan plan(const msgs::ObjectModel& message) {
     const auto start = steady_clock::now();
-    msgs::GraspPlan plan = plan_on(message);
+    msgs::GraspPlan plan = plan_alone(message);
     const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
     *plan.mutable_header() = message.header();
     plan.set_id(message.id());
@@ -287,7 +313,10 @@ class GraspPlanning {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
     log_ledger(node_, plan);
-    if (records_) records_->planned(message, plan);
+    if (records_) {
+      node_.shield("record of object " + std::to_string(plan.id()),
+                   [&] { records_->planned(message, plan); });
+    }
     return plan;
   }
 
@@ -299,6 +328,8 @@ class GraspPlanning {
   std::optional<nodes::GraspRecords> records_;
   double workspace_;
   nodes::ModelBatch batch_;
+  std::map<std::uint32_t, std::vector<geometry::TriangleMesh>>
+      obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   graph::Subscription results_;

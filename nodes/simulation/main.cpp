@@ -163,14 +163,13 @@ void run_gripper(graph::Node& node, const Settings& settings, const simulation::
   SensorPublisher sensors(node, scene);
   PictureClock pictures(settings.camera_period);
   SimulatedRobot robot(
-      scene, pacer,
+      node, scene, pacer,
       [&](const SensorReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
       },
-      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
-      [&node](const std::string& note) { node.log_warning("{}", note); });
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot);
@@ -185,15 +184,14 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
   RobotPublisher sensors(node, platform.hand);
   PictureClock pictures(settings.camera_period);
   RobotRunner robot(
-      simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
+      node, simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
       SimulatedRobot::slice_of(scene),
       [&](const RobotReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
       },
-      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
-      [&node](const std::string& note) { node.log_warning("{}", note); });
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
