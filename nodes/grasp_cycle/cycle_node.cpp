@@ -1,6 +1,7 @@
 #include "nodes/grasp_cycle/cycle_node.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "msgs/convert/geometry.h"
@@ -14,6 +15,7 @@ using std::chrono::steady_clock;
 constexpr double kPeriod = 0.01;                             // s, of the control loop
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
+constexpr auto kGripperPatience = std::chrono::seconds(20);  // for the robot to say what it has
 
 bool declare_flag(graph::Node& node, const std::string& name, const std::string& description) {
   return node.declare_parameter<bool>(
@@ -29,10 +31,8 @@ double declare_length(graph::Node& node, const std::string& name, double value, 
                                          .description = description});
 }
 
-control::CycleOptions declare_cycle_options(graph::Node& node, const robot::GripperModel& gripper) {
+control::CycleOptions declare_cycle_options(graph::Node& node) {
   control::CycleOptions options;
-  options.force.force_per_current = gripper.force_per_current;
-  options.force.largest_current = gripper.nominal_current;
   options.lift_height =
       declare_length(node, "lift_height", options.lift_height, 0.12, "of the object");
   options.transit_height = declare_length(node, "transit_height", options.transit_height, 0,
@@ -98,11 +98,8 @@ CycleNode::CycleNode(graph::Node& node)
                                                  .default_value = 10,
                                                  .minimum = 0,
                                                  .description = "above: a texel is touched"})),
-      gripper_model_(robot::read_gripper_model(
-          node.declare_parameter<std::string>({.name = "gripper",
-                                               .default_value = "config/robots/pg70_dsa.yaml",
-                                               .description = "gripper model"}))),
-      options_(declare_cycle_options(node, gripper_model_)),
+      gripper_(node),
+      options_(declare_cycle_options(node)),
       put_down_(declare_put_down_options(node, options_.lift_height)),
       look_(node),
       views_(std::chrono::duration<double>(
@@ -118,6 +115,7 @@ CycleNode::CycleNode(graph::Node& node)
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))) {
+  gripper_.listen();
   subscribe();
   timer_ = node.create_timer(kPeriod, [this] { tick(); });
 }
@@ -203,15 +201,26 @@ void CycleNode::tick() {
     return;
   }
   if (!armed_ || preparing_) return;
-  if (const View* view = views_.newest_ready(steady_clock::now())) {
-    armed_ = false;
-    start(*view);
+  const View* view = views_.newest_ready(steady_clock::now());
+  if (!view) return;
+  if (!gripper_.model() && gripper_.problem().empty() && waits_for_gripper()) return;
+  armed_ = false;
+  start(*view);
+}
+
+bool CycleNode::waits_for_gripper() {
+  const auto now = steady_clock::now();
+  if (!gripper_patience_) {
+    gripper_patience_ = now + kGripperPatience;
+    node_.report(graph::Health::kWarning, "waiting: " + gripper_.missing());
   }
+  return now < *gripper_patience_;
 }
 
 void CycleNode::start(const View& view) {
   control::CycleResult failure;
   failure.reason = node_.shield("plan", [&] {
+    gripper_patience_.reset();
     target_ = choose_target(view, object_);
     if (target_.grasps.empty()) {
       control::CycleResult nothing;
@@ -235,13 +244,17 @@ void CycleNode::start(const View& view) {
 }
 
 void CycleNode::begin() {
+  const std::optional<robot::GripperModel> gripper = gripper_.model();
+  if (!gripper) throw std::runtime_error(gripper_.missing());
   control::CycleOptions options = options_;
+  options.force.force_per_current = gripper->force_per_current;
+  options.force.largest_current = gripper->nominal_current;
   options.move_W = move_W_;
   // Predicted objects in a simulation are seen by nobody.
   options.look_timeout = spawns_ ? 0 : look_.timeout();
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
                  target_.grasps.size(), target_.grasps.front().score);
-  cycle_.emplace(gripper_model_, options, gripper_port_, carrier_port_);
+  cycle_.emplace(*gripper, options, gripper_port_, carrier_port_);
   surprises_sent_ = 0;
   last_detail_.clear();
   cycle_->start(target_.grasps);

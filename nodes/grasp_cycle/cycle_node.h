@@ -11,11 +11,11 @@
 #include "msgs/grasp.pb.h"
 #include "nodes/grasp_cycle/ports.h"
 #include "nodes/grasp_cycle/view.h"
+#include "nodes/gripper_source/gripper_source.h"
 #include "nodes/look_again/look_again.h"
 #include "prehend/control/grasp_cycle.h"
 #include "prehend/control/put_down.h"
 #include "prehend/graph/node.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace prehend::nodes {
 
@@ -37,6 +37,8 @@ class CycleNode {
   void spawn_next();
   void take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnResponse>& outcome);
   void begin();
+  /// True while the robot may still say which gripper it has.
+  bool waits_for_gripper();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   Eigen::Vector3d choose_move(const View& view, const Target& target,
@@ -53,7 +55,7 @@ class CycleNode {
   bool ungraspable_is_ok_;
   double density_;  // kg/m^3
   int touch_counts_;
-  robot::GripperModel gripper_model_;
+  GripperSource gripper_;
   control::CycleOptions options_;
   control::PutDownOptions put_down_;
   LookAgain look_;
@@ -92,6 +94,7 @@ class CycleNode {
   Eigen::Vector3d move_W_ = Eigen::Vector3d::Zero();  // of the object, when it is lifted
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> gripper_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
   int exit_code_ = 0;
 };

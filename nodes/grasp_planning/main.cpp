@@ -14,10 +14,10 @@
 #include "nodes/grasp_planning/grasp_records.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
+#include "nodes/gripper_source/gripper_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace {
 
@@ -145,13 +145,13 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                    home, grasps, arm, motions);
 }
 
-std::optional<nodes::GraspRecords> declare_records(graph::Node& node, const std::string& hand) {
+std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "database",
        .description = "file of grasps of known objects (known_objects): used, added to, and told "
                       "what was executed; empty: none"});
   if (file.empty()) return std::nullopt;
-  return std::make_optional<nodes::GraspRecords>(file, hand);
+  return std::make_optional<nodes::GraspRecords>(file);
 }
 
 class GraspPlanning {
@@ -160,17 +160,14 @@ class GraspPlanning {
       : node_(node),
         options_(declare_planner_options(node)),
         platform_(declare_platform(node, options_)),
-        gripper_(robot::read_gripper_model(
-            node.declare_parameter<std::string>({.name = "gripper",
-                                                 .default_value = "config/robots/pg70_dsa.yaml",
-                                                 .description = "gripper model"}))),
+        gripper_(node),
         approach_(node.declare_parameter<std::string>(
             {.name = "approach",
              .default_value = "auto",
              .choices = {"auto", "down", "table", "any"},
              .description = "directions the robot can approach along: down the world's z axis, "
                             "straight at the table, any; auto: down when the table is level"})),
-        records_(declare_records(node, platform_ ? platform_->hand() : gripper_.name)),
+        records_(declare_records(node)),
         workspace_(node.declare_parameter<double>(
             {.name = "workspace",
              .default_value = 0.0,
@@ -194,16 +191,29 @@ class GraspPlanning {
                                               [this](const auto& result) { record(*result); })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
     options_.validate();
+    if (platform_ && gripper_.model()) {
+      throw geometry::InputError("Parameter gripper does not apply: platform has its own hand",
+                                 "Give one of the two");
+    }
+    if (!platform_) gripper_.listen([this] { plan_ready(); });
   }
 
  private:
   void record(const msgs::CycleResult& result) {
-    if (!records_) return;
-    const std::string recorded = records_->record(result);
+    if (!records_ || (!platform_ && !gripper_.model())) return;
+    const std::string recorded =
+        records_->record(result, platform_ ? platform_->hand() : gripper_.model()->name);
     if (!recorded.empty()) node_.log_info("{}", recorded);
   }
 
   void plan_ready() {
+    // Until the robot has said what it has. Two that differ are each object's problem.
+    if (!platform_ && !gripper_.model() && gripper_.problem().empty()) {
+      if (!batch_.models().empty()) {
+        node_.report(graph::Health::kWarning, "waiting to plan: " + gripper_.missing());
+      }
+      return;
+    }
     const auto ready = batch_.take_ready(steady_clock::now());
     if (!ready.empty() && batch_.incomplete()) {
       node_.report(graph::Health::kWarning,
@@ -264,6 +274,10 @@ class GraspPlanning {
       failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
       return failed;
     }
+    if (!platform_ && !gripper_.model()) {
+      failed.set_problem("planning failed: " + gripper_.problem());
+      return failed;
+    }
     try {
       const geometry::Plane table = convert::from_message(message.table());
       const surface::ObjectModel object = convert::from_message(message);
@@ -275,10 +289,11 @@ class GraspPlanning {
       grasp::Obstacles obstacles;
       obstacles.meshes_W = neighbours_of(message);
       return convert::to_message(
-          database ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
-                                                    gripper_, reachability(table), options_)
-                   : grasp::plan_grasps(object, table, obstacles, gripper_, reachability(table),
-                                        options_));
+          database
+              ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
+                                               *gripper_.model(), reachability(table), options_)
+              : grasp::plan_grasps(object, table, obstacles, *gripper_.model(), reachability(table),
+                                   options_));
     } catch (const geometry::InputError& error) {
       failed.set_problem(std::string("cannot be grasped: ") + error.what());
       return failed;
@@ -323,7 +338,7 @@ class GraspPlanning {
   graph::Node& node_;
   grasp::PlannerOptions options_;
   std::unique_ptr<nodes::PlatformPlanning> platform_;
-  robot::GripperModel gripper_;
+  nodes::GripperSource gripper_;
   std::string approach_;
   std::optional<nodes::GraspRecords> records_;
   double workspace_;

@@ -9,6 +9,8 @@
 namespace prehend::control {
 namespace {
 
+constexpr int kStepsAfterStall = 3;
+
 bool is_fresh(const InputAge& input) {
   // NaN is not fresh.
   return input.age && *input.age <= input.limit && *input.age >= -input.limit;
@@ -48,18 +50,32 @@ std::string names_of(const std::vector<InputAge>& inputs) {
 
 void InputWatch::begin(double now) {
   begun_ = last_ = now;
-  was_stalled_ = false;
+  grace_ = 0;
+  was_judged_ = true;
+}
+
+// After a stall, for some steps: a loop that is slow throughout is judged in between.
+bool InputWatch::may_be_behind(double now, double shortest_limit) {
+  const bool is_late = now - std::exchange(last_, now) > shortest_limit / 2;
+  if (grace_ > 0) {
+    --grace_;
+    was_judged_ = false;
+  } else if (is_late && was_judged_) {
+    grace_ = kStepsAfterStall - 1;
+    was_judged_ = false;
+  } else {
+    was_judged_ = true;
+  }
+  return !was_judged_;
 }
 
 std::vector<InputAge> InputWatch::lost(double now, const std::vector<InputAge>& inputs) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const InputAge& input : inputs) shortest = std::min(shortest, input.limit);
-  const bool is_late = now - std::exchange(last_, now) > shortest / 2;
-  // Only one step in a row, or a slow loop would never be judged.
-  was_stalled_ = is_late && !was_stalled_;
+  const bool behind = may_be_behind(now, shortest);
   std::vector<InputAge> lost = stale_inputs(inputs);
   std::erase_if(lost, [&](const InputAge& input) {
-    const bool may_be_old = was_stalled_ || now - begun_ <= input.limit;
+    const bool may_be_old = behind || now - begun_ <= input.limit;
     const bool has_ended = input.age == std::numeric_limits<double>::infinity();
     return may_be_old && input.age && !has_ended;
   });

@@ -25,8 +25,8 @@ std::string names_of(const std::vector<InputAge>& inputs);
 ///
 /// An input is lost when its age exceeds its limit. Two things are no loss: an input that is old
 /// when the watch begins gets its limit from then on, and after a stall of the cycle's own process
-/// (a step that comes later than half of the shortest limit) one step is not judged, as the clock
-/// may be heard before what waits with it. What has never come is lost at once.
+/// (a step that comes later than half of the shortest limit) three steps are not judged, as the
+/// clock may be heard before what waits with it. What has never come is lost at once.
 class InputWatch {
  public:
   /// The cycle moves from `now` [s] on.
@@ -35,9 +35,12 @@ class InputWatch {
   std::vector<InputAge> lost(double now, const std::vector<InputAge>& inputs);
 
  private:
-  double begun_ = 0;          // s
-  double last_ = 0;           // s, of the step before
-  bool was_stalled_ = false;  // the step before was not judged
+  bool may_be_behind(double now, double shortest_limit);
+
+  double begun_ = 0;        // s
+  double last_ = 0;         // s, of the step before
+  int grace_ = 0;           // further steps that are not judged
+  bool was_judged_ = true;  // the step before
 };
 
 }  // namespace prehend::control

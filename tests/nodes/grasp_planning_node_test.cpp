@@ -155,7 +155,7 @@ TEST_F(GraspPlanningNode, FlatPiecesAreObstaclesAndCanBeHeld) {
 
 // Once the other objects could not be grasped, as their neighbour's mesh could not be read.
 TEST_F(GraspPlanningNode, AModelThatCannotBeReadIsItsOwnProblem) {
-  start({});
+  start({"gripper:=config/robots/pg70_dsa.yaml"});
   models_.publish(carton(1, 0, 0));
   auto damaged = carton(1, 1, 0.15);
   damaged.mutable_mesh()->clear_data();
