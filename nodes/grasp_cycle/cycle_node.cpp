@@ -44,6 +44,13 @@ control::CycleOptions declare_cycle_options(graph::Node& node) {
        .minimum = 0.02,
        .maximum = 10,
        .description = "without a word of gripper, pads, wrist or carrier: all is stopped"});
+  options.answer_time = node.declare_parameter<double>(
+      {.name = "answer_time",
+       .default_value = options.answer_time,
+       .unit = "s",
+       .minimum = 0.1,
+       .maximum = 60,
+       .description = "without feedback of a motion: all is stopped"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
