@@ -48,7 +48,7 @@ YAML::Node parse_yaml_map(const std::string& text, const std::filesystem::path& 
   try {
     return as_map(parse_strict_yaml(text, path.string()), path);
   } catch (const YamlError& error) {
-    throw InputError(error.what(), "Correct the syntax at that line");
+    throw InputError(error.what(), "Correct the YAML at that line");
   }
 }
 
