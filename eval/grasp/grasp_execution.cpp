@@ -72,8 +72,7 @@ control::PadPercept pad_percept(const World& world, simulation::PadSide side) {
   const auto& pad = world.scene().gripper.pad;
   const auto touched = std::count_if(image.counts.begin(), image.counts.end(),
                                      [](std::uint16_t count) { return count > 10; });
-  return {world.time(), image.sum,
-          static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch};
+  return {image.sum, static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch};
 }
 
 control::Percepts perceive(const World& world) {

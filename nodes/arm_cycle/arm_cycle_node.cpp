@@ -37,6 +37,20 @@ control::ArmCycleOptions declare_options(graph::Node& node, double look_timeout)
        .unit = "rad",
        .minimum = 0.0,
        .description = "how far fingers go on beyond where they were predicted to touch"});
+  options.stale_time = node.declare_parameter<double>(
+      {.name = "stale_time",
+       .default_value = options.stale_time,
+       .unit = "s",
+       .minimum = 0.02,
+       .maximum = 10,
+       .description = "without a word of joints or wrist: all is stopped"});
+  options.answer_time = node.declare_parameter<double>(
+      {.name = "answer_time",
+       .default_value = options.answer_time,
+       .unit = "s",
+       .minimum = 0.1,
+       .maximum = 60,
+       .description = "without feedback of a motion: all is stopped"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
@@ -76,7 +90,9 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
   subscriptions_.push_back(
       node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+        // What cannot be read leaves the older one in place, which soon is too old to move by.
         wrist_force_ = convert::from_message(message->wrench().force()).norm();
+        wrist_stamp_ = message->header().stamp();
       }));
   subscriptions_.push_back(
       node.subscribe<msgs::GraspPlan>("/plans", QoS::latched(32), [this](const auto& plan) {
@@ -106,15 +122,22 @@ const ArmCycleNode::View* ArmCycleNode::newest_ready(std::int64_t since) const {
 
 void ArmCycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
-  if (!joints_) return;
   control::ArmPercepts percepts;
   percepts.time = graph::seconds(node_.clock().now());
-  percepts.names.assign(joints_->name().begin(), joints_->name().end());
-  percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+  if (joints_) {
+    percepts.names.assign(joints_->name().begin(), joints_->name().end());
+    percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+    percepts.joints_age = percepts.time - graph::seconds(joints_->header().stamp());
+  }
   percepts.wrist_force = wrist_force_;
+  percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   if (running_) {
-    cycle_.step(percepts);
-    if (const auto since = cycle_.looks_since()) look_again(*since);
+    // A step that cannot be done is no reason to let things move on.
+    const std::string failure = node_.shield("cycle", [&] {
+      cycle_.step(percepts);
+      if (const auto since = cycle_.looks_since()) look_again(*since);
+    });
+    if (!failure.empty()) cycle_.abort("a step of the cycle failed: " + failure);
     publish_progress();
     if (cycle_.finished()) finish(cycle_.result(), false);
     return;
@@ -123,7 +146,9 @@ void ArmCycleNode::tick() {
   if (const View* view = newest_ready(std::numeric_limits<std::int64_t>::min())) {
     armed_ = false;
     cycle_.step(percepts);  // it knows where the arm stands before it starts
-    start(*view);
+    control::CycleResult failure;
+    failure.reason = node_.shield("plan", [&] { start(*view); });
+    if (!failure.reason.empty()) finish(failure, false);
   }
 }
 

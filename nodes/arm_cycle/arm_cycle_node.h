@@ -69,6 +69,7 @@ class ArmCycleNode {
   std::map<std::int64_t, View> views_;  // by stamp [ns]; the newest few
   std::shared_ptr<const msgs::JointState> joints_;
   std::optional<double> wrist_force_;  // N
+  std::int64_t wrist_stamp_ = 0;       // ns
   std::uint32_t target_ = 0;
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   bool armed_ = true, running_ = false;

@@ -1,7 +1,5 @@
 #include "nodes/arm_cycle/arm_ports.h"
 
-#include <chrono>
-
 namespace prehend::nodes {
 
 using control::MotionStatus;
@@ -31,9 +29,7 @@ msgs::JointTrajectory to_message(const control::JointPath& path) {
   return trajectory;
 }
 
-ArmActions::ArmActions(graph::Node& node)
-    : client_(node.action_client<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
-                                 msgs::FollowTrajectoryResult>("/arm/follow")) {}
+ArmActions::ArmActions(graph::Node& node) : goal_(node, "/arm/follow") {}
 
 void ArmActions::follow(const control::JointPath& path, double contact_force) {
   msgs::FollowTrajectoryGoal goal;
@@ -41,25 +37,19 @@ void ArmActions::follow(const control::JointPath& path, double contact_force) {
   goal.set_stop_on_contact(contact_force > 0);
   goal.set_contact_force(contact_force);
   problem_.clear();
-  goal_ = client_.send(goal);
+  goal_.send(goal);
 }
 
 MotionStatus ArmActions::motion() {
-  if (!goal_ || !goal_.done()) return MotionStatus::kMoving;
-  const auto outcome = goal_.wait(std::chrono::nanoseconds(0));
-  if (outcome.ok() && outcome->reached()) return MotionStatus::kReached;
-  problem_ = "/arm/follow: " + (outcome.ok() ? outcome->reason() : outcome.error());
-  return outcome.ok() && outcome->contact() ? MotionStatus::kContact : MotionStatus::kFailed;
+  const auto outcome = goal_.end();
+  if (!outcome) return MotionStatus::kMoving;
+  const bool ok = outcome->ok();
+  if (ok && (*outcome)->reached()) return MotionStatus::kReached;
+  problem_ = "/arm/follow: " + (ok ? (*outcome)->reason() : outcome->error());
+  return ok && (*outcome)->contact() ? MotionStatus::kContact : MotionStatus::kFailed;
 }
 
-void ArmActions::stop() {
-  if (goal_ && !goal_.done()) goal_.cancel();
-}
-
-HandActions::HandActions(graph::Node& node)
-    : node_(node),
-      client_(node.action_client<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult>(
-          "/hand/move")) {}
+HandActions::HandActions(graph::Node& node) : node_(node), goal_(node, "/hand/move") {}
 
 void HandActions::move(const std::vector<std::string>& joints, const std::vector<double>& positions,
                        double speed, bool until_contact) {
@@ -70,19 +60,16 @@ void HandActions::move(const std::vector<std::string>& joints, const std::vector
   goal.set_until_contact(until_contact);
   goal.set_stamp(node_.clock().now());
   problem_.clear();
-  goal_ = client_.send(goal);
+  goal_.send(goal);
 }
 
 MotionStatus HandActions::motion() {
-  if (!goal_ || !goal_.done()) return MotionStatus::kMoving;
-  const auto outcome = goal_.wait(std::chrono::nanoseconds(0));
-  if (outcome.ok() && outcome->reached()) return MotionStatus::kReached;
-  problem_ = "/hand/move: " + (outcome.ok() ? outcome->reason() : outcome.error());
-  return outcome.ok() && outcome->blocked() ? MotionStatus::kContact : MotionStatus::kFailed;
-}
-
-void HandActions::stop() {
-  if (goal_ && !goal_.done()) goal_.cancel();
+  const auto outcome = goal_.end();
+  if (!outcome) return MotionStatus::kMoving;
+  const bool ok = outcome->ok();
+  if (ok && (*outcome)->reached()) return MotionStatus::kReached;
+  problem_ = "/hand/move: " + (ok ? (*outcome)->reason() : outcome->error());
+  return ok && (*outcome)->blocked() ? MotionStatus::kContact : MotionStatus::kFailed;
 }
 
 }  // namespace prehend::nodes

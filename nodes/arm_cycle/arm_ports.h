@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "msgs/actions.pb.h"
+#include "nodes/motion_goal/motion_goal.h"
 #include "prehend/control/arm_cycle.h"
 #include "prehend/graph/node.h"
 
@@ -18,14 +19,14 @@ class ArmActions : public control::ArmPort {
   explicit ArmActions(graph::Node& node);
   void follow(const control::JointPath& path, double contact_force) override;
   control::MotionStatus motion() override;
+  double answer_age() override { return goal_.answer_age(); }
   std::string problem() override { return problem_; }
-  void stop() override;
+  void stop() override { goal_.stop(); }
 
  private:
-  graph::ActionClient<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
-                      msgs::FollowTrajectoryResult>
-      client_;
-  graph::GoalHandle<msgs::FollowTrajectoryResult> goal_;
+  MotionGoal<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
+             msgs::FollowTrajectoryResult>
+      goal_;
   std::string problem_;
 };
 
@@ -36,13 +37,13 @@ class HandActions : public control::HandPort {
   void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
             double speed, bool until_contact) override;
   control::MotionStatus motion() override;
+  double answer_age() override { return goal_.answer_age(); }
   std::string problem() override { return problem_; }
-  void stop() override;
+  void stop() override { goal_.stop(); }
 
  private:
   graph::Node& node_;
-  graph::ActionClient<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult> client_;
-  graph::GoalHandle<msgs::MoveHandResult> goal_;
+  MotionGoal<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult> goal_;
   std::string problem_;
 };
 

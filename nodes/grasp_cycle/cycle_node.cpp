@@ -1,6 +1,7 @@
 #include "nodes/grasp_cycle/cycle_node.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "msgs/convert/geometry.h"
@@ -13,9 +14,9 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
-constexpr std::chrono::milliseconds kStall(50);              // of wall time between two ticks
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
+constexpr auto kGripperPatience = std::chrono::seconds(20);  // for the robot to say what it has
 
 bool declare_flag(graph::Node& node, const std::string& name, const std::string& description) {
   return node.declare_parameter<bool>(
@@ -31,14 +32,26 @@ double declare_length(graph::Node& node, const std::string& name, double value, 
                                          .description = description});
 }
 
-control::CycleOptions declare_cycle_options(graph::Node& node, const robot::GripperModel& gripper) {
+control::CycleOptions declare_cycle_options(graph::Node& node) {
   control::CycleOptions options;
-  options.force.force_per_current = gripper.force_per_current;
-  options.force.largest_current = gripper.nominal_current;
   options.lift_height =
       declare_length(node, "lift_height", options.lift_height, 0.12, "of the object");
   options.transit_height = declare_length(node, "transit_height", options.transit_height, 0,
                                           "above which the hand crosses the scene");
+  options.stale_time = node.declare_parameter<double>(
+      {.name = "stale_time",
+       .default_value = options.stale_time,
+       .unit = "s",
+       .minimum = 0.02,
+       .maximum = 10,
+       .description = "without a word of gripper, pads, wrist or carrier: all is stopped"});
+  options.answer_time = node.declare_parameter<double>(
+      {.name = "answer_time",
+       .default_value = options.answer_time,
+       .unit = "s",
+       .minimum = 0.1,
+       .maximum = 60,
+       .description = "without feedback of a motion: all is stopped"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
@@ -105,11 +118,8 @@ CycleNode::CycleNode(graph::Node& node)
                                                  .default_value = 10,
                                                  .minimum = 0,
                                                  .description = "above: a texel is touched"})),
-      gripper_model_(robot::read_gripper_model(
-          node.declare_parameter<std::string>({.name = "gripper",
-                                               .default_value = "config/robots/pg70_dsa.yaml",
-                                               .description = "gripper model"}))),
-      options_(declare_cycle_options(node, gripper_model_)),
+      gripper_(node),
+      options_(declare_cycle_options(node)),
       put_down_(declare_put_down_options(node, options_.lift_height)),
       look_(node),
       views_(std::chrono::duration<double>(
@@ -119,12 +129,13 @@ CycleNode::CycleNode(graph::Node& node)
                                           .minimum = 0.0,
                                           .description = "wall time to wait for the next plan of "
                                                          "a view"}))),
-      gripper_(node),
-      carrier_(node),
+      gripper_port_(node),
+      carrier_port_(node),
       spawn_(node.client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn")),
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))) {
+  gripper_.listen();
   subscribe();
   timer_ = node.create_timer(kPeriod, [this] { tick(); });
 }
@@ -139,12 +150,16 @@ void CycleNode::subscribe() {
   keep("/tactile/left", left_);
   keep("/tactile/right", right_);
   keep("/gripper/state", gripper_state_);
-  keep("/carrier/state", carrier_state_);
   if (spawns_) keep("/ground_truth", truth_);
-  subscriptions_.push_back(
-      node_.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
-        wrist_force_ = convert::from_message(message->wrench().force()).norm();
+  // What cannot be read here leaves the older one in place, which soon is too old to move by.
+  subscriptions_.push_back(node_.subscribe<msgs::CarrierState>(
+      "/carrier/state", QoS::latest(), [this](const auto& message) {
+        carrier_ = {convert::from_message(message->x_wg()), message->header().stamp()};
       }));
+  subscriptions_.push_back(node_.subscribe<
+                           msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+    wrist_ = {convert::from_message(message->wrench().force()).norm(), message->header().stamp()};
+  }));
   subscriptions_.push_back(node_.subscribe<msgs::GraspPlan>(
       "/plans", QoS::latched(32),
       [this](const auto& plan) { views_.add(plan.shared(), steady_clock::now()); }));
@@ -167,9 +182,12 @@ void CycleNode::subscribe() {
 control::Percepts CycleNode::percepts() const {
   control::Percepts percepts;
   percepts.time = graph::seconds(node_.clock().now());
-  const auto pad = [this](const msgs::TactileFrame& frame) {
-    return control::PadPercept{graph::seconds(frame.header().stamp()), frame.sum(),
-                               touched_area(frame, touch_counts_)};
+  const auto age = [&percepts](std::int64_t stamp) {
+    return percepts.time - graph::seconds(stamp);
+  };
+  const auto pad = [&](const msgs::TactileFrame& frame) {
+    return control::PadPercept{frame.sum(), touched_area(frame, touch_counts_),
+                               age(frame.header().stamp())};
   };
   if (left_) percepts.left = pad(*left_);
   if (right_) percepts.right = pad(*right_);
@@ -177,48 +195,67 @@ control::Percepts CycleNode::percepts() const {
     percepts.opening = gripper_state_->opening();
     percepts.gripper_blocked = gripper_state_->blocked();
     percepts.gripper_error = gripper_state_->error_code();
+    percepts.gripper_age = age(gripper_state_->header().stamp());
   }
-  percepts.wrist_force = wrist_force_;
-  if (carrier_state_) percepts.X_WG = convert::from_message(carrier_state_->x_wg());
+  if (wrist_) {
+    percepts.wrist_force = wrist_->value;
+    percepts.wrist_age = age(wrist_->stamp);
+  }
+  if (carrier_) {
+    percepts.X_WG = carrier_->value;
+    percepts.carrier_age = age(carrier_->stamp);
+  }
   return percepts;
 }
 
 void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
-  // After a stall of this process the clock may be heard before the pads are: what waits comes in
-  // before it counts as stale.
-  const steady_clock::time_point now = steady_clock::now();
-  const bool stalled = now - std::exchange(last_tick_, now) > kStall;
   if (running_) {
-    if (stalled) return;
+    // A step that cannot be done is no reason to let things move on.
     if (spawns_ && !spawned_.X_SB) {
       spawned_.X_SB = pose_of(truth_.get(), spawned_name(target_.id), 0);
     }
-    cycle_->step(percepts());
-    if (const auto since = cycle_->looks_since()) look_again(*since);
+    const std::string failure = node_.shield("cycle", [this] {
+      cycle_->step(percepts());
+      if (const auto since = cycle_->looks_since()) look_again(*since);
+    });
+    if (!failure.empty()) cycle_->abort("a step of the cycle failed: " + failure);
     publish_progress();
     if (cycle_->finished()) finish(cycle_->result(), false);
     return;
   }
   if (!armed_ || preparing_) return;
-  if (const View* view = views_.newest_ready(steady_clock::now())) {
-    armed_ = false;
-    start(*view);
+  const View* view = views_.newest_ready(steady_clock::now());
+  if (!view) return;
+  if (!gripper_.model() && gripper_.problem().empty() && waits_for_gripper()) return;
+  armed_ = false;
+  start(*view);
+}
+
+bool CycleNode::waits_for_gripper() {
+  const auto now = steady_clock::now();
+  if (!gripper_patience_) {
+    gripper_patience_ = now + kGripperPatience;
+    node_.report(graph::Health::kWarning, "waiting: " + gripper_.missing());
   }
+  return now < *gripper_patience_;
 }
 
 void CycleNode::start(const View& view) {
   control::CycleResult failure;
-  try {
+  failure.reason = node_.shield("plan", [&] {
+    gripper_patience_.reset();
     target_ = choose_target(view, object_);
     if (target_.grasps.empty()) {
-      failure.reason = target_.problem;
-      return finish(failure, target_.ungraspable);
+      control::CycleResult nothing;
+      nothing.reason = target_.problem;
+      return finish(nothing, target_.ungraspable);
     }
     centroid_W_ = convert::from_message(view.plans.at(target_.id)->centroid());
     if (spawns_ && view.models.count(target_.id) == 0) {
-      failure.reason = "the model of object " + std::to_string(target_.id) + " did not come";
-      return finish(failure, false);
+      throw geometry::InputError(
+          "the model of object " + std::to_string(target_.id) + " did not come",
+          "See what the node that makes models says");
     }
     const auto X_SW =
         spawns_ ? simulation_pose(view, target_) : geometry::RigidTransform::Identity();
@@ -226,29 +263,27 @@ void CycleNode::start(const View& view) {
     move_W_ = choose_move(view, target_, X_SW);
     if (spawns_) return spawn_predicted(view, X_SW);
     begin();
-  } catch (const geometry::InputError& error) {
-    failure.reason = error.what();
-    finish(failure, false);
-  }
+  });
+  if (!failure.reason.empty()) finish(failure, false);
 }
 
-void CycleNode::begin() try {
+void CycleNode::begin() {
+  const std::optional<robot::GripperModel> gripper = gripper_.model();
+  if (!gripper) throw std::runtime_error(gripper_.missing());
   control::CycleOptions options = options_;
+  options.force.force_per_current = gripper->force_per_current;
+  options.force.largest_current = gripper->nominal_current;
   options.move_W = move_W_;
   options.look_timeout = look_.timeout();
   // Predicted objects in a simulation are seen by nobody, but it says where they are.
   options.only_seen_again = spawns_;
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_.id,
                  target_.grasps.size(), target_.grasps.front().score);
-  cycle_.emplace(gripper_model_, options, gripper_, carrier_);
+  cycle_.emplace(*gripper, options, gripper_port_, carrier_port_);
   surprises_sent_ = 0;
   last_detail_.clear();
   cycle_->start(target_.grasps);
   running_ = true;
-} catch (const geometry::InputError& error) {
-  control::CycleResult failure;
-  failure.reason = error.what();
-  finish(failure, false);
 }
 
 void CycleNode::follow_spawned(double since) {
@@ -280,7 +315,7 @@ void CycleNode::look_again(double since) {
   if (!look_.problem().empty()) return cycle_->take_plan({}, move_W_, look_.problem());
   const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
   if (!view) return;
-  try {
+  const std::string failure = node_.shield("plan", [&] {
     // Ids are of one view: the object asked for is what lies nearest to where it was.
     Target target =
         choose_target(*view, object_ < 0 ? -1 : nearest_object(view->plans, centroid_W_));
@@ -293,9 +328,8 @@ void CycleNode::look_again(double since) {
       return cycle_->take_plan(target_.grasps, move_W_);
     }
     cycle_->take_plan({}, move_W_, target.problem);
-  } catch (const geometry::InputError& error) {
-    cycle_->take_plan({}, move_W_, error.what());
-  }
+  });
+  if (!failure.empty()) cycle_->take_plan({}, move_W_, failure);
 }
 
 void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform& X_SW) {
@@ -325,7 +359,10 @@ void CycleNode::spawn_predicted(const View& view, const geometry::RigidTransform
 void CycleNode::spawn_next() {
   if (to_spawn_.empty()) {
     preparing_ = false;
-    return begin();
+    control::CycleResult failure;
+    failure.reason = node_.shield("plan", [this] { begin(); });
+    if (!failure.reason.empty()) finish(failure, false);
+    return;
   }
   const Spawn spawn = std::move(to_spawn_.front());
   to_spawn_.pop_front();
@@ -419,7 +456,7 @@ void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
     }
   }
   results_.publish(message);
-  running_ = false;
+  running_ = preparing_ = false;
   if (result.success) {
     node_.log_info("success: {}", result.reason);
   } else if (ungraspable) {

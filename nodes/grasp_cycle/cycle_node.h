@@ -11,11 +11,11 @@
 #include "msgs/grasp.pb.h"
 #include "nodes/grasp_cycle/ports.h"
 #include "nodes/grasp_cycle/view.h"
+#include "nodes/gripper_source/gripper_source.h"
 #include "nodes/look_again/look_again.h"
 #include "prehend/control/grasp_cycle.h"
 #include "prehend/control/put_down.h"
 #include "prehend/graph/node.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace prehend::nodes {
 
@@ -37,6 +37,8 @@ class CycleNode {
   void spawn_next();
   void take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnResponse>& outcome);
   void begin();
+  /// True while the robot may still say which gripper it has.
+  bool waits_for_gripper();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   /// The same for a predicted object in the simulation: takes its grasps to where it is `since`.
@@ -57,13 +59,13 @@ class CycleNode {
   bool ungraspable_is_ok_;
   double density_;  // kg/m^3
   int touch_counts_;
-  robot::GripperModel gripper_model_;
+  GripperSource gripper_;
   control::CycleOptions options_;
   control::PutDownOptions put_down_;
   LookAgain look_;
   ViewCollector views_;
-  GripperActions gripper_;
-  CarrierActions carrier_;
+  GripperActions gripper_port_;
+  CarrierActions carrier_port_;
   graph::ServiceClient<msgs::SpawnRequest, msgs::SpawnResponse> spawn_;
   graph::Publisher<msgs::Surprise> surprises_;
   graph::Publisher<msgs::CycleState> states_;
@@ -74,9 +76,14 @@ class CycleNode {
 
   std::shared_ptr<const msgs::TactileFrame> left_, right_;
   std::shared_ptr<const msgs::GripperState> gripper_state_;
-  std::shared_ptr<const msgs::CarrierState> carrier_state_;
   std::shared_ptr<const msgs::GroundTruth> truth_;  // of the simulation that objects are put into
-  std::optional<double> wrist_force_;               // N
+  template <class Value>
+  struct Stamped {
+    Value value;
+    std::int64_t stamp;  // ns
+  };
+  std::optional<Stamped<geometry::RigidTransform>> carrier_;  // X_WG
+  std::optional<Stamped<double>> wrist_;                      // N
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
@@ -99,8 +106,8 @@ class CycleNode {
   Eigen::Vector3d move_W_ = Eigen::Vector3d::Zero();  // of the object, when it is lifted
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> gripper_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
-  std::chrono::steady_clock::time_point last_tick_;
   int exit_code_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include "msgs/actions.pb.h"
 #include "msgs/sensors.pb.h"
+#include "nodes/motion_goal/motion_goal.h"
 #include "prehend/control/grasp_cycle.h"
 #include "prehend/graph/node.h"
 
@@ -14,6 +15,7 @@ class GripperActions : public control::GripperPort {
   explicit GripperActions(graph::Node& node);
   void move_to(double opening, double speed) override;
   control::MotionStatus motion() override;
+  double answer_age() override { return goal_.answer_age(); }
   void command_velocity(double speed, double current_limit) override;
   void stop() override;
 
@@ -22,9 +24,7 @@ class GripperActions : public control::GripperPort {
 
   graph::Node& node_;
   graph::Publisher<msgs::GripperCommand> commands_;
-  graph::ActionClient<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult>
-      client_;
-  graph::GoalHandle<msgs::MoveGripperResult> goal_;
+  MotionGoal<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult> goal_;
 };
 
 /// The carrier behind the action /carrier/move.
@@ -33,13 +33,12 @@ class CarrierActions : public control::CarrierPort {
   explicit CarrierActions(graph::Node& node);
   void move_to(const geometry::RigidTransform& X_WG, double speed, double contact_force) override;
   control::MotionStatus motion() override;
+  double answer_age() override { return goal_.answer_age(); }
   void stop() override;
 
  private:
   graph::Node& node_;
-  graph::ActionClient<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult>
-      client_;
-  graph::GoalHandle<msgs::MoveCarrierResult> goal_;
+  MotionGoal<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult> goal_;
 };
 
 }  // namespace prehend::nodes

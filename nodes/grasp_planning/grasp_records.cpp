@@ -25,14 +25,14 @@ void GraspRecords::planned(const msgs::ObjectModel& model, const msgs::GraspPlan
   plans_[model.id()] = std::move(planned);
 }
 
-std::string GraspRecords::record(const msgs::CycleResult& result) {
+std::string GraspRecords::record(const msgs::CycleResult& result, const std::string& hand) {
   const auto plan = plans_.find(result.object_id());
   if (result.attempts() == 0 || plan == plans_.end() ||
       result.grasp_index() >= plan->second.X_WG.size()) {
     return "";
   }
   const auto& [placed, poses] = plan->second;
-  if (!grasp::remember_execution(database_, placed, hand_, poses[result.grasp_index()],
+  if (!grasp::remember_execution(database_, placed, hand, poses[result.grasp_index()],
                                  result.success())) {
     return "";
   }

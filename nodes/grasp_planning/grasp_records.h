@@ -17,10 +17,8 @@ namespace prehend::nodes {
 /// grasps was executed.
 class GraspRecords {
  public:
-  /// Opens or makes the file. `hand` as the plans are stored under.
-  /// @throws geometry::InputError as grasp::GraspDatabase.
-  GraspRecords(const std::filesystem::path& file, std::string hand)
-      : database_(file), hand_(std::move(hand)) {}
+  /// Opens or makes the file. @throws geometry::InputError as grasp::GraspDatabase.
+  explicit GraspRecords(const std::filesystem::path& file) : database_(file) {}
 
   grasp::GraspDatabase& database() { return database_; }
 
@@ -30,9 +28,10 @@ class GraspRecords {
   /// Remembers what was planned, for record().
   void planned(const msgs::ObjectModel& model, const msgs::GraspPlan& plan);
 
-  /// Counts the execution of the grasp that a result is about. In words what was recorded; empty
-  /// when it was not of a known object. @throws geometry::InputError when it cannot be written.
-  std::string record(const msgs::CycleResult& result);
+  /// Counts the execution of the grasp that a result is about; `hand` as the plans are stored
+  /// under. In words what was recorded; empty when it was not of a known object.
+  /// @throws geometry::InputError when it cannot be written.
+  std::string record(const msgs::CycleResult& result, const std::string& hand);
 
  private:
   struct Plan {
@@ -41,7 +40,6 @@ class GraspRecords {
   };
 
   grasp::GraspDatabase database_;
-  std::string hand_;
   std::map<std::uint32_t, Plan> plans_;  // the last of each object, by its id
 };
 

@@ -1,6 +1,8 @@
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,10 +15,10 @@
 #include "nodes/grasp_planning/hand_options.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
+#include "nodes/gripper_source/gripper_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace {
 
@@ -154,13 +156,13 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                    motions);
 }
 
-std::optional<nodes::GraspRecords> declare_records(graph::Node& node, const std::string& hand) {
+std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "database",
        .description = "file of grasps of known objects (known_objects): used, added to, and told "
                       "what was executed; empty: none"});
   if (file.empty()) return std::nullopt;
-  return std::make_optional<nodes::GraspRecords>(file, hand);
+  return std::make_optional<nodes::GraspRecords>(file);
 }
 
 class GraspPlanning {
@@ -169,17 +171,14 @@ class GraspPlanning {
       : node_(node),
         options_(declare_planner_options(node)),
         platform_(declare_platform(node, options_)),
-        gripper_(robot::read_gripper_model(
-            node.declare_parameter<std::string>({.name = "gripper",
-                                                 .default_value = "config/robots/pg70_dsa.yaml",
-                                                 .description = "gripper model"}))),
+        gripper_(node),
         approach_(node.declare_parameter<std::string>(
             {.name = "approach",
              .default_value = "auto",
              .choices = {"auto", "down", "table", "any"},
              .description = "directions the robot can approach along: down the world's z axis, "
                             "straight at the table, any; auto: down when the table is level"})),
-        records_(declare_records(node, platform_ ? platform_->hand() : gripper_.name)),
+        records_(declare_records(node)),
         workspace_(node.declare_parameter<double>(
             {.name = "workspace",
              .default_value = 0.0,
@@ -203,23 +202,53 @@ class GraspPlanning {
                                               [this](const auto& result) { record(*result); })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
     options_.validate();
+    if (platform_ && gripper_.model()) {
+      throw geometry::InputError("Parameter gripper does not apply: platform has its own hand",
+                                 "Give one of the two");
+    }
+    if (!platform_) gripper_.listen([this] { plan_ready(); });
   }
 
  private:
   void record(const msgs::CycleResult& result) {
-    if (!records_) return;
-    const std::string recorded = records_->record(result);
+    if (!records_ || (!platform_ && !gripper_.model())) return;
+    const std::string recorded =
+        records_->record(result, platform_ ? platform_->hand() : gripper_.model()->name);
     if (!recorded.empty()) node_.log_info("{}", recorded);
   }
 
   void plan_ready() {
+    // Until the robot has said what it has. Two that differ are each object's problem.
+    if (!platform_ && !gripper_.model() && gripper_.problem().empty()) {
+      if (!batch_.models().empty()) {
+        node_.report(graph::Health::kWarning, "waiting to plan: " + gripper_.missing());
+      }
+      return;
+    }
     const auto ready = batch_.take_ready(steady_clock::now());
     if (!ready.empty() && batch_.incomplete()) {
       node_.report(graph::Health::kWarning,
                    fmt::format("planning with {} of {} models of the view as obstacles",
                                batch_.models().size(), ready.front()->object_count()));
     }
+    if (!ready.empty()) read_obstacles();
     for (const auto& model : ready) plans_.publish(plan(*model));
+  }
+
+  // What the view's objects are to each other. One that cannot be read is no obstacle, and is said.
+  void read_obstacles() {
+    obstacles_.clear();
+    for (const auto& [id, model] : batch_.models()) {
+      if (!model->valid()) continue;
+      node_.shield(fmt::format("object {} is left out as an obstacle", id), [&, id = id] {
+        std::vector<geometry::TriangleMesh> meshes;
+        if (!platform_) meshes.push_back(convert::from_message(model->mesh()));
+        for (int i = 0; platform_ && i < model->convex_pieces_size(); ++i) {
+          meshes.push_back(convert::from_message(model->convex_pieces(i)));
+        }
+        obstacles_[id] = std::move(meshes);
+      });
+    }
   }
 
   grasp::Reachability reachability(const geometry::Plane& table) const {
@@ -238,10 +267,26 @@ class GraspPlanning {
     return result;
   }
 
+  // Whatever is wrong with one object is its own problem: the others are planned all the same.
+  msgs::GraspPlan plan_alone(const msgs::ObjectModel& message) {
+    msgs::GraspPlan plan;
+    const std::string failure =
+        node_.shield(fmt::format("object {}", message.id()), [&] { plan = plan_on(message); });
+    if (failure.empty()) return plan;
+    plan = msgs::GraspPlan();
+    plan.set_problem("planning failed: " + failure);
+    return plan;
+  }
+
+  // A model that makes no sense is an answer; other exceptions are failures of planning.
   msgs::GraspPlan plan_on(const msgs::ObjectModel& message) {
     msgs::GraspPlan failed;
     if (!message.valid()) {
       failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
+      return failed;
+    }
+    if (!platform_ && !gripper_.model()) {
+      failed.set_problem("planning failed: " + gripper_.problem());
       return failed;
     }
     try {
@@ -250,15 +295,16 @@ class GraspPlanning {
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       if (platform_) {
-        return platform_->plan(object, table, neighbours_of(message, true), database, known);
+        return platform_->plan(object, table, neighbours_of(message), database, known);
       }
       grasp::Obstacles obstacles;
-      obstacles.meshes_W = neighbours_of(message, false);
+      obstacles.meshes_W = neighbours_of(message);
       return convert::to_message(
-          database ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
-                                                    gripper_, reachability(table), options_)
-                   : grasp::plan_grasps(object, table, obstacles, gripper_, reachability(table),
-                                        options_));
+          database
+              ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
+                                               *gripper_.model(), reachability(table), options_)
+              : grasp::plan_grasps(object, table, obstacles, *gripper_.model(), reachability(table),
+                                   options_));
     } catch (const geometry::InputError& error) {
       failed.set_problem(std::string("cannot be grasped: ") + error.what());
       return failed;
@@ -266,22 +312,17 @@ class GraspPlanning {
   }
 
   // The other objects of the view: their meshes or their convex pieces.
-  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message,
-                                                    bool convex) const {
+  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message) const {
     std::vector<geometry::TriangleMesh> meshes;
-    for (const auto& [id, other] : batch_.models()) {
-      if (id == message.id() || !other->valid()) continue;
-      if (!convex) meshes.push_back(convert::from_message(other->mesh()));
-      for (int i = 0; convex && i < other->convex_pieces_size(); ++i) {
-        meshes.push_back(convert::from_message(other->convex_pieces(i)));
-      }
+    for (const auto& [id, own] : obstacles_) {
+      if (id != message.id()) meshes.insert(meshes.end(), own.begin(), own.end());
     }
     return meshes;
   }
 
   msgs::GraspPlan plan(const msgs::ObjectModel& message) {
     const auto start = steady_clock::now();
-    msgs::GraspPlan plan = plan_on(message);
+    msgs::GraspPlan plan = plan_alone(message);
     const double seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
     *plan.mutable_header() = message.header();
     plan.set_id(message.id());
@@ -298,18 +339,23 @@ class GraspPlanning {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
     log_ledger(node_, plan);
-    if (records_) records_->planned(message, plan);
+    if (records_) {
+      node_.shield("record of object " + std::to_string(plan.id()),
+                   [&] { records_->planned(message, plan); });
+    }
     return plan;
   }
 
   graph::Node& node_;
   grasp::PlannerOptions options_;
   std::unique_ptr<nodes::PlatformPlanning> platform_;
-  robot::GripperModel gripper_;
+  nodes::GripperSource gripper_;
   std::string approach_;
   std::optional<nodes::GraspRecords> records_;
   double workspace_;
   nodes::ModelBatch batch_;
+  std::map<std::uint32_t, std::vector<geometry::TriangleMesh>>
+      obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   graph::Subscription results_;

@@ -104,11 +104,11 @@ class KnownObjects {
     while (answers_.size() > kMostViews) answers_.erase(answers_.begin());
     int known = 0;
     std::string problem;
-    try {
+    const std::string damage = node_.shield("objects", [&] {
       const perception::SegmentedScene scene = convert::from_message(message);
       for (const perception::ObjectHypothesis& object : scene.objects) {
         const auto id = static_cast<std::uint32_t>(object.id);
-        try {
+        const std::string failure = node_.shield(fmt::format("object {}", id), [&] {
           const grasp::Recognition& best =
               answers.insert_or_assign(id, models_.recognise(scene, object)).first->second.best;
           known += best.accepted ? 1 : 0;
@@ -117,13 +117,11 @@ class KnownObjects {
                                                      100 * best.explained)
                                        : ": ",
                          best.reason);
-        } catch (const std::exception& error) {
-          problem = fmt::format("; object {}: {}", id, error.what());
-        }
+        });
+        if (!failure.empty()) problem = fmt::format("; object {}: {}", id, failure);
       }
-    } catch (const std::exception& error) {
-      problem = std::string("; objects are damaged: ") + error.what();
-    }
+    });
+    if (!damage.empty()) problem = "; objects are damaged: " + damage;
     node_.report(
         problem.empty() ? graph::Health::kOk : graph::Health::kWarning,
         fmt::format("{} of {} objects are known{}", known, message.objects_size(), problem));
@@ -146,7 +144,8 @@ class KnownObjects {
                                  waiting.model.id()));
       } else if (const auto found = view->second.find(waiting.model.id());
                  found != view->second.end() && found->second.best.accepted) {
-        put_in_place(found->second, &waiting.model);
+        node_.shield(fmt::format("object {}", waiting.model.id()),
+                     [&] { put_in_place(found->second, &waiting.model); });
       }
       publisher_.publish(std::move(waiting.model));
     }

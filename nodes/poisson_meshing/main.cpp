@@ -149,7 +149,7 @@ class PoissonMeshing {
       message.set_problem("not completed: " + shape.problem());
       return message;
     }
-    try {
+    const std::string problem = node_.shield(fmt::format("object {}", shape.id()), [&] {
       const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       surface::ModelTimes times;
       message = convert::to_message(surface::make_object_model(
@@ -162,9 +162,10 @@ class PoissonMeshing {
       add_time(message, "convex_pieces", times.convex_pieces);
       add_time(message, "properties", times.properties);
       if (times.alternatives > 0) add_time(message, "alternatives", times.alternatives);
-    } catch (const std::exception& error) {
+    });
+    if (!problem.empty()) {
       message = msgs::ObjectModel();
-      message.set_problem(error.what());
+      message.set_problem(problem);
     }
     return message;
   }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "nodes/gripper_source/gripper_source.h"
 #include "nodes/report/collector.h"
 #include "nodes/report/compose.h"
 #include "nodes/report/processes.h"
@@ -42,10 +43,7 @@ void run(graph::Node& node) {
                                            .description = "folder of report.html and summary.txt"});
   const auto title = node.declare_parameter<std::string>(
       {.name = "title", .default_value = "prehend", .description = "title of the page"});
-  const auto gripper_file =
-      node.declare_parameter<std::string>({.name = "gripper",
-                                           .default_value = "config/robots/pg70_dsa.yaml",
-                                           .description = "gripper model to draw"});
+  nodes::GripperSource gripper(node);
   const bool require_lift =
       node.declare_parameter<bool>({.name = "require_lift",
                                     .default_value = false,
@@ -62,8 +60,7 @@ void run(graph::Node& node) {
        .unit = "s",
        .minimum = 0.0,
        .description = "wall time to wait for objects after a view without any"});
-  const robot::GripperModel gripper = robot::read_gripper_model(gripper_file);
-
+  gripper.listen();
   nodes::Collector collector(node);
   node.spin_in_background();
   const bool ended = collector.wait_for_end(std::chrono::duration<double>(timeout),
@@ -80,7 +77,10 @@ void run(graph::Node& node) {
   const auto processes = nodes::list_processes();
   const nodes::Collected collected = collector.snapshot();
   const nodes::Verdict verdict = nodes::judge(collected, require_lift, timeout_reason);
-  const auto page = nodes::compose_page(title, collected, verdict, gripper, processes);
+  // Pictures do not need it to the millimetre: without a word the default one is drawn.
+  if (!gripper.model()) node.log_warning("the gripper is drawn as a PG70: {}", gripper.missing());
+  const auto page = nodes::compose_page(title, collected, verdict,
+                                        gripper.model().value_or(robot::GripperModel{}), processes);
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
 

@@ -127,10 +127,10 @@ class ShapeCompletion {
       return;
     }
     perception::SegmentedScene scene;
-    try {
-      scene = convert::from_message(message);
-    } catch (const std::exception& error) {
-      node_.report(graph::Health::kError, std::string("objects are damaged: ") + error.what());
+    const std::string damage =
+        node_.shield("objects", [&] { scene = convert::from_message(message); });
+    if (!damage.empty()) {
+      node_.report(graph::Health::kError, "objects are damaged: " + damage);
       return;
     }
     int completed = 0;
@@ -148,7 +148,6 @@ class ShapeCompletion {
             shape.refused().empty() ? "" : "; refused: " + shape.refused());
       } else {
         problem = fmt::format("; object {}: {}", object.id, shape.problem());
-        node_.log_warning("object {} is not completed: {}", object.id, shape.problem());
       }
       publisher_.publish(std::move(shape));
     }
@@ -161,15 +160,16 @@ class ShapeCompletion {
                                 const perception::ObjectHypothesis& object) {
     const auto start = std::chrono::steady_clock::now();
     msgs::CompletedShape message;
-    try {
+    const std::string problem = node_.shield(fmt::format("object {}", object.id), [&] {
       const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       message = convert::to_message(shape::complete_by_symmetry(
           {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W},
           completion_options(node_, chosen), confidence_model_));
       if (chosen) *message.mutable_fidelity() = chosen->choice;
-    } catch (const std::exception& error) {
+    });
+    if (!problem.empty()) {
       message = msgs::CompletedShape();
-      message.set_problem(error.what());
+      message.set_problem(problem);
       *message.mutable_cloud() = convert::to_message(object.cloud_W);
       message.set_origin(std::string(object.cloud_W.size(), '\0'));
       *message.mutable_viewpoint() = convert::to_message(Eigen::Vector3d(scene.X_WC.translation()));

@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <utility>
 #include <vector>
 
@@ -50,11 +49,7 @@ void Camera::run() {
     requested_ = false;
     const std::uint64_t looks = looks_;
     lock.unlock();
-    try {
-      render(looks);
-    } catch (const std::exception& error) {
-      node_.report(graph::Health::kError, std::string("no picture: ") + error.what());
-    }
+    node_.shield("picture", [this, looks] { render(looks); });
     lock.lock();
   }
 }

@@ -4,6 +4,7 @@
 
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/gripper.h"
 #include "nodes/simulation/camera.h"
 #include "nodes/simulation/motion_actions.h"
 #include "nodes/simulation/robot_actions.h"
@@ -160,17 +161,19 @@ class PictureClock {
 void run_gripper(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
                  graph::ClockPacer& pacer) {
   using namespace prehend::nodes;
+  const auto description =
+      node.advertise<msgs::GripperDescription>("/gripper/model", graph::QoS::latched(1));
+  description.publish(convert::describe_gripper(scene.gripper_file));
   SensorPublisher sensors(node, scene);
   PictureClock pictures(settings.camera_period);
   SimulatedRobot robot(
-      scene, pacer,
+      node, scene, pacer,
       [&](const SensorReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
       },
-      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
-      [&node](const std::string& note) { node.log_warning("{}", note); });
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot);
@@ -185,15 +188,14 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
   RobotPublisher sensors(node, platform.hand);
   PictureClock pictures(settings.camera_period);
   RobotRunner robot(
-      simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
+      node, simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
       SimulatedRobot::slice_of(scene),
       [&](const RobotReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
       },
-      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); },
-      [&node](const std::string& note) { node.log_warning("{}", note); });
+      [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
@@ -244,7 +246,8 @@ const prehend::graph::RegisteredNodeProgram registered(
     {"simulation",
      "Stands in for the robot: table, objects, a PG70 gripper with two tactile pads on a carrier "
      "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
-     "/camera/info, /camera/stereo, /gripper/state, /tactile/left, /tactile/right, /wrench, "
+     "/camera/info, /camera/stereo, /gripper/model, /gripper/state, /tactile/left, /tactile/right, "
+     "/wrench, "
      "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
      "while moving), the actions /carrier/move and /gripper/move, and the services "
      "/gripper/stop, "

@@ -5,20 +5,21 @@
 
 namespace prehend::nodes {
 
-PacedLoop::PacedLoop(graph::ClockPacer& pacer, std::int64_t slice, std::function<void()> work,
-                     std::function<void(std::int64_t)> on_pace,
-                     std::function<void(const std::string&)> on_note)
-    : pacer_(pacer),
+PacedLoop::PacedLoop(graph::Node& node, graph::ClockPacer& pacer, std::int64_t slice,
+                     std::function<void()> work, std::function<void(std::int64_t)> on_pace)
+    : node_(node),
+      pacer_(pacer),
       slice_(slice),
       work_(std::move(work)),
-      on_pace_(std::move(on_pace)),
-      on_note_(std::move(on_note)) {}
+      on_pace_(std::move(on_pace)) {}
 
 void PacedLoop::start() {
   running_ = true;
   thread_ = std::thread([this] {
     while (running_) {
-      if (wait_for_pace()) work_();
+      node_.shield("simulation", [this] {
+        if (wait_for_pace()) work_();
+      });
     }
   });
 }
@@ -37,7 +38,7 @@ bool PacedLoop::wait_for_pace() {
   if (is_due) {
     time_ += slice_;
     if (pacer_.give_up_lag(kMostLag) && !std::exchange(slow_, true)) {
-      on_note_("this machine is too slow for the speed asked for; simulated time lags");
+      node_.log_warning("this machine is too slow for the speed asked for; simulated time lags");
     }
   }
   const auto pace = pacer_.state();

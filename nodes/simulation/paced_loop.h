@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "prehend/graph/clock_pacer.h"
+#include "prehend/graph/node.h"
 
 namespace prehend::nodes {
 
@@ -15,10 +16,10 @@ class PacedLoop {
  public:
   /// `pacer` begins at 0 with slices of `slice` [ns] and must outlive the object. All functions are
   /// called by the thread: `work` for each slice; `on_pace` with the simulated time [ns] when the
-  /// clock was paused, resumed or got another speed; `on_note` takes rare remarks.
-  PacedLoop(graph::ClockPacer& pacer, std::int64_t slice, std::function<void()> work,
-            std::function<void(std::int64_t)> on_pace,
-            std::function<void(const std::string&)> on_note);
+  /// clock was paused, resumed or got another speed. A slice that fails is `node`'s to tell, and
+  /// the next one follows.
+  PacedLoop(graph::Node& node, graph::ClockPacer& pacer, std::int64_t slice,
+            std::function<void()> work, std::function<void(std::int64_t)> on_pace);
   ~PacedLoop() { stop(); }
 
   void start();
@@ -27,11 +28,11 @@ class PacedLoop {
  private:
   bool wait_for_pace();
 
+  graph::Node& node_;
   graph::ClockPacer& pacer_;
   const std::int64_t slice_;  // ns
   std::function<void()> work_;
   std::function<void(std::int64_t)> on_pace_;
-  std::function<void(const std::string&)> on_note_;
   std::atomic<bool> running_{false};
   std::thread thread_;
   // Of the thread alone.

@@ -7,16 +7,15 @@
 
 namespace prehend::nodes {
 
-RobotRunner::RobotRunner(simulation::RobotWorld world, graph::ClockPacer& pacer, std::int64_t slice,
-                         std::function<void(const RobotReadings&)> on_readings,
-                         std::function<void(std::int64_t)> on_pace,
-                         std::function<void(const std::string&)> on_note)
+RobotRunner::RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
+                         std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
+                         std::function<void(std::int64_t)> on_pace)
     : world_(std::move(world)),
       steps_(std::max(1, static_cast<int>(std::lround(static_cast<double>(slice) * 1e-9 /
                                                       world_.options().step)))),
       on_readings_(std::move(on_readings)),
       loop_(
-          pacer, slice, [this] { this->slice(); }, std::move(on_pace), std::move(on_note)) {}
+          node, pacer, slice, [this] { this->slice(); }, std::move(on_pace)) {}
 
 void RobotRunner::slice() {
   RobotReadings readings;

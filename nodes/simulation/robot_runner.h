@@ -25,10 +25,9 @@ struct RobotReadings {
 /// thread; the arm and the hand belong to who asked last, known by a ticket.
 class RobotRunner {
  public:
-  RobotRunner(simulation::RobotWorld world, graph::ClockPacer& pacer, std::int64_t slice,
-              std::function<void(const RobotReadings&)> on_readings,
-              std::function<void(std::int64_t)> on_pace,
-              std::function<void(const std::string&)> on_note);
+  RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
+              std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
+              std::function<void(std::int64_t)> on_pace);
   ~RobotRunner() { stop(); }
 
   void start() { loop_.start(); }

@@ -20,16 +20,15 @@ std::int64_t SimulatedRobot::slice_of(const simulation::Scene& scene) {
   return std::llround(steps_of_slice(scene) * scene.step * 1e9);
 }
 
-SimulatedRobot::SimulatedRobot(const simulation::Scene& scene, graph::ClockPacer& pacer,
+SimulatedRobot::SimulatedRobot(graph::Node& node, const simulation::Scene& scene,
+                               graph::ClockPacer& pacer,
                                std::function<void(const SensorReadings&)> on_readings,
-                               std::function<void(std::int64_t)> on_pace,
-                               std::function<void(const std::string&)> on_note)
-    : world_(scene),
+                               std::function<void(std::int64_t)> on_pace)
+    : node_(node),
+      world_(scene),
       on_readings_(std::move(on_readings)),
-      on_note_(std::move(on_note)),
       loop_(
-          pacer, slice_of(scene), [this] { slice(); }, std::move(on_pace),
-          [this](const std::string& note) { on_note_(note); }) {}
+          node, pacer, slice_of(scene), [this] { slice(); }, std::move(on_pace)) {}
 
 void SimulatedRobot::slice() {
   SensorReadings readings;
@@ -42,7 +41,7 @@ void SimulatedRobot::slice() {
     watchdog_fired = std::exchange(watchdog_fired_, false);
   }
   slice_done_.notify_all();
-  if (watchdog_fired) on_note_("no gripper command for 0.2 s while moving: stopped");
+  if (watchdog_fired) node_.log_warning("no gripper command for 0.2 s while moving: stopped");
   on_readings_(readings);
 }
 

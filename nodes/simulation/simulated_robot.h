@@ -33,14 +33,13 @@ class SimulatedRobot {
   /// [ns] Length of a slice: the whole steps of the scene nearest to kSlice, at least one.
   static std::int64_t slice_of(const simulation::Scene& scene);
 
-  /// `pacer` begins at 0 with slices of slice_of(scene) and must outlive the object. All three
-  /// functions are called by the thread: `on_readings` after each slice; `on_pace` with the
-  /// simulated time [ns] when the clock was paused, resumed or got another speed; `on_note` takes
-  /// rare remarks.
-  SimulatedRobot(const simulation::Scene& scene, graph::ClockPacer& pacer,
+  /// `node` tells what goes wrong. `pacer` begins at 0 with slices of slice_of(scene) and must
+  /// outlive the object. Both functions are called by the thread: `on_readings` after each slice;
+  /// `on_pace` with the simulated time [ns] when the clock was paused, resumed or got another
+  /// speed.
+  SimulatedRobot(graph::Node& node, const simulation::Scene& scene, graph::ClockPacer& pacer,
                  std::function<void(const SensorReadings&)> on_readings,
-                 std::function<void(std::int64_t)> on_pace,
-                 std::function<void(const std::string&)> on_note);
+                 std::function<void(std::int64_t)> on_pace);
   ~SimulatedRobot() { stop(); }
 
   void start() { loop_.start(); }
@@ -79,9 +78,9 @@ class SimulatedRobot {
   void step_slice();
   SensorReadings read() const;
 
+  graph::Node& node_;
   simulation::World world_;
   std::function<void(const SensorReadings&)> on_readings_;
-  std::function<void(const std::string&)> on_note_;
 
   std::mutex mutex_;  // guards what follows and world_
   std::condition_variable slice_done_;

@@ -160,12 +160,11 @@ class StereoSegmentation {
 
   void publish(const msgs::StereoPair& pair) {
     msgs::ObjectHypotheses message;
-    try {
-      message = segment(pair);
-    } catch (const std::exception& error) {
+    const std::string problem = node_.shield("picture", [&] { message = segment(pair); });
+    if (!problem.empty()) {
       message.Clear();
       *message.mutable_camera() = *info_;
-      message.set_problem(error.what());
+      message.set_problem(problem);
     }
     *message.mutable_header() = pair.header();
     message.mutable_header()->set_frame_id("world");

@@ -62,10 +62,10 @@ class ViewMerging {
       node_.report(graph::Health::kWarning, "a view without objects: " + message.problem());
       return;
     }
-    try {
-      views_.push_back(convert::from_message(message));
-    } catch (const std::exception& error) {
-      node_.report(graph::Health::kError, std::string("a view is damaged: ") + error.what());
+    const std::string damage =
+        node_.shield("view", [&] { views_.push_back(convert::from_message(message)); });
+    if (!damage.empty()) {
+      node_.report(graph::Health::kError, "a view is damaged: " + damage);
       return;
     }
     const auto wanted = static_cast<std::size_t>(node_.parameter<int>("views"));
@@ -79,14 +79,15 @@ class ViewMerging {
   void publish(const msgs::ObjectHypotheses& last) {
     const std::size_t count = views_.size();
     msgs::ObjectHypotheses merged;
-    try {
+    const std::string problem = node_.shield("views", [&] {
       merged = convert::to_message(perception::as_scene(
           perception::merge_views(std::exchange(views_, {}), merge_options(node_))));
       merged.add_notes(fmt::format("{} views were merged", count));
-    } catch (const std::exception& error) {
+    });
+    if (!problem.empty()) {
       merged.Clear();
       *merged.mutable_camera() = last.camera();
-      merged.set_problem(error.what());
+      merged.set_problem(problem);
     }
     *merged.mutable_header() = last.header();
     if (merged.problem().empty()) {

@@ -30,6 +30,8 @@ void ArmCycleOptions::validate() const {
   require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
   require(std::isfinite(largest_detour) && largest_detour > 0, "largest_detour must be positive");
   require(largest_attempts > 0, "largest_attempts must be positive");
+  require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
+  require(std::isfinite(answer_time) && answer_time > 0, "answer_time must be positive");
   require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
 }
 
@@ -136,10 +138,41 @@ void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   grasp_index_ = 0;
   step_ = Step::kWaiting;
   if (grasps_.empty()) return finish(false, problem.empty() ? "the plan has no grasps" : problem);
-  begin_attempt();
+  step_start_ = now_.time;
+  step_waiting();
+}
+
+std::vector<InputAge> ArmCycle::inputs() {
+  const auto age = [](bool has_come, double seconds) {
+    return has_come ? std::optional(seconds) : std::nullopt;
+  };
+  return {
+      {"the joints' states", age(!now_.names.empty(), now_.joints_age), options_.stale_time},
+      {"the wrist's force", age(now_.wrist_force.has_value(), now_.wrist_age), options_.stale_time},
+      {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
+      {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+}
+
+void ArmCycle::step_waiting() {
+  if (grasps_.empty()) return;  // not started
+  const std::vector<InputAge> missing = stale_inputs(inputs());
+  if (missing.empty()) return begin_attempt();
+  detail_ = "waiting for " + names_of(missing);
+  if (now_.time - step_start_ > options_.motion_timeout) {
+    finish(false, "nothing was moved, for want of " + describe(missing));
+  }
+}
+
+bool ArmCycle::stop_when_lost() {
+  if (step_ == Step::kLook) return false;
+  const std::vector<InputAge> lost = watch_.lost(now_.time, inputs());
+  if (lost.empty()) return false;
+  abort("lost " + describe(lost) + " while " + detail_ + "; arm and hand were stopped");
+  return true;
 }
 
 void ArmCycle::begin_attempt() {
+  watch_.begin(now_.time);
   ++result_.attempts;
   result_.grasp_index = grasp_index_;
   failure_.clear();
@@ -267,7 +300,9 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     phase_times_.back().second += std::max(0.0, percepts.time - now_.time);
   }
   now_ = percepts;
-  if (finished() || step_ == Step::kWaiting) return;
+  if (finished()) return;
+  if (step_ == Step::kWaiting) return step_waiting();
+  if (stop_when_lost()) return;
   const double spent = now_.time - step_start_;
   const bool hand_moves = step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
                           step_ == Step::kRelease || step_ == Step::kGiveUpOpen;

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "prehend/control/grasp_cycle.h"
+#include "prehend/control/input_watch.h"
 #include "prehend/control/surprise.h"
 
 namespace prehend::control {
@@ -48,6 +49,9 @@ class ArmPort {
   /// Stops when the wrist force exceeds `contact_force` [N] if that is positive.
   virtual void follow(const JointPath& path, double contact_force) = 0;
   virtual MotionStatus motion() = 0;  // of the last follow; kContact: stopped by it
+  /// Seconds since who carries out the last follow gave a word of it; 0 when it has ended or
+  /// answers at once, infinity when he is gone.
+  virtual double answer_age() { return 0; }
   virtual std::string problem() = 0;  // why that failed, in words
   virtual void stop() = 0;
 };
@@ -59,7 +63,8 @@ class HandPort {
   /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press.
   virtual void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
                     double speed, bool until_contact) = 0;
-  virtual MotionStatus motion() = 0;  // of the last move; kContact: fingers press
+  virtual MotionStatus motion() = 0;         // of the last move; kContact: fingers press
+  virtual double answer_age() { return 0; }  // as ArmPort's
   virtual std::string problem() = 0;
   virtual void stop() = 0;
 };
@@ -70,6 +75,8 @@ struct ArmPercepts {
   std::vector<std::string> names;
   std::vector<double> positions;      // rad, of arm and hand
   std::optional<double> wrist_force;  // N, of contact on the hand, with what it holds
+  double joints_age = 0;              // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;               // s
 };
 
 struct ArmCycleOptions {
@@ -91,6 +98,8 @@ struct ArmCycleOptions {
   double motion_timeout = 60;   // s, > 0, of each motion
   double largest_detour = 0.5;  // rad, > 0, see joined()
   int largest_attempts = 3;     // > 0
+  double stale_time = 0.25;     // s, > 0, after which percepts are too old to move by
+  double answer_time = 2;       // s, > 0, without a word of a motion: nobody carries it out
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
   /// plan is taken at once.
   double look_timeout = 0;
@@ -103,6 +112,10 @@ struct ArmCycleOptions {
 /// felt is compared with what was predicted (surprises). On a failure it opens and goes back the
 /// way it came. With `look_timeout` it waits there for grasps planned on a new look (looks_since(),
 /// take_plan()), as the object may have moved; when none come it takes the next grasp of its plan.
+///
+/// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
+/// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
+/// cycle ends with that reason; not while it stands and waits for a new look.
 ///
 /// Sources: Bohg et al., "Mind the Gap", ICRA 2011, section IV: KTH's platform open loop, UJI's
 /// with reaction to contact. Not thread-safe. Never blocks, never throws after start().
@@ -156,6 +169,11 @@ class ArmCycle {
 
   static Phase phase_of(Step step);
   void enter(Step step, const std::string& detail);
+  /// What the cycle relies on.
+  std::vector<InputAge> inputs();
+  void step_waiting();
+  /// Stops and ends when something of it is lost; true then.
+  bool stop_when_lost();
   void begin_attempt();
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
@@ -179,6 +197,7 @@ class ArmCycle {
   std::string detail_ = "waiting for a plan";
   std::string refused_;          // why a segment could not begin
   std::vector<JointPath> gone_;  // segments that were begun in this attempt
+  InputWatch watch_;
   ArmPercepts now_;
   double step_start_ = 0;  // s
   int grasp_index_ = 0;

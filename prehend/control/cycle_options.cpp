@@ -31,6 +31,7 @@ void CycleOptions::validate() const {
   require(move_W.allFinite(), "move_W must be finite");
   require(largest_attempts > 0, "largest_attempts must be positive");
   require(stale_time > 0, "stale_time must be positive");
+  require(answer_time > 0, "answer_time must be positive");
   require(motion_timeout > 0, "motion_timeout must be positive");
   require(closing_timeout > 0, "closing_timeout must be positive");
   require(force_timeout > 0, "force_timeout must be positive");

@@ -71,18 +71,10 @@ void GraspCycle::step(const Percepts& percepts) {
   if (percepts.gripper_error != 0 && step_ != Step::kWaiting) {
     return abort("the gripper reports error " + std::to_string(percepts.gripper_error));
   }
+  if (stop_when_lost(percepts)) return;
   switch (step_) {
     case Step::kWaiting:
-      if (phase_times_.empty()) {
-        phase_times_.emplace_back(to_string(Phase::kWaiting), 0.0);
-        step_start_ = now_;
-      }
-      if (percepts.left && percepts.right && percepts.opening && percepts.X_WG) {
-        X_WG_start_ = *percepts.X_WG;
-        begin_attempt();
-      } else if (timed_out(options_.motion_timeout)) {
-        finish(false, "no state came from the gripper, its pads or the carrier");
-      }
+      step_waiting(percepts);
       break;
     case Step::kOpen:
     case Step::kRise:
@@ -166,6 +158,7 @@ RigidTransform GraspCycle::raised_to_transit(const RigidTransform& X_WG) const {
 }
 
 void GraspCycle::begin_attempt() {
+  watch_.begin(now_);
   ++result_.attempts;
   tried_[static_cast<std::size_t>(grasp_index_)] = true;
   failure_.clear();
@@ -210,9 +203,8 @@ void GraspCycle::step_transit(const Percepts& percepts) {
 }
 
 void GraspCycle::step_approach(const Percepts& percepts) {
-  const bool pads_touched =
-      tactile_is_fresh(percepts) && std::max(percepts.left->sum, percepts.right->sum) >
-                                        std::max(options_.touch_force, options_.contact_force);
+  const bool pads_touched = std::max(percepts.left->sum, percepts.right->sum) >
+                            std::max(options_.touch_force, options_.contact_force);
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kContact || pads_touched) {
     const double felt = pads_touched ? std::max(percepts.left->sum, percepts.right->sum)
@@ -230,7 +222,6 @@ void GraspCycle::step_approach(const Percepts& percepts) {
 }
 
 void GraspCycle::step_close(const Percepts& percepts) {
-  if (!tactile_is_fresh(percepts)) return abort("tactile data are stale while closing");
   const bool left = percepts.left->sum > options_.touch_force;
   const bool right = percepts.right->sum > options_.touch_force;
   if (left && right) {
@@ -272,7 +263,6 @@ void GraspCycle::regulate_force(const Percepts& percepts) {
 }
 
 void GraspCycle::step_press(const Percepts& percepts) {
-  if (!tactile_is_fresh(percepts)) return abort("tactile data are stale while gripping");
   regulate_force(percepts);
   if (!force_controller_.settled()) settled_since_ = -1;
   if (force_controller_.settled() && settled_since_ < 0) settled_since_ = now_;
@@ -315,7 +305,6 @@ std::string GraspCycle::why_not_held(const Percepts& percepts) const {
 }
 
 void GraspCycle::step_lift(const Percepts& percepts) {
-  if (!tactile_is_fresh(percepts)) return abort("tactile data are stale while lifting");
   regulate_force(percepts);
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kReached) return enter(Step::kCheck, "looking whether it is held");
@@ -324,7 +313,6 @@ void GraspCycle::step_lift(const Percepts& percepts) {
 }
 
 void GraspCycle::step_check(const Percepts& percepts) {
-  if (!tactile_is_fresh(percepts)) return abort("tactile data are stale while lifting");
   regulate_force(percepts);
   if (now_ - step_start_ < options_.check_time) return;
   const std::string reason = why_not_held(percepts);
@@ -337,7 +325,6 @@ void GraspCycle::step_check(const Percepts& percepts) {
 }
 
 void GraspCycle::step_carry(const Percepts& percepts) {
-  if (!tactile_is_fresh(percepts)) return abort("tactile data are stale while carrying");
   regulate_force(percepts);
   const bool lowering = step_ == Step::kLower;
   const std::string reason = why_not_held(percepts);
@@ -415,12 +402,6 @@ void GraspCycle::step_give_up(const Percepts& percepts) {
                         options_.travel_speed, 0);
   }
   next_grasp("");
-}
-
-bool GraspCycle::tactile_is_fresh(const Percepts& percepts) const {
-  return percepts.left && percepts.right && percepts.opening &&
-         now_ - percepts.left->time <= options_.stale_time &&
-         now_ - percepts.right->time <= options_.stale_time;
 }
 
 void GraspCycle::add_surprise(SurpriseKind kind, double predicted, double felt,

@@ -9,6 +9,7 @@
 
 #include "prehend/control/failed_attempts.h"
 #include "prehend/control/force_controller.h"
+#include "prehend/control/input_watch.h"
 #include "prehend/control/surprise.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
@@ -26,6 +27,9 @@ class GripperPort {
   virtual ~GripperPort() = default;
   virtual void move_to(double opening, double speed) = 0;
   virtual MotionStatus motion() = 0;  // of the last move_to; kContact: blocked
+  /// Seconds since who carries out the last move_to gave a word of it; 0 when it has ended or
+  /// answers at once, infinity when he is gone.
+  virtual double answer_age() { return 0; }
   /// Moves with `speed` until told otherwise, pushing with no more than `current_limit`.
   virtual void command_velocity(double speed, double current_limit) = 0;
   virtual void stop() = 0;
@@ -39,27 +43,32 @@ class CarrierPort {
   /// exceeds `contact_force` [N] if that is positive. The force includes a held object's weight.
   virtual void move_to(const geometry::RigidTransform& X_WG, double speed,
                        double contact_force) = 0;
-  virtual MotionStatus motion() = 0;  // of the last move_to
+  virtual MotionStatus motion() = 0;         // of the last move_to
+  virtual double answer_age() { return 0; }  // as GripperPort's
   virtual void stop() = 0;
 };
 
 /// One pad as felt.
 struct PadPercept {
-  double time = 0;  // s, of the frame
   double sum = 0;   // N
   double area = 0;  // m^2, of the texels above the touch threshold
+  double age = 0;   // s, of the frame, at Percepts::time
 };
 
-/// All the cycle knows of the world. Unset: nothing has come yet.
+/// All the cycle knows of the world. Unset: nothing has come yet. Ages in s at `time`, 0 for what
+/// is read in the same instant.
 struct Percepts {
   double time = 0;  // s, now, of the graph's clock
   std::optional<PadPercept> left;
   std::optional<PadPercept> right;
-  std::optional<double> opening;      // m
-  bool gripper_blocked = false;       // commanded to move but does not
-  unsigned gripper_error = 0;         // the device's code, 0 none
+  std::optional<double> opening;  // m
+  bool gripper_blocked = false;   // commanded to move but does not
+  unsigned gripper_error = 0;     // the device's code, 0 none
+  double gripper_age = 0;
   std::optional<double> wrist_force;  // N
+  double wrist_age = 0;
   std::optional<geometry::RigidTransform> X_WG;
+  double carrier_age = 0;
 };
 
 struct CycleOptions {
@@ -82,7 +91,8 @@ struct CycleOptions {
   double lift_height = 0.15;  // m, >= 0.12
   Eigen::Vector3d move_W{0, 0.15, 0};  // m, sideways with the object
   int largest_attempts = 3;            // > 0
-  double stale_time = 0.25;            // s, > 0, after which tactile data are too old to grip by
+  double stale_time = 0.25;            // s, > 0, after which percepts are too old to move by
+  double answer_time = 2;              // s, > 0, without a word of a motion: nobody carries it out
   double motion_timeout = 20;          // s, > 0, of each motion of carrier or gripper
   double closing_timeout = 8;   // s, > 0, from the start of closing to the touch of both pads
   double force_timeout = 4;     // s, > 0, to reach the grasp force
@@ -122,8 +132,10 @@ struct CycleResult {
 /// the motor's current until it is settled; lifts; looks whether the object is still held (the
 /// opening has not collapsed and both pads still feel it); carries it sideways; lowers it to where
 /// it stood over the table; opens; retreats. What is felt is compared with what was predicted
-/// (surprises). Every wait ends by its time-out on the percepts' clock. When tactile data are stale
-/// while gripping, gripper and carrier are stopped and the cycle ends.
+/// (surprises). Every wait ends by its time-out on the percepts' clock. It begins when pads,
+/// gripper, wrist and carrier have spoken. From then on, whenever one of them falls silent
+/// (`stale_time`), or who carries out a motion (`answer_time`), gripper and carrier are stopped and
+/// the cycle ends with that reason; not while it stands and waits for a new look.
 ///
 /// After a failed attempt it opens and retreats. What was to be grasped may have moved: with
 /// `look_timeout` the hand goes back to where the cycle began, out of the camera's view, and waits
@@ -201,9 +213,13 @@ class GraspCycle {
   void step_release(const Percepts& percepts);
   void step_give_up(const Percepts& percepts);
   void step_look();
+  void step_waiting(const Percepts& percepts);
+  /// What the cycle relies on.
+  std::vector<InputAge> inputs(const Percepts& percepts);
+  /// Stops and ends when something of it is lost; true then.
+  bool stop_when_lost(const Percepts& percepts);
   void next_grasp(const std::string& why);
   void regulate_force(const Percepts& percepts);
-  bool tactile_is_fresh(const Percepts& percepts) const;
   std::string why_not_held(const Percepts& percepts) const;
   void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
   void give_up_attempt(const std::string& reason);
@@ -220,6 +236,7 @@ class GraspCycle {
   GripperPort& gripper_port_;
   CarrierPort& carrier_port_;
   ForceController force_controller_;
+  InputWatch watch_;
 
   std::vector<grasp::Grasp> grasps_;
   std::vector<bool> tried_;           // of grasps_

@@ -225,6 +225,23 @@ void Node::log(LogLevel level, const std::string& text) { impl_->log(level, text
 
 void Node::report(Health health, const std::string& text) { impl_->report(health, text); }
 
+std::string Node::shield(const std::string& item, const std::function<void()>& work) {
+  std::string what;
+  try {
+    work();
+    return {};
+  } catch (const DescriptionDone&) {
+    throw;
+  } catch (const std::exception& error) {
+    what = error.what();
+  } catch (...) {
+    what = kForeignException;
+  }
+  if (what.empty()) what = "an exception without words";
+  impl_->work_failed(Health::kWarning, item, item + ": " + what);
+  return what;
+}
+
 void Node::spin() {
   impl_->check_not_describing();
   impl_->start_spinning();

@@ -81,12 +81,13 @@ struct DescribedNode;
 /// What blocks (call, wait, wait_for_server, wait_for_subscribers, sleeps of the clock) is refused
 /// inside the node's callbacks, with a line that names the mend. Handlers of actions may block.
 ///
-/// An exception that leaves a callback is logged and reported as diagnostic; the node goes on.
+/// An exception that leaves a callback is logged and reported as diagnostic; the node goes on. So
+/// that one item of several does not lose the others, see shield().
 ///
 /// Names of topics, services and actions start with '/'. They are put into the node's namespace,
 /// except those of the whole graph (/clock, /log, /diagnostics, /parameter_events, /statistics) and
-/// those that start with "//": "//left/camera" is "/left/camera" for every node. A malformed name, or one that this
-/// node already uses for the same purpose, throws std::invalid_argument.
+/// those that start with "//": "//left/camera" is "/left/camera" for every node. A malformed name,
+/// or one that this node already uses for the same purpose, throws std::invalid_argument.
 class Node {
  public:
   /// Joins the graph. Throws std::runtime_error with one clear line when no registry answers within
@@ -279,6 +280,12 @@ class Node {
   /// The node's word on its own health, until the next report: published on /diagnostics (latched)
   /// and shown by `prehend node list`. A change to kWarning or kError is logged too.
   void report(Health health, const std::string& text);
+
+  /// Does `work`: one item of a callback that has several, or a turn of a thread of the caller's
+  /// own. An exception that leaves it, of any type, is logged and reported as diagnostic (kWarning,
+  /// repetitions now and then), and what it says is returned; empty: all went well. `item` names
+  /// it in the line: "object 3".
+  std::string shield(const std::string& item, const std::function<void()>& work);
 
   // --- running ----------------------------------------------------------------------------------
 

@@ -398,7 +398,10 @@ void Node::Impl::report(Health level, const std::string& text) {
 }
 
 void Node::Impl::callback_failed(const std::string& source, const std::string& what) {
-  const std::string text = source + ": exception in the callback: " + what;
+  work_failed(Health::kError, source, source + ": exception in the callback: " + what);
+}
+
+void Node::Impl::work_failed(Health level, const std::string& source, const std::string& text) {
   std::uint64_t count = 0;
   {
     const std::lock_guard lock(mutex);
@@ -410,9 +413,10 @@ void Node::Impl::callback_failed(const std::string& source, const std::string& w
     return health_text;
   }();
   if (health_before != text) {
-    report(Health::kError, text);
+    report(level, text);
   } else if (count > 0) {
-    log(LogLevel::kError, fmt::format("{} ({} times in all)", text, count));
+    log(level == Health::kError ? LogLevel::kError : LogLevel::kWarning,
+        fmt::format("{} ({} times in all)", text, count));
   }
 }
 

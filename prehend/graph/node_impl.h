@@ -63,6 +63,8 @@ struct Node::Impl {
   void log(LogLevel level, const std::string& text);
   void report(Health health, const std::string& text);
   void callback_failed(const std::string& source, const std::string& what);
+  /// Reports `text`, which names its `source`; at once when it is news, repeated now and then.
+  void work_failed(Health level, const std::string& source, const std::string& text);
   /// Offers topic /parameter_events, once there is a parameter.
   void announce_parameters();
   /// Logs it, calls back, and publishes one event.
@@ -89,7 +91,7 @@ struct Node::Impl {
   std::set<std::string> names_used;
   Health health = Health::kOk;
   std::string health_text;
-  std::map<std::string, std::pair<std::uint64_t, LossLine>> failures;  // of callbacks, by source
+  std::map<std::string, std::pair<std::uint64_t, LossLine>> failures;  // by source
   bool is_shut_down = false;
   std::vector<std::weak_ptr<ActionServerCore>> action_server_list;
 

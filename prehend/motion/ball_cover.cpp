@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,7 @@ using Faces = std::vector<geometry::Plane>;
 
 constexpr double kMostCells = 20000;
 constexpr int kProjections = 20;
+constexpr double kLeastRadius = 1e-6;  // m
 
 /// Whether one of the faces has the whole cell (half sides `half`) outside.
 bool is_apart(const Faces& faces, const Vector3d& center, const Vector3d& half) {
@@ -33,8 +35,9 @@ const geometry::Plane& nearest_face(const Faces& faces, const Vector3d& p) {
                            });
 }
 
-/// By Pythagoras a step across a face comes nearer to all that is behind it.
-Ball pull_in(const Faces& faces, Ball ball) {
+/// By Pythagoras a step across a face comes nearer to all that is behind it. Nothing when nothing
+/// of the body is in the ball.
+std::optional<Ball> pull_in(const Faces& faces, Ball ball) {
   double squared = ball.radius * ball.radius;
   for (int k = 0; k < kProjections; ++k) {
     const geometry::Plane& face = nearest_face(faces, ball.center);
@@ -43,7 +46,8 @@ Ball pull_in(const Faces& faces, Ball ball) {
     ball.center -= outside * face.normal;
     squared -= outside * outside;
   }
-  ball.radius = std::sqrt(std::max(0.0, squared));
+  if (squared < -kLeastRadius * kLeastRadius) return std::nullopt;
+  ball.radius = std::max(kLeastRadius, std::sqrt(std::max(0.0, squared)));
   return ball;
 }
 
@@ -66,9 +70,10 @@ void cover(const geometry::TriangleMesh& piece, double resolution, BallCover& re
         if (is_apart(convex.faces, center, cell / 2)) continue;
         const double outside = nearest_face(convex.faces, center).signed_distance(center);
         if (outside < -radius) continue;  // nothing of the surface is in it
-        const Ball ball = pull_in(convex.faces, {center, radius});
-        result.balls.push_back(ball);
-        result.overshoot = std::max(result.overshoot, ball.radius + std::min(0.0, outside));
+        const std::optional<Ball> ball = pull_in(convex.faces, {center, radius});
+        if (!ball) continue;
+        result.balls.push_back(*ball);
+        result.overshoot = std::max(result.overshoot, ball->radius + std::min(0.0, outside));
       }
     }
   }

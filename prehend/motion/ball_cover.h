@@ -20,9 +20,10 @@ struct BallCover {
 /// Covers the surfaces of the convex hulls of `pieces` (all in one frame) with one ball for each
 /// cell of a grid of `resolution` [m]; a centre outside of its hull is moved into it, face by face,
 /// which brings it nearer to every point of the hull, so that the ball can shrink. It reaches
-/// beyond the hull by at most 0.87 resolutions.
+/// beyond the hull by at most 0.87 resolutions, and every radius is at least 1 um. Flat pieces are
+/// covered as the thin slabs that convex_faces() makes of them.
 /// @throws std::invalid_argument for a resolution that is not positive; geometry::InputError for a
-/// piece without volume, or for more than 20000 cells.
+/// piece without finite vertices, or for more than 20000 cells.
 BallCover cover_convex_pieces(const std::vector<geometry::TriangleMesh>& pieces,
                               double resolution = 0.015);
 

@@ -48,8 +48,9 @@ class CollisionWorld {
   void add_sphere(const std::string& name, const Eigen::Vector3d& center_B, double radius);
   /// The convex hull of the mesh's vertices, as the predicted pieces of an object are. A ball
   /// counts as touching when no face separates them: early, by 0.42 of its radius beside a right
-  /// edge, 0.74 beside a box's corner and more beside sharper ones, but never late. @throws
-  /// geometry::InputError for a mesh without volume.
+  /// edge, 0.74 beside a box's corner and more beside sharper ones, but never late. Flat
+  /// pieces get a thickness, see convex_faces(). @throws geometry::InputError for a mesh without
+  /// finite vertices.
   void add_convex(const std::string& name, const geometry::TriangleMesh& mesh_B);
   /// False when there is nothing of that name; all of that name goes.
   bool remove(const std::string& name);

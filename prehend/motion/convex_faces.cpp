@@ -1,6 +1,9 @@
 #include "prehend/motion/convex_faces.h"
 
 #include <algorithm>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
 
 #include "prehend/geometry/errors.h"
 
@@ -8,11 +11,53 @@ namespace prehend::motion {
 
 using Eigen::Vector3d;
 
+namespace {
+
+constexpr double kLeastThickness = 1e-4;          // m
+constexpr double kLeastRelativeThickness = 1e-3;  // of the largest extent
+
+void check_points(const std::string& name, const std::vector<Vector3d>& points) {
+  const bool finite =
+      std::all_of(points.begin(), points.end(), [](const Vector3d& p) { return p.allFinite(); });
+  if (!points.empty() && finite) return;
+  throw geometry::InputError(
+      "The convex piece '" + name +
+          (finite ? "' has no vertices" : "' has a vertex that is no number"),
+      "Leave it out, or give it finite vertices");
+}
+
+// Adds points so that the hull of all has a volume.
+std::vector<Vector3d> thickened(std::vector<Vector3d> points) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Vector3d& p : points) covariance += (p - mean) * (p - mean).transpose();
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
+  Eigen::AlignedBox3d extent;
+  for (const Vector3d& p : points) extent.extend(Vector3d(axes.transpose() * (p - mean)));
+  const double least =
+      std::max(kLeastThickness, kLeastRelativeThickness * extent.sizes().maxCoeff());
+  for (int k = 0; k < 3; ++k) {
+    if (extent.sizes()[k] >= least) continue;
+    const std::size_t count = points.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      points.push_back(points[i] + least / 2 * axes.col(k));
+      points[i] -= least / 2 * axes.col(k);
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
 ConvexFaces convex_faces(const std::string& name, const geometry::TriangleMesh& mesh) {
-  const geometry::TriangleMesh hull = geometry::convex_hull(mesh.vertices);
+  check_points(name, mesh.vertices);
+  const std::vector<Vector3d> points = thickened(mesh.vertices);
+  const geometry::TriangleMesh hull = geometry::convex_hull(points);
   ConvexFaces result;
-  for (const Vector3d& p : hull.vertices) result.bounds.extend(p);
-  for (const Vector3d& p : hull.vertices) {
+  for (const Vector3d& p : points) result.bounds.extend(p);
+  for (const Vector3d& p : points) {
     result.radius = std::max(result.radius, (p - result.bounds.center()).norm());
   }
   for (const Eigen::Vector3i& t : hull.triangles) {
@@ -21,11 +66,11 @@ ConvexFaces convex_faces(const std::string& name, const geometry::TriangleMesh& 
                                 .cross(hull.vertices[static_cast<std::size_t>(t.z())] - a);
     if (!(normal.norm() > 1e-14)) continue;
     const Vector3d unit = normal.normalized();
-    result.faces.push_back({unit, unit.dot(a)});
-  }
-  if (result.faces.size() < 4) {
-    throw geometry::InputError("The convex piece '" + name + "' has no volume",
-                               "Leave it out, or give it a thickness");
+    // The hull's vertices are on a grid of a ten-thousandth of the extent, and a sliver's normal
+    // can be far off: each plane is moved to where nothing is cut away.
+    double offset = -std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : points) offset = std::max(offset, unit.dot(p));
+    result.faces.push_back({unit, offset});
   }
   return result;
 }

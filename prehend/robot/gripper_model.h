@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -64,5 +65,10 @@ void validate(const GripperModel& model);
 /// sections drive, tactile and wrench are for the simulation, see simulation/hardware_yaml.h.
 /// @throws geometry::InputError naming file, key and mend.
 GripperModel read_gripper_model(const std::filesystem::path& path);
+/// The same of a text; `path` says in errors where it is from.
+GripperModel parse_gripper_model(const std::string& yaml, const std::filesystem::path& path);
+
+/// In what two grippers differ, with both values: "max_opening: 0.069 and 0.12"; empty: in nothing.
+std::vector<std::string> differences(const GripperModel& a, const GripperModel& b);
 
 }  // namespace prehend::robot

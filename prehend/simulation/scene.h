@@ -98,6 +98,7 @@ struct Scene {
   TableModel table;
   PhysicsOptions physics;
   robot::GripperModel gripper;  // YAML: path of config/robots/*.yaml, relative to the scene file
+  std::filesystem::path gripper_file;  // where it was read; empty: the default one
   /// YAML: path of a platform of config/robots, relative to the scene file: an arm and a hand in
   /// place of gripper and carrier, for RobotWorld. Empty: none.
   std::filesystem::path robot;

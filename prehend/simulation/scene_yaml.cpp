@@ -85,6 +85,7 @@ void read_light(const YAML::Node& node, const Path& file, Light& light) {
 
 void read_gripper(const Path& file, Scene& scene) {
   scene.gripper = robot::read_gripper_model(file);
+  scene.gripper_file = file;
   const YAML::Node node = text::load_yaml_map(file);
   if (const YAML::Node drive = node["drive"]) read_drive(drive, file, scene);
   if (const YAML::Node tactile = node["tactile"]) read_tactile(tactile, file, scene);

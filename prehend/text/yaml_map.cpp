@@ -23,23 +23,33 @@ bool to_vector(const YAML::Node& node, Vector& value) {
   return true;
 }
 
+YAML::Node as_map(YAML::Node node, const std::filesystem::path& path) {
+  if (!node.IsMap()) {
+    throw InputError(path.string() + ":1: expected a map of keys at the top",
+                     "Write `key: value` lines");
+  }
+  return node;
+}
+
 }  // namespace
 
 YAML::Node load_yaml_map(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) {
     throw InputError(path.string() + " does not exist or is no file", "Check the path");
   }
-  YAML::Node node;
   try {
-    node = load_strict_yaml(path.string());
+    return as_map(load_strict_yaml(path.string()), path);
   } catch (const YamlError& error) {
     throw InputError(error.what(), "Correct the YAML at that line");
   }
-  if (!node.IsMap()) {
-    throw InputError(path.string() + ":1: expected a map of keys at the top",
-                     "Write `key: value` lines");
+}
+
+YAML::Node parse_yaml_map(const std::string& text, const std::filesystem::path& path) {
+  try {
+    return as_map(parse_strict_yaml(text, path.string()), path);
+  } catch (const YamlError& error) {
+    throw InputError(error.what(), "Correct the YAML at that line");
   }
-  return node;
 }
 
 YamlMap::YamlMap(const YAML::Node& node, std::filesystem::path file, std::string place)

@@ -15,6 +15,8 @@ namespace prehend::text {
 /// Loads a YAML file whose top is a map. @throws InputError "file:line: ..." when it is
 /// missing, a folder, empty, no strict YAML (strict_yaml.h), or no map.
 YAML::Node load_yaml_map(const std::filesystem::path& path);
+/// The same of a text; `path` says in errors where it is from.
+YAML::Node parse_yaml_map(const std::string& text, const std::filesystem::path& path);
 
 /// Reads a YAML map of which every key must be known: ask for each key with read(), then call
 /// finish(). Keys that are absent leave the value as it was. All errors are InputError

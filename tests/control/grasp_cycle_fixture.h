@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -25,26 +27,36 @@ class FakeWorld {
   double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
   double finger_stop = 0;  // m, of the opening, where the fingers meet the object beside the pads
-  bool frozen_pads = false;
-  bool jammed = false;  // the jaws do not move
+  bool jammed = false;     // the jaws do not move
   bool carrier_stuck = false;
 
   Percepts percepts() {
     Percepts p;
     p.time = time_;
-    p.left = pad(left_gain);
-    p.right = pad(right_gain);
-    if (frozen_pads) p.left->time = p.right->time = frozen_time_;
-    p.opening = opening_;
+    p.left = is_silent("left") ? silent_.at("left").left : pad(left_gain);
+    p.right = is_silent("right") ? silent_.at("right").right : pad(right_gain);
+    p.opening = is_silent("gripper") ? silent_.at("gripper").opening : opening_;
     p.gripper_blocked = jammed;
     p.wrist_force = touching_obstacle_ ? 10.0 : 0.0;
-    p.X_WG = X_WG_;
+    p.X_WG = is_silent("carrier") ? silent_.at("carrier").X_WG : X_WG_;
+    if (p.left) p.left->age = age("left");
+    if (p.right) p.right->age = age("right");
+    p.gripper_age = age("gripper");
+    p.wrist_age = age("wrist");
+    p.carrier_age = age("carrier");
     return p;
+  }
+
+  /// From now on nothing comes from it: "left", "right" (pads), "gripper", "wrist", "carrier",
+  /// "gripper motion", "carrier motion" (their servers).
+  void silence(const std::string& input) { silent_.try_emplace(input, percepts()); }
+  bool is_silent(const std::string& input) const { return silent_.count(input) > 0; }
+  double age(const std::string& input) const {  // s
+    return is_silent(input) ? time_ - silent_.at(input).time : 0;
   }
 
   void advance() {
     time_ += kStep;
-    if (!frozen_pads) frozen_time_ = time_;
     move_jaws();
     move_hand();
   }
@@ -77,11 +89,14 @@ class FakeWorld {
     carrier_moving_ = true;
   }
   MotionStatus jaw_motion() const {
+    if (is_silent("gripper motion")) return MotionStatus::kMoving;
     if (std::abs(opening_ - opening_target_) < 1e-6) return MotionStatus::kReached;
     return jammed ? MotionStatus::kContact : MotionStatus::kMoving;
   }
   void stop_jaws() { stopped_ = true; }
+  bool carrier_moving() const { return carrier_moving_; }
   MotionStatus carrier_motion() const {
+    if (is_silent("carrier motion")) return MotionStatus::kMoving;
     if (contact_) return MotionStatus::kContact;
     if (carrier_moving_) return MotionStatus::kMoving;
     return MotionStatus::kReached;
@@ -100,7 +115,7 @@ class FakeWorld {
   }
   PadPercept pad(double gain) const {
     const double sum = gain * force();
-    return {time_, sum, sum > 0.3 ? 9e-4 : 0};
+    return {sum, sum > 0.3 ? 9e-4 : 0};
   }
   void move_jaws() {
     if (stopped_ || jammed) return;
@@ -141,7 +156,8 @@ class FakeWorld {
     highest_object_ = std::max(highest_object_, object_height_);
   }
 
-  double time_ = 100, frozen_time_ = 100;
+  double time_ = 100;
+  std::map<std::string, Percepts> silent_;  // input -> what was known when it fell silent
   double opening_ = 0.03, opening_target_ = 0.03, jaw_speed_ = 0, current_limit_ = 0;
   bool position_mode_ = true, stopped_ = false, held_possible_ = true;
   RigidTransform X_WG_ = geometry::make_transform(Eigen::Quaterniond(0, 1, 0, 0), {-0.3, 0, 0.4});
@@ -155,6 +171,7 @@ struct FakeGripper : GripperPort {
   explicit FakeGripper(FakeWorld& world) : world_(world) {}
   void move_to(double opening, double speed) override { world_.move_to(opening, speed); }
   MotionStatus motion() override { return world_.jaw_motion(); }
+  double answer_age() override { return world_.age("gripper motion"); }
   void command_velocity(double speed, double limit) override {
     world_.command_velocity(speed, limit);
   }
@@ -168,6 +185,7 @@ struct FakeCarrier : CarrierPort {
     world_.move_to(X_WG, speed, force);
   }
   MotionStatus motion() override { return world_.carrier_motion(); }
+  double answer_age() override { return world_.age("carrier motion"); }
   void stop() override { world_.stop_carrier(); }
   FakeWorld& world_;
 };

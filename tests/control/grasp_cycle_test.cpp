@@ -103,15 +103,6 @@ TEST_F(GraspCycleTest, OneNumbPad) {
       << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, StaleTactileDataStopTheGripper) {
-  run(3, [&] {
-    if (cycle.phase() == Phase::kLift) world.frozen_pads = true;
-  });
-  EXPECT_FALSE(cycle.result().success);
-  EXPECT_NE(cycle.result().reason.find("stale"), std::string::npos) << cycle.result().reason;
-  EXPECT_TRUE(world.stopped());
-}
-
 TEST_F(GraspCycleTest, JammedGripperGivesUp) {
   world.jammed = true;
   run(1);
@@ -142,7 +133,8 @@ TEST_F(GraspCycleTest, SilentDevicesTimeOut) {
     cycle.step(nothing);
   }
   EXPECT_TRUE(cycle.finished());
-  EXPECT_NE(cycle.result().reason.find("no state came"), std::string::npos);
+  EXPECT_NE(cycle.result().reason.find("the wrist's force (nothing has come)"), std::string::npos)
+      << cycle.result().reason;
 }
 
 TEST_F(GraspCycleTest, CanStartAgain) {

@@ -80,6 +80,37 @@ TEST_F(Callbacks, AnUncaughtRefusalIsLoggedAndTheNodeGoesOn) {
       eventually([&] { return ticks > 2 && log.has("refused inside a callback (timer)"); }));
 }
 
+// Once one object that could not be planned lost all others of its view.
+TEST_F(Callbacks, AShieldedItemDoesNotLoseTheOthers) {
+  LogReader log(options("reader"));
+  Node node(options("node"));
+  std::atomic<int> done = 0, views = 0;
+  std::mutex mutex;
+  std::vector<std::string> problems;
+  auto timer = node.create_timer(0.005, [&] {
+    for (int item = 0; item < 4; ++item) {
+      const std::string problem = node.shield("object " + std::to_string(item), [&] {
+        if (item == 1) throw std::invalid_argument("no volume");
+        if (item == 2) throw 7;
+        ++done;
+      });
+      const std::lock_guard lock(mutex);
+      if (views == 0) problems.push_back(problem);
+    }
+    ++views;
+  });
+  node.spin_in_background();
+  EXPECT_TRUE(eventually([&] { return views > 2; }));
+  EXPECT_GE(done, 2 * views - 2);
+  EXPECT_TRUE(eventually([&] {
+    return log.has("object 1: no volume") &&
+           log.has("object 2: an exception that is no std::exception");
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(problems, (std::vector<std::string>{"", "no volume",
+                                                "an exception that is no std::exception", ""}));
+}
+
 TEST_F(Callbacks, OtherThreadsAndOtherNodesMayBlockMeanwhile) {
   Node server(options("server")), node(options("node"));
   auto service = server.serve<Clock_, Clock_>(

@@ -99,10 +99,11 @@ TEST_F(KnownObjects, TakeTheirPlaceAndTheirGraspsAreRemembered) {
   const std::string file = scratch_.path("angle_iron.ply"), database = scratch_.path("grasps.db");
   geometry::write_mesh_file(file, mesh);
   const std::string hash = grasp::content_hash(geometry::read_mesh_file(file));
-  ChildProgram program("container",
-                       {"--", "known_objects", "--param", "models:=" + scratch_.path(), "--",
-                        "grasp_planning", "--param", "database:=" + database},
-                       scratch_.path("output.txt"), registry_.endpoint());
+  ChildProgram program(
+      "container",
+      {"--", "known_objects", "--param", "models:=" + scratch_.path(), "--", "grasp_planning",
+       "--param", "database:=" + database, "--param", "gripper:=config/robots/pg70_dsa.yaml"},
+      scratch_.path("output.txt"), registry_.endpoint());
   publish(1, mesh, 0.4);
   ASSERT_TRUE(have(1)) << program.output();
   {

@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -76,6 +78,40 @@ TEST_F(GripperFile, ForeignFilesAreRefused) {
   EXPECT_NE(error_of("").find("map"), std::string::npos);
   EXPECT_NE(error_of("a: [1, 2\nb: 3").find("YAML"), std::string::npos);
   EXPECT_FALSE(error_of(std::string("\x00\xff\xfe PK\x03\x04", 8)).empty());
+}
+
+TEST_F(GripperFile, DifferencesNameEveryFieldWithBothValues) {
+  const GripperModel shipped = read_gripper_model("config/robots/pg70_dsa.yaml");
+  EXPECT_TRUE(differences(shipped, shipped).empty());
+  GripperModel other = shipped;
+  other.max_opening = 0.12;
+  EXPECT_EQ(differences(shipped, other), std::vector<std::string>{"max_opening: 0.069 and 0.12"});
+  other = shipped;
+  other.name = "wide";
+  other.finger_size.z() = 0.2;
+  other.pad.rows = 10;
+  other.pad.law.bristle_law = contact::BristleLaw::kLuGre;
+  const auto all = differences(shipped, other);
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[0], "name: pg70_dsa and wide");
+  EXPECT_NE(all[1].find("finger_size"), std::string::npos) << all[1];
+  EXPECT_EQ(all[2], "pad.rows: 14 and 10");
+  EXPECT_NE(all[3].find("pad.law.bristle_law"), std::string::npos) << all[3];
+}
+
+TEST_F(GripperFile, TextIsReadAsItsFile) {
+  std::ifstream file("config/robots/pg70_dsa.yaml");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_TRUE(differences(parse_gripper_model(text, "a robot's word"),
+                          read_gripper_model("config/robots/pg70_dsa.yaml"))
+                  .empty());
+  try {
+    parse_gripper_model("name: x\nmax_opning: 0.07\n", "a robot's word");
+    ADD_FAILURE() << "taken";
+  } catch (const geometry::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("a robot's word:2:"), std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "drivers/pg70/node/gripper_offers.h"
 #include "drivers/pg70/node/guardian.h"
 #include "drivers/wire/node/device_report.h"
+#include "msgs/convert/gripper.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
@@ -17,6 +18,7 @@ using namespace prehend::drivers::pg70;
 struct Settings {
   LinkAddress address;
   DriverOptions driver;
+  std::string gripper;  // its file
   bool guardian = true;
 };
 
@@ -43,11 +45,12 @@ Settings declare_settings(graph::Node& node) {
        .maximum = 255,
        .description = "of the gripper; its factory setting is not published",
        .read_only = true}));
-  const robot::GripperModel model = robot::read_gripper_model(node.declare_parameter<std::string>(
+  s.gripper = node.declare_parameter<std::string>(
       {.name = "gripper",
        .default_value = "config/robots/pg70_dsa.yaml",
        .description = "gripper model: limits of opening, speed, acceleration, current",
-       .read_only = true}));
+       .read_only = true});
+  const robot::GripperModel model = robot::read_gripper_model(s.gripper);
   s.driver.limits = {model.max_opening, model.max_speed, model.max_acceleration,
                      model.nominal_current, model.max_current};
   const auto seconds = [&](const char* name, double value, double least, const char* words) {
@@ -114,6 +117,9 @@ void check_line_rate(const Settings& s) {
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
   check_line_rate(settings);
+  const auto description =
+      node.advertise<msgs::GripperDescription>("/gripper/model", graph::QoS::latched(1));
+  description.publish(convert::describe_gripper(settings.gripper));
   DeviceReport report(node);
   const auto publisher =
       node.advertise<msgs::GripperState>("/gripper/state", graph::QoS::queue(100));
@@ -155,7 +161,8 @@ void run(graph::Node& node) {
 const graph::RegisteredNodeProgram registered(
     {"pg70",
      "Drives a Schunk PG70 gripper over CAN, a serial CAN adapter or RS-232 (Schunk Motion "
-     "Protocol). Offers what the simulated gripper offers: publishes /gripper/state; takes "
+     "Protocol). Offers what the simulated gripper offers: publishes /gripper/model and "
+     "/gripper/state; takes "
      "/gripper/command (stopped 0.2 s after the last one while moving), the action /gripper/move, "
      "the services /gripper/stop, /gripper/acknowledge and /gripper/reference. Never resumes a "
      "motion after a restart of either side."},

@@ -1,0 +1,48 @@
+// What the grasp cycle relies on: it begins when all of it is there, and ends when some is lost.
+
+#include "prehend/control/grasp_cycle.h"
+
+namespace prehend::control {
+
+std::vector<InputAge> GraspCycle::inputs(const Percepts& percepts) {
+  const auto age = [](bool has_come, double seconds) {
+    return has_come ? std::optional(seconds) : std::nullopt;
+  };
+  const auto pad_age = [](const std::optional<PadPercept>& pad) {
+    return pad ? std::optional(pad->age) : std::nullopt;
+  };
+  const double stale = options_.stale_time;
+  return {{"the gripper's state", age(percepts.opening.has_value(), percepts.gripper_age), stale},
+          {"the left pad's frames", pad_age(percepts.left), stale},
+          {"the right pad's frames", pad_age(percepts.right), stale},
+          {"the wrist's force", age(percepts.wrist_force.has_value(), percepts.wrist_age), stale},
+          {"the carrier's state", age(percepts.X_WG.has_value(), percepts.carrier_age), stale},
+          {"the server of the gripper's motion", gripper_port_.answer_age(), options_.answer_time},
+          {"the server of the carrier's motion", carrier_port_.answer_age(), options_.answer_time}};
+}
+
+void GraspCycle::step_waiting(const Percepts& percepts) {
+  if (phase_times_.empty()) {
+    phase_times_.emplace_back(to_string(Phase::kWaiting), 0.0);
+    step_start_ = now_;
+  }
+  const std::vector<InputAge> missing = stale_inputs(inputs(percepts));
+  if (missing.empty()) {
+    X_WG_start_ = *percepts.X_WG;
+    return begin_attempt();
+  }
+  detail_ = "waiting for " + names_of(missing);
+  if (timed_out(options_.motion_timeout)) {
+    finish(false, "nothing was moved, for want of " + describe(missing));
+  }
+}
+
+bool GraspCycle::stop_when_lost(const Percepts& percepts) {
+  if (step_ == Step::kWaiting || step_ == Step::kLook) return false;
+  const std::vector<InputAge> lost = watch_.lost(now_, inputs(percepts));
+  if (lost.empty()) return false;
+  abort("lost " + describe(lost) + " while " + detail_ + "; gripper and carrier were stopped");
+  return true;
+}
+
+}  // namespace prehend::control

@@ -1,0 +1,169 @@
+// The node grasp_planning as a process: whatever is wrong with one object of a view is its own
+// problem. Once one exception lost all other objects of the view.
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/objects.h"
+#include "msgs/graph.pb.h"
+#include "msgs/grasp.pb.h"
+#include "prehend/graph/node.h"
+#include "prehend/graph/registry.h"
+#include "prehend/surface/model.h"
+#include "tests/system/launched.h"
+
+namespace prehend::testing {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class GraspPlanningNode : public ::testing::Test {
+ protected:
+  GraspPlanningNode() : node_(options()) {
+    models_ = node_.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(32));
+    plans_ = node_.subscribe<msgs::GraspPlan>("/plans", graph::QoS::latched(32),
+                                              [this](const graph::Received<msgs::GraspPlan>& p) {
+                                                const std::lock_guard lock(mutex_);
+                                                received_[p->header().stamp()][p->id()] = *p;
+                                              });
+    diagnostics_ = node_.subscribe<msgs::graph::Diagnostic>(
+        "/diagnostics", graph::QoS::latched(64),
+        [this](const graph::Received<msgs::graph::Diagnostic>& diagnostic) {
+          const std::lock_guard lock(mutex_);
+          if (diagnostic->node() == "grasp_planning") told_ += diagnostic->text() + "\n";
+        });
+    node_.spin_in_background();
+  }
+
+  void start(const std::vector<std::string>& parameters) {
+    std::vector<std::string> arguments{"--registry", registry_.endpoint()};
+    for (const std::string& parameter : parameters) {
+      arguments.insert(arguments.end(), {"--param", parameter});
+    }
+    planning_.emplace("grasp_planning", arguments, scratch_.path() / "output.txt");
+  }
+
+  // A carton of a view at x [m].
+  static msgs::ObjectModel carton(std::int64_t stamp, std::uint32_t id, double x) {
+    auto model = convert::to_message(surface::model_of_mesh(geometry::transformed(
+        geometry::make_box({0.05, 0.05, 0.12}),
+        geometry::make_transform(Eigen::Quaterniond::Identity(), {x, 0, 0.06}))));
+    model.mutable_header()->set_stamp(stamp);
+    model.set_id(id);
+    model.set_object_count(3);
+    model.set_valid(true);
+    *model.mutable_table() = convert::to_message(geometry::Plane{});
+    return model;
+  }
+
+  // The plans of a view by object, when all three have come.
+  std::map<std::uint32_t, msgs::GraspPlan> plans(std::int64_t stamp) {
+    const auto end = std::chrono::steady_clock::now() + seconds(60);
+    while (std::chrono::steady_clock::now() < end) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (received_[stamp].size() == 3) return received_[stamp];
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    const std::lock_guard lock(mutex_);
+    return received_[stamp];
+  }
+  std::string told() {
+    const std::lock_guard lock(mutex_);
+    return told_;
+  }
+  void expect_others_planned(std::int64_t stamp, const std::string& problem_of_1) {
+    const auto all = plans(stamp);
+    ASSERT_EQ(all.size(), 3u) << planning_->output();
+    for (const std::uint32_t id : {0u, 2u}) {
+      EXPECT_THAT(all.at(id).problem(), IsEmpty()) << "object " << id;
+      EXPECT_GT(all.at(id).grasps_size(), 0) << "object " << id;
+    }
+    EXPECT_THAT(all.at(1).problem(), HasSubstr(problem_of_1));
+    EXPECT_EQ(all.at(1).grasps_size(), 0);
+    EXPECT_EQ(all.at(1).object_count(), 3u);
+  }
+
+ private:
+  graph::NodeOptions options() {
+    graph::NodeOptions options;
+    options.name = "test";
+    options.registry = registry_.endpoint();
+    return options;
+  }
+
+ protected:
+  ScratchFolder scratch_;
+  graph::Registry registry_{{.endpoint = "tcp://127.0.0.1:*"}};
+  std::optional<Launched> planning_;
+  std::mutex mutex_;
+  std::map<std::int64_t, std::map<std::uint32_t, msgs::GraspPlan>> received_;
+  std::string told_;
+  graph::Node node_;
+  graph::Publisher<msgs::ObjectModel> models_;
+  graph::Subscription plans_, diagnostics_;
+};
+
+// Planning the arm's motion threw something that the node did not expect.
+TEST_F(GraspPlanningNode, AnUnexpectedExceptionIsTheProblemOfItsObject) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1"});
+  for (const std::int64_t stamp : {1, 2}) {  // the node lives on
+    models_.publish(carton(stamp, 0, 0));
+    auto without_pieces = carton(stamp, 1, 0.15);
+    without_pieces.clear_convex_pieces();
+    models_.publish(without_pieces);
+    models_.publish(carton(stamp, 2, -0.15));
+    expect_others_planned(stamp, "planning failed: ");
+    EXPECT_THAT(plans(stamp)[1].problem(), Not(HasSubstr("cannot be grasped")))
+        << "a failure passes for the planner's answer";
+  }
+  EXPECT_THAT(told(), HasSubstr("object 1: "));
+}
+
+// A sliver among the pieces is one of them.
+TEST_F(GraspPlanningNode, FlatPiecesAreObstaclesAndCanBeHeld) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) {
+    auto model = carton(1, id, 0.15 * (id - 1.0));
+    const double x = 0.15 * (id - 1.0);
+    *model.add_convex_pieces() = convert::to_message(
+        geometry::TriangleMesh{{{x, 0, 0.05}, {x + 0.02, 0, 0.05}, {x, 0, 0.1}}, {{0, 1, 2}}});
+    models_.publish(model);
+  }
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  for (const auto& [id, plan] : all) {
+    EXPECT_THAT(plan.problem(), IsEmpty()) << "object " << id;
+    ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
+    EXPECT_GT(plan.grasps(0).arm_size(), 0) << "object " << id;
+  }
+}
+
+// Once the other objects could not be grasped, as their neighbour's mesh could not be read.
+TEST_F(GraspPlanningNode, AModelThatCannotBeReadIsItsOwnProblem) {
+  start({"gripper:=config/robots/pg70_dsa.yaml"});
+  models_.publish(carton(1, 0, 0));
+  auto damaged = carton(1, 1, 0.15);
+  damaged.mutable_mesh()->clear_data();
+  models_.publish(damaged);
+  models_.publish(carton(1, 2, -0.15));
+  expect_others_planned(1, "cannot be grasped: ");
+  EXPECT_THAT(told(), HasSubstr("object 1 is left out as an obstacle"));
+}
+
+}  // namespace
+}  // namespace prehend::testing
