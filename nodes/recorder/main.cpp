@@ -19,6 +19,9 @@ namespace {
 using prehend::graph::Node;
 using prehend::recording::split_words;
 
+// What is on its way may take 10 s to come (TopicRecorder::drain), and a full queue some to write.
+constexpr double kStopTime = 30;  // s
+
 struct Settings {
   std::string output;
   std::vector<std::string> topics, attachments;
@@ -109,7 +112,8 @@ const prehend::graph::RegisteredNodeProgram registered(
     {"recorder",
      "Records chosen or all topics of the graph to an MCAP file with protobuf schemas, until it is "
      "stopped, and says what it recorded and what it missed. A full disk ends it with an error; "
-     "what it wrote before can be read."},
+     "what it wrote before can be read.",
+     kStopTime},
     record, true);
 
 }  // namespace

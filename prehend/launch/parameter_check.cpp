@@ -173,6 +173,9 @@ class Check {
     }
     declared.emplace();
     declared->complete = description.failure().empty();
+    if (description.stop_time() > 0) {
+      findings_.stop_times[node.executable] = description.stop_time();
+    }
     for (const auto& record : description.parameters()) {
       declared->parameters[record.name()] = info_of(record);
     }
