@@ -111,10 +111,11 @@ std::map<std::string, std::string> arguments_for(const std::string& file, const 
   return arguments;
 }
 
-// Before anything is started: one line for each parameter that a node would refuse. Nodes without
+// Before anything is started: one line for each parameter that a node would refuse, and for each
+// file that is not there. Nodes without
 // a stop_time in the file get their programs'.
-void refuse_wrong_parameters(launch::LaunchGraph& graph) {
-  const launch::ParameterFindings findings = launch::check_parameters(graph);
+void refuse_wrong_parameters(launch::LaunchGraph& graph, const std::string& host) {
+  const launch::ParameterFindings findings = launch::check_parameters(graph, host);
   std::string text;
   for (const auto& error : findings.errors) text += (text.empty() ? "" : "\n") + error;
   if (!text.empty()) throw launch::LaunchError(text);
@@ -237,7 +238,7 @@ int run(const LaunchChoices& choices) {
   }
   check_keys(graph);
   const launch::SupervisorOptions options = supervisor_options(choices, graph);
-  refuse_wrong_parameters(graph);
+  refuse_wrong_parameters(graph, options.host);
   return launch::run_launch(graph, options);
 }
 

@@ -67,7 +67,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
       {.name = "front",
        .description = "measured front (config/fidelity/plan.yaml) from which the budget chooses "
                       "generators, rolls, standoffs and robustness samples, in place of those "
-                      "that are given; empty: these"});
+                      "that are given; empty: these",
+       .reads_file = true});
   options.uncertainty.samples = node.declare_parameter<int>(
       {.name = "robustness_samples",
        .default_value = options.uncertainty.samples,

@@ -46,7 +46,8 @@ void run(graph::Node& node) {
   const auto gripper_file =
       node.declare_parameter<std::string>({.name = "gripper",
                                            .default_value = "config/robots/pg70_dsa.yaml",
-                                           .description = "gripper model to draw"});
+                                           .description = "gripper model to draw",
+                                           .reads_file = true});
   const bool require_lift =
       node.declare_parameter<bool>({.name = "require_lift",
                                     .default_value = false,

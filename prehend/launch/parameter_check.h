@@ -18,8 +18,9 @@ struct ParameterFindings {
 };
 
 /// Checks every parameter, in launch and parameter files, by name, type, range and choices against
-/// what the programs declare, and that composed programs can be composed. Runs `PROGRAM --describe`
+/// what the programs declare, that files which nodes of `host` ("": a graph without hosts) are to
+/// read are there, and that composed programs can be composed. Runs `PROGRAM --describe`
 /// of each program once, all at the same time, for 10 s at most.
-ParameterFindings check_parameters(const LaunchGraph& graph);
+ParameterFindings check_parameters(const LaunchGraph& graph, const std::string& host = "");
 
 }  // namespace prehend::launch

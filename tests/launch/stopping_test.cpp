@@ -96,6 +96,63 @@ TEST_F(StoppingTest, ASecondInterruptLosesNoRecording) {
   EXPECT_THAT(recording::check_recording(scratch_.path("a.mcap")).problems, IsEmpty());
 }
 
+// The launch can clean up nothing then; what its recorder had written is not lost.
+TEST_F(StoppingTest, AKilledLaunchLeavesARecordingThatRecoverMends) {
+  const auto program =
+      launch(recorder("a.mcap") + "  - {node: recorder, name: other, parameters: {output: " +
+             scratch_.path("b.mcap") + "}}\n");
+  const std::string partial = scratch_.path("a.mcap.partial");
+  ASSERT_TRUE(eventually(
+      [&] {  // it has written what the nodes say on /log and /statistics
+        std::error_code error;
+        const auto size = std::filesystem::file_size(partial, error);
+        return !error && size > 4000;
+      },
+      seconds(60)))
+      << program->output();
+  ::kill(program->pid(), SIGKILL);
+  EXPECT_EQ(program->wait(seconds(10)), 128 + SIGKILL);
+  ASSERT_TRUE(eventually([&] { return descendants(program->pid(), "recorder").empty(); }));
+  EXPECT_FALSE(std::filesystem::exists(scratch_.path("a.mcap")));
+  ChildProgram recover("prehend",
+                       {"bag", "recover", scratch_.path("a.mcap"), scratch_.path("mended.mcap")},
+                       scratch_.path("recover.txt"));
+  EXPECT_EQ(recover.wait(seconds(30)), 0) << recover.output();
+  EXPECT_THAT(recover.output(), HasSubstr("a.mcap.partial, which its recorder left"));
+  const auto check = recording::check_recording(scratch_.path("mended.mcap"));
+  EXPECT_THAT(check.problems, IsEmpty());
+  EXPECT_GT(check.messages, 0u);
+}
+
+// A typing error cost the recording before: the recorder began anew, then the file was missed.
+TEST_F(StoppingTest, AMissingFileIsNamedBeforeAnythingIsOverwritten) {
+  const std::string before = scratch_.write("a.mcap", "the recording before");
+  scratch_.write("scene.mcap", "");
+  const auto program = launch(
+      recorder("a.mcap") + "  - node: replay\n    required: true\n    parameters:\n      file: " +
+      scratch_.path("scnee.mcap") + "\n");
+  EXPECT_EQ(program->wait(seconds(30)), 1);
+  EXPECT_THAT(program->output(), HasSubstr("a.yaml:6: file of replay: there is no "));
+  EXPECT_THAT(program->output(), HasSubstr("did you mean \"scene.mcap\"?"));
+  EXPECT_THAT(program->output(), Not(HasSubstr("recording to")));
+  EXPECT_EQ(text_of_file(before), "the recording before");
+  EXPECT_FALSE(std::filesystem::exists(before + ".partial"));
+  ChildProgram check("prehend", {"launch", "--check", scratch_.path("launch/a.yaml")},
+                     scratch_.path("check.txt"));
+  EXPECT_EQ(check.wait(seconds(30)), 1);
+  EXPECT_THAT(check.output(), HasSubstr("there is no "));
+}
+
+// What is only found out while the nodes run costs nothing either.
+TEST_F(StoppingTest, TheRecordingBeforeIsKept) {
+  scratch_.write("a.mcap", "the recording before");
+  const auto program = launch(recorder("a.mcap") + node("vital", "after: 0.2, exit: 3",
+                                                        "required: true, after: [recorder]"));
+  EXPECT_EQ(program->wait(seconds(60)), 1);
+  EXPECT_EQ(text_of_file(scratch_.path("a.mcap.1")), "the recording before");
+  EXPECT_THAT(recording::check_recording(scratch_.path("a.mcap")).problems, IsEmpty());
+}
+
 TEST_F(StoppingTest, AFailureWhileStoppingIsTheLaunchsExitCode) {
   const auto program = launch(node("a", "after: 50, linger: 0.1, exit: 3"));
   ASSERT_TRUE(wait_for_pids(1));

@@ -135,6 +135,7 @@ msgs::graph::ParameterRecord to_record(const ParameterInfo& parameter) {
   for (const ParameterValue& choice : parameter.choices) record.add_choices(to_text(choice));
   record.set_description(parameter.description);
   record.set_read_only(parameter.read_only);
+  record.set_reads_file(parameter.reads_file);
   return record;
 }
 
