@@ -109,7 +109,10 @@ void record(Node& node) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     writes = recorder.keep_up();
   }
-  if (writes) recorder.drain();
+  if (writes) {
+    node.log_info("stopping: writing what is on its way");
+    recorder.drain();
+  }
   recorder.finish();
   node.shutdown();
 }
