@@ -43,7 +43,9 @@ void add_recover(CLI::App& group, const std::shared_ptr<BagChoices>& choices, Ou
       "recover", "Copy what can be read of a damaged or unfinished recording to a new one");
   mend->add_option("file", choices->file, "The damaged recording")->required();
   mend->add_option("output", choices->output, "The new file")->required();
-  mend->footer("Example:\n  prehend bag recover killed.mcap mended.mcap");
+  mend->footer(
+      "A recorder that was killed leaves FILE.partial; FILE finds it, too.\n\n"
+      "Example:\n  prehend bag recover killed.mcap mended.mcap");
   mend->callback(
       [choices, &outcome] { outcome.exit_code = bag_recover(choices->file, choices->output); });
 }

@@ -9,6 +9,7 @@
 #include "prehend/recording/latched_messages.h"
 #include "prehend/recording/mcap_reader.h"
 #include "prehend/recording/mcap_writer.h"
+#include "prehend/recording/recording_file.h"
 #include "prehend/recording/topic_filter.h"
 #include "prehend/text/nearest_match.h"
 #include "tools/bag_tools.h"
@@ -25,7 +26,7 @@ class Copy {
  public:
   Copy(recording::McapReader& reader, const std::string& to,
        const recording::McapWriterOptions& options)
-      : reader_(reader), writer_(new_file(to), options) {}
+      : reader_(reader), path_(new_file(to)), writer_(recording::partial_path(path_), options) {}
 
   void declare(const recording::TopicFilter& filter) {
     for (const auto& [id, channel] : reader_.channels()) {
@@ -65,6 +66,7 @@ class Copy {
   // Prints what was skipped; returns the number of messages written.
   std::uint64_t finish() {
     writer_.close();
+    recording::give_name(path_);
     for (const auto& problem : reader_.problems()) std::printf("problem: %s\n", problem.c_str());
     return writer_.statistics().message_count;
   }
@@ -72,10 +74,12 @@ class Copy {
  private:
   static const std::string& new_file(const std::string& path) {
     if (fs::exists(path)) throw std::runtime_error(path + " exists; give a new file");
+    recording::make_way(path);
     return path;
   }
 
   recording::McapReader& reader_;
+  const std::string path_;
   recording::McapWriter writer_;
   std::map<std::uint16_t, std::uint16_t> channels_;
 };
@@ -104,7 +108,19 @@ recording::McapMessageFilter time_range(const BagFilter& filter,
 }  // namespace
 
 int bag_recover(const std::string& from, const std::string& to) {
-  recording::McapReader reader(from);
+  const std::string partial = recording::partial_path(from);
+  const bool is_left = fs::exists(partial);
+  const std::string file = is_left && !fs::exists(from) ? partial : from;
+  if (file == partial) {
+    std::printf("%s does not exist: recovering %s, which its recorder left\n", from.c_str(),
+                partial.c_str());
+  } else if (is_left) {
+    std::printf(
+        "there is %s, too, of a recorder that was killed or still runs; recover it by that "
+        "name\n",
+        partial.c_str());
+  }
+  recording::McapReader reader(file);
   Copy copy(reader, to, {});
   copy.declare({});
   copy.copy_attachments();

@@ -217,6 +217,7 @@ int bag_check(const std::string& path, bool json) {
     set(result, "attachments", static_cast<double>(check.attachments));
     set(result, "problems", check.problems);
     set(result, "further_problems", static_cast<double>(check.further_problems));
+    set(result, "notes", check.notes);
     print(result);
     return check.problems.empty() ? 0 : 1;
   }
@@ -224,9 +225,12 @@ int bag_check(const std::string& path, bool json) {
   if (check.further_problems > 0) {
     std::printf("and %" PRIu64 " more problems\n", check.further_problems);
   }
+  for (const std::string& note : check.notes) std::printf("note: %s\n", note.c_str());
+  const char* verdict = !check.problems.empty() ? "NOT SOUND"
+                        : check.notes.empty()   ? "all is well"
+                                                : "nothing wrong where there are checksums";
   std::printf("%s: %" PRIu64 " messages, %" PRIu64 " chunks, %" PRIu64 " attachments: %s\n",
-              path.c_str(), check.messages, check.chunks, check.attachments,
-              check.problems.empty() ? "all is well" : "NOT SOUND");
+              path.c_str(), check.messages, check.chunks, check.attachments, verdict);
   return check.problems.empty() ? 0 : 1;
 }
 

@@ -113,12 +113,18 @@ std::map<std::string, std::string> arguments_for(const std::string& file, const 
   return arguments;
 }
 
-// Before anything is started: one line for each parameter that a node would refuse.
-void refuse_wrong_parameters(const launch::LaunchGraph& graph) {
-  const launch::ParameterFindings findings = launch::check_parameters(graph);
+// Before anything is started: one line for each parameter that a node would refuse, and for each
+// file that is not there. Nodes without
+// a stop_time in the file get their programs'.
+void refuse_wrong_parameters(launch::LaunchGraph& graph, const std::string& host) {
+  const launch::ParameterFindings findings = launch::check_parameters(graph, host);
   std::string text;
   for (const auto& error : findings.errors) text += (text.empty() ? "" : "\n") + error;
   if (!text.empty()) throw launch::LaunchError(text);
+  for (launch::LaunchNode& node : graph.nodes) {
+    const auto own = findings.stop_times.find(node.executable);
+    if (!node.stop_time && own != findings.stop_times.end()) node.stop_time = own->second;
+  }
 }
 
 bool check_file(const std::string& file, const GivenWords& given, bool one_of_many) {
@@ -227,15 +233,14 @@ int run(const LaunchChoices& choices) {
     print_arguments(file);
     return 0;
   }
-  const launch::LaunchGraph graph =
-      launch::load_launch_file(file, given.arguments, program_folder());
+  launch::LaunchGraph graph = launch::load_launch_file(file, given.arguments, program_folder());
   if (choices.dry_run) {
     std::fputs(launch::describe(graph).c_str(), stdout);
     return 0;
   }
   check_keys(graph);
   const launch::SupervisorOptions options = supervisor_options(choices, graph);
-  refuse_wrong_parameters(graph);
+  refuse_wrong_parameters(graph, options.host);
   return launch::run_launch(graph, options);
 }
 
@@ -263,7 +268,9 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
                       "Folder for one log file per process; default: log_directory of the file, "
                       "else out/log/DATE-TIME");
   command->footer(
-      "Ends when a required node ends: with 0 if its exit code was 0, else with 1.\n\n"
+      "Ends when a required node ends, or at Ctrl-C. A second Ctrl-C kills what still runs 2 s "
+      "after the first; recorder and report have the time they need to write. Exit code 1 when "
+      "any node ended badly, which the last lines say of each, or had to be killed; else 0.\n\n"
       "Examples:\n"
       "  prehend launch launch/demo.yaml\n"
       "  prehend launch launch/replay.yaml bag:=run.mcap\n"

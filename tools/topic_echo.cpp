@@ -18,6 +18,10 @@ namespace {
 
 using recording::SchemaMessageFactory;
 
+// Of JSON, which is for programs: what is beyond is no message that one reads in this way.
+constexpr std::size_t kMostJsonElements = 1000;
+constexpr std::size_t kMostJsonBytes = 65536;
+
 // Prints messages of any type; makes one factory for each type it meets.
 class MessagePrinter {
  public:
@@ -29,7 +33,7 @@ class MessagePrinter {
       factory =
           std::make_unique<SchemaMessageFactory>(raw.schema->name, raw.schema->descriptor_set);
     }
-    const auto message = factory->make();
+    auto message = factory->make();
     if (!message->ParseFromString(raw.bytes)) throw std::runtime_error("a message is damaged");
     if (json_) return print_json(raw, *message);
     std::printf("# %s from %s, message %llu, stamp %.9f s\n%s---\n", raw.schema->name.c_str(),
@@ -39,7 +43,15 @@ class MessagePrinter {
   }
 
  private:
-  void print_json(const graph::RawMessage& raw, const google::protobuf::Message& message) {
+  void print_json(const graph::RawMessage& raw, google::protobuf::Message& message) {
+    Json shortened = Json::object();
+    bool is_shortened = false;
+    if (!full_) {
+      for (const Shortened& cut : shorten(message, kMostJsonElements, kMostJsonBytes)) {
+        shortened.set(cut.field, cut.size);
+        is_shortened = true;
+      }
+    }
     Json json = Json::object();
     json.set("topic", raw.info.topic.str())
         .set("type", raw.schema->name)
@@ -48,6 +60,7 @@ class MessagePrinter {
         .set("stamp", Json::stamp(raw.info.stamp))
         .set("publish_time", Json::stamp(raw.info.publish_time))
         .set("message", json_of(message));
+    if (is_shortened) json.set("shortened", shortened);
     tools::print(json);
   }
 

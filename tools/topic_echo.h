@@ -10,7 +10,8 @@ struct EchoOptions {
   std::uint64_t count = 0;  ///< 0: until interrupted
   bool full = false;        ///< long byte fields in full
   bool wait = false;        ///< for a topic nobody publishes yet
-  bool json = false;        ///< one object a line, always in full
+  bool json = false;  ///< one object a line; unless `full`, lists beyond 1000 elements and bytes
+                      ///< beyond 64 KiB are cut, and a member "shortened" has their sizes
 };
 
 /// Prints a topic's messages as a node of the graph. Returns an exit code. Throws

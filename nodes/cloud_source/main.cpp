@@ -88,8 +88,8 @@ msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedClou
 }
 
 void run(graph::Node& node) {
-  const auto file =
-      node.declare_parameter<std::string>({.name = "file", .description = "a .pcd or .ply cloud"});
+  const auto file = node.declare_parameter<std::string>(
+      {.name = "file", .description = "a .pcd or .ply cloud", .reads_file = true});
   const perception::RecordedCloudOptions options = read_options(node);
   const auto world = node.declare_parameter<std::string>(
       {.name = "world",

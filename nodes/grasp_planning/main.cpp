@@ -74,7 +74,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
        .description =
            "measured front (config/fidelity/plan.yaml) from which the budget chooses "
            "generators, rolls, standoffs and robustness samples, which must not be given "
-           "then; empty: these. Not with a platform"});
+           "then; empty: these. Not with a platform",
+       .reads_file = true});
   options.uncertainty.samples = node.declare_parameter<int>(
       {.name = "robustness_samples",
        .default_value = options.uncertainty.samples,

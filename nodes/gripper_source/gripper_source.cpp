@@ -23,7 +23,8 @@ GripperSource::GripperSource(graph::Node& node) : node_(node) {
       {.name = "gripper",
        .description = "gripper model (config/robots), for a graph without a robot; empty: the one "
                       "that the robot has (/gripper/model)",
-       .read_only = true});
+       .read_only = true,
+       .reads_file = true});
   if (file.empty()) return;
   said_[""] = {robot::read_gripper_model(file), file + " (parameter gripper)", ""};
   decide();

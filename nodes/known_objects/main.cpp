@@ -26,7 +26,9 @@ constexpr std::size_t kMostViews = 4;     // of which the answers are kept
 planning::KnownModels declare_models(graph::Node& node) {
   grasp::RecognitionOptions options;
   const auto folder = node.declare_parameter<std::string>(
-      {.name = "models", .description = "folder of the known objects' meshes (.ply, .obj, .stl)"});
+      {.name = "models",
+       .description = "folder of the known objects' meshes (.ply, .obj, .stl)",
+       .reads_file = true});
   const auto scale =
       node.declare_parameter<double>({.name = "scale",
                                       .default_value = 1.0,

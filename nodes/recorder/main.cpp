@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "nodes/recorder/run_facts.h"
 #include "nodes/recorder/topic_recorder.h"
@@ -19,6 +20,9 @@ namespace {
 using prehend::graph::Node;
 using prehend::recording::split_words;
 
+// What is on its way may take 10 s to come (TopicRecorder::drain), and a full queue some to write.
+constexpr double kStopTime = 30;  // s
+
 struct Settings {
   std::string output;
   std::vector<std::string> topics, attachments;
@@ -30,7 +34,10 @@ struct Settings {
 Settings declare_settings(Node& node) {
   Settings s;
   s.output = node.declare_parameter<std::string>(
-      {.name = "output", .default_value = "recording.mcap", .description = "file to write"});
+      {.name = "output",
+       .default_value = "recording.mcap",
+       .description = "file to write: FILE.partial until it is whole; the one before is kept as "
+                      "FILE.1"});
   s.topics = split_words(node.declare_parameter<std::string>(
       {.name = "topics",
        .description = "topics to record, separated by spaces, * for any text; empty: all"}));
@@ -66,25 +73,28 @@ Settings declare_settings(Node& node) {
   return s;
 }
 
-void attach_files(prehend::TopicRecorder& recorder, std::vector<std::string> paths) {
+std::vector<prehend::recording::McapAttachment> read_attachments(std::vector<std::string> paths) {
   const char* launch_file = std::getenv("PREHEND_LAUNCH_FILE");
   if (launch_file != nullptr && *launch_file != '\0') paths.emplace_back(launch_file);
+  std::vector<prehend::recording::McapAttachment> attachments;
   std::set<std::filesystem::path> attached;
   for (const std::string& path : paths) {
     if (!attached.insert(std::filesystem::weakly_canonical(path)).second) continue;
-    recorder.add(prehend::attachment_of(path));
+    attachments.push_back(prehend::attachment_of(path));
   }
+  return attachments;
 }
 
 void record(Node& node) {
   const Settings settings = declare_settings(node);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at the process' size limit is an error to be told, no death
   prehend::TopicRecorder recorder(node, settings.topics);
+  auto attachments = read_attachments(settings.attachments);  // all that can fail, before the file
   const auto folder = std::filesystem::path(settings.output).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
   recorder.open(settings.output, settings.writer, settings.split);
   recorder.add(prehend::run_facts());
-  attach_files(recorder, settings.attachments);
+  for (auto& attachment : attachments) recorder.add(std::move(attachment));
 
   node.spin_in_background();
   node.log_info("recording to {}", settings.output);
@@ -99,7 +109,10 @@ void record(Node& node) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     writes = recorder.keep_up();
   }
-  if (writes) recorder.drain();
+  if (writes) {
+    node.log_info("stopping: writing what is on its way");
+    recorder.drain();
+  }
   recorder.finish();
   node.shutdown();
 }
@@ -109,7 +122,8 @@ const prehend::graph::RegisteredNodeProgram registered(
     {"recorder",
      "Records chosen or all topics of the graph to an MCAP file with protobuf schemas, until it is "
      "stopped, and says what it recorded and what it missed. A full disk ends it with an error; "
-     "what it wrote before can be read."},
+     "what it wrote before can be read.",
+     kStopTime},
     record, true);
 
 }  // namespace

@@ -73,6 +73,12 @@ void TopicRecorder::open(const std::string& path, const recording::McapWriterOpt
   const std::lock_guard lock(mutex_);
   path_ = path;
   writer_.emplace(path, options, split, [this] { return losses(); });
+  for (const std::string& left : writer_->left_over()) {
+    node_.log_warning(
+        "a recorder that was killed left an unfinished recording, which is {} now; prehend bag "
+        "recover mends it",
+        left);
+  }
 }
 
 void TopicRecorder::add(recording::McapAttachment attachment) {

@@ -28,8 +28,9 @@ class TopicRecorder {
   /// them, now and later; without any to all topics. Call open() before the node spins.
   TopicRecorder(graph::Node& node, const std::vector<std::string>& topics);
 
-  /// Creates the file; throws recording::McapError when it cannot be written,
-  /// std::invalid_argument when the options make no sense.
+  /// Creates the file, by another name until finish() (see recording_file.h); throws
+  /// recording::McapError when it cannot be written, std::invalid_argument when the options make no
+  /// sense.
   void open(const std::string& path, const recording::McapWriterOptions& options,
             const recording::SplitOptions& split);
 

@@ -1,5 +1,7 @@
 // Publishes a recording again. See recording_player.h.
 
+#include <malloc.h>
+
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -54,13 +56,19 @@ prehend::RecordingPlayerOptions declare_options(Node& node,
   return options;
 }
 
+// What waited for a slow reader is free by now, but the warm heap (graph/warm_heap.h) keeps it.
+void give_memory_back() {
+  constexpr std::size_t kWorthIt = std::size_t{64} << 20;
+  if (::mallinfo2().fordblks > kWorthIt) ::malloc_trim(kWorthIt / 2);
+}
+
 void sleep_while(Node& node, bool condition) {
   while (condition && node.ok()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 void replay(Node& node) {
-  const auto file =
-      node.declare_parameter<std::string>({.name = "file", .description = "the recording (MCAP)"});
+  const auto file = node.declare_parameter<std::string>(
+      {.name = "file", .description = "the recording (MCAP)", .reads_file = true});
   const auto pacer = std::make_shared<prehend::graph::ClockPacer>();
   prehend::RecordingPlayerOptions options =
       declare_options(node, [pacer](const double& rate) { pacer->set_speed(rate); });
@@ -86,7 +94,10 @@ void replay(Node& node) {
   const auto lonely =
       player.wait_for_subscribers(std::chrono::nanoseconds(static_cast<std::int64_t>(wait * 1e9)));
   if (!lonely.empty() && node.ok()) node.log_info("nobody listens to {}", joined_words(lonely));
-  while (player.play() && loop && player.published() > 0) node.log_info("beginning again");
+  while (player.play() && loop && player.published() > 0) {
+    node.log_info("beginning again");
+    give_memory_back();
+  }
   // Messages on their way get to their readers only while this node lives.
   if (node.ok() && !node.wait_until_delivered(kLastMessages) && node.ok()) {
     node.log_warning("subscribers have not taken the last messages within 2 s");

@@ -21,6 +21,9 @@ constexpr auto kLeastClockPeriod = std::chrono::milliseconds(1);
 constexpr std::uint64_t kLeastClockStep = 1'000'000;  // ns, between /clock messages at rate 0
 constexpr auto kPausedWait = std::chrono::milliseconds(50);
 constexpr std::size_t kQueueDepth = 100000;  // the bound in bytes rules
+// That may wait for a reader who is slower than the recording, of each topic. No less than what
+// DeliveryWindow lets out at once.
+constexpr std::size_t kQueueBytes = std::size_t{64} << 20;
 
 bool is_of_each_node(const std::string& topic) {
   return topic == "/log" || topic == "/diagnostics" || topic == "/statistics" ||
@@ -102,11 +105,11 @@ void RecordingPlayer::advertise(const McapChannel& channel) {
                       channel.topic, known->second.schema_name, schema->name);
     return;
   }
-  graph::QoS qos = graph::QoS::queue(kQueueDepth);
+  graph::QoS qos = graph::QoS::queue(kQueueDepth, kQueueBytes);
   if (const std::size_t depth = recording::latched_depth(channel); depth > 0) {
-    qos = graph::QoS::latched(depth);
+    qos = graph::QoS::latched(depth, kQueueBytes);
   } else if (options_.latch_all) {
-    qos = graph::QoS::latched(1);
+    qos = graph::QoS::latched(1, kQueueBytes);
   }
   Topic topic;
   topic.schema_name = schema->name;

@@ -19,6 +19,7 @@ using namespace prehend;
 
 // Messages that were sent just before the result may still be under way.
 constexpr auto kGrace = std::chrono::milliseconds(500);
+constexpr double kStopTime = 15;  // s, for the page to be drawn and written
 
 std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   std::size_t widest = 0;
@@ -94,7 +95,8 @@ void run(graph::Node& node) {
 const prehend::graph::RegisteredNodeProgram registered(
     {"report",
      "Listens to a whole run and writes a page with pictures, charts and times when the grasp "
-     "cycle has ended. Exits 0 on success, 1 with the reason otherwise."},
+     "cycle has ended. Exits 0 on success, 1 with the reason otherwise.",
+     kStopTime},
     run);
 
 }  // namespace

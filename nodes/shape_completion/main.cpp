@@ -58,7 +58,8 @@ void declare_parameters(graph::Node& node) {
       {.name = "confidence_model",
        .default_value = "",
        .description = "YAML file of coefficients (config/fidelity/shape_confidence.yaml); empty: "
-                      "the built-in ones"});
+                      "the built-in ones",
+       .reads_file = true});
   node.declare_parameter<std::string>(
       {.name = "vote",
        .default_value = "supported",

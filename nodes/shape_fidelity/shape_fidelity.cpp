@@ -35,7 +35,8 @@ ShapeFidelity::ShapeFidelity(graph::Node& node) {
       {.name = "front",
        .default_value = "",
        .description = "measured speed-accuracy front (config/fidelity/shape.yaml) to choose the "
-                      "knobs from by budget or tolerance"});
+                      "knobs from by budget or tolerance",
+       .reads_file = true});
   const auto budget = node.declare_parameter<double>(
       {.name = "budget",
        .default_value = 0.0,

@@ -33,12 +33,15 @@ struct Settings {
 
 Settings declare_settings(graph::Node& node) {
   Settings s;
-  s.scene = node.declare_parameter<std::string>(
-      {.name = "scene", .default_value = "config/scenes/demo.yaml", .description = "scene file"});
+  s.scene = node.declare_parameter<std::string>({.name = "scene",
+                                                 .default_value = "config/scenes/demo.yaml",
+                                                 .description = "scene file",
+                                                 .reads_file = true});
   s.robot = node.declare_parameter<std::string>(
       {.name = "robot",
        .default_value = "",
-       .description = "platform (config/robots) that stands in the scene in place of its gripper"});
+       .description = "platform (config/robots) that stands in the scene in place of its gripper",
+       .reads_file = true});
   s.robot_home = node.declare_parameter<std::string>(
       {.name = "robot_home",
        .default_value = "",

@@ -15,7 +15,8 @@ namespace {
 using namespace prehend;
 
 std::string declare_file(graph::Node& node, const char* name, const char* description) {
-  return node.declare_parameter<std::string>({.name = name, .description = description});
+  return node.declare_parameter<std::string>(
+      {.name = name, .description = description, .reads_file = true});
 }
 
 void run(graph::Node& node) {

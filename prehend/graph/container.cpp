@@ -37,7 +37,7 @@ class Container {
     for (Inhabitant& inhabitant : inhabitants_) {
       if (!join(inhabitant)) return 1;
     }
-    const StopSignals signals([this] { shut_down(); });
+    const StopSignals signals([this] { shut_down(); }, longest_stop_time());
     std::vector<std::thread> threads;
     for (Inhabitant& inhabitant : inhabitants_) {
       threads.emplace_back([this, &inhabitant] { live(inhabitant); });
@@ -47,6 +47,14 @@ class Container {
   }
 
  private:
+  std::chrono::milliseconds longest_stop_time() const {
+    std::chrono::milliseconds longest{0};
+    for (const Inhabitant& inhabitant : inhabitants_) {
+      longest = std::max(longest, stop_time_of(inhabitant.program->description));
+    }
+    return longest;
+  }
+
   static bool join(Inhabitant& inhabitant) {
     try {
       inhabitant.node = std::make_unique<Node>(inhabitant.command.options);

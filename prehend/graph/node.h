@@ -335,6 +335,9 @@ class Node {
 struct NodeDescription {
   std::string name;     ///< default node name, as the program's
   std::string summary;  ///< one paragraph for --help
+  /// [s] it may take to end after SIGINT, because it has something to write then. A launch gives it
+  /// that time even when somebody is in a hurry. 0: the launch's usual 3 s, or 2 s.
+  double stop_time = 0;
 };
 
 /// The main function of a program that is one node. Reads the command line
@@ -344,9 +347,10 @@ struct NodeDescription {
 ///   --help (lists the parameters that `set_up` declares before anything else it does on the node)
 ///   --describe (the same for programs: a NodeProgramDescription as JSON)
 /// joins the graph, calls `set_up`, which as a rule ends in node.spin(), and leaves the graph when
-/// it returns. SIGINT and SIGTERM shut the node down; a second one kills. Returns the exit code: 0,
-/// or 1 after printing what an exception that left `set_up` says. A parameter file is a mapping of
-/// names to values; nested mappings join names with '.'. Programs of nodes/ use node_program.h.
+/// it returns. SIGINT and SIGTERM shut the node down; a second one kills, unless it comes within
+/// the description's stop_time. Returns the exit code: 0, or 1 after printing what an exception
+/// that left `set_up` says. A parameter file is a mapping of names to values; nested mappings join
+/// names with '.'. Programs of nodes/ use node_program.h.
 int run_node(int argc, char** argv, const NodeDescription& description,
              const std::function<void(Node&)>& set_up);
 

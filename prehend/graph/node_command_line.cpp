@@ -99,6 +99,7 @@ void print_json(const NodeDescription& description, const DescribedNode& node) {
     *message.add_parameters() = to_record(parameter);
   }
   message.set_failure(node.failure);
+  message.set_stop_time(description.stop_time);
   std::string json;
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;

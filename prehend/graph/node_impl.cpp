@@ -77,7 +77,12 @@ Node::Impl::Impl(NodeOptions node_options, bool is_describing)
   link->report = [this](Health level, const std::string& text) { report(level, text); };
   link->send_to_client = [this, loop = link->loop](const std::string& client,
                                                    const msgs::graph::PeerMessage& message) {
-    loop->post([this, client, message] { channels->send_to_client(client, message); });
+    ++link->waiting_to_send;
+    const bool posted = loop->post([this, client, message] {
+      --link->waiting_to_send;
+      channels->send_to_client(client, message);
+    });
+    if (!posted) --link->waiting_to_send;
   };
   link->record_changed = [this] { record_changed(); };
   link->executor = std::make_shared<Executor>(
@@ -153,6 +158,12 @@ void Node::Impl::start_link() {
     publishers->lose_client(client);
     deliveries->lose_client(client);
     for (auto& [name, server] : action_servers) server->lose_client(client);
+  };
+  peer.client_dropped = [this](auto& client, std::uint64_t messages) {
+    log(LogLevel::kWarning,
+        fmt::format("{} does not read what it asked for: {} answers and other messages thrown "
+                    "away, its goals cancelled, its subscriptions ended",
+                    client, messages));
   };
   peer.server_lost = [this](auto& server) {
     calls->lose_server(server);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <future>
 #include <map>
 #include <memory>
@@ -93,6 +94,7 @@ struct Node::Impl {
   std::string health_text;
   std::map<std::string, std::pair<std::uint64_t, LossLine>> failures;  // by source
   bool is_shut_down = false;
+  std::atomic<std::size_t> settings_waiting = 0;  // of parameters, for their validation
   std::vector<std::weak_ptr<ActionServerCore>> action_server_list;
 
   void make_own_topics();
@@ -114,6 +116,7 @@ struct Node::Impl {
   void forget_departed();
   void take_client_message(const std::string& client, msgs::graph::PeerMessage& message);
   void take_server_message(const std::string& server, msgs::graph::PeerMessage& message);
+  void come_back(const std::string& server, std::uint64_t messages);
   void take_call(const std::string& client, msgs::graph::PeerMessage::Call& call);
   void take_goal(const std::string& client, msgs::graph::PeerMessage::Goal& goal);
   void take_cancel(const std::string& client, const msgs::graph::PeerMessage::Cancel& cancel);

@@ -132,6 +132,8 @@ void Node::Impl::take_server_message(const std::string& server, PeerMessage& mes
       return goals->take_feedback(server, *message.mutable_feedback());
     case PeerMessage::kGoalResult:
       return goals->take_result(server, *message.mutable_goal_result());
+    case PeerMessage::kDropped:
+      return come_back(server, message.dropped().messages());
     case PeerMessage::kDeliveryQuestion:
       return answer_delivery(server,
                              [this, server, id = message.delivery_question().id()](auto answer) {
@@ -143,6 +145,18 @@ void Node::Impl::take_server_message(const std::string& server, PeerMessage& mes
     default:
       return count_malformed("a request where an answer belongs");
   }
+}
+
+// This node did not read for so long that the server has given it up.
+void Node::Impl::come_back(const std::string& server, std::uint64_t messages) {
+  log(LogLevel::kWarning,
+      fmt::format(
+          "{} has thrown away {} messages for this node, which did not take them; calls and "
+          "goals there have failed, subscriptions are made again",
+          server, messages));
+  calls->lose_server(server);
+  goals->lose_server(server);
+  subscribers->rejoin(server);
 }
 
 void Node::Impl::take_call(const std::string& client, PeerMessage::Call& call) {
@@ -223,7 +237,7 @@ void Node::Impl::tick() {
   publishers->check_opening();
   publishers->log_losses(false);
   subscribers->log_losses(false);
-  statistics->tick(malformed);
+  statistics->tick(malformed, channels->dropped());
   if (malformed_line.is_due(malformed)) {
     log(LogLevel::kError, fmt::format("{} damaged or foreign messages thrown away in all, the last "
                                       "one: {}",

@@ -8,6 +8,12 @@ namespace prehend::graph {
 
 using msgs::graph::PeerMessage;
 
+namespace {
+
+constexpr std::size_t kMostSettingsWaiting = 1000;  // for the node's callbacks
+
+}  // namespace
+
 void Node::Impl::announce_parameters() {
   if (describing) return;
   std::call_once(parameters_announced, [this] {
@@ -40,13 +46,23 @@ void Node::Impl::answer_parameters(const std::string& client,
   if (request.has_set_text()) texts[request.name()] = request.set_text();
   if (!texts.empty()) {
     if (!parameters.has_validation(texts)) return set_from_outside(client, request.id(), texts);
-    return link->executor->schedule(
-        "validation of parameters",
-        [this, client, id = request.id(), texts] { set_from_outside(client, id, texts); });
+    if (settings_waiting < kMostSettingsWaiting) {
+      ++settings_waiting;
+      return link->executor->schedule("validation of parameters",
+                                      [this, client, id = request.id(), texts] {
+                                        --settings_waiting;
+                                        set_from_outside(client, id, texts);
+                                      });
+    }
   }
   PeerMessage message;
   auto& answer = *message.mutable_parameter_answer();
   answer.set_id(request.id());
+  if (!texts.empty()) {
+    answer.set_error(fmt::format("{} settings of parameters wait already", kMostSettingsWaiting));
+    link->send_to_client(client, message);
+    return;
+  }
   try {
     if (!request.name().empty()) {
       *answer.add_parameters() = to_record(parameters.get(request.name()));

@@ -37,6 +37,9 @@ struct ParameterDeclaration {
   std::vector<Element> choices = {};    ///< not empty: one of these only; of a list: each element
   std::string description = {};
   bool read_only = false;  ///< set when the node starts, never after
+  /// Its text names a file or folder that the node reads when it starts; "" names none. A launch
+  /// checks that it is there before it starts anything.
+  bool reads_file = false;
   /// Looks at a value that is of the right type and in range: returns (or throws a std::exception
   /// with) the reason why it is refused, "" when it is good. Called with the value at the start,
   /// too. Sets from outside are validated among the node's callbacks, those by set_parameters in
@@ -57,6 +60,7 @@ struct ParameterInfo {
   std::vector<ParameterValue> choices;
   std::string description;
   bool read_only = false;
+  bool reads_file = false;
   bool is_32_bit = false;  // an integer that is declared as int
   std::function<std::string(const ParameterValue&)> validate;
   std::function<void(const ParameterValue&)> on_change;
@@ -92,6 +96,7 @@ ParameterInfo to_parameter_info(const ParameterDeclaration<Type>& declaration) {
   }
   info.description = declaration.description;
   info.read_only = declaration.read_only;
+  info.reads_file = declaration.reads_file;
   info.is_32_bit = std::is_same_v<Type, int>;
   if (declaration.validate) {
     info.validate = [check = declaration.validate](const ParameterValue& value) {

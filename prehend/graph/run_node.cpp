@@ -13,6 +13,10 @@ void keep_heap_warm() {
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }
 
+std::chrono::milliseconds stop_time_of(const NodeDescription& description) {
+  return std::chrono::milliseconds(static_cast<std::int64_t>(description.stop_time * 1e3));
+}
+
 int run_program(int argc, char** argv, const NodeProgram& program) {
   std::string name = program.description.name;
   try {
@@ -21,9 +25,11 @@ int run_program(int argc, char** argv, const NodeProgram& program) {
     if (print_what_is_asked(command, program.description, program.run)) return 0;
     keep_heap_warm();
     Node node(std::move(command.options));
-    const StopSignals signals([&] {
-      if (!program.stops_itself) node.shutdown();
-    });
+    const StopSignals signals(
+        [&] {
+          if (!program.stops_itself) node.shutdown();
+        },
+        stop_time_of(program.description));
     return program.run(node);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", name, error.what());

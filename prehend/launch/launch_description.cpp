@@ -61,6 +61,7 @@ void put_node(YAML::Emitter& out, const LaunchNode& node) {
   put(out, "after", node.after);
   if (node.required) out << YAML::Key << "required" << YAML::Value << true;
   put_respawn(out, node.respawn);
+  if (node.stop_time) out << YAML::Key << "stop_time" << YAML::Value << *node.stop_time;
   out << YAML::EndMap;
 }
 

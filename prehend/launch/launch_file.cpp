@@ -174,7 +174,7 @@ class Loader {
     for (const YAML::Node& entry : list) {
       check_keys(scope, entry, "a node",
                  with_settings({"node", "name", "parameters", "parameter_file", "remap", "required",
-                                "respawn", "after", "if"}));
+                                "respawn", "after", "stop_time", "if"}));
       if (!entry["node"]) fail(scope, entry, "a node needs the key \"node\", its program");
       const LaunchSettings settings = settings_of(scope, entry, inherited, graph_.hosts);
       if (!condition_of(scope, entry["if"])) {

@@ -50,7 +50,8 @@ struct LaunchNode {
   std::vector<std::string> after;  ///< names of nodes that have to be ready before
   bool required = false;           ///< its end is the end of the launch
   Respawn respawn;
-  std::string place;  ///< "FILE:LINE" it comes from
+  std::optional<double> stop_time;  ///< [s] to end in, once asked to; none: what its program says
+  std::string place;                ///< "FILE:LINE" it comes from
 };
 
 /// A machine that runs a part of the graph.

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr double kShortestDelay = 0.05;  // s, of a respawn
 constexpr double kLongestDelay = 3600;
+constexpr double kLongestStop = 3600;
 constexpr int kMostCpus = 1024;
 
 std::string clock_of(const LaunchScope& scope, const YAML::Node& node) {
@@ -232,6 +233,9 @@ LaunchNode node_of(const LaunchScope& scope, const YAML::Node& entry,
   node.respawn = respawn_of(scope, entry["respawn"]);
   if (node.required && node.respawn.wanted) {
     fail(scope, entry, node.name + " cannot be both required and respawn");
+  }
+  if (entry["stop_time"]) {
+    node.stop_time = number_of(scope, entry["stop_time"], "stop_time [s]", kLongestStop, 0);
   }
   return node;
 }

@@ -15,7 +15,7 @@ using Clock = SupervisedProcess::Clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kStartTime{5000};
-constexpr milliseconds kStopTime{1000};
+constexpr milliseconds kStopTime{3000};
 constexpr milliseconds kRestartDelay{500};
 constexpr milliseconds kQuestionTime{300};
 constexpr const char* kListens = "listens on ";
@@ -99,8 +99,8 @@ int LaunchRegistry::keep_alive() {
   return signal;
 }
 
-void LaunchRegistry::stop() {
-  if (!process_ || !process_->running()) return;
+bool LaunchRegistry::stop() {
+  if (!process_ || !process_->running()) return true;
   process_->child()->send_signal(SIGTERM);
   const auto deadline = Clock::now() + kStopTime;
   while (process_->running() && Clock::now() < deadline) {
@@ -109,6 +109,7 @@ void LaunchRegistry::stop() {
     process_->reap();
     signals_.take_stop();
   }
+  return !process_->running();
 }
 
 }  // namespace prehend::launch

@@ -27,8 +27,8 @@ class LaunchRegistry {
   SupervisedProcess* process() { return process_.get(); }
   /// Notices its death and starts it again when that is due; returns a signal as start does.
   int keep_alive();
-  /// Ends it within a second, or kills it when this object goes.
-  void stop();
+  /// Ends it within 3 s; false when it does not: it is killed when this object goes.
+  bool stop();
 
  private:
   int listen(const std::string& endpoint);

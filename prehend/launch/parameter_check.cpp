@@ -28,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kLongestAnswer{10};
 constexpr std::size_t kMostOutput = std::size_t{1} << 20;
+constexpr std::size_t kMostNames = 1000;  // of a folder that are looked at for the nearest
 
 std::string container_beside(const std::string& executable) {
   return (std::filesystem::path(executable).parent_path() / "container").string();
@@ -95,6 +96,20 @@ class Questions {
   std::map<std::string, Question> running_;
 };
 
+// What is in the folder where the file was looked for, with the nearest name.
+std::string near_files_hint(const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+    if (names.size() == kMostNames) break;
+  }
+  if (error) return "; there is no folder " + short_path(folder.string()) + " either";
+  std::sort(names.begin(), names.end());
+  return text::nearest_match_hint(file.filename().string(), names);
+}
+
 // What a program declares.
 struct Declared {
   std::map<std::string, graph::ParameterInfo> parameters;
@@ -103,7 +118,7 @@ struct Declared {
 
 class Check {
  public:
-  explicit Check(const LaunchGraph& graph) : graph_(graph) {}
+  Check(const LaunchGraph& graph, const std::string& host) : graph_(graph), host_(host) {}
 
   ParameterFindings run() {
     for (const LaunchNode& node : graph_.nodes) {
@@ -143,6 +158,9 @@ class Check {
     }
     declared.emplace();
     declared->complete = description.failure().empty();
+    if (description.stop_time() > 0) {
+      findings_.stop_times[node.executable] = description.stop_time();
+    }
     for (const auto& record : description.parameters()) {
       declared->parameters[record.name()] = graph::from_record(record);
     }
@@ -184,12 +202,22 @@ class Check {
     if (is_open(text)) return;
     try {
       graph::parse_parameter(found->second, text);
+      if (found->second.reads_file && node.host == host_) check_file(node, name, text, place);
     } catch (const std::invalid_argument& error) {
       findings_.errors.push_back(fmt::format("{}: {} of {}", place, error.what(), node.name));
     }
   }
 
+  void check_file(const LaunchNode& node, const std::string& name, const std::string& file,
+                  const std::string& place) {
+    std::error_code error;
+    if (file.empty() || std::filesystem::exists(file, error)) return;
+    findings_.errors.push_back(fmt::format("{}: {} of {}: there is no {}{}", place, name, node.name,
+                                           short_path(file), near_files_hint(file)));
+  }
+
   const LaunchGraph& graph_;
+  const std::string host_;
   Questions questions_;
   std::map<std::string, std::optional<Declared>> declared_;  // by executable
   ParameterFindings findings_;
@@ -197,6 +225,8 @@ class Check {
 
 }  // namespace
 
-ParameterFindings check_parameters(const LaunchGraph& graph) { return Check(graph).run(); }
+ParameterFindings check_parameters(const LaunchGraph& graph, const std::string& host) {
+  return Check(graph, host).run();
+}
 
 }  // namespace prehend::launch

@@ -160,6 +160,7 @@ std::vector<LaunchProcess> processes_of(const LaunchGraph& graph, const std::str
   for (LaunchProcess& process : processes) {
     for (const LaunchNode* node : process.nodes) {
       process.after.insert(process.after.end(), node->after.begin(), node->after.end());
+      if (node->stop_time) process.stop_time = std::max(process.stop_time, node->stop_time);
     }
     process.command = command_of(process.nodes, address);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct LaunchProcess {
   std::vector<std::string> after;  ///< nodes of other processes that have to be ready before
   bool required = false;
   Respawn respawn;
+  std::optional<double> stop_time;  ///< [s] the longest of its nodes'; none: they say nothing
 };
 
 /// Throws LaunchError when nodes of one process contradict each other in what is the process' own

@@ -4,15 +4,20 @@
 #include <signal.h>
 #include <string.h>
 
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "prehend/launch/deaths.h"
 #include "prehend/launch/launch_events.h"
 #include "prehend/launch/launch_registry.h"
 #include "prehend/launch/process_plan.h"
 #include "prehend/launch/readiness.h"
+#include "prehend/launch/stop_schedule.h"
 
 namespace prehend::launch {
 namespace {
@@ -27,6 +32,11 @@ constexpr milliseconds kReadyPoll{50};  // between questions to the registry
 constexpr int kMostFailedStarts = 5;
 
 double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - start).count(); }
+
+// A program that has no handler for SIGINT and ends by it did what it was asked to.
+bool ended_as_asked(int status) {
+  return is_success(status) || (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+}
 
 std::vector<std::string> names_of(const std::vector<LaunchProcess>& processes) {
   std::vector<std::string> names{"registry"};
@@ -51,13 +61,15 @@ class Supervisor {
     if (!exit_code_) prepare();
     while (!exit_code_) step();
     stop_all();
-    return *exit_code_;
+    return deaths_.any_for_good() ? 1 : *exit_code_;
   }
 
  private:
   struct Member {
     const LaunchProcess* plan;
     SupervisedProcess process;
+    std::optional<StopSchedule> stop;  // since it was asked to stop
+    bool was_killed = false;           // by this launch, as it did not stop
   };
 
   std::string nodes_text() const {
@@ -80,7 +92,8 @@ class Supervisor {
       environment["PREHEND_LAUNCH_FILE"] = graph_.file;  // a recorder keeps it
       members_.push_back(std::make_unique<Member>(Member{
           &plan,
-          SupervisedProcess(plan.name, plan.command, environment, plan.cpu_affinity, output_)}));
+          SupervisedProcess(plan.name, plan.command, environment, plan.cpu_affinity, output_),
+          std::nullopt, false}));
     }
     begun_ = Clock::now();
     readiness_ = std::make_unique<Readiness>(registry_.endpoint());
@@ -115,7 +128,7 @@ class Supervisor {
     });
     if (some_wanted) return;
     output_.progress("all nodes have ended");
-    exit_code_ = any_failed_ ? 1 : 0;
+    exit_code_ = 0;
   }
 
   void start_due() {
@@ -152,11 +165,12 @@ class Supervisor {
   void ended(Member& member, int status) {
     SupervisedProcess& process = member.process;
     const std::string words = process.name() + ": " + describe_status(status);
-    if (exit_code_) {
-      if (!is_success(status)) output_.progress(words);
-      return;
+    if (exit_code_) return ended_while_stopping(member, status);
+    if (is_success(status)) {
+      deaths_.forgive(process.name());
+    } else {
+      deaths_.add(process.name(), describe_status(status), Clock::now() - begun_);
     }
-    if (!is_success(status)) any_failed_ = true;
     const std::string last =
         process.last_line().empty() ? "" : "; it said last: " + process.last_line();
     if (member.plan->required) {
@@ -257,56 +271,95 @@ class Supervisor {
   // --- stopping ----------------------------------------------------------------------------------
 
   void stop_for(int signal) {
-    if (exit_code_) {
-      hurry_ = true;
-      return;
-    }
+    if (exit_code_) return;
     output_.progress(std::string("SIG") + ::sigabbrev_np(signal) + ": stopping all nodes");
     exit_code_ = 0;
   }
 
-  bool any_running() const {
-    return std::any_of(members_.begin(), members_.end(),
-                       [](const auto& member) { return member->process.running(); });
+  StopTimes stop_times_of(const LaunchProcess& plan) const {
+    if (!plan.stop_time) {
+      return {options_.interrupt_time, options_.terminate_time, options_.hurried_time};
+    }
+    const milliseconds own(static_cast<std::int64_t>(*plan.stop_time * 1e3));
+    return {own, options_.terminate_time, own};
   }
 
-  void signal_all(int signal) {
+  // SIGINT to all that run; those that died before and were started again lived to the end.
+  void ask_to_stop(Clock::time_point now) {
     for (const auto& member : members_) {
-      if (member->process.running()) member->process.child()->send_signal(signal);
+      if (!member->process.running()) continue;
+      deaths_.forgive(member->process.name());
+      member->stop.emplace(stop_times_of(*member->plan), now);
+      member->process.child()->send_signal(SIGINT);
     }
   }
 
-  void wait_until_ended(milliseconds time) {
-    const auto deadline = Clock::now() + time;
-    while (any_running() && !hurry_ && Clock::now() < deadline) {
+  void hurry() {
+    if (std::exchange(hurry_, true)) return;
+    std::string patient;
+    for (const auto& member : members_) {
+      if (!member->process.running()) continue;
+      member->stop->hurry();
+      if (!member->plan->stop_time) continue;
+      patient += fmt::format("; {} has {:g} s, to write what it has", member->plan->name,
+                             *member->plan->stop_time);
+    }
+    output_.warning(fmt::format("a second signal: what still runs is killed {:g} s after the first",
+                                Seconds(options_.hurried_time).count()) +
+                    patient);
+  }
+
+  // Sends what is due; returns when something will be next.
+  Clock::time_point press_on() {
+    const auto now = Clock::now();
+    auto next = now + options_.terminate_time;
+    for (const auto& member : members_) {
+      if (!member->process.running()) continue;
+      if (const auto signal = member->stop->take_due(now)) {
+        output_.warning(fmt::format("{} does not stop: sending SIG{}", member->plan->name,
+                                    ::sigabbrev_np(*signal)));
+        member->was_killed |= *signal == SIGKILL;
+        member->process.child()->send_signal(*signal);
+      }
+      if (const auto step = member->stop->next()) next = std::min(next, step->when);
+    }
+    return next;
+  }
+
+  bool any_hope() const {
+    return std::any_of(members_.begin(), members_.end(), [](const auto& member) {
+      return member->process.running() && !member->stop->is_hopeless(Clock::now());
+    });
+  }
+
+  void ended_while_stopping(Member& member, int status) {
+    if (ended_as_asked(status)) return;
+    std::string how = describe_status(status);
+    if (member.was_killed) {
+      how = "killed, as it did not stop when asked to";
+    } else if (member.stop) {
+      how += " when asked to stop";
+    }
+    output_.progress(member.process.name() + ": " + how);
+    deaths_.add(member.process.name(), how, Clock::now() - begun_);
+  }
+
+  void stop_all() {
+    const auto start = Clock::now();
+    ask_to_stop(start);
+    while (any_hope()) {
+      const auto next = press_on();
       const auto processes = all_processes();
-      wait_for_events(signals_, processes, deadline);
-      if (signals_.take_stop() != 0) hurry_ = true;
+      wait_for_events(signals_, processes, next);
+      if (signals_.take_stop() != 0) hurry();
       for (SupervisedProcess* process : processes) process->forward_output();
       for (const auto& member : members_) {
         if (const auto status = member->process.reap()) ended(*member, *status);
       }
     }
-  }
-
-  void stop_all() {
-    const auto start = Clock::now();
-    signal_all(SIGINT);
-    wait_until_ended(options_.interrupt_time);
-    for (const auto& [signal, time] : {std::pair{SIGTERM, options_.terminate_time},
-                                       std::pair{SIGKILL, options_.terminate_time}}) {
-      if (!any_running()) break;
-      if (hurry_ && signal == SIGTERM) continue;
-      for (const auto& member : members_) {
-        if (!member->process.running()) continue;
-        output_.warning(member->plan->name + " does not stop: sending SIG" +
-                        ::sigabbrev_np(signal));
-      }
-      hurry_ = false;
-      signal_all(signal);
-      wait_until_ended(time);
+    if (!registry_.stop()) {
+      deaths_.add("registry", "killed, as it did not stop when asked to", Clock::now() - begun_);
     }
-    registry_.stop();
     if (!members_.empty()) sum_up(start);
   }
 
@@ -318,6 +371,9 @@ class Supervisor {
     }
     output_.progress("peak memory [MB]: " + memory);
     output_.progress(fmt::format("all stopped after {:.1f} s", seconds_since(stop_begun)));
+    for (const Deaths::Line& line : deaths_.lines()) {
+      line.for_good ? output_.error(line.text) : output_.warning(line.text);
+    }
   }
 
   const LaunchGraph& graph_;
@@ -328,9 +384,10 @@ class Supervisor {
   LaunchRegistry registry_;
   std::vector<std::unique_ptr<Member>> members_;
   std::unique_ptr<Readiness> readiness_;
-  Clock::time_point begun_{};
+  Clock::time_point begun_ = Clock::now();
   std::optional<int> exit_code_;  // set once the launch is to end
-  bool all_ready_ = false, late_named_ = false, any_failed_ = false, hurry_ = false;
+  Deaths deaths_;
+  bool all_ready_ = false, late_named_ = false, hurry_ = false;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "prehend/recording/mcap_records.h"
+#include "prehend/recording/recording_file.h"
 
 namespace prehend::recording {
 
@@ -15,7 +16,16 @@ std::string at_byte(std::uint64_t offset) { return " at byte " + std::to_string(
 
 ByteFile::ByteFile(const std::string& path) : path_(path) {
   file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file_ < 0) throw McapError("cannot open " + path_ + ": " + std::strerror(errno));
+  if (file_ < 0) {
+    const int error = errno;
+    const std::string partial = partial_path(path_);
+    const bool is_left = error == ENOENT && ::access(partial.c_str(), F_OK) == 0;
+    throw McapError("cannot open " + path_ + ": " + std::strerror(error) +
+                    (is_left ? "; there is " + partial +
+                                   ", which is being written, or its recorder was killed: prehend "
+                                   "bag recover mends it"
+                             : ""));
+  }
   struct stat status {};
   if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(file_);

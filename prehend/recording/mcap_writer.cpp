@@ -1,6 +1,7 @@
 #include "prehend/recording/mcap_writer.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
@@ -61,8 +62,7 @@ Compression compression_named(std::string_view name) {
 McapWriter::McapWriter(const std::string& path, McapWriterOptions options)
     : path_(path), options_(std::move(options)) {
   validate(options_);
-  file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file_ < 0) throw McapError("cannot create " + path_ + ": " + std::strerror(errno));
+  open_file();
   std::string header;
   FieldWriter writer(header);
   writer.text(options_.profile);
@@ -72,6 +72,22 @@ McapWriter::McapWriter(const std::string& path, McapWriterOptions options)
   } catch (const McapError&) {
     ::close(file_);
     throw;
+  }
+}
+
+// Locked before it is emptied: two writers of one file would leave nothing of either.
+void McapWriter::open_file() {
+  file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0) throw McapError("cannot create " + path_ + ": " + std::strerror(errno));
+  const bool locked = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+  if (!locked && errno == EWOULDBLOCK) {
+    ::close(file_);
+    throw McapError("cannot write " + path_ + ": another process is writing it");
+  }
+  if (::ftruncate(file_, 0) != 0 && errno != EINVAL) {  // EINVAL: it is a device or a pipe
+    const int error = errno;
+    ::close(file_);
+    throw McapError("cannot create " + path_ + ": " + std::strerror(error));
   }
 }
 

@@ -26,7 +26,9 @@ struct McapWriterOptions {
   std::chrono::milliseconds chunk_age{1000};  ///< wall time after which a chunk is closed
   bool chunk_crc = true;                      ///< checksum of each chunk and attachment
   bool summary_crc = true;                    ///< checksum of the summary section
-  bool data_section_crc = false;  ///< checksum over the whole file: one more pass over every byte
+  /// Checksum of all before the summary: the only one that covers header, metadata and indexes. One
+  /// more pass over every stored byte, about 1 ns each.
+  bool data_section_crc = true;
   std::string profile;
   std::string library = "prehend";
 };
@@ -40,8 +42,9 @@ struct McapWriterOptions {
 /// record.
 class McapWriter {
  public:
-  /// Creates or overwrites the file `path` and writes its header. Throws McapError when that fails,
-  /// std::invalid_argument for a chunk size of 0, a negative age or a zstd level outside 1..19.
+  /// Creates or overwrites the file `path` and writes its header. Throws McapError when that fails
+  /// or another process is writing the file, std::invalid_argument for a chunk size of 0, a
+  /// negative age or a zstd level outside 1..19.
   explicit McapWriter(const std::string& path, McapWriterOptions options = {});
 
   /// Calls close() when that was not done; an error is then printed to stderr, so call close().
@@ -93,6 +96,7 @@ class McapWriter {
     std::chrono::steady_clock::time_point opened;
   };
 
+  void open_file();
   void require_open() const;
   void close_chunk();
   void declare_in_chunk(std::uint16_t channel_id);

@@ -141,8 +141,14 @@ void Check::read_data_record(std::uint8_t opcode, std::uint64_t offset, std::str
       metadata_[offset] = kRecordPrefix + content.size();
       return;
     case kDataEnd: {
-      const std::uint32_t crc = FieldReader(content).u32();
-      if (crc != 0 && data_crc_ != crc) {
+      FieldReader fields(content);
+      const std::uint32_t crc = fields.u32();
+      if (!fields.rest().empty()) report("the DataEnd record" + at_byte(offset) + " is too long");
+      if (crc == 0) {
+        result_.notes.push_back(
+            "the data section has no checksum: its writer left it out, so changes outside of "
+            "chunks and attachments (header, metadata, indexes) may not be seen");
+      } else if (data_crc_ != crc) {
         report("the checksum of the data section is wrong");
       }
       in_summary_ = true;
@@ -382,6 +388,11 @@ void Check::read_footer(std::uint64_t offset, std::string_view content) {
   const std::uint64_t start = fields.u64();
   fields.u64();
   const std::uint32_t crc = fields.u32();
+  if (!fields.rest().empty()) report("the Footer record" + at_byte(offset) + " is too long");
+  if (crc == 0) {
+    result_.notes.push_back(
+        "the summary has no checksum: its writer left it out, so changes there may not be seen");
+  }
   if (!in_summary_) report("there is no DataEnd record before the footer");
   if (start != 0 && start != summary_start_) report("the footer points to no summary");
   const std::uint64_t from = start == 0 ? offset : std::min(start, offset);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "prehend/recording/latched_messages.h"
+#include "prehend/recording/recording_file.h"
 
 namespace prehend::recording {
 namespace {
@@ -28,7 +29,11 @@ std::string part_path(const std::string& path, std::size_t part) {
 
 SplitWriter::SplitWriter(const std::string& path, McapWriterOptions options, SplitOptions split,
                          Epilogue epilogue)
-    : path_(path), options_(std::move(options)), split_(split), epilogue_(std::move(epilogue)) {
+    : path_(std::filesystem::is_symlink(path) ? std::filesystem::weakly_canonical(path).string()
+                                              : path),
+      options_(std::move(options)),
+      split_(split),
+      epilogue_(std::move(epilogue)) {
   if (split_.size > 0 && split_.size < kLeastSize) {
     throw std::invalid_argument("a recording is split at " + std::to_string(kLeastSize) +
                                 " bytes or more, not at " + std::to_string(split_.size));
@@ -40,9 +45,10 @@ SplitWriter::SplitWriter(const std::string& path, McapWriterOptions options, Spl
 }
 
 void SplitWriter::open_part(std::uint64_t log_time) {
-  const std::string file = split_.any() ? part_path(path_, files_.size()) : path_;
-  auto writer = std::make_unique<McapWriter>(file, options_);
-  files_.push_back(file);
+  const std::string name = split_.any() ? part_path(path_, files_.size()) : path_;
+  if (const std::string left = make_way(name); !left.empty()) left_over_.push_back(left);
+  auto writer = std::make_unique<McapWriter>(partial_path(name), options_);
+  files_.push_back(partial_path(name));
   if (writer_) bytes_of_closed_ += writer_->bytes_written();
   writer_ = std::move(writer);
   part_has_messages_ = false;
@@ -139,6 +145,9 @@ void SplitWriter::close_part() {
     for (const McapMetadata& metadata : epilogue_()) writer_->add_metadata(metadata);
   }
   writer_->close();
+  const std::string name = split_.any() ? part_path(path_, files_.size() - 1) : path_;
+  give_name(name);
+  files_.back() = name;
 }
 
 void SplitWriter::close() { close_part(); }

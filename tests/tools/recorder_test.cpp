@@ -229,7 +229,8 @@ class FullDisk : public Recorder {
     EXPECT_THAT(recorder.output(),
                 AllOf(HasSubstr(reason), HasSubstr(file), HasSubstr("were not recorded")));
     EXPECT_TRUE(eventually([&] { return reported.load(); })) << "on /diagnostics";
-    McapReader reader(file);
+    EXPECT_FALSE(std::filesystem::exists(file)) << "it is not whole";
+    McapReader reader(file + ".partial");
     EXPECT_FALSE(reader.complete());
     auto cursor = reader.messages({{"/touch"}});
     int count = 0;

@@ -2,12 +2,16 @@
 
 #include <google/protobuf/message.h>
 
+#include <chrono>
+#include <thread>
 #include <utility>
 
 namespace prehend::graph {
 namespace {
 
 using msgs::graph::PeerMessage;
+
+constexpr std::size_t kMostFeedbackToSend = 1000;
 
 }  // namespace
 
@@ -201,7 +205,12 @@ bool ActionContextBase::sleep_until(std::int64_t stamp) const {
   return task_->link->clock->sleep_until(stamp, [task = task_] { return task->cancelled.load(); });
 }
 
+// A handler that does nothing else is faster than the loop that sends: it is held back, or what it
+// says would pile up between the two.
 void ActionContextBase::send_feedback(const google::protobuf::Message& feedback) const {
+  while (task_->link->waiting_to_send > kMostFeedbackToSend && !task_->cancelled) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   PeerMessage message;
   message.mutable_feedback()->set_id(task_->id);
   message.mutable_feedback()->set_body(feedback.SerializeAsString());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -54,6 +55,8 @@ struct NodeLink {
   std::function<void(Health, const std::string&)> report;
   /// Sends to a client, in the order of the calls. May be called from any thread.
   std::function<void(const std::string& client, const msgs::graph::PeerMessage&)> send_to_client;
+  /// Messages given to send_to_client that the loop has not come to yet.
+  std::atomic<std::size_t> waiting_to_send{0};
   /// In the loop's thread: what the node publishes, subscribes or offers has changed.
   std::function<void()> record_changed;
 };

@@ -158,6 +158,7 @@ msgs::graph::ParameterRecord to_record(const ParameterInfo& parameter) {
   for (const ParameterValue& choice : parameter.choices) record.add_choices(to_text(choice));
   record.set_description(parameter.description);
   record.set_read_only(parameter.read_only);
+  record.set_reads_file(parameter.reads_file);
   return record;
 }
 
@@ -165,6 +166,7 @@ ParameterInfo from_record(const msgs::graph::ParameterRecord& record) {
   ParameterInfo info;
   info.name = record.name();
   info.unit = record.unit();
+  info.reads_file = record.reads_file();
   info.description = record.description();
   info.read_only = record.read_only();
   info.default_value = value_of(record.default_value());

@@ -17,6 +17,17 @@ constexpr int kReceiveAtOnce = 64;
 // prepared in vain.
 constexpr std::size_t kTriedAtOnce = 256;
 
+// Answers, feedback and the like that wait for one client. A client that reads takes a hundred
+// thousand in a second, so who lets so many wait does not read.
+constexpr std::size_t kMostOthersWaiting = 10'000;
+constexpr std::size_t kMostOtherBytes = std::size_t{128} << 20;  // and one more message
+
+std::size_t bytes_of(const Frames& frames) {
+  std::size_t bytes = 0;
+  for (const zmq::message_t& frame : frames) bytes += frame.size();
+  return bytes;
+}
+
 // How long a closed socket tries to send what is left [ms].
 constexpr int kLinger = 1000;
 
@@ -127,8 +138,37 @@ bool PeerChannels::send_to_client(const std::string& client,
     if (result == SendResult::kNoRoute) lose_client(client);
     if (result != SendResult::kFull) return result == SendResult::kSent;
   }
+  Backlog& backlog = backlogs_[client];
+  const std::size_t bytes = bytes_of(item.frames);
+  const bool is_full = backlog.others.count >= kMostOthersWaiting ||
+                       (backlog.others.count > 0 && backlog.others.bytes + bytes > kMostOtherBytes);
+  if (is_full) drop_client(client, backlog);
+  if (backlog.is_dropped) {
+    ++backlog.lost;
+    ++dropped_;
+    return false;
+  }
+  ++backlog.others.count;
+  backlog.others.bytes += bytes;
   wait(client, std::move(item));
   return true;
+}
+
+// Without its state it would hold its tongue for ever, so one word waits in the place of all.
+void PeerChannels::drop_client(const std::string& client, Backlog& backlog) {
+  for (const Waiting& item : backlog.items) {
+    if (item.head) item.drops->count_dropped(1);
+  }
+  const std::uint64_t lost = backlog.others.count;
+  dropped_ += lost;
+  backlog = {};
+  backlog.is_dropped = true;
+  backlog.lost = lost;
+  wait(client, {});
+  loop_.post([this, client, lost] {  // later, as in lose_client
+    events_.client_dropped(client, lost);
+    events_.client_lost(client);
+  });
 }
 
 bool PeerChannels::publish_to_client(const std::string& client, std::uint32_t slab_reader,
@@ -222,9 +262,23 @@ void PeerChannels::wait(const std::string& client, Waiting item) {
 // The first item, and with it the published messages behind it that may travel together.
 SendResult PeerChannels::send_front(const std::string& client, Backlog& backlog) {
   const Waiting& front = backlog.items.front();
+  if (!front.head && front.frames.empty()) {
+    msgs::graph::PeerMessage word;
+    word.mutable_dropped()->set_messages(backlog.lost);
+    Frames frames = to_wire(word);
+    const SendResult result = send_by_router(client, frames);
+    if (result != SendResult::kSent) return result;
+    drop_front(backlog);
+    backlog.is_dropped = false;
+    return result;
+  }
   if (!front.head) {
+    const std::size_t size = bytes_of(front.frames);
     const SendResult result = send_by_router(client, backlog.items.front().frames);
-    if (result == SendResult::kSent) drop_front(backlog);
+    if (result != SendResult::kSent) return result;
+    drop_front(backlog);
+    --backlog.others.count;
+    backlog.others.bytes -= size;
     return result;
   }
   const TopicHead& head = *front.head;

@@ -41,6 +41,9 @@ class PeerChannels {
     /// A message of a topic of `server`, or a batch of them: 5 or 3 frames, see frames.h.
     std::function<void(const std::string& server, Frames&)> topic_message;
     std::function<void(const std::string& client)> client_lost;
+    /// So many messages (answers, feedback, ...) waited for a client that did not take them: they
+    /// were thrown away, and client_lost comes, too. When it reads on, it is told.
+    std::function<void(const std::string& client, std::uint64_t messages)> client_dropped;
     /// The connection broke; it comes back as server_back if the peer lives.
     std::function<void(const std::string& server)> server_lost;
     std::function<void(const std::string& server)> server_back;
@@ -66,7 +69,8 @@ class PeerChannels {
 
   /// False when not connected or the connection's queue is full.
   bool send_to_server(const std::string& server, const msgs::graph::PeerMessage& message);
-  /// Waits in a queue when the client is slow; false when it is not there.
+  /// Waits in a queue when the client is slow; false when it is not there, or was dropped because
+  /// too much waited for it and has not read on since.
   bool send_to_client(const std::string& client, const msgs::graph::PeerMessage& message);
   /// As above for published messages, in order; small ones may travel together. While they wait
   /// they may be dropped, oldest of their topic first, when more wait than `qos` allows.
@@ -79,13 +83,16 @@ class PeerChannels {
   bool publish_to_client(const std::string& client, std::uint32_t slab_reader,
                          const Publication& publication, std::span<const OutgoingMessage> messages);
 
+  /// Messages other than published ones that were thrown away, as their clients did not take them.
+  std::uint64_t dropped() const { return dropped_; }
+
   /// True when nothing waits for a slow client.
   bool is_idle() const { return backlogs_.empty(); }
 
  private:
-  // A published message, or another one, which is never dropped.
+  // A published message, or another one, which is dropped with its client only.
   struct Waiting {
-    Frames frames;                    // of another one
+    Frames frames;                    // of another one; none: the word that the client was dropped
     const TopicHead* head = nullptr;  // of a published one, in `drops`
     std::shared_ptr<DropCounter> drops;
     OutgoingMessage message;
@@ -97,6 +104,9 @@ class PeerChannels {
     };
     std::deque<Waiting> items;
     std::map<std::string, Share> topics;
+    Share others;             // what is not published
+    bool is_dropped = false;  // the client, until it is told
+    std::uint64_t lost = 0;   // messages it is told of
   };
   struct Server {
     zmq::socket_t socket;
@@ -118,6 +128,7 @@ class PeerChannels {
   SendResult send_messages(const std::string& client, std::uint32_t slab_reader,
                            const TopicHead& head, std::span<const OutgoingMessage>& messages);
   void wait(const std::string& client, Waiting item);
+  void drop_client(const std::string& client, Backlog& backlog);
   void make_room(Backlog& backlog, const std::string& topic, std::size_t bytes, const QoS& qos);
   void drop_front(Backlog& backlog);
   void retry_backlogs();
@@ -132,6 +143,7 @@ class PeerChannels {
   std::map<std::string, Server> servers_;
   std::map<std::string, Backlog> backlogs_;  // of slow clients, never empty ones
   bool retry_planned_ = false;
+  std::uint64_t dropped_ = 0;
   std::uint64_t monitor_count_ = 0;
 };
 
