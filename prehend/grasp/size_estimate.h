@@ -26,7 +26,7 @@ struct SizeEstimate {
 /// from its front) stays as it is, with a large deviation. The deviation is the estimate's own
 /// standard one, from the points' distances to the stretched model, which are taken to be alike
 /// within `correlation` [m]: errors of stereo and structured light are not independent.
-/// A hundredth of refining a pose for each point. @pre as refined_pose().
+/// Costs about as much as refined_pose() with as many points. @pre as refined_pose().
 SizeEstimate estimated_size(const OrientedPoints& seen_S, const RegisteredModel& model,
                             const geometry::RigidTransform& X_OS, double tolerance, double spacing,
                             double correlation);

@@ -13,8 +13,8 @@ struct VoteOptions {
   double least_motion = 0.006;
 };
 
-/// The unit of depth that equation (3) adds to square pixels [m]. The paper does not say which;
-/// docs/shape.md has what another one changes.
+/// The unit of depth that equation (3) adds to square pixels [m]. The paper does not say which; in
+/// millimetres neither term drowns the other, as a pixel is about one at half a metre.
 inline constexpr double kPublishedDepthUnit = 1e-3;
 
 /// By how much the depth of a mirrored point must be smaller for equation (3) to count it [m]: what
