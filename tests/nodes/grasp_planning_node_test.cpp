@@ -134,6 +134,36 @@ TEST_F(GraspPlanningNode, AnUnexpectedExceptionIsTheProblemOfItsObject) {
   EXPECT_THAT(told(), HasSubstr("object 1: "));
 }
 
+// With a platform the node once planned on circles whatever its generators said.
+TEST_F(GraspPlanningNode, APlatformTakesGenerators) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1", "generators:=[segments]"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.15 * (id - 1.0)));
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  int grasps = 0;
+  for (const auto& [id, plan] : all) {
+    for (const auto& grasp : plan.grasps()) EXPECT_EQ(grasp.generator(), "segments");
+    grasps += plan.grasps_size();
+  }
+  EXPECT_GT(grasps, 0) << planning_->output();
+}
+
+// What means nothing beside the other parameters was ignored.
+TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
+  const auto refusal = [this](const std::vector<std::string>& parameters) {
+    start(parameters);
+    EXPECT_EQ(planning_->wait(seconds(20)), 1);
+    return planning_->output();
+  };
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),
+              HasSubstr("'friction' does not apply with a platform"));
+  EXPECT_THAT(refusal({"home:=side"}), HasSubstr("'home' does not apply without a platform"));
+  EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "rolls:=4"}),
+              HasSubstr("'rolls' does not apply beside a budget"));
+  EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "generators:=[boxes]"}),
+              HasSubstr("'generators' does not apply beside a budget"));
+}
+
 // A sliver among the pieces is one of them.
 TEST_F(GraspPlanningNode, FlatPiecesAreObstaclesAndCanBeHeld) {
   start({"platform:=kr5_sdh", "home:=side", "motions:=1"});
