@@ -251,7 +251,11 @@ void CycleNode::start(const View& view) {
       nothing.reason = target_.problem;
       return finish(nothing, target_.ungraspable);
     }
-    centroid_W_ = convert::from_message(view.plans.at(target_.id)->centroid());
+    const msgs::GraspPlan& plan = *view.plans.at(target_.id);
+    if (const std::string other = gripper_.differs_from(plan); !other.empty()) {
+      throw std::runtime_error(other);
+    }
+    centroid_W_ = convert::from_message(plan.centroid());
     if (spawns_ && view.models.count(target_.id) == 0) {
       throw geometry::InputError(
           "the model of object " + std::to_string(target_.id) + " did not come",
@@ -320,6 +324,9 @@ void CycleNode::look_again(double since) {
     Target target =
         choose_target(*view, object_ < 0 ? -1 : nearest_object(view->plans, centroid_W_));
     if (!target.grasps.empty()) {
+      if (const auto other = gripper_.differs_from(*view->plans.at(target.id)); !other.empty()) {
+        throw std::runtime_error(other);
+      }
       target_ = std::move(target);
       centroid_W_ = convert::from_message(view->plans.at(target_.id)->centroid());
       move_W_ = choose_move(*view, target_, geometry::RigidTransform::Identity());

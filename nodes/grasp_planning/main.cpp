@@ -329,6 +329,7 @@ class GraspPlanning {
     plan.set_id(message.id());
     plan.set_object_count(message.object_count());
     *plan.mutable_centroid() = message.centroid();
+    if (!platform_ && gripper_.model()) *plan.mutable_gripper() = gripper_.description();
     auto& time = *plan.add_times();
     time.set_stage("grasp_planning");
     time.set_seconds(seconds);

@@ -26,7 +26,8 @@ GripperSource::GripperSource(graph::Node& node) : node_(node) {
        .read_only = true,
        .reads_file = true});
   if (file.empty()) return;
-  said_[""] = {robot::read_gripper_model(file), file + " (parameter gripper)", ""};
+  said_[""] = {convert::describe_gripper(file), robot::read_gripper_model(file),
+               file + " (parameter gripper)", ""};
   decide();
 }
 
@@ -38,7 +39,7 @@ void GripperSource::listen(std::function<void()> on_news) {
 
 void GripperSource::take(const graph::Received<msgs::GripperDescription>& message) {
   const std::string sender(message.info().sender);
-  Said said{{}, fmt::format("{} (node {})", message->file(), sender), ""};
+  Said said{*message, {}, fmt::format("{} (node {})", message->file(), sender), ""};
   said.broken = node_.shield("gripper of node " + sender,
                              [&] { said.model = convert::from_message(*message); });
   std::string problem;
@@ -58,6 +59,7 @@ void GripperSource::take(const graph::Received<msgs::GripperDescription>& messag
 
 void GripperSource::decide() {
   model_.reset();
+  description_.Clear();
   problem_.clear();
   const Said* first = nullptr;
   for (const auto& [sender, said] : said_) {
@@ -78,12 +80,32 @@ void GripperSource::decide() {
         first->place, said.place, listed(different));
     return;
   }
-  if (first) model_ = first->model;
+  if (!first) return;
+  model_ = first->model;
+  description_ = first->description;
 }
 
 std::optional<robot::GripperModel> GripperSource::model() const {
   const std::lock_guard lock(mutex_);
   return model_;
+}
+
+msgs::GripperDescription GripperSource::description() const {
+  const std::lock_guard lock(mutex_);
+  return description_;
+}
+
+std::string GripperSource::differs_from(const msgs::GraspPlan& plan) const {
+  if (!plan.has_gripper()) return "";
+  const robot::GripperModel planned = convert::from_message(plan.gripper());
+  const std::lock_guard lock(mutex_);
+  if (!model_) return "";
+  const auto different = robot::differences(planned, *model_);
+  if (different.empty()) return "";
+  return fmt::format(
+      "the grasps were planned for the gripper of {}, the robot has that of {}; they differ in {}. "
+      "Leave the planner's parameter gripper empty, or name the robot's file",
+      plan.gripper().file(), description_.file(), listed(different));
 }
 
 std::string GripperSource::problem() const {

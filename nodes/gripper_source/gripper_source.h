@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
 #include "prehend/robot/gripper_model.h"
@@ -27,6 +28,11 @@ class GripperSource {
 
   /// Unset: nobody has said it yet, or there is a problem.
   std::optional<robot::GripperModel> model() const;
+  /// The same with its file, for messages; empty when unset.
+  msgs::GripperDescription description() const;
+  /// In what a plan's gripper differs from the robot's, with both values and both places; empty: in
+  /// nothing, or the plan does not say. @throws geometry::InputError when it cannot be read.
+  std::string differs_from(const msgs::GraspPlan& plan) const;
   /// Two that differ (both values, both places and the mend), or one that cannot be read. Empty:
   /// none.
   std::string problem() const;
@@ -35,6 +41,7 @@ class GripperSource {
 
  private:
   struct Said {
+    msgs::GripperDescription description;
     robot::GripperModel model;
     std::string place;   // "config/robots/wide.yaml (node simulation)"
     std::string broken;  // why it cannot be read; empty: it can
@@ -43,9 +50,10 @@ class GripperSource {
   void decide();  // under the lock
 
   graph::Node& node_;
-  mutable std::mutex mutex_;          // guards the next three
+  mutable std::mutex mutex_;          // guards the next four
   std::map<std::string, Said> said_;  // by who said it; "" is the parameter
   std::optional<robot::GripperModel> model_;
+  msgs::GripperDescription description_;
   std::string problem_;
   std::function<void()> on_news_;
   graph::Subscription subscription_;

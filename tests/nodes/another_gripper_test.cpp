@@ -105,9 +105,10 @@ class AnotherGripper : public ::testing::Test {
     start("simulation", {"scene:=" + (config_ / "scenes" / "wide.yaml").string(), "camera:=false"});
   }
   // The demo's can of 96 mm, as it stands there.
-  void publish_can() {
+  void publish_can() { publish(0.048); }
+  void publish(double radius) {
     auto model = convert::to_message(surface::model_of_mesh(geometry::transformed(
-        geometry::make_revolution({{0.048, 0}, {0.048, 0.09}}, 48),
+        geometry::make_revolution({{radius, 0}, {radius, 0.09}}, 48),
         geometry::make_transform(Eigen::Quaterniond::Identity(), {-0.06, 0.2, 0}))));
     model.mutable_header()->set_stamp(1);
     model.set_object_count(1);
@@ -159,7 +160,8 @@ TEST_F(AnotherGripper, IsPlannedForAndOpenedAsItsSceneSays) {
 
 TEST_F(AnotherGripper, AnotherOneInThePlannersParameterIsAnErrorWithBothValuesAndPlaces) {
   start_simulation();
-  start("grasp_planning", {"gripper:=config/robots/pg70_dsa.yaml"});
+  Launched& planning = start("grasp_planning", {"gripper:=config/robots/pg70_dsa.yaml"});
+  ASSERT_TRUE(planning.wait_for_output("Two grippers", seconds(30))) << planning.output();
   publish_can();
   const auto plan = wait_for(plan_);
   ASSERT_TRUE(plan);
@@ -183,6 +185,24 @@ TEST_F(AnotherGripper, AnotherOneInTheCyclesParameterEndsItBeforeAnythingMoves) 
   EXPECT_THAT(result->reason(),
               AllOf(HasSubstr("max_opening: 0.069 and 0.12"), HasSubstr(wide_file())));
   EXPECT_EQ(cycle.wait(seconds(20)), 2);
+}
+
+// The planner had planned before there was a robot to tell.
+TEST_F(AnotherGripper, APlanForAnotherOneIsNotExecuted) {
+  start("grasp_planning", {"gripper:=config/robots/pg70_dsa.yaml"});
+  publish(0.03);
+  const auto plan = wait_for(plan_);
+  ASSERT_TRUE(plan);
+  EXPECT_GT(plan->grasps_size(), 0) << plan->problem();
+  start_simulation();
+  Launched& cycle = start("grasp_cycle", {"exit_when_done:=true"});
+  const auto result = wait_for(result_);
+  ASSERT_TRUE(result) << cycle.output();
+  EXPECT_FALSE(result->success());
+  EXPECT_EQ(result->attempts(), 0u);
+  EXPECT_THAT(result->reason(),
+              AllOf(HasSubstr("planned for the gripper of config/robots/pg70_dsa.yaml"),
+                    HasSubstr("max_opening: 0.069 and 0.12"), HasSubstr(wide_file())));
 }
 
 // The planner waits for the robot's word and says so.
