@@ -54,6 +54,7 @@ TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
   const auto program = launch(node("weak", "after: 0.05, exit: 2", "respawn: true"));
   ASSERT_TRUE(wait_for_pids(3));  // at 0, 0.5 and 1.5 s
   EXPECT_GE(steady_clock::now() - start, milliseconds(1500));
+  ASSERT_TRUE(program->wait_for_output("starting it again in 2.0 s"));
   ::kill(program->pid(), SIGINT);
   EXPECT_EQ(program->wait(seconds(10)), 1) << "its last run failed, too";
   EXPECT_THAT(program->output(), HasSubstr("weak: exit code 2; starting it again in 0.5 s"));

@@ -148,9 +148,10 @@ TEST_F(BadInput, CloudInMillimetres) {
 TEST_F(BadInput, CalibrationWithoutBaseline) {
   const std::string calibration =
       write("calibration.yaml", "width: 640\nheight: 480\nfx: 500\nfy: 500\ncx: 320\ncy: 240\n");
-  expect_failure({"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png",
-                  "calibration:=" + calibration, "out:=" + (scratch_.path() / "out").string()},
-                 {"calibration.yaml", "baseline"});
+  expect_failure(
+      {"launch/replay_stereo.yaml", "left:=" + write("l.png", ""), "right:=" + write("r.png", ""),
+       "calibration:=" + calibration, "out:=" + (scratch_.path() / "out").string()},
+      {"calibration.yaml", "baseline"});
 }
 
 TEST_F(BadInput, LaunchFileWithMisspeltNodeKeyOrArgument) {
