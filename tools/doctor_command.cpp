@@ -138,7 +138,12 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
       ->capture_default_str();
   command.add_option("--bit-rate", devices.bit_rate, "Of its line, as the driver's bit_rate")
       ->check(CLI::NonNegativeNumber);
-  command.add_flag("--scan", devices.scan, "Ask all module ids")->needs("--can");
+  command
+      .add_flag("--scan", devices.scan,
+                "Ask all module ids: sends 255 messages, unless others talk on the line")
+      ->needs("--can");
+  command.add_flag("--shared-bus", devices.shared, "With --scan: ask although others talk there")
+      ->needs("--scan");
   command.add_option("--dsa", devices.dsa, "Line of a tactile controller, or tcp://HOST:PORT");
   command.add_option("--ft300", devices.ft300, "Line of an FT 300, or tcp://HOST:PORT");
   command.add_option("--unit", devices.unit, "Its Modbus address")

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <functional>
+#include <optional>
 #include <string_view>
 
 #include "drivers/dsa/driver/probe.h"
@@ -74,11 +75,35 @@ Finding finding_of(const std::string& subject, const Probe& probe) {
   return {level_of(probe.result), subject, probe.what, probe.mend};
 }
 
+// Why not all module ids are asked; nothing when nobody else is on the line. First of all, as what
+// is asked of one module makes it talk.
+std::optional<Finding> reason_against_scan(const drivers::pg70::LinkAddress& address) {
+  const drivers::pg70::OtherTraffic traffic = drivers::pg70::listen(address);
+  if (!traffic.any()) return std::nullopt;
+  std::string who;
+  if (!traffic.modules.empty()) {
+    who = fmt::format("module {} is in use", fmt::join(traffic.modules, ", "));
+  }
+  if (traffic.others > 0) {
+    who += fmt::format("{}{} messages of other devices in a second", who.empty() ? "" : ", ",
+                       traffic.others);
+  }
+  return Finding{Level::kWarning, "gripper",
+                 fmt::format("others share {} ({}), so the 255 module ids were not asked: what is "
+                             "sent to an id that is not a gripper's may mean anything to its owner",
+                             address.line, who),
+                 "stop them, or take the gripper to a line of its own; --scan --shared-bus asks "
+                 "nevertheless"};
+}
+
 Findings ask_gripper(const DeviceChoices& choices) {
   const drivers::pg70::LinkAddress address{choices.can, static_cast<unsigned>(choices.bit_rate),
                                            static_cast<std::uint8_t>(choices.module_id)};
+  const auto against = choices.scan && !choices.shared ? reason_against_scan(address)
+                                                       : std::optional<Finding>();
   Findings findings{finding_of("gripper", drivers::pg70::probe(address))};
-  if (!choices.scan) return findings;
+  if (against) findings.push_back(*against);
+  if (!choices.scan || against) return findings;
   const auto modules = drivers::pg70::find_modules(address);
   if (modules.empty()) {
     findings.push_back({Level::kError, "gripper",

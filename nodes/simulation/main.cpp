@@ -253,7 +253,7 @@ const prehend::graph::RegisteredNodeProgram registered(
      "/wrench, "
      "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
      "while moving), the actions /carrier/move and /gripper/move, and the services "
-     "/gripper/stop, "
+     "/gripper/stop, /gripper/fast_stop, "
      "/gripper/acknowledge, /simulation/spawn, /simulation/render and /clock/control (pause, "
      "resume, step, speed). With a platform of arm and hand (robot) in place of gripper and "
      "carrier it publishes /joint_states and the hand's /tactile/PAD, and takes the actions "

@@ -29,22 +29,29 @@ GripperMode mode_of(const msgs::GripperCommand& command) {
   }
 }
 
+msgs::Acknowledge acknowledged(const char* words) {
+  msgs::Acknowledge answer;
+  answer.set_success(true);
+  answer.set_reason(words);
+  return answer;
+}
+
 }  // namespace
 
 MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
     : node_(node), robot_(robot) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/stop", [this](const msgs::Empty&) {
-    robot_.command_gripper(GripperMode::kStop, 0, 0, 0);
-    msgs::Acknowledge answer;
-    answer.set_success(true);
-    return answer;
+    robot_.stop_gripper("stopped by /gripper/stop");
+    return acknowledged("it brakes");
   });
-  acknowledge_ =
-      node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/acknowledge", [](const msgs::Empty&) {
-        msgs::Acknowledge answer;
-        answer.set_success(true);
-        answer.set_reason("no error was present");
-        return answer;
+  fast_stop_ =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/fast_stop", [this](const msgs::Empty&) {
+        robot_.fast_stop_gripper("stopped by /gripper/fast_stop");
+        return acknowledged("it brakes; call /gripper/acknowledge before it is to move again");
+      });
+  acknowledge_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/gripper/acknowledge", [this](const msgs::Empty&) {
+        return acknowledged(robot_.acknowledge_gripper() ? "" : "no error was present");
       });
   command_ = node.subscribe<msgs::GripperCommand>(
       "/gripper/command", graph::QoS::queue(20),
@@ -140,8 +147,8 @@ msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal&
   for (int slice = 0; node_.ok(); ++slice) {
     robot_.wait_for_slice();
     gripper = reading();
-    if (!robot_.holds_gripper(ticket)) {
-      result.set_reason("another command took the gripper over");
+    if (const std::string loss = robot_.loss_of_gripper(ticket); !loss.empty()) {
+      result.set_reason(loss);
       break;
     }
     if (there()) {
@@ -154,7 +161,7 @@ msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal&
       break;
     }
     if (context.cancelled()) {
-      if (!context.preempted()) robot_.command_gripper(GripperMode::kStop, 0, 0, 0);
+      if (!context.preempted()) robot_.stop_gripper("cancelled");
       result.set_reason("cancelled");
       break;
     }

@@ -8,7 +8,7 @@
 namespace prehend::nodes {
 
 /// What moves the simulated robot: actions /carrier/move and /gripper/move, topic /gripper/command,
-/// services /gripper/stop and /gripper/acknowledge.
+/// services /gripper/stop, /gripper/fast_stop and /gripper/acknowledge.
 class MotionActions {
  public:
   MotionActions(graph::Node& node, SimulatedRobot& robot);
@@ -22,7 +22,7 @@ class MotionActions {
 
   graph::Node& node_;
   SimulatedRobot& robot_;
-  graph::Service stop_, acknowledge_;
+  graph::Service stop_, fast_stop_, acknowledge_;
   graph::Subscription command_;
   graph::ActionServer carrier_, gripper_;
 };

@@ -24,6 +24,7 @@ msgs::GripperState gripper_message(const SensorReadings& readings) {
   message.set_referenced(true);
   message.set_moving(readings.gripper.moving);
   message.set_blocked(readings.gripper.blocked);
+  message.set_error_code(readings.gripper_error);
   return message;
 }
 

@@ -1,6 +1,7 @@
 #include "nodes/simulation/simulated_robot.h"
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace prehend::nodes {
@@ -67,6 +68,7 @@ SensorReadings SimulatedRobot::read() const {
   SensorReadings readings;
   readings.stamp = std::llround(world_.time() * 1e9);
   readings.gripper = world_.gripper();
+  readings.gripper_error = gripper_error_;
   readings.carrier = world_.carrier();
   if (world_.has_touch()) {
     readings.left = world_.tactile_image(PadSide::kLeft);
@@ -77,12 +79,20 @@ SensorReadings SimulatedRobot::read() const {
   return readings;
 }
 
+void SimulatedRobot::check_gripper() const {
+  if (gripper_error_ == 0) return;
+  throw std::invalid_argument("the gripper was stopped by a fast stop; acknowledge it first");
+}
+
 void SimulatedRobot::command_gripper(GripperMode mode, double value, double current_limit,
                                      std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
   if (stamp != 0 && stamp <= action_stamp_) return;
+  if (mode != GripperMode::kStop) check_gripper();
   world_.set_gripper_command(mode, value, current_limit);
   ++gripper_ticket_;
+  gripper_taker_ = mode == GripperMode::kStop ? "stopped by /gripper/command"
+                                              : "another command took the gripper over";
   continuous_command_ = mode != GripperMode::kStop;
   command_time_ = world_.time();
 }
@@ -90,15 +100,37 @@ void SimulatedRobot::command_gripper(GripperMode mode, double value, double curr
 std::uint64_t SimulatedRobot::move_gripper(double opening, double speed, double current_limit,
                                            std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
+  check_gripper();
   action_stamp_ = stamp;
   world_.set_gripper_command(GripperMode::kPosition, opening, current_limit, speed);
   continuous_command_ = false;
+  gripper_taker_ = "another command took the gripper over";
   return ++gripper_ticket_;
 }
 
-bool SimulatedRobot::holds_gripper(std::uint64_t ticket) {
+std::string SimulatedRobot::loss_of_gripper(std::uint64_t ticket) {
   const std::lock_guard lock(mutex_);
-  return ticket == gripper_ticket_;
+  return ticket == gripper_ticket_ ? std::string() : gripper_taker_;
+}
+
+void SimulatedRobot::stop_gripper(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  world_.set_gripper_command(GripperMode::kStop, 0);
+  ++gripper_ticket_;
+  gripper_taker_ = why;
+  continuous_command_ = false;
+}
+
+void SimulatedRobot::fast_stop_gripper(const std::string& why) {
+  constexpr std::uint32_t kFastStop = 0xD9;
+  stop_gripper(why);
+  const std::lock_guard lock(mutex_);
+  gripper_error_ = kFastStop;
+}
+
+bool SimulatedRobot::acknowledge_gripper() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(gripper_error_, 0u) != 0;
 }
 
 void SimulatedRobot::move_carrier(const geometry::RigidTransform& X_WG, double speed,

@@ -16,6 +16,7 @@ namespace prehend::nodes {
 struct SensorReadings {
   std::int64_t stamp = 0;  // ns, simulated
   simulation::GripperReading gripper;
+  std::uint32_t gripper_error = 0;  // as of a PG70
   simulation::CarrierReading carrier;
   simulation::TactileImage left, right;  // empty when the scene's pads have no texels
   simulation::ContactWrench wrench;
@@ -55,13 +56,20 @@ class SimulatedRobot {
   /// A continuous command: stopped by the watchdog when the jaws still move kWatchdog later.
   /// Like an action's command it takes the gripper over from whoever had it, unless `stamp` [ns]
   /// is set and not later than that of the last move_gripper: then it came late and is ignored.
-  /// @throws std::invalid_argument as World::set_gripper_command.
+  /// @throws std::invalid_argument as World::set_gripper_command, or after a fast stop.
   void command_gripper(simulation::GripperMode mode, double value, double current_limit,
                        std::int64_t stamp);
-  /// A command with an own end; returns a ticket that holds_gripper() knows until the next command.
+  /// A command with an own end; returns a ticket that loss_of_gripper() knows until the next one.
   std::uint64_t move_gripper(double opening, double speed, double current_limit,
                              std::int64_t stamp);
-  bool holds_gripper(std::uint64_t ticket);
+  /// Who took the gripper from a motion, in words; "" while nobody has.
+  std::string loss_of_gripper(std::uint64_t ticket);
+  /// Brakes and holds; `why` becomes the reason of the motion that it ends.
+  void stop_gripper(const std::string& why);
+  /// Brakes, and refuses every command until acknowledge_gripper().
+  void fast_stop_gripper(const std::string& why);
+  /// True when there was something to acknowledge.
+  bool acknowledge_gripper();
 
   /// Starts a line; when `contact_force` [N] > 0, the carrier is stopped within one step once the
   /// wrist feels more. @throws std::invalid_argument as World::move_carrier.
@@ -77,6 +85,7 @@ class SimulatedRobot {
   void slice();
   void step_slice();
   SensorReadings read() const;
+  void check_gripper() const;
 
   graph::Node& node_;
   simulation::World world_;
@@ -86,6 +95,8 @@ class SimulatedRobot {
   std::condition_variable slice_done_;
   std::uint64_t slices_ = 0;
   std::uint64_t gripper_ticket_ = 0;
+  std::string gripper_taker_;  // who made the ticket, in words for the one before
+  std::uint32_t gripper_error_ = 0;
   std::int64_t action_stamp_ = 0;  // ns, of the last move_gripper
   bool continuous_command_ = false;
   double command_time_ = 0;  // s, simulated

@@ -38,6 +38,15 @@ void put_hosts(YAML::Emitter& out, const LaunchGraph& graph) {
   put(out, "registry_host", graph.registry_host);
 }
 
+void put_warnings(YAML::Emitter& out, const LaunchGraph& graph) {
+  if (graph.warnings.empty()) return;
+  out << YAML::Key << "warnings" << YAML::Value << YAML::BeginSeq;
+  for (const std::string& text : graph.warnings) {
+    out << YAML::BeginMap << YAML::Key << "text" << YAML::Value << text << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
 // Names are written as they were before the namespace was added.
 std::map<std::string, std::string> remaps_as_written(const LaunchNode& node) {
   auto remaps = node.remaps;
@@ -74,6 +83,7 @@ std::string describe(const LaunchGraph& graph) {
   out << YAML::BeginMap;
   put_hosts(out, graph);
   put(out, "log_directory", graph.log_directory);
+  put_warnings(out, graph);
   out << YAML::Key << "nodes" << YAML::Value << YAML::BeginSeq;
   for (const LaunchNode& node : graph.nodes) put_node(out, node);
   out << YAML::EndSeq << YAML::EndMap;

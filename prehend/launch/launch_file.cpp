@@ -48,7 +48,7 @@ void check_top_level(const LaunchScope& scope, const YAML::Node& root) {
   if (root.IsNull()) throw LaunchError(scope.file + ": the launch file is empty");
   check_keys(scope, root, "the launch file",
              with_settings({"nodes", "include", "groups", "arguments", "hosts", "registry_host",
-                            "log_directory"}));
+                            "log_directory", "warnings"}));
 }
 
 class Loader {
@@ -77,6 +77,7 @@ class Loader {
     check_top_level(scope, root);
     take_arguments(scope, root, given, given_at, missing_, graph_.missing_arguments);
     take_launch_keys(scope, root, is_top);
+    add_warnings(scope, root["warnings"]);
     add_content(scope, root, settings_of(scope, root, inherited, graph_.hosts));
     chain_.pop_back();
     if (!is_top) return;
@@ -132,6 +133,16 @@ class Loader {
              "host " + host.name + " needs an address like 10.0.0.1, without tcp://");
       }
       graph_.hosts.push_back(host);
+    }
+  }
+
+  void add_warnings(const LaunchScope& scope, const YAML::Node& list) {
+    check_list(scope, list, "warnings must be a list of {text: ..., if: ...}");
+    for (const YAML::Node& entry : list) {
+      check_keys(scope, entry, "a warning", {"text", "if"});
+      if (!entry["text"]) fail(scope, entry, "a warning needs the key \"text\"");
+      const std::string text = text_of(scope, entry["text"], "text");
+      if (condition_of(scope, entry["if"])) graph_.warnings.push_back(text);
     }
   }
 

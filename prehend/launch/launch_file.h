@@ -68,6 +68,7 @@ struct LaunchGraph {
   std::vector<LaunchHost> hosts;                 ///< empty: all on this machine, on loopback
   std::string registry_host;                     ///< where the registry runs; "" without hosts
   std::string log_directory;                     ///< or ""
+  std::vector<std::string> warnings;             ///< to be said at the start
   std::vector<LaunchNode> nodes;  ///< in the order of the file, includes where they stand
 };
 

@@ -57,6 +57,7 @@ class Supervisor {
     output_.progress(fmt::format("{}{}: {}, logs in {}", graph_.file,
                                  options_.host.empty() ? "" : " on " + options_.host, nodes_text(),
                                  options_.log_folder));
+    for (const std::string& warning : graph_.warnings) output_.warning(warning);
     if (const int signal = registry_.start()) stop_for(signal);
     if (!exit_code_) prepare();
     while (!exit_code_) step();

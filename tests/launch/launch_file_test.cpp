@@ -86,6 +86,7 @@ TEST_F(LaunchFileTest, ItsDescriptionLoadsToTheSameGraph) {
 hosts: {cell: {address: 127.0.0.1}, arm: {address: 127.0.0.2}}
 registry_host: arm
 log_directory: out/somewhere
+warnings: [{text: "no: camera"}, {text: nothing, if: false}]
 nodes:
   - node: simulation
     name: world
@@ -104,6 +105,7 @@ nodes:
   EXPECT_EQ(again.registry_host, "arm");
   EXPECT_EQ(again.hosts.size(), 2u);
   EXPECT_EQ(again.log_directory, "out/somewhere");
+  EXPECT_EQ(again.warnings, std::vector<std::string>{"no: camera"});
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     EXPECT_EQ(node_options(again.nodes[i], ""), node_options(graph.nodes[i], ""));
     EXPECT_EQ(again.nodes[i].environment, graph.nodes[i].environment);
@@ -134,6 +136,23 @@ nodes:
   EXPECT_THAT(names(load(text)), ElementsAre("simulation"));
   EXPECT_THAT(names(load(text, {"mode:=x", "viewer:=true"})), ElementsAre("included", "slow"));
   EXPECT_THAT(error_of("nodes: [{node: report, if: maybe}]"), HasSubstr("if must be true, false"));
+}
+
+TEST_F(LaunchFileTest, WarningsOfAllFilesAreCollected) {
+  write("b.yaml", "warnings: [{text: beside}]\nnodes: [{node: report}]\n");
+  const LaunchGraph graph = load(R"(
+arguments: {mode: {default: fast}}
+warnings:
+  - {text: "$(mode) leaves much out", if: $(mode) == fast}
+  - {text: "slow", if: $(mode) != fast}
+include: [{file: b.yaml}]
+)");
+  EXPECT_THAT(graph.warnings, ElementsAre("fast leaves much out", "beside"));
+  EXPECT_THAT(error_of("warnings: [{if: true}]\nnodes: [{node: report}]"),
+              HasSubstr("a warning needs the key \"text\""));
+  EXPECT_THAT(error_of("warnings: [{txt: a}]\nnodes: [{node: report}]"),
+              HasSubstr("unknown key \"txt\""));
+  EXPECT_THAT(error_of("warnings: no\nnodes: [{node: report}]"), HasSubstr("must be a list"));
 }
 
 TEST_F(LaunchFileTest, TheClockIsInheritedByIncludes) {

@@ -63,5 +63,34 @@ TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   EXPECT_THAT(check("density: [1, 2]"), HasSubstr("of type number"));
 }
 
+// With all devices real nothing is simulated, so the launch says what is missing.
+TEST(LaunchFilesOfTheRepository, BringupTakesCalibrationsAndSaysWhatIsMissing) {
+  const ScratchDirectory scratch;
+  const std::vector<std::string> real{"gripper:=pg70", "tactile:=dsa", "wrench:=ft300"};
+  std::vector<std::string> words{"launch", "--dry-run", "launch/bringup.yaml"};
+  words.insert(words.end(), real.begin(), real.end());
+  for (const char* argument :
+       {"matrices:=[1, 0]", "flip_rows:=[left]", "newton_per_count:=0.001", "current_by:=grip",
+        "mounting:=[0, 0, -0.05, 0, 0, 1.5]", "inverted:=true", "opening_per_position:=2.0"}) {
+    words.push_back(argument);
+  }
+  ChildProgram bringup("prehend", words, scratch.path("bringup.txt"));
+  EXPECT_EQ(bringup.wait(seconds(30)), 0) << bringup.output();
+  for (const char* part : {"need nodes of yours that publish /camera/info", "[1, 0]", "[left]",
+                           "0.001", "grip", "-0.05", "inverted: true", "opening_per_position: 2"}) {
+    EXPECT_THAT(bringup.output(), HasSubstr(part));
+  }
+  EXPECT_THAT(bringup.output(), ::testing::Not(HasSubstr("grasp_cycle")));
+  words[1] = "--check";
+  words.push_back("cycle:=true");
+  ChildProgram check("prehend", words, scratch.path("check.txt"));
+  EXPECT_EQ(check.wait(seconds(60)), 0) << check.output();
+  words[1] = "--dry-run";
+  ChildProgram cycle("prehend", words, scratch.path("cycle.txt"));
+  EXPECT_EQ(cycle.wait(seconds(30)), 0) << cycle.output();
+  EXPECT_THAT(cycle.output(), HasSubstr("grasp_cycle"));
+  EXPECT_THAT(cycle.output(), HasSubstr("shape_completion"));
+}
+
 }  // namespace
 }  // namespace prehend::testing

@@ -42,10 +42,16 @@ Statistics Device::statistics() {
   return driver_.statistics();
 }
 
+std::string Device::trouble() {
+  const std::lock_guard lock(mutex_);
+  return line_problem_.empty() ? driver_.trouble() : line_problem_;
+}
+
 void Device::open_line() {
   line_ = reopening_.attempt(open_, kTick);
-  if (!line_) return;
   const std::lock_guard lock(mutex_);
+  line_problem_ = reopening_.problem();
+  if (!line_) return;
   driver_.connected(steady_now());
 }
 

@@ -29,6 +29,8 @@ class Device {
 
   DriverState state();
   Statistics statistics();
+  /// What is wrong with the line or the controller, "" when nothing is (or it is too early to say).
+  std::string trouble();
 
  private:
   void run();
@@ -36,7 +38,8 @@ class Device {
 
   Open open_;
   Reopening reopening_;
-  std::mutex mutex_;  // guards driver_
+  std::mutex mutex_;  // guards driver_ and line_problem_
+  std::string line_problem_;
   std::unique_ptr<ByteStream> line_;
   Driver driver_;
   std::atomic<bool> ends_ = false;

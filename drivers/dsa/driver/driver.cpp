@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -83,6 +84,7 @@ void Driver::connected(Time now) {
 
 void Driver::disconnected(const std::string& why) {
   if (state_ != DriverState::kDisconnected) note_(true, why);
+  trouble_ = why;
   state_ = DriverState::kDisconnected;
   question_.reset();
   statistics_.frame_rate = 0;
@@ -109,7 +111,8 @@ void Driver::ask(PacketId id, std::vector<std::uint8_t> payload, Time now) {
 }
 
 void Driver::give_up(const std::string& words, Time now) {
-  note_(true, words);
+  if (trouble_ != words) note_(true, words);
+  trouble_ = words;
   question_.reset();
   state_ = DriverState::kRefused;
   pause_until_ = now + kPause;
@@ -134,6 +137,7 @@ void Driver::take_frame(const Packet& packet, Time now) {
     return;
   }
   last_frame_ = now;
+  trouble_.clear();
   ++statistics_.frames;
   arrivals_.push_back(now);
   std::erase_if(arrivals_, [&](Time t) { return now - t > std::chrono::seconds(1); });
@@ -233,7 +237,10 @@ void Driver::update(Time now) {
   }
   if (state_ == DriverState::kStreaming) {
     if (now - last_frame_ <= to_time(options_.stale_time)) return;
-    note_(true, "no tactile frame for " + std::to_string(options_.stale_time) + " s");
+    char words[64];
+    std::snprintf(words, sizeof words, "no tactile frame for %g s", options_.stale_time);
+    trouble_ = words;
+    note_(true, trouble_);
     state_ = DriverState::kStale;
     statistics_.frame_rate = 0;
     pause_until_ = now;
@@ -241,6 +248,7 @@ void Driver::update(Time now) {
   }
   if (question_ && now - asked_ > to_time(options_.reply_time)) {
     asked_ = now;
+    ++statistics_.unanswered;
     const bool may_start_up =
         state_ == DriverState::kStopping && now - began_ < to_time(options_.start_up);
     if (tries_++ >= options_.tries && !may_start_up) {

@@ -41,9 +41,10 @@ struct Statistics {
   std::uint64_t frames = 0;      // handed on
   std::uint64_t bad_frames = 0;  // whole packets that held no valid frame
   std::uint64_t bad_checksums = 0;
-  std::uint64_t discarded = 0;  // bytes that belonged to no packet
-  std::uint64_t restarts = 0;   // of the sequence, the first included
-  double frame_rate = 0;        // 1/s, of the last second; 0: none
+  std::uint64_t discarded = 0;   // bytes that belonged to no packet
+  std::uint64_t unanswered = 0;  // questions that had to be repeated or were given up
+  std::uint64_t restarts = 0;    // of the sequence, the first included
+  double frame_rate = 0;         // 1/s, of the last second; 0: none
 };
 
 /// The controller as a state machine over bytes and time. It does no input or output itself: what
@@ -66,6 +67,8 @@ class Driver {
 
   DriverState state() const { return state_; }
   Statistics statistics() const;
+  /// Why there are no frames, as it was noted; "" once a frame came, or before anything went wrong.
+  const std::string& trouble() const { return trouble_; }
   const std::optional<ControllerInfo>& controller() const { return controller_; }
   /// One a matrix, in the order of the frame. Empty until known; kept over restarts.
   const std::vector<MatrixInfo>& matrices() const { return matrices_; }
@@ -106,6 +109,7 @@ class Driver {
   Time pause_until_{};
   std::vector<Time> arrivals_;  // of the last second
   Statistics statistics_;
+  std::string trouble_;
 };
 
 }  // namespace prehend::drivers::dsa

@@ -1,8 +1,10 @@
 #include "drivers/dsa/emulator/controller.h"
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace prehend::drivers::dsa {
@@ -21,6 +23,30 @@ std::size_t cells_of(const MatrixShape& shape) {
 }
 
 }  // namespace
+
+MatrixShape matrix_shape_from(const std::string& text) {
+  MatrixShape shape;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  const auto take = [&](auto& number) {
+    const auto [after, error] = std::from_chars(at, end, number);
+    at = after;
+    return error == std::errc{};
+  };
+  bool is_good = take(shape.cells_x) && at != end && *at++ == 'x' && take(shape.cells_y);
+  if (is_good && at != end) is_good = *at++ == '@' && take(shape.texel_pitch) && at == end;
+  if (!is_good) {
+    throw std::invalid_argument("'" + text +
+                                "' is no matrix; write columns x rows as 6x14, or 6x14@3.4 with "
+                                "the texel pitch in mm");
+  }
+  const auto fits = [](int cells) { return cells >= 1 && cells <= 255; };
+  if (!fits(shape.cells_x) || !fits(shape.cells_y) || !(shape.texel_pitch > 0)) {
+    throw std::invalid_argument("matrix '" + text +
+                                "' must have 1 to 255 columns and rows, and a positive pitch");
+  }
+  return shape;
+}
 
 Controller::Controller(const ControllerOptions& options, Send send)
     : options_(options), send_(std::move(send)) {

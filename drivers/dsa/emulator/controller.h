@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "drivers/dsa/codec/frame.h"
@@ -18,6 +19,10 @@ struct MatrixShape {
   int cells_y = 14;
   double texel_pitch = 3.4;  // mm
 };
+
+/// From "6x14" (columns x rows), "6x14@3.4" (and the texel pitch in mm).
+/// @throws std::invalid_argument with what is wrong.
+MatrixShape matrix_shape_from(const std::string& text);
 
 struct ControllerOptions {
   std::vector<MatrixShape> matrices{{}, {}};

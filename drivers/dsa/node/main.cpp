@@ -1,11 +1,15 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "drivers/dsa/driver/device.h"
 #include "drivers/dsa/node/pads.h"
+#include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/wall_timer.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
@@ -134,6 +138,69 @@ Settings declare_settings(graph::Node& node) {
   return s;
 }
 
+/// Health and counters, looked at in real time.
+class Watcher {
+ public:
+  Watcher(graph::Node& node, Device& device)
+      : node_(node),
+        device_(device),
+        report_(node),
+        publisher_(node.advertise<msgs::DeviceStatus>("/tactile/device", graph::QoS::latched(1))),
+        timer_(kPeriod, [this] { look(); }) {}
+  /// Of frames that cannot be what the parameters say; "" when they can.
+  void set_pads_problem(const std::string& words) {
+    const std::lock_guard lock(mutex_);
+    pads_problem_ = words;
+  }
+
+ private:
+  static constexpr double kPeriod = 0.1;            // s
+  static constexpr int kSample = 5, kPublish = 10;  // periods
+
+  void look() {
+    const DriverState state = device_.state();
+    const Statistics s = device_.statistics();
+    const std::uint64_t damaged = s.bad_frames + s.bad_checksums;
+    if (state != DriverState::kStreaming) {
+      quality_.restart();  // what is lost while it is away is no fault of the line
+    } else if (looks_ % kSample == 0) {
+      quality_.sample(s.frames, damaged + s.unanswered, 0, steady_now());
+    }
+    report_.tell(health(state));
+    if (looks_++ % kPublish != 0) return;
+    msgs::DeviceStatus status;
+    status.mutable_header()->set_stamp(node_.clock().now());
+    status.set_state(to_string(state));
+    status.set_messages(s.frames);
+    status.set_damaged(damaged);
+    status.set_unanswered(s.unanswered);
+    status.set_connections(s.restarts);
+    status.set_rate(quality_.rate());
+    status.set_damaged_part(quality_.harmed_part());
+    publisher_.publish(status);
+  }
+  Health health(DriverState state) {
+    const std::string trouble = device_.trouble();
+    if (!trouble.empty()) return {Health::Level::kError, trouble};
+    {
+      const std::lock_guard lock(mutex_);
+      if (!pads_problem_.empty()) return {Health::Level::kError, pads_problem_};
+    }
+    const Health health{Health::Level::kOk, to_string(state)};
+    return state == DriverState::kStreaming ? with_warning(health, quality_.problem()) : health;
+  }
+
+  graph::Node& node_;
+  Device& device_;
+  DeviceReport report_;
+  LinkQuality quality_;
+  int looks_ = 0;
+  std::mutex mutex_;  // guards pads_problem_
+  std::string pads_problem_;
+  graph::Publisher<msgs::DeviceStatus> publisher_;
+  WallTimer timer_;
+};
+
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
   DeviceReport report(node);
@@ -142,40 +209,33 @@ void run(graph::Node& node) {
     publishers.push_back(
         node.advertise<msgs::TactileFrame>("/tactile/" + pad.name, graph::QoS::queue(50)));
   }
-  bool is_told = false;
+  std::atomic<Watcher*> watcher = nullptr;
   Device device(
       settings.driver, [&] { return open_byte_stream(settings.line, settings.baud); },
       [&](const Frame& frame, const std::vector<MatrixInfo>& matrices) {
         const std::int64_t stamp = node.clock().now();
-        try {
-          for (std::size_t i = 0; i < settings.pads.size(); ++i) {
+        std::string problem;
+        for (std::size_t i = 0; i < settings.pads.size(); ++i) {
+          try {
             publishers[i].publish(pad_message(settings.pads[i], frame, matrices, stamp));
+          } catch (const std::invalid_argument& error) {
+            problem = error.what();
           }
-        } catch (const std::invalid_argument& error) {
-          if (!is_told) report.problem(error.what());
-          is_told = true;
         }
+        if (watcher) watcher.load()->set_pads_problem(problem);
       },
       report.taker());
-  DriverState last = DriverState::kDisconnected;
-  const auto watch = node.create_timer(0.2, [&] {
-    const DriverState state = device.state();
-    if (state == DriverState::kStreaming && state != last) report.recovered(to_string(state));
-    last = state;
-  });
-  const auto statistics = node.create_timer(30, [&] {
-    const Statistics s = device.statistics();
-    node.log_debug("{:.1f} frames/s, {} frames, {} bad, {} bad checksums, {} bytes discarded",
-                   s.frame_rate, s.frames, s.bad_frames, s.bad_checksums, s.discarded);
-  });
+  Watcher watches(node, device);
+  watcher = &watches;
   node.spin();
+  watcher = nullptr;
 }
 
 const graph::RegisteredNodeProgram registered(
     {"dsa",
      "Reads the tactile pads of a Weiss DSACON32-m controller over a serial line or TCP, and "
      "publishes them as the simulated pads are: /tactile/left, /tactile/right, or whatever the "
-     "parameter pads names."},
+     "parameter pads names. /tactile/device tells how good the line is."},
     run);
 
 }  // namespace

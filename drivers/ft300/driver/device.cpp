@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -42,6 +43,7 @@ Device::Device(const DeviceOptions& options, OnMeasurement on_measurement, Note 
   check_positive(options.retry, "retry");
   check_positive(options.silence, "silence");
   check_positive(options.rest, "rest");
+  check_positive(options.grace, "grace");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -65,14 +67,23 @@ void Device::wait(double seconds) const {
   while (!ends_ && steady_now() < end) std::this_thread::sleep_for(kTick);
 }
 
+std::string Device::trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
+}
+
 void Device::fail(const std::string& words, DeviceState state) {
-  if (last_problem_ != words) note_(true, words);
-  last_problem_ = words;
+  // What is at the other end may be starting, too.
+  const bool is_early = !was_open_ && steady_now() - begun_ < to_time(options_.grace);
+  bool is_news = false;
   {
     const std::lock_guard lock(mutex_);
+    is_news = !is_early && trouble_ != words;
+    if (is_news) trouble_ = words;
     ++statistics_.failures;
     statistics_.rate = 0;
   }
+  if (is_news) note_(true, words);
   state_ = state;
   line_.reset();
   streams_ = false;
@@ -80,6 +91,7 @@ void Device::fail(const std::string& words, DeviceState state) {
 }
 
 void Device::run() {
+  begun_ = steady_now();
   while (!ends_) {
     try {
       connect();
@@ -103,6 +115,7 @@ void Device::connect() {
   line_ = std::make_unique<ModbusLine>(
       options_.line, options_.baud, options_.unit,
       std::chrono::microseconds(static_cast<std::int64_t>(options_.reply_time * 1e6)));
+  was_open_ = true;
 }
 
 // 50 bytes FF end a stream.
@@ -133,12 +146,16 @@ void Device::identify() {
     firmware_ = text;
   }
   streams_ = options_.stream && line_->is_serial();
+  {
+    const std::lock_guard lock(mutex_);
+    discarded_before_ += stream_.discarded();
+    ++statistics_.connections;
+  }
   stream_ = StreamDecoder();
   if (streams_) {
     const std::uint16_t start[] = {registers::kStartStream};
     line_->write(registers::kOutputSelect, start);
   }
-  last_problem_.clear();
   note_(false, text + " on " + line_->name() + (streams_ ? ", streaming" : ", polled"));
   last_measurement_ = window_begin_ = next_poll_ = steady_now();
   window_count_ = 0;
@@ -151,15 +168,16 @@ void Device::measure() {
     poll();
   }
   if (steady_now() - last_measurement_ <= to_time(options_.stale_time)) return;
-  throw ModbusError(
-      line_->name() + ": no measurement for " + std::to_string(options_.stale_time) + " s", false);
+  char words[64];
+  std::snprintf(words, sizeof words, ": no measurement for %g s", options_.stale_time);
+  throw ModbusError(line_->name() + words, false);
 }
 
 void Device::read_stream() {
   stream_.add(line_->read_bytes(kTick));
   while (const auto measurement = stream_.next()) take(*measurement);
   const std::lock_guard lock(mutex_);
-  statistics_.discarded = stream_.discarded();
+  statistics_.discarded = discarded_before_ + stream_.discarded();
 }
 
 void Device::poll() {
@@ -186,6 +204,7 @@ void Device::take(const Measurement& measurement) {
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.measurements;
+    trouble_.clear();
     if (now - window_begin_ >= std::chrono::seconds(1)) {
       statistics_.rate = static_cast<double>(window_count_) / to_seconds(now - window_begin_);
       window_begin_ = now;

@@ -23,6 +23,7 @@ struct DeviceOptions {
   double reply_time = 0.2;  // s to wait for an answer
   double stale_time = 0.2;  // s without measurement that are reported; then it begins anew
   double retry = 0.5;       // s between tries to open the line
+  double grace = 2;         // s at first in which a line that cannot be opened is not told
   // A stream is over when nothing came for `silence`; Modbus is served `rest` later [s]
   // (rq_sensor_com.cpp).
   double silence = 0.08;
@@ -44,7 +45,8 @@ struct Statistics {
   std::uint64_t measurements = 0;
   std::uint64_t failures = 0;   // transactions without a good answer
   std::uint64_t discarded = 0;  // bytes of the stream that belonged to no message
-  double rate = 0;              // 1/s, of the last second
+  std::uint64_t connections = 0;
+  double rate = 0;  // 1/s, of the last second
 };
 
 /// The sensor on its line: a thread connects, identifies, measures, and connects again when it is
@@ -63,6 +65,8 @@ class Device {
   Statistics statistics() const;
   /// "FTS-2.0.1", "" before it is known.
   std::string firmware() const;
+  /// What is wrong, as it was noted; "" once a measurement came, or before anything went wrong.
+  std::string trouble() const;
 
  private:
   void run();
@@ -82,7 +86,8 @@ class Device {
   std::unique_ptr<ModbusLine> line_;
   StreamDecoder stream_;
   bool streams_ = false;
-  std::string last_problem_;
+  Time begun_{};
+  bool was_open_ = false;
   Time last_measurement_{};
   Time next_poll_{};
   Time window_begin_{};
@@ -90,7 +95,9 @@ class Device {
   std::atomic<DeviceState> state_ = DeviceState::kDisconnected;
   mutable std::mutex mutex_;  // guards what follows
   Statistics statistics_;
+  std::uint64_t discarded_before_ = 0;  // by earlier connections
   std::string firmware_;
+  std::string trouble_;
   std::atomic<bool> ends_ = false;
   std::thread thread_;
 };

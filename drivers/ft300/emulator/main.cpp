@@ -4,6 +4,7 @@
 #include "drivers/ft300/emulator/sensor.h"
 #include "drivers/wire/faults/faulty_stream.h"
 #include "drivers/wire/node/fault_parameters.h"
+#include "drivers/wire/node/linger.h"
 #include "drivers/wire/stream/emulated_line.h"
 #include "drivers/wire/stream/served_device.h"
 #include "msgs/sensors.pb.h"
@@ -31,25 +32,30 @@ void run(graph::Node& node) {
                                    .maximum = 247,
                                    .description = "Modbus address that it answers to",
                                    .read_only = true}));
-  auto stream = std::make_unique<FaultyStream>(make_emulated_line(line));
-  FaultyStream& faulty = *stream;
-  ServedDevice<Sensor> sensor(options, std::move(stream));
+  LineFaultParameters line_faults(node);
+  Switch silent(node, "silent", "nothing that it says arrives");
+  Switch reboot(node, "reboot", "set to true: starts anew");
+  std::unique_ptr<ServedDevice<Sensor>> sensor;  // made below: --help makes no line
   const auto subscription = node.subscribe<msgs::Wrench>(
       "/world/wrench", graph::QoS::latest(), [&](const graph::Received<msgs::Wrench>& message) {
         const auto& force = message->wrench().force();
         const auto& torque = message->wrench().torque();
         const Measurement measurement{{force.x(), force.y(), force.z()},
                                       {torque.x(), torque.y(), torque.z()}};
-        sensor.with_device([&](Sensor& s, Time) { s.set_measurement(measurement); });
+        sensor->with_device([&](Sensor& s, Time) { s.set_measurement(measurement); });
       });
-  declare_line_faults(node, [&](const LineFaults& faults) { faulty.set_faults(faults); });
-  declare_switch(node, "silent", "nothing that it says arrives",
-                 [&](bool on) { sensor.with_device([on](Sensor& s, Time) { s.set_silent(on); }); });
-  declare_switch(node, "reboot", "set to true: starts anew", [&](bool on) {
-    if (on) sensor.with_device([](Sensor& s, Time now) { s.reboot(now); });
+  auto stream = std::make_unique<FaultyStream>(make_emulated_line(line));
+  FaultyStream& faulty = *stream;
+  sensor = std::make_unique<ServedDevice<Sensor>>(options, std::move(stream));
+  line_faults.connect([&](const LineFaults& faults) { faulty.set_faults(faults); });
+  silent.connect(
+      [&](bool on) { sensor->with_device([on](Sensor& s, Time) { s.set_silent(on); }); });
+  reboot.connect([&](bool on) {
+    if (on) sensor->with_device([](Sensor& s, Time now) { s.reboot(now); });
   });
   node.log_info("unit {} on {}", options.unit, line);
   node.spin();
+  linger();
 }
 
 const graph::RegisteredNodeProgram registered(

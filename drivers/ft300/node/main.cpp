@@ -5,7 +5,9 @@
 #include "drivers/ft300/driver/device.h"
 #include "drivers/ft300/driver/tare.h"
 #include "drivers/ft300/node/mounting.h"
+#include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/wall_timer.h"
 #include "msgs/actions.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node_program.h"
@@ -111,6 +113,59 @@ msgs::Wrench wrench_message(const Measurement& wrench, const std::string& frame_
   return message;
 }
 
+/// Health and counters, looked at in real time.
+class Watcher {
+ public:
+  Watcher(graph::Node& node, const Device& device, double stream_rate)
+      : node_(node),
+        device_(device),
+        stream_rate_(stream_rate),
+        report_(node),
+        publisher_(node.advertise<msgs::DeviceStatus>("/wrench/device", graph::QoS::latched(1))),
+        timer_(kPeriod, [this] { look(); }) {}
+
+ private:
+  static constexpr double kPeriod = 0.1;            // s
+  static constexpr int kSample = 5, kPublish = 10;  // periods
+
+  void look() {
+    const DeviceState state = device_.state();
+    const Statistics s = device_.statistics();
+    const std::uint64_t damaged = (s.discarded + kStreamMessageSize - 1) / kStreamMessageSize;
+    if (state != DeviceState::kMeasuring) {
+      quality_.restart();  // what is lost while it is away is no fault of the line
+    } else if (looks_ % kSample == 0) {
+      quality_.sample(s.measurements, damaged + s.failures, stream_rate_, steady_now());
+    }
+    report_.tell(health(state));
+    if (looks_++ % kPublish != 0) return;
+    msgs::DeviceStatus status;
+    status.mutable_header()->set_stamp(node_.clock().now());
+    status.set_state(to_string(state));
+    status.set_messages(s.measurements);
+    status.set_damaged(damaged);
+    status.set_unanswered(s.failures);
+    status.set_connections(s.connections);
+    status.set_rate(quality_.rate());
+    status.set_damaged_part(quality_.harmed_part());
+    publisher_.publish(status);
+  }
+  Health health(DeviceState state) const {
+    const std::string trouble = device_.trouble();
+    if (!trouble.empty()) return {Health::Level::kError, trouble};
+    return with_warning({Health::Level::kOk, to_string(state)}, quality_.problem());
+  }
+
+  graph::Node& node_;
+  const Device& device_;
+  double stream_rate_;  // 1/s, 0: it is polled
+  DeviceReport report_;
+  LinkQuality quality_;
+  int looks_ = 0;
+  graph::Publisher<msgs::DeviceStatus> publisher_;
+  WallTimer timer_;
+};
+
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
   DeviceReport report(node);
@@ -148,12 +203,9 @@ void run(graph::Node& node) {
             fmt::format("the mean of the next {} measurements becomes zero", settings.tare_count));
         return answer;
       });
-  DeviceState last = DeviceState::kDisconnected;
-  const auto watch = node.create_timer(0.2, [&] {
-    const DeviceState state = device.state();
-    if (state == DeviceState::kMeasuring && state != last) report.recovered(to_string(state));
-    last = state;
-  });
+  constexpr double kStreamRate = 100;  // 1/s, the sensor's
+  const bool streams = settings.device.stream && !settings.device.line.starts_with("tcp://");
+  const Watcher watcher(node, device, streams ? kStreamRate : 0);
   node.spin();
 }
 
@@ -161,7 +213,8 @@ const graph::RegisteredNodeProgram registered(
     {"ft300",
      "Reads a Robotiq FT 300 force sensor by Modbus RTU, its stream, or a Modbus TCP gateway, and "
      "publishes /wrench as the simulated wrist does: what the world exerts on the gripper, tared. "
-     "The service /wrench/tare makes the present wrench zero."},
+     "The service /wrench/tare makes the present wrench zero; /wrench/device tells how good the "
+     "line is."},
     run);
 
 }  // namespace

@@ -12,12 +12,14 @@ constexpr auto kTick = std::chrono::milliseconds(25);
 }  // namespace
 
 Device::Device(const DriverOptions& options, Open open, OnState on_state, Driver::Note note,
-               double retry)
+               double retry, OnRound on_round)
     : open_(std::move(open)),
       on_state_(std::move(on_state)),
-      reopening_(retry, note),
+      on_round_(std::move(on_round)),
+      note_(std::move(note)),
+      reopening_(retry, note_),
       driver_(
-          options, [this](const Content& content) { return send(content); }, std::move(note)),
+          options, [this](const Content& content) { return send(content); }, note_),
       thread_([this] { run(); }) {}
 
 Device::~Device() {
@@ -30,6 +32,16 @@ Reading Device::reading() {
   return driver_.reading();
 }
 
+std::string Device::line_problem() {
+  const std::lock_guard lock(mutex_);
+  return line_problem_;
+}
+
+void Device::begin_anew(const std::string& words) {
+  const std::lock_guard lock(mutex_);
+  anew_ = words;
+}
+
 // Called with the lock held, by the driver.
 std::string Device::send(const Content& content) {
   return link_ ? link_->send(Direction::kCommand, content) : "there is no link to the gripper";
@@ -37,10 +49,29 @@ std::string Device::send(const Content& content) {
 
 void Device::open_link() {
   std::shared_ptr<Link> link = reopening_.attempt(open_, kTick);
-  if (!link) return;
   const std::lock_guard lock(mutex_);
+  if (!link) {
+    if (!reopening_.problem().empty()) line_problem_ = reopening_.problem();
+    return;
+  }
+  line_problem_.clear();
   link_ = std::move(link);
   driver_.connected(steady_now());
+}
+
+// True when it was left, as begin_anew() asked.
+bool Device::leave_link() {
+  const std::lock_guard lock(mutex_);
+  if (anew_.empty()) return false;
+  if (link_) driver_.link_event({LinkEvent::Kind::kLeft, anew_}, steady_now());
+  link_.reset();
+  anew_.clear();
+  return true;
+}
+
+void Device::round() {
+  if (on_round_) on_round_(reading());
+  if (leave_link() && on_round_) on_round_(reading());
 }
 
 void Device::serve(std::optional<LinkInput> input) {
@@ -53,6 +84,11 @@ void Device::serve(std::optional<LinkInput> input) {
     if (input && std::holds_alternative<LinkEvent>(*input)) {
       const auto& event = std::get<LinkEvent>(*input);
       driver_.link_event(event, now);
+      if (event.kind == LinkEvent::Kind::kDown || event.kind == LinkEvent::Kind::kClosed) {
+        line_problem_ = event.words;
+      } else if (event.kind == LinkEvent::Kind::kUp) {
+        line_problem_.clear();
+      }
       if (event.kind == LinkEvent::Kind::kClosed) link_.reset();
     } else if (input) {
       driver_.receive(std::get<Incoming>(*input), now);
@@ -67,26 +103,31 @@ void Device::serve(std::optional<LinkInput> input) {
 void Device::run() {
   while (!ends_) {
     const std::shared_ptr<Link> link = link_;  // set by this thread only
-    if (!link) {
+    if (link) {
+      serve(link->receive(kTick));
+      damaged_ += link->damaged() - link_damaged_;
+      link_damaged_ = link->damaged();
+    } else {
+      link_damaged_ = 0;
       open_link();
-      continue;
     }
-    serve(link->receive(kTick));
-    damaged_ = link->damaged();
+    round();
   }
   stop_at_end();
 }
 
 void Device::stop_at_end() {
   if (!link_) return;
-  constexpr auto kPatience = std::chrono::milliseconds(200);
+  constexpr auto kPatience = std::chrono::seconds(1);
   const Time end = steady_now() + kPatience;
-  with_driver([](Driver& driver, Time now) { driver.stop(now); });
+  with_driver([](Driver& driver, Time now) { driver.stop(now, "the driver ends"); });
   // Until it is seen to stand, so that the stop is not lost with this process.
   while (link_ && steady_now() < end) {
     serve(link_->receive(kTick));
-    if (with_driver([](Driver& driver, Time) { return driver.is_settled(); })) break;
+    if (on_round_) on_round_(reading());
+    if (with_driver([](Driver& driver, Time) { return driver.is_settled(); })) return;
   }
+  if (link_) note_(true, "the gripper was told to stop, but was not seen to stand");
 }
 
 }  // namespace prehend::drivers::pg70

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -53,7 +54,12 @@ Driver::Driver(const DriverOptions& options, Send send, Note note)
   check_positive(options.loss_time, "loss_time");
   check_positive(options.reply_time, "reply_time");
   check_positive(options.blocked_time, "blocked_time");
+  check_positive(options.stop_time, "stop_time");
+  check_positive(options.grip_give, "grip_give");
   check_positive(options.opening_tolerance, "opening_tolerance");
+  if (!(options.holding_current >= 0 && options.holding_current <= 1)) {
+    throw std::invalid_argument("PG70: holding_current must be from 0 to 1");
+  }
   if (options.tries < 1) throw std::invalid_argument("PG70: tries must be at least 1");
   if (options.limits.nominal_current > options.limits.max_current) {
     throw std::invalid_argument("PG70: nominal_current must not be above max_current");
@@ -77,10 +83,13 @@ void Driver::link_event(const LinkEvent& event, Time now) {
       has_link_ = event.kind == LinkEvent::Kind::kDown;
       last_probe_ = now;
       if (!link_up_) return;
-      note_(true,
-            event.words + "; nothing can be sent, so a motion goes on until the module ends it");
+      note_(true, event.kind == LinkEvent::Kind::kLeft
+                      ? event.words
+                      : event.words +
+                            "; nothing can be sent, so a motion goes on until the module ends it");
       link_up_ = false;
       lost_ = false;
+      stopping_.reset();
       end_motion(event.words);
       update_state();
   }
@@ -88,9 +97,13 @@ void Driver::link_event(const LinkEvent& event, Time now) {
 
 // CMD STOP comes first: whatever the module was doing, a new connection does not go on with it.
 void Driver::begin_connecting(Time now) {
-  stop_confirmed_ = unit_known_ = unusable_ = lost_ = referencing_ = fault_told_ = false;
+  stop_confirmed_ = unit_known_ = lost_ = referencing_ = fault_told_ = false;
+  obstacle_.clear();
+  ++counters_.connections;
   reading_.states = 0;
+  fast_states_ = 0;
   outstanding_.clear();
+  stopping_.reset();
   end_motion("the connection began anew");
   connecting_since_ = last_state_ = now;
   last_question_ = Time::min();
@@ -109,7 +122,7 @@ void Driver::check_connection(Time now) {
   if (stop_confirmed_ && !unit_known_) {
     constexpr int kPatience = 10;  // some modules give their configuration to no-one
     const bool has_waited = now - connecting_since_ > kPatience * pause;
-    if (has_waited && !unusable_ && reading_.states > 0) {
+    if (has_waited && obstacle_.empty() && reading_.states > 0) {
       note_(true, "the module does not tell its unit system; mm is assumed");
       take_unit(1e-3, now);
     } else {
@@ -143,6 +156,7 @@ void Driver::update(Time now) {
       ++i;
     } else if (o.tries < options_.tries) {
       ++o.tries;
+      ++counters_.unanswered;
       o.sent = now;
       send_(o.content);
       ++i;
@@ -150,12 +164,11 @@ void Driver::update(Time now) {
       const Outstanding given_up = o;
       outstanding_.erase(outstanding_.begin() + static_cast<std::ptrdiff_t>(i));
       const std::string words = "no answer to " + command_name(given_up.content.command());
+      ++counters_.unanswered;
       note_(true, words);
       if (!given_up.is_motion) continue;
-      stop(now);  // it may have arrived nevertheless
-      end_motion(words);
-      motion_.failure = words;
-      break;  // the list has changed
+      stop(now, words);  // it may have arrived nevertheless
+      break;             // the list has changed
     }
   }
   check_connection(now);
@@ -165,14 +178,19 @@ void Driver::update(Time now) {
     stop_confirmed_ = false;
     last_question_ = Time::min();
     outstanding_.clear();
-    note_(true, "no state from the module for " + std::to_string(options_.loss_time) +
-                    " s: CMD STOP is sent until one is answered");
+    char words[96];
+    std::snprintf(words, sizeof words,
+                  "no state from the module for %g s: CMD STOP is sent until one is answered",
+                  options_.loss_time);
+    note_(true, words);
     end_motion("the module's answers were lost");
+    if (!stopping_) begin_stopping(now, false);
     check_connection(now);
   } else if (!lost_ && reading_.states > 0 &&
              now - std::max(last_state_, last_question_) > 3 * to_time(options_.state_period)) {
     ask_for_states(now);
   }
+  watch_stop(now);
   update_motion(now);
   update_state();
 }

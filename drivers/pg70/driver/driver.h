@@ -26,12 +26,17 @@ struct DriverOptions {
   /// Opening per unit of the module's position: 1 when it counts the total opening (as the PG70
   /// does in SmartRoboticSystems/schunk_grippers), 2 when it counts the way of one finger.
   double opening_per_position = 1;
-  double state_period = 0.02;       // s, of cyclic GET STATE
-  double watchdog = 0.2;            // s without command while moving by /gripper/command -> stop
-  double loss_time = 0.2;           // s without any state -> stop, and report
-  double reply_time = 0.1;          // s to wait for the answer to a command
-  int tries = 3;                    // of a command without answer
-  double blocked_time = 0.15;       // s of standing, although told to move, that count as blocked
+  double state_period = 0.02;  // s, of cyclic GET STATE
+  double watchdog = 0.2;       // s without command while moving by /gripper/command -> stop
+  double loss_time = 0.2;      // s without any state -> stop, and report
+  double reply_time = 0.1;     // s to wait for the answer to a command
+  int tries = 3;               // of a command without answer
+  double blocked_time = 0.15;  // s of standing, although told to move, that count as blocked
+  double stop_time = 0.7;      // s of motion after CMD STOP was answered -> CMD FAST STOP
+  /// Part of the commanded current that the module must show while it holds something; less for
+  /// `blocked_time` is a lost grip. 0: the current is not looked at.
+  double holding_current = 0.2;
+  double grip_give = 2e-3;          // m that what is held may give way before the grip is lost
   double opening_tolerance = 3e-4;  // m, within which a target counts as reached
   /// How a velocity is commanded. True: as MOVE POS to the end of the range with that speed, which
   /// can never run over a soft limit. False: as MOVE VEL, as public drivers do; the driver then
@@ -49,18 +54,21 @@ struct DriverOptions {
 /// | kConnecting   | as the module left it            | CMD STOP is the first thing that is sent; |
 /// |               |                                  | commands are refused                      |
 /// | kLost         | unknown: replies are missing     | CMD STOP is sent again and again until    |
-/// |               |                                  | one is answered; commands are refused     |
+/// |               |                                  | one is answered, CMD FAST STOP too when   |
+/// |               |                                  | it moved; commands are refused            |
 /// | kFault        | motor off, brake applied where   | none; commands are refused until          |
 /// |               | one is fitted                    | acknowledge() succeeds                    |
 /// | kUnreferenced | motor holds                      | none but reference()                      |
 /// | kReferencing  | motor on                         | the module moves by itself; stop() ends it|
 /// | kStanding     | motor holds the position         | none                                      |
 /// | kMoving       | motor on, current limited        | towards the target                        |
-/// | kHolding      | motor on, presses with at most   | none: blocked, as a rule by what it grips |
-/// |               | the current limit                |                                           |
+/// | kHolding      | motor on, presses with at most   | none: blocked, as a rule by what it grips;|
+/// |               | the current limit                | for as long as states go on to show it    |
 ///
 /// Every way from kDisconnected, kConnecting or kLost leads through a confirmed CMD STOP, so that a
-/// restart of either side never resumes a motion.
+/// restart of either side never resumes a motion. A CMD STOP that is not answered although the jaws
+/// moved, or that is answered while they move on for `stop_time`, is followed by CMD FAST STOP
+/// (motor shorted, kFault) until the module shows it.
 enum class DriverState {
   kDisconnected,
   kConnecting,
@@ -84,7 +92,7 @@ struct Reading {
   double current = 0;   // A, negative closes
   bool referenced = false;
   bool moving = false;
-  bool blocked = false;
+  bool blocked = false;           // told to move, stands before its target, and presses
   std::uint8_t error_code = 0;    // ErrorCode
   std::uint8_t warning_code = 0;  // ErrorCode of a cause that persists
   std::uint64_t states = 0;       // GET STATE answers so far
@@ -94,7 +102,15 @@ struct Reading {
 struct MotionReport {
   enum class Kind { kRunning, kReached, kBlocked, kReplaced, kFailed };
   Kind kind = Kind::kRunning;
-  std::string reason;  // of kFailed
+  std::string reason;  // of kFailed: a fault, a loss, or who stopped it
+};
+
+/// What the driver had to put up with since it was made.
+struct DriverCounters {
+  std::uint64_t states = 0;       // good answers to GET STATE
+  std::uint64_t strange = 0;      // messages that mean nothing, or show what cannot be
+  std::uint64_t unanswered = 0;   // commands that had to be repeated or were given up
+  std::uint64_t connections = 0;  // beginnings of a connection
 };
 
 /// The PG70 as a state machine over messages and time. It does no input or output itself: what it
@@ -126,9 +142,13 @@ class Driver {
   /// How the motion is getting on; kReplaced when another command came since.
   MotionReport report(std::uint64_t ticket) const;
 
-  void stop(Time now);
-  /// Shorts the motor and applies the brake; the module is in kFault then.
-  void fast_stop(Time now);
+  /// CMD STOP, watched until states show that the jaws stand. `why` becomes the reason of the
+  /// motion that it ends.
+  void stop(Time now, const std::string& why = "stopped");
+  /// CMD FAST STOP, until the module shows it: shorts the motor and applies the brake; kFault then.
+  void fast_stop(Time now, const std::string& why = "stopped by CMD FAST STOP");
+  /// True from stop() or fast_stop() until states show what was asked for, or nobody is there.
+  bool is_stopping() const { return stopping_.has_value(); }
   /// "" or why it was refused at once. The module moves its jaws.
   std::string reference(Time now);
   /// Asks the module to clear its fault; whether it did shows in reading().
@@ -136,7 +156,10 @@ class Driver {
 
   const Reading& reading() const { return reading_; }
   /// True when it stands as far as is known, and no command waits for its answer.
-  bool is_settled() const { return outstanding_.empty() && !reading_.moving; }
+  bool is_settled() const { return outstanding_.empty() && !stopping_ && !reading_.moving; }
+  const DriverCounters& counters() const { return counters_; }
+  /// Why kConnecting cannot end, "" when there is only no answer yet.
+  const std::string& obstacle() const { return obstacle_; }
   const std::optional<DetailedError>& detailed_error() const { return detailed_error_; }
   const DriverOptions& options() const { return options_; }
 
@@ -153,14 +176,24 @@ class Driver {
     double current = 0;
     bool continuous = false;
     bool accepted = false;
-    bool ended = true;  // reached, blocked, stopped, failed
+    bool ended = true;     // reached, blocked, stopped, failed
+    bool blocked = false;  // ended before its target
     bool seen_moving = false;
     bool is_repeat = false;  // of one that is blocked
     double target = 0;       // m, kPosition
     Time started{};
     Time accepted_at{};
     std::optional<Time> standing_since;  // arrival of the first state that says so
+    double standing_at = 0;              // m, opening in that state
+    std::optional<Time> end_told;        // by an impulse message, which states have to bear out
     std::string failure;
+  };
+  struct Stopping {
+    Time last_sent{};
+    int tries = 1;
+    bool moved = false;  // when it began
+    bool is_fast = false;
+    std::optional<Time> answered;
   };
 
   std::string transmit(const Request& request, Time now, bool is_motion = false);
@@ -178,7 +211,7 @@ class Driver {
   void take(const Response& response, Time now);
   void take_state(const State& state, Time now);
   void take_refusal(const Refusal& refusal, Time now);
-  void take_motion_end(const MotionEnd& end);
+  void take_motion_end(const MotionEnd& end, Time now);
   void take_fault(const Fault& fault, Time now);
   void take_info(const Info& info, Time now);
   void take_config(const ConfigValue& value, Time now);
@@ -186,8 +219,14 @@ class Driver {
   void answered(Command command, Time now);
 
   void update_motion(Time now);
+  void conclude_end();
   void guard_range(Time now);
+  void watch_grip();
+  void lose_grip(const std::string& words);
   void watch_unasked_motion(Time now);
+  void begin_stopping(Time now, bool is_fast);
+  void watch_stop(Time now);
+  void escalate(const std::string& words, Time now);
   void update_state();
 
   double to_opening(float position) const {
@@ -209,7 +248,7 @@ class Driver {
   Time last_probe_{};      // of a link that is down
   bool stop_confirmed_ = false;
   bool unit_known_ = false;
-  bool unusable_ = false;  // a unit system that is no length
+  std::string obstacle_;  // e.g. a unit system that is no length
   bool lost_ = false;
   bool referencing_ = false;
   bool fault_told_ = false;
@@ -222,7 +261,11 @@ class Driver {
   std::deque<Outstanding> outstanding_;
   Motion motion_;
   std::uint64_t ticket_ = 0;
-  bool stopping_ = false;
+  std::optional<Stopping> stopping_;
+  DriverCounters counters_;
+  int fast_states_ = 0;    // in a row, of jaws that move whatever the status says
+  Time pressed_{};         // last state whose current presses
+  double gripped_at_ = 0;  // m, opening where it was blocked
 };
 
 }  // namespace prehend::drivers::pg70

@@ -24,8 +24,7 @@ std::string Driver::refusal_of_motion() const {
     case DriverState::kDisconnected:
       return "the gripper is not connected";
     case DriverState::kConnecting:
-      return unusable_ ? "the module's unit system is no length; set it to mm or m"
-                       : "the gripper does not answer yet";
+      return obstacle_.empty() ? "the gripper does not answer yet" : obstacle_;
     case DriverState::kLost:
       return "the gripper's answers are missing";
     case DriverState::kFault:
@@ -41,7 +40,7 @@ std::string Driver::refusal_of_motion() const {
 
 std::string Driver::command(MotionMode mode, double value, double current_limit, Time now) {
   if (mode == MotionMode::kStop) {
-    stop(now);
+    stop(now, "stopped by /gripper/command");
     return {};
   }
   const double no_speed_limit = options_.limits.max_speed;
@@ -91,12 +90,12 @@ std::string Driver::begin_motion(MotionMode mode, double value, double speed, do
   if (is_repeated) {
     ++ticket_;
     const bool wants_more =
-        motion_.ended && reading_.blocked && now - motion_.started > to_time(kRepress);
+        motion_.ended && motion_.blocked && now - motion_.started > to_time(kRepress);
     if (!wants_more) return {};
   } else {
     reading_.blocked = false;
   }
-  stopping_ = false;
+  stopping_.reset();
   ++ticket_;
   motion_ = {.mode = mode,
              .value = value,
@@ -109,6 +108,7 @@ std::string Driver::begin_motion(MotionMode mode, double value, double speed, do
                                                      : limits.max_opening,
              .started = now,
              .standing_since = {},
+             .end_told = {},
              .failure = {}};
   const std::string problem = transmit(request_of(mode, value, speed, current), now, true);
   if (!problem.empty()) end_motion(problem);
@@ -137,7 +137,7 @@ MotionReport Driver::report(std::uint64_t ticket) const {
   if (ticket != ticket_) return {Kind::kReplaced, {}};
   if (!motion_.failure.empty()) return {Kind::kFailed, motion_.failure};
   if (!motion_.ended) return {Kind::kRunning, {}};
-  return {reading_.blocked ? Kind::kBlocked : Kind::kReached, {}};
+  return {motion_.blocked ? Kind::kBlocked : Kind::kReached, {}};
 }
 
 void Driver::end_motion(const std::string& failure) {
@@ -145,20 +145,6 @@ void Driver::end_motion(const std::string& failure) {
   motion_.ended = true;
   motion_.continuous = false;
   std::erase_if(outstanding_, [](const Outstanding& o) { return o.is_motion; });
-}
-
-void Driver::stop(Time now) {
-  end_motion("stopped");
-  ++ticket_;
-  referencing_ = false;
-  stopping_ = true;
-  reading_.blocked = false;
-  if (link_up_) transmit(PlainRequest{Command::kStop}, now);
-}
-
-void Driver::fast_stop(Time now) {
-  stop(now);
-  if (link_up_) transmit(PlainRequest{Command::kFastStop}, now);
 }
 
 std::string Driver::reference(Time now) {
@@ -183,33 +169,51 @@ std::string Driver::acknowledge(Time now) {
   return transmit(PlainRequest{Command::kAcknowledge}, now);
 }
 
-// Ends are concluded from states; impulse messages, which can be lost or switched off, only make
-// that quicker (take_motion_end). How long it stands counts from state to state, not by the clock:
-// a computer that was held up has not seen it standing meanwhile.
 void Driver::update_motion(Time now) {
   if (motion_.continuous && reading_.moving && now - last_command_ > to_time(options_.watchdog)) {
-    note_(true, "no gripper command for " + number(options_.watchdog) + " s while moving: stopped");
-    return stop(now);
+    note_(true, "no gripper command for " + number(options_.watchdog) +
+                    " s while moving: CMD STOP is sent");
+    return stop(now, "no gripper command came");
   }
   guard_range(now);
+  watch_grip();
   watch_unasked_motion(now);
+  conclude_end();
+}
+
+// Ends are concluded from states that show the jaws at one place; impulse messages, which can be
+// lost, late, switched off or false, only make that quicker. How long it stands counts from state
+// to state, not by the clock: a computer that was held up has not seen it standing meanwhile.
+void Driver::conclude_end() {
+  constexpr double kPlace = 5e-4;  // m
   if (motion_.ended || !motion_.accepted) return;
   if (reading_.moving) {
+    const auto patience = to_time(2 * options_.state_period);  // the status may come a little later
+    if (motion_.end_told && last_state_ - *motion_.end_told > patience) {
+      note_(true, "the module said that its motion ended, but states show that it goes on");
+      motion_.end_told.reset();
+    }
     motion_.seen_moving = true;
     motion_.standing_since.reset();
     reading_.blocked = false;
     return;
   }
   if (last_state_ <= motion_.accepted_at) return;  // says nothing of this motion
-  if (!motion_.standing_since) motion_.standing_since = last_state_;
+  if (!motion_.standing_since || std::abs(reading_.opening - motion_.standing_at) > kPlace) {
+    motion_.standing_since = last_state_;
+    motion_.standing_at = reading_.opening;
+  }
+  const Time stood = last_state_ - *motion_.standing_since;
+  const bool is_told = motion_.end_told && last_state_ > *motion_.end_told;
+  const bool stands = stood > to_time(is_told ? options_.state_period / 2 : options_.blocked_time);
   const double rest = std::abs(reading_.opening - motion_.target);
-  const bool is_there = rest < options_.opening_tolerance;
-  const bool stands = last_state_ - *motion_.standing_since > to_time(options_.blocked_time);
-  if (is_there && (motion_.seen_moving || stands)) {
+  if (rest < options_.opening_tolerance && (motion_.seen_moving || stands)) {
     motion_.ended = true;
+    reading_.blocked = false;
   } else if (stands) {
-    motion_.ended = true;
-    reading_.blocked = true;
+    motion_.ended = motion_.blocked = true;
+    reading_.blocked = last_state_ - pressed_ <= to_time(options_.blocked_time);
+    gripped_at_ = reading_.opening;
   }
 }
 
@@ -217,14 +221,14 @@ void Driver::update_motion(Time now) {
 void Driver::watch_unasked_motion(Time now) {
   constexpr double kPatience = 0.5;  // s, longer than any braking
   const bool is_asked =
-      !motion_.ended || reading_.blocked || reading_.state < DriverState::kStanding;
+      !motion_.ended || stopping_ || reading_.blocked || reading_.state < DriverState::kStanding;
   if (is_asked || !reading_.moving) {
     unasked_since_.reset();
   } else if (!unasked_since_) {
     unasked_since_ = now;
   } else if (now - *unasked_since_ > to_time(kPatience)) {
     unasked_since_.reset();
-    note_(true, "the gripper moves although it was not told to: stopped");
+    note_(true, "the gripper moves although it was not told to: CMD STOP is sent");
     stop(now);
   }
 }
@@ -240,8 +244,8 @@ void Driver::guard_range(Time now) {
       v * v / (2 * options_.limits.max_acceleration) + std::abs(v) * 2 * options_.state_period;
   const double room = v < 0 ? reading_.opening : options_.limits.max_opening - reading_.opening;
   if (way < room) return;
-  note_(false, "stopped before the end of the range");
-  stop(now);
+  note_(false, "CMD STOP before the end of the range");
+  stop(now, "stopped before the end of the range");
 }
 
 }  // namespace prehend::drivers::pg70

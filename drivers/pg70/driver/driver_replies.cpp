@@ -32,7 +32,7 @@ void Driver::take(const Response& response, Time now) {
       driver.detailed_error_ = r;
       driver.answered(Command::kGetDetailedError, now);
     }
-    void operator()(const MotionEnd& r) const { driver.take_motion_end(r); }
+    void operator()(const MotionEnd& r) const { driver.take_motion_end(r, now); }
     void operator()(const Info& r) const { driver.take_info(r, now); }
     void operator()(const Fault& r) const { driver.take_fault(r, now); }
     void operator()(const ConfigValue& r) const { driver.take_config(r, now); }
@@ -41,6 +41,7 @@ void Driver::take(const Response& response, Time now) {
     void operator()(const ImpulseMessages&) const { driver.answered(Command::kToggleImpulse, now); }
     void operator()(const UserChanged&) const { driver.answered(Command::kChangeUser, now); }
     void operator()(const OtherResponse& r) const {
+      ++driver.counters_.strange;
       driver.note_(true, "the module says something unknown: " + command_name(r.content.command()) +
                              " with " + std::to_string(r.content.size()) + " bytes");
     }
@@ -52,7 +53,10 @@ void Driver::answered(Command command, Time now) {
   std::erase_if(outstanding_, [&](const Outstanding& o) {
     return o.content.command() == static_cast<std::uint8_t>(command);
   });
-  if (command == Command::kStop) stop_confirmed_ = true;
+  if (command == Command::kStop) {
+    stop_confirmed_ = true;
+    if (stopping_ && !stopping_->answered) stopping_->answered = now;
+  }
   if (is_motion_command(command) && !motion_.ended && !motion_.accepted) {
     motion_.accepted = true;
     motion_.accepted_at = now;
@@ -61,10 +65,12 @@ void Driver::answered(Command command, Time now) {
 
 void Driver::take_state(const State& state, Time now) {
   if (!state.position || !std::isfinite(*state.position)) {
+    ++counters_.strange;
     return ask_for_states(now);  // somebody else changed what is reported
   }
   last_state_ = now;
   ++reading_.states;
+  ++counters_.states;
   status_ = state.status;
   reading_.opening = to_opening(*state.position);
   if (state.velocity && std::isfinite(*state.velocity)) {
@@ -72,10 +78,14 @@ void Driver::take_state(const State& state, Time now) {
   }
   if (state.current && std::isfinite(*state.current)) reading_.current = *state.current;
   reading_.referenced = state.status & kReferenced;
-  // A repeated push against what blocks counts as a motion only when it moves.
-  constexpr double kMoves = 1e-3;  // m/s
+  // A repeated push against what blocks counts as a motion only when it moves; jaws that run do so
+  // whatever the status says.
+  constexpr double kMoves = 1e-3, kRuns = 5e-3;  // m/s
+  fast_states_ = std::abs(reading_.velocity) > kRuns ? fast_states_ + 1 : 0;
   reading_.moving =
-      (state.status & kMoving) && !(motion_.is_repeat && std::abs(reading_.velocity) < kMoves);
+      fast_states_ > 1 ||
+      ((state.status & kMoving) && !(motion_.is_repeat && std::abs(reading_.velocity) < kMoves));
+  if (std::abs(reading_.current) >= options_.holding_current * motion_.current) pressed_ = now;
   if (lost_ && stop_confirmed_) {
     lost_ = false;
     note_(false, "the module answers again, and has stopped");
@@ -102,7 +112,7 @@ void Driver::take_state(const State& state, Time now) {
       note_(false, "the gripper is referenced");
     }
   }
-  if (stopping_ && !reading_.moving) stopping_ = false;
+  watch_stop(now);
   update_motion(now);
 }
 
@@ -116,9 +126,7 @@ void Driver::take_refusal(const Refusal& refusal, Time now) {
   }
   answered(refusal.command, now);
   if (refusal.command == Command::kStop) {
-    if (!reading_.moving) return;  // nothing to stop
-    note_(true, words + "; CMD FAST STOP follows");
-    transmit(PlainRequest{Command::kFastStop}, now);
+    if (reading_.moving) escalate(words, now);  // else there is nothing to stop
     return;
   }
   if (refusal.command == Command::kGetDetailedError || refusal.command == Command::kGetConfig) {
@@ -129,7 +137,8 @@ void Driver::take_refusal(const Refusal& refusal, Time now) {
   if (is_motion_command(refusal.command) && !motion_.ended) end_motion(words);
 }
 
-void Driver::take_motion_end(const MotionEnd& end) {
+// A hint, which states have to bear out (conclude_end): a message may be delayed, or false.
+void Driver::take_motion_end(const MotionEnd& end, Time now) {
   if (motion_.ended || !motion_.accepted || !std::isfinite(end.position)) return;
   const double opening = to_opening(end.position);
   const double rest = std::abs(opening - motion_.target);
@@ -140,17 +149,11 @@ void Driver::take_motion_end(const MotionEnd& end) {
   const bool is_stale =
       !has_begun || is_elsewhere ||
       std::abs(opening - reading_.opening) > 4 * options_.limits.max_speed * options_.state_period;
-  if (is_stale) return;
-  reading_.opening = opening;
-  reading_.moving = false;
-  reading_.velocity = 0;
-  motion_.ended = true;
-  reading_.blocked = end.kind == Command::kMoveBlocked && rest > options_.opening_tolerance;
+  if (!is_stale) motion_.end_told = now;
 }
 
 void Driver::take_fault(const Fault& fault_message, Time now) {
   const auto code = static_cast<std::uint8_t>(fault_message.code);
-  answered(Command::kFastStop, now);  // whose only answer is this
   if (fault_message.kind == Command::kError) return fault(code, now);
   if (reading_.warning_code != code) note_(true, "warning: " + describe_code(code));
   reading_.warning_code = code;
@@ -199,12 +202,11 @@ void Driver::take_config(const ConfigValue& value, Time now) {
     case UnitSystem::kInch:
       return take_unit(0.0254, now);
     default:
-      if (!unusable_) {
-        note_(true, "the module's unit system " + std::to_string(value.value[0]) +
-                        " is no length in floating point; set it to mm (0) or m (1) with Schunk's "
-                        "configuration program");
-      }
-      unusable_ = true;
+      if (!obstacle_.empty()) return;
+      obstacle_ = "the module's unit system " + std::to_string(value.value[0]) +
+                  " is no length in floating point; set it to mm (0) or m (1) with Schunk's "
+                  "configuration program";
+      note_(true, obstacle_);
   }
 }
 

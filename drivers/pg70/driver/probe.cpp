@@ -224,6 +224,16 @@ Probe probe(const LinkAddress& address, std::chrono::nanoseconds patience) {
                   found->second);
 }
 
+OtherTraffic listen(const LinkAddress& address) {
+  constexpr auto kSecond = std::chrono::seconds(1);
+  const auto ear = open_ear(address);
+  ear->listen(kSecond, 0);
+  OtherTraffic traffic;
+  for (const auto& [module, content] : ear->said) traffic.modules.insert(module);
+  traffic.others = ear->others;
+  return traffic;
+}
+
 std::set<std::uint8_t> find_modules(const LinkAddress& address) {
   constexpr auto kLast = std::chrono::milliseconds(200);  // for slow answers
   const auto ear = open_ear(address);

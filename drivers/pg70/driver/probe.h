@@ -17,6 +17,17 @@ namespace prehend::drivers::pg70 {
 Probe probe(const LinkAddress& address,
             std::chrono::nanoseconds patience = std::chrono::milliseconds(300));
 
+/// Who else uses a line.
+struct OtherTraffic {
+  std::set<std::uint8_t> modules;  // that talk by themselves: somebody has asked them to
+  std::uint64_t others = 0;        // CAN frames of no module, or bytes
+  bool any() const { return !modules.empty() || others > 0; }
+};
+
+/// Listens for a second, and sends nothing.
+/// @throws geometry::InputError as open_link.
+OtherTraffic listen(const LinkAddress& address);
+
 /// Sends GET STATE to all ids that are not heard anyway, and returns those that answer; takes some
 /// 1 s on CAN, 4 s on RS-232 at 9600 baud. `address.module` is not used.
 /// @throws geometry::InputError as open_link.

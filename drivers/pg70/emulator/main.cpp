@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "drivers/pg70/codec/can_framing.h"
@@ -8,6 +9,7 @@
 #include "drivers/wire/faults/faulty_can.h"
 #include "drivers/wire/faults/faulty_stream.h"
 #include "drivers/wire/node/fault_parameters.h"
+#include "drivers/wire/node/linger.h"
 #include "drivers/wire/stream/pseudo_terminal.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
@@ -59,17 +61,12 @@ void run(graph::Node& node) {
                                                              .maximum = 255,
                                                              .description = "that it answers to",
                                                              .read_only = true}));
-  const robot::GripperModel model = robot::read_gripper_model(
+  const auto gripper_file =
       node.declare_parameter<std::string>({.name = "gripper",
                                            .default_value = "config/robots/pg70_dsa.yaml",
                                            .description = "gripper model: the module's limits",
-                                           .read_only = true}));
+                                           .read_only = true});
   ModuleOptions options;
-  options.max_opening = model.max_opening;
-  options.max_speed = model.max_speed;
-  options.max_acceleration = model.max_acceleration;
-  options.nominal_current = model.nominal_current;
-  options.max_current = model.max_current;
   options.referenced = node.declare_parameter<bool>({.name = "referenced",
                                                      .default_value = true,
                                                      .description = "at power-on",
@@ -83,30 +80,52 @@ void run(graph::Node& node) {
        .description =
            "of standing that end a motion as blocked; longer where the simulation may lag",
        .read_only = true});
+  LineFaultParameters line_faults(node);
+  Switch mute(node, "mute", "nothing that it says arrives");
+  Switch stuck(node, "stuck", "the fingers cannot move");
+  Switch reboot(node, "reboot", "set to true: starts anew");
+  LateParameter<int> deaf_to(node,
+                             {.name = "deaf_to",
+                              .default_value = 0,
+                              .minimum = 0,
+                              .maximum = 255,
+                              .description = "command code that gets lost on its way to it, e.g. "
+                                             "145: CMD STOP; 0: none"});
+  LateParameter<int> fault(node, {.name = "fault",
+                                  .default_value = 0,
+                                  .minimum = 0,
+                                  .maximum = 255,
+                                  .description = "raises this error code; 0: the cause is gone"});
+  const robot::GripperModel model = robot::read_gripper_model(gripper_file);
+  options.max_opening = model.max_opening;
+  options.max_speed = model.max_speed;
+  options.max_acceleration = model.max_acceleration;
+  options.nominal_current = model.nominal_current;
+  options.max_current = model.max_current;
   GraphGripper gripper(node);
   Wire wire = make_wire(line, module_id);
   const auto set_faults = wire.set_faults;
   ServedModule module(gripper, options, std::move(wire.link));
-  declare_line_faults(node, set_faults);
-  declare_switch(node, "mute", "nothing that it says arrives",
-                 [&](bool on) { module.with_module([on](Module& m, Time) { m.set_mute(on); }); });
-  declare_switch(node, "stuck", "the fingers cannot move", [&](bool on) { gripper.set_stuck(on); });
-  declare_switch(node, "reboot", "set to true: starts anew", [&](bool on) {
+  line_faults.connect(set_faults);
+  mute.connect([&](bool on) { module.with_module([on](Module& m, Time) { m.set_mute(on); }); });
+  stuck.connect([&](bool on) { gripper.set_stuck(on); });
+  reboot.connect([&](bool on) {
     if (on) module.with_module([](Module& m, Time now) { m.reboot(now); });
   });
-  node.declare_parameter<int>({.name = "fault",
-                               .default_value = 0,
-                               .minimum = 0,
-                               .maximum = 255,
-                               .description = "raises this error code; 0: the cause is gone",
-                               .on_change = [&](const int& code) {
-                                 module.with_module([code](Module& m, Time now) {
-                                   if (code == 0) return m.mend(now);
-                                   m.fail(static_cast<ErrorCode>(code), true, now);
-                                 });
-                               }});
+  deaf_to.connect([&](int code) {
+    module.with_module([code](Module& m, Time) {
+      m.set_deaf_to(code == 0 ? std::nullopt : std::optional(static_cast<Command>(code)));
+    });
+  });
+  fault.connect([&](int code) {
+    module.with_module([code](Module& m, Time now) {
+      if (code == 0) return m.mend(now);
+      m.fail(static_cast<ErrorCode>(code), true, now);
+    });
+  });
   node.log_info("module {} on {}", module_id, line);
   node.spin();
+  linger();
 }
 
 const graph::RegisteredNodeProgram registered(

@@ -40,6 +40,7 @@ void Module::impulse(const Response& response) {
 
 void Module::receive(const Content& content, Time now) {
   if (boots_until_ || content.size() == 0) return;
+  if (deaf_to_ && content.command() == static_cast<std::uint8_t>(*deaf_to_)) return;
   std::visit([&](const auto& request) { take(request, now); }, decode_request(content));
 }
 

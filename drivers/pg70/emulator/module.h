@@ -50,6 +50,9 @@ class Module {
   /// Answers nothing and sends nothing, as if its wire were cut; it goes on moving.
   void set_mute(bool mute) { mute_ = mute; }
 
+  /// Neither carries this command out nor answers it, as if its frames got lost.
+  void set_deaf_to(std::optional<Command> command) { deaf_to_ = command; }
+
   bool is_moving() const { return moving_; }
   const GripperPlant::Motion& motion() const { return motion_; }
   std::uint64_t stops() const { return stops_; }      // CMD STOP and FAST STOP received
@@ -85,6 +88,7 @@ class Module {
   double speed_, acceleration_, current_;  // targets in force, m/s, m/s^2, A
   bool impulse_on_;
   bool mute_ = false;
+  std::optional<Command> deaf_to_;
   bool referenced_;
   bool moving_ = false;
   bool ended_ = false;    // "move end"

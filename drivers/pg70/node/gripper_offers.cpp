@@ -52,13 +52,10 @@ msgs::GripperState state_message(const Reading& reading, std::int64_t stamp) {
 }
 
 GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), device_(device) {
-  stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/stop", [this](const msgs::Empty&) {
-    return device_.with_driver([](Driver& driver, Time now) {
-      driver.stop(now);
-      const bool can_send = driver.reading().state != DriverState::kDisconnected;
-      return answer(can_send, can_send ? "" : "the gripper is not connected");
-    });
-  });
+  stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/gripper/stop", [this](const msgs::Empty&) { return stop(false); });
+  fast_stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/gripper/fast_stop", [this](const msgs::Empty&) { return stop(true); });
   acknowledge_ = node.serve<msgs::Empty, msgs::Acknowledge>(
       "/gripper/acknowledge", [this](const msgs::Empty&) { return acknowledge(); });
   reference_ =
@@ -86,6 +83,39 @@ void GripperOffers::command(const msgs::GripperCommand& command) {
   })
                                    : "unknown mode of a gripper command";
   if (!refusal.empty()) node_.log_warning("/gripper/command refused: {}", refusal);
+}
+
+// Says that it stands only when states show it, which as a rule takes some hundredths of a second.
+std::string GripperOffers::wait_until_stopped() {
+  constexpr int kPatience = 150;  // ticks: longer than the way from CMD STOP to CMD FAST STOP
+  for (int i = 0; i < kPatience; ++i) {
+    const bool stops =
+        device_.with_driver([](Driver& driver, Time) { return driver.is_stopping(); });
+    const Reading reading = device_.reading();
+    if (!stops && reading.state >= DriverState::kFault && !reading.moving) return {};
+    if (reading.state == DriverState::kDisconnected) break;
+    std::this_thread::sleep_for(kTick);
+  }
+  return std::string("the gripper was told to stop, but does not show that it stands: ") +
+         to_string(device_.reading().state);
+}
+
+msgs::Acknowledge GripperOffers::stop(bool is_fast) {
+  const bool can_send = device_.with_driver([is_fast](Driver& driver, Time now) {
+    if (is_fast) {
+      driver.fast_stop(now, "stopped by /gripper/fast_stop");
+    } else {
+      driver.stop(now, "stopped by /gripper/stop");
+    }
+    return driver.reading().state != DriverState::kDisconnected;
+  });
+  if (!can_send) return answer(false, "the gripper is not connected: nothing can be sent");
+  const std::string problem = wait_until_stopped();
+  if (!problem.empty()) return answer(false, problem);
+  const Reading reading = device_.reading();
+  const bool has_failed = reading.state == DriverState::kFault;
+  return answer(true, fmt::format("stands at {:.1f} mm{}", 1e3 * reading.opening,
+                                  has_failed ? ", motor off: call /gripper/acknowledge" : ""));
 }
 
 // Waits for the module's word, which comes within some milliseconds.
@@ -142,7 +172,9 @@ msgs::MoveGripperResult GripperOffers::move(const msgs::MoveGripperGoal& goal, C
     }
     if (context.cancelled()) {
       if (!context.preempted()) {
-        device_.with_driver([](Driver& driver, Time now) { driver.stop(now); });
+        device_.with_driver([](Driver& driver, Time now) { driver.stop(now, "cancelled"); });
+        const std::string problem = wait_until_stopped();
+        if (!problem.empty()) node_.log_warning("/gripper/move was cancelled, but {}", problem);
       }
       result.set_reason("cancelled");
       break;

@@ -8,7 +8,8 @@
 namespace prehend::drivers::pg70 {
 
 /// What the simulated gripper offers, by the real one: topic /gripper/command, action
-/// /gripper/move, services /gripper/stop and /gripper/acknowledge; and /gripper/reference besides.
+/// /gripper/move, services /gripper/stop, /gripper/fast_stop and /gripper/acknowledge; and
+/// /gripper/reference besides.
 class GripperOffers {
  public:
   GripperOffers(graph::Node& node, Device& device);
@@ -18,11 +19,13 @@ class GripperOffers {
   msgs::MoveGripperResult move(const msgs::MoveGripperGoal& goal, Context& context);
   void command(const msgs::GripperCommand& command);
   msgs::Acknowledge acknowledge();
+  msgs::Acknowledge stop(bool is_fast);
+  std::string wait_until_stopped();
 
   graph::Node& node_;
   Device& device_;
   std::atomic<std::int64_t> action_stamp_ = 0;  // ns, of the last goal
-  graph::Service stop_, acknowledge_, reference_;
+  graph::Service stop_, fast_stop_, acknowledge_, reference_;
   graph::Subscription command_;
   graph::ActionServer move_;
 };

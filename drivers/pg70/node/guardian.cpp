@@ -1,7 +1,9 @@
 #include "drivers/pg70/node/guardian.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,49 +13,44 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
-#include "drivers/pg70/codec/request.h"
-#include "drivers/wire/time/time.h"
+#include "drivers/pg70/node/guardian_words.h"
 
 namespace prehend::drivers::pg70 {
 namespace {
 
-constexpr char kAllIsWell = 'w';
+constexpr auto kPeriod = std::chrono::milliseconds(20);  // of messages of progress
+constexpr int kMostUnanswered = 50;                      // 1 s
+constexpr double kRestart = 1.0;                         // s between tries to start one
 
-// True when a stop, or anything that is said of one, was answered.
-bool stop_module(Link& link, Time end) {
-  const Content stop = encode(PlainRequest{Command::kStop});
-  constexpr auto kReplyTime = std::chrono::milliseconds(50);
-  while (steady_now() < end) {
-    if (!link.send(Direction::kCommand, stop).empty()) return false;
-    const Time again = steady_now() + kReplyTime;
-    while (steady_now() < again) {
-      const auto input = link.receive(again - steady_now());
-      if (!input) break;
-      const auto* incoming = std::get_if<Incoming>(&*input);
-      if (incoming && incoming->content.command() == stop.command()) return true;
-      if (!incoming && std::get<LinkEvent>(*input).kind == LinkEvent::Kind::kClosed) return false;
-    }
-  }
-  return false;
-}
+std::string last_error() { return std::strerror(errno); }
 
 }  // namespace
 
-Guardian::Guardian(const LinkAddress& address) {
+Guardian::Guardian(const LinkAddress& address, double patience)
+    : address_(address), patience_(patience) {
+  start();
+}
+
+Guardian::~Guardian() {
+  const char word = guardian_words::kAllIsWell;
+  if (socket_ >= 0 && ::send(socket_, &word, 1, MSG_NOSIGNAL) != 1) std::perror("pg70 guardian");
+  end(false);
+}
+
+void Guardian::start() {
+  last_start_ = steady_now();
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw std::runtime_error(std::string("no pipe to a guardian: ") + std::strerror(errno));
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw std::runtime_error("no socket to a guardian: " + last_error());
   }
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
   const std::string program = (self.parent_path() / "pg70_guardian").string();
-  std::vector<std::string> words{program, address.line, std::to_string(address.bit_rate),
-                                 std::to_string(address.module)};
+  std::vector<std::string> words{program, address_.line, std::to_string(address_.bit_rate),
+                                 std::to_string(address_.module), std::to_string(patience_)};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -70,41 +67,73 @@ Guardian::Guardian(const LinkAddress& address) {
   posix_spawn_file_actions_destroy(&actions);
   ::close(ends[0]);
   if (code != 0) {
+    process_ = -1;
     ::close(ends[1]);
     throw std::runtime_error("cannot start " + program + ": " + std::strerror(code));
   }
-  pipe_ = ends[1];
+  socket_ = ends[1];
+  unanswered_ = 0;
 }
 
-Guardian::~Guardian() {
-  if (::write(pipe_, &kAllIsWell, 1) != 1) std::perror("pg70 guardian");
-  ::close(pipe_);
-  ::waitpid(process_, nullptr, 0);
-}
-
-int guard(int input, const LinkAddress& address, double patience) {
-  char byte = 0;
-  while (true) {
-    const ssize_t count = ::read(input, &byte, 1);
-    if (count == 1 && byte == kAllIsWell) return 0;
-    if (count == 0 || (count < 0 && errno != EINTR)) break;
-  }
-  const Time end = steady_now() + to_time(patience);
-  std::string problem = "no answer";
-  while (steady_now() < end) {
-    try {
-      if (stop_module(*open_link(address), end)) {
-        std::fprintf(stderr, "pg70_guardian: the driver died; CMD STOP was sent and answered\n");
-        return 0;
-      }
-    } catch (const std::runtime_error& error) {
-      problem = error.what();
+// One that does not end by itself within a second is killed.
+void Guardian::end(bool kill) {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  if (process_ < 0) return;
+  constexpr int kTries = 1000;
+  for (int i = 0; !kill && i < kTries; ++i) {
+    if (::waitpid(process_, nullptr, WNOHANG) != 0) {
+      process_ = -1;
+      return;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  std::fprintf(stderr, "pg70_guardian: the driver died and the gripper CANNOT BE STOPPED: %s\n",
-               problem.c_str());
-  return 1;
+  ::kill(process_, SIGKILL);
+  ::waitpid(process_, nullptr, 0);
+  process_ = -1;
+}
+
+void Guardian::replace(const std::string& words, News& news) {
+  end(true);
+  news.stopped_gripper |= acts_;
+  acts_ = false;
+  try {
+    start();
+    news.problem = words + "; another one was started";
+  } catch (const std::runtime_error& error) {
+    news.problem = words + ", and there is none now: " + error.what();
+  }
+}
+
+Guardian::News Guardian::progress(Watch watch) {
+  News news;
+  const Time now = steady_now();
+  if (socket_ < 0) {
+    if (now - last_start_ > to_time(kRestart)) replace("the guardian could not be started", news);
+    return news;
+  }
+  if (watch == last_watch_ && last_sent_ != Time::min() && now - last_sent_ < kPeriod) return news;
+  // Its answers first: after a stand-still of this process they have long been here.
+  std::array<char, 256> answers;
+  const ssize_t count = ::recv(socket_, answers.data(), answers.size(), MSG_DONTWAIT);
+  for (ssize_t i = 0; i < count; ++i) {
+    // Told when it answers again: then it has left the wire.
+    const bool has_acted = answers[static_cast<std::size_t>(i)] == guardian_words::kStopped;
+    news.stopped_gripper |= acts_ && !has_acted;
+    acts_ = has_acted;
+  }
+  if (count > 0) unanswered_ = 0;
+  const char word = static_cast<char>(watch);
+  const bool is_sent = ::send(socket_, &word, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
+  const bool is_gone = count == 0 || (!is_sent && errno != EAGAIN && errno != EINTR);
+  last_sent_ = now;
+  last_watch_ = watch;
+  if (is_gone) {
+    replace("the guardian of the gripper died", news);
+  } else if (++unanswered_ > kMostUnanswered) {
+    replace("the guardian of the gripper did not react any more", news);
+  }
+  return news;
 }
 
 }  // namespace prehend::drivers::pg70

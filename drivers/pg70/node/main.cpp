@@ -1,9 +1,13 @@
+#include <atomic>
 #include <memory>
 #include <string>
 
+#include "drivers/pg70/driver/health.h"
 #include "drivers/pg70/node/gripper_offers.h"
-#include "drivers/pg70/node/guardian.h"
+#include "drivers/pg70/node/guarded.h"
+#include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/wall_timer.h"
 #include "msgs/convert/gripper.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
@@ -15,11 +19,14 @@ using namespace prehend;
 using namespace prehend::drivers;
 using namespace prehend::drivers::pg70;
 
+constexpr double kRetry = 0.5;  // s between tries to open the line
+
 struct Settings {
   LinkAddress address;
   DriverOptions driver;
   std::string gripper;  // its file
   bool guardian = true;
+  double guardian_time = Guardian::kPatience;  // s
 };
 
 Settings declare_settings(graph::Node& node) {
@@ -50,9 +57,6 @@ Settings declare_settings(graph::Node& node) {
        .default_value = "config/robots/pg70_dsa.yaml",
        .description = "gripper model: limits of opening, speed, acceleration, current",
        .read_only = true});
-  const robot::GripperModel model = robot::read_gripper_model(s.gripper);
-  s.driver.limits = {model.max_opening, model.max_speed, model.max_acceleration,
-                     model.nominal_current, model.max_current};
   const auto seconds = [&](const char* name, double value, double least, const char* words) {
     return node.declare_parameter<double>({.name = name,
                                            .default_value = value,
@@ -72,6 +76,16 @@ Settings declare_settings(graph::Node& node) {
       seconds("reply_time", s.driver.reply_time, 0.01, "to wait for an answer before trying again");
   s.driver.blocked_time = seconds("blocked_time", s.driver.blocked_time, 0.02,
                                   "of standing, although told to move, that count as blocked");
+  s.driver.stop_time = seconds("stop_time", s.driver.stop_time, 0.1,
+                               "of motion after CMD STOP was answered, then CMD FAST STOP is sent");
+  s.driver.holding_current = node.declare_parameter<double>(
+      {.name = "holding_current",
+       .default_value = s.driver.holding_current,
+       .minimum = 0,
+       .maximum = 1,
+       .description = "part of the commanded current that the module shows while it holds "
+                      "something; 0: its current is not looked at",
+       .read_only = true});
   s.driver.opening_per_position = node.declare_parameter<double>(
       {.name = "opening_per_position",
        .default_value = 1,
@@ -95,8 +109,14 @@ Settings declare_settings(graph::Node& node) {
   s.guardian = node.declare_parameter<bool>(
       {.name = "guardian",
        .default_value = true,
-       .description = "a process of its own stops the gripper when this one dies",
+       .description = "a process of its own stops the gripper when this one dies or hangs",
        .read_only = true});
+  s.guardian_time = seconds("guardian_time", s.guardian_time, 0.1,
+                            "without progress of this process while the gripper moves, then its "
+                            "guardian stops it");
+  const robot::GripperModel model = robot::read_gripper_model(s.gripper);
+  s.driver.limits = {model.max_opening, model.max_speed, model.max_acceleration,
+                     model.nominal_current, model.max_current};
   return s;
 }
 
@@ -114,6 +134,72 @@ void check_line_rate(const Settings& s) {
                   least));
 }
 
+/// Health and counters, looked at in real time.
+class Watcher {
+ public:
+  Watcher(graph::Node& node, const Settings& settings, Device& device, const Guarded& guarded)
+      : settings_(settings),
+        device_(device),
+        guarded_(guarded),
+        node_(node),
+        report_(node),
+        publisher_(node.advertise<msgs::DeviceStatus>("/gripper/device", graph::QoS::latched(1))),
+        timer_(kPeriod, [this] { look(); }) {}
+
+ private:
+  static constexpr double kPeriod = 0.1;            // s
+  static constexpr int kSample = 5, kPublish = 10;  // periods
+
+  void look() {
+    Situation situation;
+    DriverCounters counters;
+    device_.with_driver([&](Driver& driver, Time) {
+      situation.reading = driver.reading();
+      situation.obstacle = driver.obstacle();
+      counters = driver.counters();
+    });
+    const DriverState state = situation.reading.state;
+    connecting_ = state == DriverState::kConnecting ? connecting_ + kPeriod : 0;
+    situation.address = settings_.address;
+    situation.line_problem = device_.line_problem();
+    situation.connecting = connecting_;
+    situation.guard_problem = guarded_.problem();
+    const std::uint64_t damaged = counters.strange + device_.damaged_messages();
+    if (state < DriverState::kFault) {
+      quality_.restart();  // what is lost while nobody answers is no fault of the line
+    } else if (looks_ % kSample == 0) {
+      quality_.sample(counters.states, damaged + counters.unanswered,
+                      1 / settings_.driver.state_period, steady_now());
+    }
+    situation.link_problem = quality_.problem();
+    report_.tell(health_of(situation));
+    if (looks_++ % kPublish != 0) return;
+    msgs::DeviceStatus status;
+    status.mutable_header()->set_stamp(node_.clock().now());
+    status.set_state(to_string(state));
+    status.set_error_code(situation.reading.error_code);
+    status.set_warning_code(situation.reading.warning_code);
+    status.set_messages(counters.states);
+    status.set_damaged(damaged);
+    status.set_unanswered(counters.unanswered);
+    status.set_connections(counters.connections);
+    status.set_rate(quality_.rate());
+    status.set_damaged_part(quality_.harmed_part());
+    publisher_.publish(status);
+  }
+
+  const Settings& settings_;
+  Device& device_;
+  const Guarded& guarded_;
+  graph::Node& node_;
+  DeviceReport report_;
+  LinkQuality quality_;
+  double connecting_ = 0;  // s
+  int looks_ = 0;
+  graph::Publisher<msgs::DeviceStatus> publisher_;
+  WallTimer timer_;
+};
+
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
   check_line_rate(settings);
@@ -123,38 +209,26 @@ void run(graph::Node& node) {
   DeviceReport report(node);
   const auto publisher =
       node.advertise<msgs::GripperState>("/gripper/state", graph::QoS::queue(100));
-  DriverState last = DriverState::kDisconnected;
-  Time connecting_since{};
-  bool is_told = false;
   // Begins before the device, so that it lives on until the device has stopped the gripper.
-  std::unique_ptr<Guardian> guardian;
-  if (settings.guardian) guardian = std::make_unique<Guardian>(settings.address);
+  const auto guarded =
+      settings.guardian
+          ? std::make_unique<Guarded>(settings.address, settings.guardian_time, report.taker())
+          : std::make_unique<Guarded>();
+  std::atomic<Device*> itself = nullptr;
   Device device(
       settings.driver, [&] { return open_link(settings.address); },
       [&](const Reading& reading) {
         if (reading.states > 0) publisher.publish(state_message(reading, node.clock().now()));
-        if (reading.state == last) return;
-        last = reading.state;
-        if (last == DriverState::kConnecting) {
-          connecting_since = steady_now();
-          is_told = false;
-        }
-        if (last > DriverState::kFault) report.recovered(to_string(last));
       },
-      report.taker());
+      report.taker(), kRetry,
+      [&](const Reading& reading) {
+        if (!guarded->progress(reading) || !itself) return;
+        itself.load()->begin_anew(
+            "this driver made no progress, so its guardian stopped the gripper");
+      });
+  itself = &device;
   const GripperOffers offers(node, device);
-  const auto silence = node.create_timer(0.5, [&] {
-    constexpr double kQuiet = 5;  // s
-    const DriverState state = device.reading().state;
-    if (state > DriverState::kFault) report.recover_when_quiet(kQuiet, to_string(state));
-    if (is_told || state != DriverState::kConnecting) return;
-    if (steady_now() - connecting_since < std::chrono::seconds(1)) return;
-    is_told = true;
-    report.problem(fmt::format(
-        "module {} does not answer on {}. Check its supply, wiring and termination, that its id is "
-        "{}, and that its bit rate is that of the bus",
-        settings.address.module, settings.address.line, settings.address.module));
-  });
+  const Watcher watcher(node, settings, device, *guarded);
   node.spin();
 }
 
@@ -164,8 +238,10 @@ const graph::RegisteredNodeProgram registered(
      "Protocol). Offers what the simulated gripper offers: publishes /gripper/model and "
      "/gripper/state; takes "
      "/gripper/command (stopped 0.2 s after the last one while moving), the action /gripper/move, "
-     "the services /gripper/stop, /gripper/acknowledge and /gripper/reference. Never resumes a "
-     "motion after a restart of either side."},
+     "the services /gripper/stop, /gripper/fast_stop (motor shorted until it is acknowledged), "
+     "/gripper/acknowledge and /gripper/reference; /gripper/device tells how good the wire is. "
+     "Never "
+     "resumes a motion after a restart of either side."},
     run);
 
 }  // namespace

@@ -89,8 +89,12 @@ class SerialLink : public Link {
     } else if (decoder_.is_partial() && steady_now() - last_byte_ > gap_) {
       decoder_.give_up();
     }
-    damaged_ = decoder_.discarded();
-    if (auto incoming = next()) return *incoming;
+    auto incoming = next();
+    if (const auto discarded = decoder_.discarded(); discarded != discarded_) {
+      discarded_ = discarded;
+      ++damaged_;
+    }
+    if (incoming) return *incoming;
     return std::nullopt;
   }
 
@@ -121,6 +125,7 @@ class SerialLink : public Link {
   Side side_;
   std::chrono::nanoseconds gap_;
   SerialDecoder decoder_;
+  std::uint64_t discarded_ = 0;  // bytes
   Time last_byte_{};
   std::atomic<std::uint64_t> damaged_ = 0;
 };

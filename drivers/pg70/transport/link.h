@@ -28,6 +28,7 @@ struct LinkEvent {
     kDown,       ///< nothing passes now (bus-off, interface down); may come back by itself
     kUp,         ///< passes again
     kClosed,     ///< gone; open another link
+    kLeft,       ///< given up by this side; open another link
   };
   Kind kind = Kind::kDisturbed;
   std::string words;
@@ -43,7 +44,7 @@ class Link {
   /// "" when handed on, else why not. `direction`: of a module's messages; a master's are commands.
   virtual std::string send(Direction direction, const Content& content) = 0;
   virtual const std::string& name() const = 0;
-  /// Bytes that were no message, messages that were given up.
+  /// Messages that were given up, and stretches of bytes that were none.
   virtual std::uint64_t damaged() const = 0;
 };
 

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include <atomic>
 #include <cmath>
@@ -35,15 +34,21 @@ class Contract : public ::testing::TestWithParam<RobotKind> {
  protected:
   void SetUp() override {
     auto& robot = robots()[GetParam().name];
-    if (!robot) robot = std::make_unique<RobotUnderTest>(GetParam());
+    const bool is_new = !robot;
+    if (is_new) robot = std::make_unique<RobotUnderTest>(GetParam());
     robot_ = robot.get();
+    const auto senses = [&] { return robot_->left.size() > 0 && robot_->wrenches.size() > 0; };
     ASSERT_TRUE(eventually(
         [&] {
-          return robot_->states.size() > 0 && robot_->left.size() > 0 &&
-                 robot_->wrenches.size() > 0 && state().referenced();
+          return robot_->states.size() > 0 && (senses() || !GetParam().has_senses()) &&
+                 state().referenced();
         },
         40s))
         << robot_->output();
+    if (is_new) {
+      ASSERT_EQ(robot_->set_pace(), "");
+    }
+    RecordProperty("speed", std::to_string(robot_->speed()));
     // Each test begins with open, standing jaws.
     ASSERT_TRUE(eventually([&] { return move_to(0.06, 0.08)->reached(); })) << robot_->output();
     ASSERT_TRUE(eventually([&] { return stands(); }));
@@ -76,6 +81,9 @@ class Contract : public ::testing::TestWithParam<RobotKind> {
   RobotUnderTest* robot_ = nullptr;
 };
 
+// Of robots that feel, too.
+class ContractOfSenses : public Contract {};
+
 template <class Message>
 double rate_of(const std::vector<Message>& messages) {
   const double span = 1e-9 * static_cast<double>(messages.back().header().stamp() -
@@ -106,7 +114,7 @@ TEST_P(Contract, GripperStateHasUnitsFrameAndRate) {
   }
 }
 
-TEST_P(Contract, TactileFramesHaveShapePitchAndRate) {
+TEST_P(ContractOfSenses, TactileFramesHaveShapePitchAndRate) {
   for (auto* log : {&robot_->left, &robot_->right}) {
     log->clear();
     ASSERT_TRUE(eventually([&] { return log->size() >= 15; }));
@@ -134,7 +142,7 @@ TEST_P(Contract, TactileFramesHaveShapePitchAndRate) {
   }
 }
 
-TEST_P(Contract, WrenchIsTaredInTheGrippersFrame) {
+TEST_P(ContractOfSenses, WrenchIsTaredInTheGrippersFrame) {
   robot_->wrenches.clear();
   ASSERT_TRUE(eventually([&] { return robot_->wrenches.size() >= 40; }));
   const auto wrenches = robot_->wrenches.all();
@@ -212,20 +220,24 @@ TEST_P(Contract, CommandTakesTheGripperOverFromAGoal) {
   robot_->command(Command::STOP, 0);
   const auto outcome = handle.wait(20s);
   ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(outcome->reason(), "another command took the gripper over");
+  EXPECT_EQ(outcome->reason(), "stopped by /gripper/command");
+  EXPECT_TRUE(eventually([&] { return stands(); }));
+  const auto later = goal(0.0, 0.01);
+  const auto second = robot_->move.send(later);
+  ASSERT_TRUE(
+      eventually([&] { return state().moving() && robot_->node().clock().now() > later.stamp(); }));
+  robot_->command(Command::VELOCITY, 0.005);
+  EXPECT_EQ(second.wait(20s)->reason(), "another command took the gripper over");
+  robot_->command(Command::STOP, 0);
   EXPECT_TRUE(eventually([&] { return stands(); }));
 }
 
 // Simulated time stands still then, and so do the jaws, but nothing blocks them.
 TEST_P(Contract, WorldThatIsHeldUpIsNoBlockedGripper) {
-  if (GetParam().clock == graph::ClockMode::kWall) return;
-  const auto worlds = testing::descendants(robot_->pid(), "simulation");
-  ASSERT_EQ(worlds.size(), 1u);
+  if (GetParam().world == RobotKind::World::kReal) return;
   const auto handle = robot_->move.send(goal(0.05, 0.01));
   ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
-  ::kill(worlds[0], SIGSTOP);
-  std::this_thread::sleep_for(1s);
-  ::kill(worlds[0], SIGCONT);
+  robot_->hold_world_up(1s);
   const auto outcome = handle.wait(60s);
   ASSERT_TRUE(outcome) << outcome.error();
   EXPECT_TRUE(outcome->reached()) << outcome->reason();
@@ -289,13 +301,25 @@ TEST_P(Contract, BadCommandsAreRefusedAndNothingMoves) {
 class Block {
  public:
   explicit Block(RobotUnderTest& robot) : robot_(robot), carrier_(robot.node(), "/carrier/state") {
+    if (robot.jaws()) {
+      robot.jaws()->put_object(2 * kHalf);
+      return;
+    }
     EXPECT_TRUE(eventually([&] { return carrier_.size() > 0; }));
     const auto& centre = carrier_.last().x_wg().position();
     place({centre.x(), centre.y(), centre.z()});
   }
-  ~Block() { place({0, 0, -5}); }
+  ~Block() {
+    if (robot_.jaws()) {
+      robot_.jaws()->put_object(std::nullopt);
+    } else {
+      place({0, 0, -5});
+    }
+  }
 
  private:
+  static constexpr double kHalf = 0.015;  // m
+
   void place(const Eigen::Vector3d& centre) {
     const graph::Outcome<msgs::SpawnResponse> outcome =
         robot_.node()
@@ -305,7 +329,6 @@ class Block {
     EXPECT_TRUE(outcome->success()) << outcome->reason();
   }
   static msgs::SpawnRequest request(const Eigen::Vector3d& centre) {
-    constexpr double kHalf = 0.015;  // m
     geometry::TriangleMesh mesh;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d side(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
@@ -326,7 +349,7 @@ class Block {
 };
 
 TEST_P(Contract, GripsWhatStandsBetweenItsJaws) {
-  if (GetParam().clock == graph::ClockMode::kWall) return;  // nothing can be put there by software
+  if (GetParam().world == RobotKind::World::kReal) return;  // nothing can be put there by software
   const Block block(*robot_);
   const auto outcome = move_to(0.01);
   ASSERT_TRUE(outcome) << outcome.error();
@@ -347,7 +370,7 @@ TEST_P(Contract, GripsWhatStandsBetweenItsJaws) {
   };
   EXPECT_TRUE(presses(-0.8)) << state().ShortDebugString();
   EXPECT_TRUE(presses(-1.5)) << state().ShortDebugString();
-  EXPECT_TRUE(eventually([&] {
+  EXPECT_TRUE(!GetParam().has_senses() || eventually([&] {
     robot_->command(Command::CURRENT, -1.5);
     std::this_thread::sleep_for(10ms);
     return robot_->left.last().sum() > 5 && robot_->right.last().sum() > 5;  // N
@@ -370,13 +393,37 @@ TEST_P(Contract, StopAndAcknowledge) {
   ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
   EXPECT_TRUE(robot_->call("/gripper/stop").success());
   EXPECT_TRUE(eventually([&] { return stands(); }));
-  EXPECT_TRUE(handle.wait(20s).has_value());
+  const auto outcome = handle.wait(20s);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(outcome->reason(), "stopped by /gripper/stop");
   const auto acknowledged = robot_->call("/gripper/acknowledge");
   EXPECT_TRUE(acknowledged.success());
   EXPECT_EQ(acknowledged.reason(), "no error was present");
 }
 
+TEST_P(Contract, FastStopHoldsUntilItIsAcknowledged) {
+  const auto handle = robot_->move.send(goal(0.0, 0.01));
+  ASSERT_TRUE(eventually([&] { return has_begun_to_close(); }));
+  EXPECT_TRUE(robot_->call("/gripper/fast_stop").success());
+  EXPECT_TRUE(eventually([&] { return stands() && state().error_code() == 0xD9; }));
+  EXPECT_FALSE(handle.wait(20s)->reached());
+  const double opening = state().opening();
+  EXPECT_THAT(move_to(0.03)->reason(), HasSubstr("acknowledge it first"));
+  EXPECT_NEAR(state().opening(), opening, 1e-3);
+  EXPECT_TRUE(robot_->call("/gripper/acknowledge").success());
+  EXPECT_TRUE(eventually([&] { return state().error_code() == 0; }));
+  EXPECT_TRUE(move_to(0.055, 0.08)->reached());
+}
+
 INSTANTIATE_TEST_SUITE_P(Robots, Contract, ::testing::ValuesIn(robot_kinds()),
+                         [](const auto& kind) { return kind.param.name; });
+
+std::vector<RobotKind> kinds_with_senses() {
+  auto kinds = robot_kinds();
+  std::erase_if(kinds, [](const RobotKind& kind) { return !kind.has_senses(); });
+  return kinds;
+}
+INSTANTIATE_TEST_SUITE_P(Robots, ContractOfSenses, ::testing::ValuesIn(kinds_with_senses()),
                          [](const auto& kind) { return kind.param.name; });
 
 }  // namespace

@@ -139,6 +139,30 @@ TEST_F(DoctorAsksDevices, SilentLinesAndMissingOnes) {
                     HasSubstr("-> Check plug and name (ls /dev/serial/by-id)")));
 }
 
+// A scan sends to every id, which the other devices of a bus need not take well.
+TEST_F(DoctorAsksDevices, ScanOfASharedBusIsNotMadeUnasked) {
+  auto terminal = std::make_unique<PseudoTerminal>();
+  const std::string line = "slcan:" + terminal->name();
+  pg70::SimpleGripper plant;
+  auto bus = std::make_unique<Slcan>(std::move(terminal), 0, std::vector<std::uint16_t>{});
+  pg70::ServedModule module(plant, {},
+                            pg70::make_can_link(std::move(bus), 21, pg70::Side::kModule));
+  const std::vector<std::string> scan{"--can", line, "--module", "21", "--scan"};
+  EXPECT_THAT(ask(scan).output, HasSubstr("module ids that answer on " + line + ": 21"));
+  module.with_module([](pg70::Module& m, Time now) {  // somebody has it tell its state
+    m.receive(pg70::encode(pg70::GetState{pg70::GetState::Cycle{0.02F, pg70::kWithAll}}), now);
+  });
+  const auto shared = ask(scan);
+  EXPECT_THAT(shared.output, AllOf(HasSubstr("others share " + line +
+                                             " (module 21 is in use), so the 255 module "
+                                             "ids were not asked"),
+                                   HasSubstr("--shared-bus")));
+  EXPECT_THAT(shared.output, ::testing::Not(HasSubstr("module ids that answer")));
+  std::vector<std::string> nevertheless = scan;
+  nevertheless.push_back("--shared-bus");
+  EXPECT_THAT(ask(nevertheless).output, HasSubstr("module ids that answer on " + line + ": 21"));
+}
+
 TEST_F(DoctorAsksDevices, NoPermissionIsNamedWithItsMend) {
   const PseudoTerminal pads, sensor;
   for (const auto* line : {&pads, &sensor}) ASSERT_EQ(::chmod(line->name().c_str(), 0), 0);

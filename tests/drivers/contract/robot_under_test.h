@@ -1,5 +1,9 @@
 #pragma once
 
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <map>
@@ -7,12 +11,15 @@
 #include <mutex>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "drivers/wire/stream/tcp_server.h"
 #include "msgs/actions.pb.h"
+#include "msgs/graph.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
+#include "tests/drivers/contract/jaws_world.h"
 #include "tests/drivers/eventually.h"
 #include "tests/system/launched.h"
 
@@ -20,13 +27,24 @@ namespace prehend::drivers {
 
 /// A launch file that brings a robot up, and its arguments.
 struct RobotKind {
+  enum class World {
+    kSimulation,
+    kJaws,  // JawsWorld: a gripper alone
+    kReal,
+  };
   std::string name;
   std::string launch_file;
   std::vector<std::string> arguments;  // "LINES" stands for a folder of the test's own
-  graph::ClockMode clock = graph::ClockMode::kSimulated;
+  World world = World::kSimulation;
+
+  bool has_senses() const { return world != World::kJaws; }
+  graph::ClockMode clock() const {
+    return world == World::kSimulation ? graph::ClockMode::kSimulated : graph::ClockMode::kWall;
+  }
 };
 
-/// Simulation and emulated devices; real ones when PREHEND_HARDWARE holds the arguments of
+/// Simulation and emulated devices; on CAN sockets the emulated gripper alone, as the other devices
+/// have no part in that; real ones when PREHEND_HARDWARE holds the arguments of
 /// launch/bringup.yaml, e.g. "gripper:=pg70 tactile:=dsa wrench:=ft300 can:=can0". Nothing may be
 /// between its jaws then.
 inline std::vector<RobotKind> robot_kinds() {
@@ -36,11 +54,12 @@ inline std::vector<RobotKind> robot_kinds() {
                                 {"lines:=LINES/line", "can:=slcan:LINES/can"}}};
   if (std::getenv("PREHEND_VCAN")) {  // socket_can/run.sh
     kinds.push_back({"EmulatedDevicesOnSocketCan",
-                     "launch/emulated_robot.yaml",
-                     {"lines:=LINES/line", "can:=vcan0"}});
+                     "tests/drivers/contract/gripper_on_can.yaml",
+                     {},
+                     RobotKind::World::kJaws});
   }
   if (const char* hardware = std::getenv("PREHEND_HARDWARE")) {
-    RobotKind real{"Hardware", "launch/bringup.yaml", {}, graph::ClockMode::kWall};
+    RobotKind real{"Hardware", "launch/bringup.yaml", {}, RobotKind::World::kReal};
     std::istringstream words(hardware);
     for (std::string word; words >> word;) real.arguments.push_back(word);
     kinds.push_back(real);
@@ -97,7 +116,9 @@ class RobotUnderTest {
         states(node_, "/gripper/state"),
         left(node_, "/tactile/left"),
         right(node_, "/tactile/right"),
-        wrenches(node_, "/wrench") {
+        wrenches(node_, "/wrench"),
+        kind_(kind) {
+    if (kind.world == RobotKind::World::kJaws) jaws_ = std::make_unique<JawsWorld>(node_);
     node_.spin_in_background();
   }
   ~RobotUnderTest() {
@@ -117,6 +138,38 @@ class RobotUnderTest {
     message.set_current_limit(current_limit);
     commands.publish(message);
   }
+  /// Sees how fast this machine runs the simulation beside whatever else it does, and slows the
+  /// robot's clock to half of that where it could not keep up with the wires: a clock that is slow
+  /// is no fault, one that is held up now and then looks like jaws that stand. "" or what failed.
+  std::string set_pace() {
+    if (kind_.world != RobotKind::World::kSimulation) return {};
+    constexpr auto kTrial = std::chrono::milliseconds(500);
+    if (std::string problem = set_speed(0); !problem.empty()) return problem;
+    const auto began = std::chrono::steady_clock::now();
+    const std::int64_t from = node_.clock().now();
+    std::this_thread::sleep_for(kTrial);
+    const std::chrono::duration<double, std::nano> passed =
+        std::chrono::steady_clock::now() - began;
+    const double most = static_cast<double>(node_.clock().now() - from) / passed.count();
+    speed_ = std::clamp(0.5 * most, 0.05, 1.0);
+    return set_speed(speed_);
+  }
+  /// Of the robot's clock, simulated seconds per second.
+  double speed() const { return speed_; }
+  /// Lets the world's time stand still for a while of real time.
+  void hold_world_up(std::chrono::milliseconds time) {
+    if (jaws_) {
+      jaws_->hold_up(true);
+      std::this_thread::sleep_for(time);
+      return jaws_->hold_up(false);
+    }
+    for (const pid_t world : testing::descendants(pid(), "simulation")) {
+      ::kill(world, SIGSTOP);
+      std::this_thread::sleep_for(time);
+      ::kill(world, SIGCONT);
+    }
+  }
+  JawsWorld* jaws() { return jaws_.get(); }
   msgs::Acknowledge call(const std::string& service) {
     const auto client = node_.client<msgs::Empty, msgs::Acknowledge>(service);
     const auto outcome = client.call({}, std::chrono::seconds(10));
@@ -124,6 +177,17 @@ class RobotUnderTest {
   }
 
  private:
+  std::string set_speed(double speed) {
+    msgs::graph::ClockControlRequest request;
+    request.set_command(msgs::graph::ClockControlRequest::SET_SPEED);
+    request.set_speed(speed);
+    const auto outcome =
+        node_
+            .client<msgs::graph::ClockControlRequest, msgs::graph::ClockControlResponse>(
+                "/clock/control")
+            .call(request, std::chrono::seconds(10));
+    return outcome ? outcome->error() : outcome.error();
+  }
   static std::string free_endpoint() {
     const TcpServer server;  // its port is free again when it is gone
     return server.name();
@@ -145,7 +209,7 @@ class RobotUnderTest {
     graph::NodeOptions options;
     options.name = "contract";
     options.registry = registry_;
-    options.clock = kind.clock;
+    options.clock = kind.clock();
     options.registry_timeout = std::chrono::seconds(30);
     return options;
   }
@@ -161,6 +225,11 @@ class RobotUnderTest {
   TopicLog<msgs::GripperState> states;
   TopicLog<msgs::TactileFrame> left, right;
   TopicLog<msgs::Wrench> wrenches;
+
+ private:
+  const RobotKind kind_;
+  double speed_ = 1;
+  std::unique_ptr<JawsWorld> jaws_;
 };
 
 }  // namespace prehend::drivers

@@ -104,5 +104,36 @@ TEST(DsaController, EchoesAndRefusesImpossibleShapes) {
   EXPECT_THROW(c.controller->set_texels({1, 2}), std::invalid_argument);
 }
 
+TEST(DsaMatrixShape, IsReadFromText) {
+  const MatrixShape proximal = matrix_shape_from("6x14"), other = matrix_shape_from("12x3@2.5");
+  EXPECT_EQ(proximal.cells_x, 6);
+  EXPECT_EQ(proximal.cells_y, 14);
+  EXPECT_EQ(proximal.texel_pitch, 3.4);
+  EXPECT_EQ(other.cells_x, 12);
+  EXPECT_EQ(other.cells_y, 3);
+  EXPECT_EQ(other.texel_pitch, 2.5);
+  for (const char* bad : {"", "6", "6x", "x14", "6x14@", "6x14@-1", "0x14", "6x256", "6x14 ",
+                          "6X14", "6x14@3.4mm", "-6x14", "6x14@nan"}) {
+    EXPECT_THROW(matrix_shape_from(bad), std::invalid_argument) << bad;
+  }
+}
+
+// Any set of matrices, as those of an SDH-2, is told and streamed.
+TEST(DsaController, HasWhateverMatricesItIsGiven) {
+  ControllerOptions options;
+  options.matrices.clear();
+  for (const char* text : {"6x14", "6x13", "6x14", "6x13", "6x14", "6x13"}) {
+    options.matrices.push_back(matrix_shape_from(text));
+  }
+  DsaController c(options);
+  EXPECT_EQ(c.controller->texels(), 3u * 84 + 3u * 78);
+  const auto answers = c.ask(PacketId::kMatrixInfo, {5});
+  ASSERT_EQ(answers.size(), 1u);
+  const auto info = decode_matrix_info(answers[0].payload);
+  ASSERT_TRUE(info);
+  EXPECT_EQ(info->cells_x, 6);
+  EXPECT_EQ(info->cells_y, 13);
+}
+
 }  // namespace
 }  // namespace prehend::drivers::dsa

@@ -93,6 +93,7 @@ TEST(Pg70Driver, BeingHeldUpIsNotTakenForABlockedGripper) {
   g.now += std::chrono::seconds(1);
   say(standing);  // it stood at both ends of this second
   EXPECT_EQ(g.driver.report(ticket).kind, Kind::kBlocked);
+  EXPECT_NE(g.driver.reading().state, DriverState::kHolding);  // without a current nothing presses
 }
 
 TEST(Pg70Driver, EndsOfMotionsAreSeenWithoutImpulseMessages) {
@@ -124,7 +125,7 @@ TEST_P(Pg70Velocity, WatchdogStopsIt) {
   const Time last = g.now;
   ASSERT_TRUE(g.run_until([&] { return !g.module.is_moving(); }, 1));
   EXPECT_LE(to_seconds(g.now - last), 2 * options.watchdog);
-  EXPECT_TRUE(g.has_problem("no gripper command for 0.2 s while moving: stopped"));
+  EXPECT_TRUE(g.has_problem("no gripper command for 0.2 s while moving: CMD STOP"));
 }
 
 TEST_P(Pg70Velocity, EndsWithinTheRangeWithoutAFault) {
@@ -321,8 +322,11 @@ TEST(Pg70Driver, LostRepliesStopItWithinTwoWatchdogPeriods) {
   EXPECT_NE(g.driver.command(MotionMode::kVelocity, -0.01, 0, g.now), "");
 
   g.run(3);
+  EXPECT_TRUE(g.has_problem("CMD FAST STOP is sent"));
   g.module.set_mute(false);
   const auto motions = g.module.motions();
+  ASSERT_TRUE(g.run_until([&] { return g.driver.reading().state == DriverState::kFault; }, 2));
+  g.driver.acknowledge(g.now);
   ASSERT_TRUE(g.run_until([&] { return g.driver.reading().state == DriverState::kStanding; }, 2));
   g.run(1);
   EXPECT_EQ(g.module.motions(), motions);  // nothing resumes

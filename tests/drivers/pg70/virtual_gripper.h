@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ class VirtualGripper {
             [this](const Content& content) -> std::string {
               if (is_cut) return "cut";
               sent.push_back(content);
+              if (swallowed.contains(static_cast<Command>(content.command()))) return {};
               to_module.push({Direction::kCommand, content}, now);
               return {};
             },
@@ -52,11 +54,11 @@ class VirtualGripper {
     driver.connected(now);
     return run_until([this] { return driver.reading().state > DriverState::kFault; }, 5);
   }
-  bool has_problem(const std::string& part) const {
-    for (const std::string& words : problems) {
-      if (words.find(part) != std::string::npos) return true;
-    }
-    return false;
+  bool has_problem(const std::string& part) const { return holds(problems, part); }
+  bool has_note(const std::string& part) const { return holds(notes, part); }
+  /// Something that the module did not say itself.
+  void hear(const Response& response) {
+    driver.receive({direction_of(response), encode(response)}, now);
   }
   static void flip_a_bit(Incoming& message, std::mt19937_64& random) {
     std::vector<std::uint8_t> bytes(message.content.bytes().begin(), message.content.bytes().end());
@@ -72,10 +74,17 @@ class VirtualGripper {
   std::vector<std::string> problems, notes;
   Driver driver;
   bool is_cut = false;
-  double fastest = 0;          // m/s, that the jaws ever moved
-  double least = 1, most = 0;  // m, opening
+  std::set<Command> swallowed;  // that never reach the module
+  double fastest = 0;           // m/s, that the jaws ever moved
+  double least = 1, most = 0;   // m, opening
 
  private:
+  static bool holds(const std::vector<std::string>& texts, const std::string& part) {
+    for (const std::string& words : texts) {
+      if (words.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
   void step() {
     while (const auto message = to_module.pop(now)) module.receive(message->content, now);
     module.update(now);
