@@ -11,6 +11,7 @@
 #include "drivers/wire/stream/pseudo_terminal.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -59,11 +60,11 @@ void run(graph::Node& node) {
                                                              .maximum = 255,
                                                              .description = "that it answers to",
                                                              .read_only = true}));
-  const robot::GripperModel model = robot::read_gripper_model(
-      node.declare_parameter<std::string>({.name = "gripper",
-                                           .default_value = "config/robots/pg70_dsa.yaml",
-                                           .description = "gripper model: the module's limits",
-                                           .read_only = true}));
+  const robot::GripperModel model = robot::read_gripper_model(node.declare_parameter<std::string>(
+      {.name = "gripper",
+       .default_value = text::tree_file("config/robots/pg70_dsa.yaml"),
+       .description = "gripper model: the module's limits",
+       .read_only = true}));
   ModuleOptions options;
   options.max_opening = model.max_opening;
   options.max_speed = model.max_speed;
