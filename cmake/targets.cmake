@@ -2,6 +2,7 @@
 
 add_library(prehend_compile_flags INTERFACE)
 target_include_directories(prehend_compile_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_features(prehend_compile_flags INTERFACE cxx_std_20)
 target_compile_options(prehend_compile_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
 # GCC 12 warns wrongly, when it inlines, of uninitialised members of std::variant and std::optional
 # (bug 105562) and of copies beyond the ends of std::string (bug 105651).
@@ -58,7 +59,7 @@ endif()
 # prehend_build_fast(TARGET SUBJECT): with that precompiled header, none where it is empty. A batch
 # has PREHEND_BATCH files: more build faster at first, fewer after a change. A file that includes
 # itself again for each vector instruction set (hwy/foreach_target.h) stands alone.
-set(PREHEND_BATCH 4)
+set(PREHEND_BATCH 4 CACHE INTERNAL "Files of a batch")
 function(prehend_build_fast TARGET SUBJECT)
   if(NOT PREHEND_FAST_BUILD)
     return()
@@ -99,7 +100,8 @@ endfunction()
 
 # prehend_node(NAME SOURCES main.cpp ... DEPENDS ...)
 # A node's program (it has a RegisteredNodeProgram NAME): an executable build/bin/NAME, and objects
-# that the container links too.
+# that the container links too. In a project that has prehend by add_subdirectory, the executable is
+# where that project has its programs, and no container links it.
 function(prehend_node NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(prehend_node_${NAME} OBJECT ${ARG_SOURCES})

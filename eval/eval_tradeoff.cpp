@@ -79,9 +79,8 @@ int choose(const Options& options,
            const std::function<void(const fidelity::Setting&)>& understand) {
   const fidelity::Front front = fidelity::read_front(options.front);
   const fidelity::Setting& chosen =
-      options.budget.empty()
-          ? fidelity::within_tolerance(front, tolerance_of(options, front))
-          : fidelity::within_budget(front, text::parse_seconds(options.budget));
+      options.budget.empty() ? fidelity::within_tolerance(front, tolerance_of(options, front))
+                             : fidelity::within_budget(front, text::parse_seconds(options.budget));
   // Both: the most accurate within the budget must also keep the tolerance.
   if (!options.budget.empty() && !options.tolerance.empty() &&
       chosen.error > tolerance_of(options, front)) {
@@ -295,7 +294,7 @@ struct Subject {
 };
 
 constexpr Subject kSubjects[] = {
-    {"shape", "from segmented cloud to mesh", "20ms", "3mm", sweep_shape,
+    {"shape", "from segmented cloud to mesh", "60ms", "3mm", sweep_shape,
      [](const fidelity::Setting& setting) { (void)fidelity::shape_options(setting); }},
     {"plan", "grasps of the PG70 on a predicted mesh; the error is a share of views", "200ms",
      "0.1", sweep_plan,

@@ -13,6 +13,7 @@
 #include "tools/json.h"
 #include "tools/message_input.h"
 #include "tools/message_text.h"
+#include "tools/said_outcome.h"
 
 namespace prehend::tools {
 namespace {
@@ -51,19 +52,25 @@ void print_feedback(const google::protobuf::Message& feedback, bool json) {
   std::fflush(stdout);
 }
 
+// A goal that was not done counts as failed also where the handler says so in its result.
 int print_end(Status status, const std::string& error, const google::protobuf::Message* result,
               bool json) {
+  const SaidOutcome said =
+      status == Status::kOk && result ? said_outcome(*result) : SaidOutcome{true, error};
+  const bool done = status == Status::kOk && said.done;
+  const std::string word = status != Status::kOk ? graph::to_string(status)
+                           : said.done           ? (json ? "ok" : "done")
+                                                 : "not done";
   if (json) {
     print(Json::object()
-              .set("status", graph::to_string(status))
-              .set("error", error)
+              .set("status", word)
+              .set("error", said.reason)
               .set("result", result ? json_of(*result) : Json::null()));
   } else {
-    std::printf("%s%s%s\n", status == Status::kOk ? "done" : graph::to_string(status),
-                error.empty() ? "" : ": ", error.c_str());
+    std::printf("%s%s%s\n", word.c_str(), said.reason.empty() ? "" : ": ", said.reason.c_str());
     if (result) std::fputs(message_text(*result, false).c_str(), stdout);
   }
-  return status == Status::kOk ? 0 : 1;
+  return done ? 0 : 1;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "prehend/text/tree_file.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
 
@@ -25,7 +26,7 @@ void add_explain_command(CLI::App& app) {
       "  prehend explain config/scenes/demo.yaml\n"
       "  prehend explain config/scenes/table_objects.yaml --json");
   command->callback([choices] {
-    std::vector<std::string> words{choices->scene};
+    std::vector<std::string> words{text::tree_file(choices->scene)};
     if (choices->json) words.emplace_back("--json");
     become_program("scene_explain", words);
   });

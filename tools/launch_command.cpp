@@ -12,6 +12,7 @@
 #include "prehend/launch/process_plan.h"
 #include "prehend/launch/supervisor.h"
 #include "prehend/text/nearest_match.h"
+#include "prehend/text/tree_file.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
 #include "tools/table.h"
@@ -72,8 +73,19 @@ GivenWords split_words(const std::vector<std::string>& words) {
   return given;
 }
 
+// The launch file that a word names: one here, else one of the tree, so that `launch/demo.yaml`,
+// `demo.yaml` and `demo` mean the same everywhere. The word itself where there is none.
+std::string launch_file(const std::string& word) {
+  if (word.starts_with('/') || fs::exists(word)) return word;
+  for (const std::string& name : {word, "launch/" + word, "launch/" + word + ".yaml"}) {
+    const std::string file = text::tree_file(name);
+    if (fs::is_directory(file) || (file.ends_with(".yaml") && fs::exists(file))) return file;
+  }
+  return word;
+}
+
 std::string only_file(const GivenWords& given) {
-  if (given.files.size() == 1) return given.files[0];
+  if (given.files.size() == 1) return launch_file(given.files[0]);
   throw launch::LaunchError(given.files.empty()
                                 ? "command line: which launch file? e.g. launch/demo.yaml"
                                 : "command line: \"" + given.files[1] +
@@ -84,7 +96,8 @@ std::string only_file(const GivenWords& given) {
 
 std::vector<std::string> files_in(const std::vector<std::string>& places) {
   std::vector<std::string> files;
-  for (const std::string& place : places) {
+  for (const std::string& word : places) {
+    const std::string place = launch_file(word);
     if (!fs::is_directory(place)) {
       files.push_back(place);
       continue;
@@ -129,9 +142,8 @@ void refuse_wrong_parameters(launch::LaunchGraph& graph, const std::string& host
 
 bool check_file(const std::string& file, const GivenWords& given, bool one_of_many) {
   try {
-    const launch::LaunchGraph graph =
-        launch::load_launch_file(file, arguments_for(file, given, one_of_many), program_folder(),
-                                 launch::Missing::kLeaveOpen);
+    const launch::LaunchGraph graph = launch::load_launch_file(
+        file, arguments_for(file, given, one_of_many), node_path(), launch::Missing::kLeaveOpen);
     const launch::ParameterFindings findings = launch::check_parameters(graph);
     for (const auto& note : findings.notes) std::printf("%s\n", note.c_str());
     for (const auto& error : findings.errors) std::fprintf(stderr, "%s\n", error.c_str());
@@ -148,8 +160,7 @@ bool check_file(const std::string& file, const GivenWords& given, bool one_of_ma
 }
 
 int check(GivenWords given) {
-  if (given.files.empty() && fs::is_directory("launch")) given.files.push_back("launch");
-  if (given.files.empty()) only_file(given);
+  if (given.files.empty()) given.files.emplace_back("launch");
   const auto files = files_in(given.files);
   std::size_t wrong = 0;
   for (const std::string& file : files) {
@@ -205,7 +216,8 @@ launch::SupervisorOptions supervisor_options(const LaunchChoices& choices,
                                              const launch::LaunchGraph& graph) {
   launch::SupervisorOptions options;
   options.host = host_to_start(graph, choices.host);
-  options.registry = choices.registry;
+  const char* usual = std::getenv("PREHEND_REGISTRY");
+  options.registry = choices.registry.empty() && usual ? usual : choices.registry;
   options.registry_program = program_folder() + "/registry";
   options.log_folder = !choices.log_folder.empty()    ? choices.log_folder
                        : !graph.log_directory.empty() ? graph.log_directory
@@ -213,9 +225,9 @@ launch::SupervisorOptions supervisor_options(const LaunchChoices& choices,
   if (graph.hosts.empty()) return options;
   options.join_registry = options.host != graph.registry_host;
   if (options.registry.empty()) {
-    const std::string usual = graph::kDefaultRegistryEndpoint;
+    const std::string loopback = graph::kDefaultRegistryEndpoint;
     options.registry =
-        "tcp://" + address_of(graph, graph.registry_host) + usual.substr(usual.rfind(':'));
+        "tcp://" + address_of(graph, graph.registry_host) + loopback.substr(loopback.rfind(':'));
   }
   if (launch::processes_of(graph, options.host).empty()) {
     throw launch::LaunchError(graph.file + ": no node is on host " + options.host);
@@ -233,7 +245,7 @@ int run(const LaunchChoices& choices) {
     print_arguments(file);
     return 0;
   }
-  launch::LaunchGraph graph = launch::load_launch_file(file, given.arguments, program_folder());
+  launch::LaunchGraph graph = launch::load_launch_file(file, given.arguments, node_path());
   if (choices.dry_run) {
     std::fputs(launch::describe(graph).c_str(), stdout);
     return 0;
@@ -250,8 +262,10 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
   auto choices = std::make_shared<LaunchChoices>();
   CLI::App* command = app.add_subcommand(
       "launch", "Start a registry and the nodes of a launch file; Ctrl-C stops all of them");
-  command->add_option("file", choices->words,
-                      "The launch file (YAML), and its arguments as name:=value");
+  command->add_option(
+      "file", choices->words,
+      "The launch file (YAML) here or of prehend's own, e.g. demo, and its arguments "
+      "as name:=value");
   command->add_flag("--list-arguments", choices->list_arguments,
                     "List the arguments of the launch file");
   command->add_flag("--check", choices->check,
@@ -261,8 +275,8 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
                       "Start the nodes of this one of the file's hosts only");
   command->add_option("--registry", choices->registry,
                       "Where its registry listens (on other hosts: where they find it); default: "
-                      "port 11411 of the registry_host, or of loopback, there a free port when "
-                      "that is in use");
+                      "PREHEND_REGISTRY, else port 11411 of the registry_host, or of loopback, "
+                      "there a free port when that is in use");
   add_security_options(*command);
   command->add_option("--log-dir", choices->log_folder,
                       "Folder for one log file per process; default: log_directory of the file, "
@@ -270,7 +284,9 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
   command->footer(
       "Ends when a required node ends, or at Ctrl-C. A second Ctrl-C kills what still runs 2 s "
       "after the first; recorder and report have the time they need to write. Exit code 1 when "
-      "any node ended badly, which the last lines say of each, or had to be killed; else 0.\n\n"
+      "any node ended badly, which the last lines say of each, or had to be killed; else 0.\n"
+      "Nodes of other projects: name them by their path, or set PREHEND_NODE_PATH to folders with "
+      "their programs, separated by ':'.\n\n"
       "Examples:\n"
       "  prehend launch launch/demo.yaml\n"
       "  prehend launch launch/replay.yaml bag:=run.mcap\n"

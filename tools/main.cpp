@@ -2,12 +2,28 @@
 
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "tools/commands.h"
+#include "tools/mistyped.h"
+#include "tools/version.h"
 
 void prehend::tools::add_json_option(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON, for programs");
 }
+
+namespace {
+
+// For a check of written commands: what they would do is left out.
+void leave_out_deeds(CLI::App& command) {
+  command.callback(nullptr);
+  for (CLI::App* sub : command.get_subcommands([](CLI::App*) { return true; })) {
+    leave_out_deeds(*sub);
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace prehend::tools;
@@ -26,6 +42,8 @@ int main(int argc, char** argv) {
       "  prehend record -o run.mcap\n"
       "Each command explains itself: prehend topic echo --help");
   app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("prehend ") + kVersion,
+                       "Print the version and exit");
   Outcome outcome;
   add_launch_command(app, outcome);
   add_node_commands(app);
@@ -47,8 +65,17 @@ int main(int argc, char** argv) {
     print_completions(app, argc, argv);
     return 0;
   }
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "__parse") {
+    words.erase(words.begin());
+    leave_out_deeds(app);
+  }
+  if (const std::string wrong = mistyped(app, words); !wrong.empty()) {
+    std::fprintf(stderr, "%s\n", wrong.c_str());
+    return 2;
+  }
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them reversed
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

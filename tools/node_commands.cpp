@@ -77,10 +77,13 @@ void show_node(const NodeChoices& choices) {
               node.record.program().c_str(), static_cast<long long>(node.record.pid()),
               name_of(node.record.state()), node.status_text().c_str());
   if (node.statistics && node.statistics->stamp() != 0) {
-    std::printf("process: %.1f MB of memory, %.1f s of processor time; %llu damaged frames\n",
-                static_cast<double>(node.statistics->resident_bytes()) * 1e-6,
-                node.statistics->cpu_seconds(),
-                static_cast<unsigned long long>(node.statistics->malformed_frames()));
+    std::printf(
+        "process: %.1f MB of memory, %.1f s of processor time; %llu damaged frames, %llu "
+        "failed callbacks\n",
+        static_cast<double>(node.statistics->resident_bytes()) * 1e-6,
+        node.statistics->cpu_seconds(),
+        static_cast<unsigned long long>(node.statistics->malformed_frames()),
+        static_cast<unsigned long long>(node.statistics->failed_callbacks()));
   }
   print_ends("publishes", node, node.record.publishers(), true);
   print_ends("subscribes", node, node.record.subscribers(), false);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
+#include "prehend/graph/parameter_file.h"
 #include "prehend/text/nearest_match.h"
 #include "tools/commands.h"
 #include "tools/json.h"
@@ -43,19 +45,21 @@ void print_json(const std::vector<ParameterRecord>& parameters) {
 void list(const ParamChoices& choices) {
   const auto parameters = Introspection(choices.registry).parameters(choices.node);
   if (choices.json) return print_json(parameters);
-  std::vector<std::vector<std::string>> rows{{"PARAMETER", "VALUE", "UNIT", "DEFAULT"}};
+  std::vector<std::vector<std::string>> rows{{"PARAMETER", "VALUE", "UNIT", "DEFAULT", "SET"}};
   for (const ParameterRecord& parameter : parameters) {
     rows.push_back({parameter.name(), graph::to_text(parameter.value()), parameter.unit(),
-                    graph::to_text(parameter.default_value())});
+                    graph::to_text(parameter.default_value()),
+                    parameter.read_only() ? "at the start only" : "any time"});
   }
   print_table(rows);
 }
 
 void print_description(const ParameterRecord& parameter) {
   const std::string unit = parameter.unit().empty() ? "" : " [" + parameter.unit() + "]";
-  std::printf("%s = %s%s\n  default: %s\n  allowed: %s\n  %s\n", parameter.name().c_str(),
+  std::printf("%s = %s%s\n  default: %s\n  allowed: %s%s\n  %s\n", parameter.name().c_str(),
               graph::to_text(parameter.value()).c_str(), unit.c_str(),
               graph::to_text(parameter.default_value()).c_str(), range_of(parameter).c_str(),
+              parameter.read_only() ? ", when the node starts" : "",
               parameter.description().c_str());
 }
 
@@ -95,23 +99,25 @@ void dump(const ParamChoices& choices) {
   if (!(file << text).flush()) throw std::runtime_error("cannot write " + choices.file);
 }
 
-// Nothing is set when a name of the file is unknown.
+// Nothing is set when a name of the file is unknown or a value is refused.
 void load(const ParamChoices& choices) {
   Introspection introspection(choices.registry);
-  const auto values = read_parameter_file(choices.file);
+  const auto values = graph::read_parameter_file(choices.file);
   std::vector<std::string> known;
   for (const auto& parameter : introspection.parameters(choices.node)) {
     known.push_back(parameter.name());
   }
   for (const auto& [name, value] : values) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw std::runtime_error(fmt::format("{}: node '{}' has no parameter '{}'{}", choices.file,
-                                         choices.node, name,
+    throw std::runtime_error(fmt::format("{}:{}: node '{}' has no parameter '{}'{}", choices.file,
+                                         value.line, choices.node, name,
                                          text::nearest_match_hint(name, known)));
   }
-  for (const auto& [name, value] : values) {
-    const auto parameter = introspection.set_parameter(choices.node, name, value);
-    std::printf("%s = %s\n", name.c_str(), graph::to_text(parameter.value()).c_str());
+  if (values.empty()) return;
+  std::map<std::string, std::string> texts;
+  for (const auto& [name, value] : values) texts[name] = value.text;
+  for (const auto& parameter : introspection.set_parameters(choices.node, texts)) {
+    std::printf("%s = %s\n", parameter.name().c_str(), graph::to_text(parameter.value()).c_str());
   }
 }
 
@@ -133,8 +139,9 @@ void add_param_commands(CLI::App& app) {
   CLI::App* lister = add("list", "List all parameters of a node", list, "list simulation");
   CLI::App* getter = add("get", "Print one parameter's value", get, "get simulation speed");
   getter->add_option("parameter", choices->name, "Its name")->required();
-  CLI::App* setter =
-      add("set", "Set a parameter of a running node", set, "set simulation speed 0.5");
+  CLI::App* setter = add(
+      "set", "Set a parameter of a running node; those that are set at the start only are refused",
+      set, "set simulation speed 0.5");
   setter->add_option("parameter", choices->name, "Its name")->required();
   setter->add_option("value", choices->value, "The new value")->required();
   CLI::App* describer = add("describe", "Explain one or all parameters of a node", describe,

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
@@ -11,6 +12,11 @@ namespace prehend::tools {
 
 std::string program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+}
+
+std::string node_path() {
+  const char* more = std::getenv("PREHEND_NODE_PATH");
+  return program_folder() + (more && *more ? std::string(":") + more : "");
 }
 
 void become_program(const std::string& name, const std::vector<std::string>& arguments) {

@@ -1,19 +1,29 @@
+#include <signal.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <memory>
+#include <stdexcept>
+#include <system_error>
 
+#include "prehend/graph/introspection.h"
+#include "prehend/graph/security.h"
 #include "prehend/recording/word_list.h"
+#include "prehend/text/quantities.h"
 #include "tools/commands.h"
 #include "tools/programs.h"
-#include "prehend/text/quantities.h"
 
 namespace prehend::tools {
 namespace {
 
 using recording::joined_words;
+
+constexpr std::chrono::milliseconds kQuestionTime{500};
 
 struct RecordChoices {
   std::string registry, output, compression = "lz4", clock = "wall";
@@ -79,7 +89,43 @@ void record(const RecordChoices& choices) {
   become_program("recorder", words);
 }
 
+// Where a registry of this host should answer and none does; "" else.
+std::string missing_registry(const std::string& registry) {
+  graph::Introspection introspection(registry, kQuestionTime);
+  try {
+    introspection.nodes();
+    return "";
+  } catch (const graph::KeyError&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    const std::string& endpoint = introspection.registry();
+    return graph::is_local_endpoint(endpoint) ? endpoint : "";
+  }
+}
+
+// A replay can be looked at without anything else: where no registry answers, one is started that
+// ends with the replay, which this process becomes.
+void ensure_registry(const std::string& registry) {
+  const std::string endpoint = missing_registry(registry);
+  if (endpoint.empty()) return;
+  std::fprintf(stderr, "no graph is running; starting a registry at %s for this replay\n",
+               endpoint.c_str());
+  const pid_t replay = ::getpid(), child = ::fork();
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
+  if (child > 0) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::setpgid(0, 0);  // Ctrl-C is for the replay, which needs the registry to its end
+  if (::getppid() != replay) ::_exit(0);
+  try {
+    become_program("registry", {"--registry", endpoint});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "prehend: %s\n", error.what());
+  }
+  ::_exit(1);
+}
+
 void replay(const ReplayChoices& choices) {
+  ensure_registry(choices.registry);
   auto words = node_arguments("replay", choices.registry);
   add_parameter(words, "file", choices.file);
   for (const std::string& remap : choices.remaps) words.insert(words.end(), {"--remap", remap});
@@ -159,7 +205,9 @@ void add_replay(CLI::App& app) {
       "  prehend replay run.mcap\n"
       "  prehend replay run.mcap --rate 0.5 --start 3 --topics '/camera/*'\n"
       "  prehend replay run.mcap --pause; prehend clock step 100ms\n"
-      "Use a graph of its own (prehend launch), or the topics have two publishers.");
+      "Use a graph of its own, or the topics have two publishers. Where none is running, the "
+      "replay "
+      "brings a registry.");
   command->callback([choices] { replay(*choices); });
 }
 

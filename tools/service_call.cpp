@@ -11,6 +11,7 @@
 #include "tools/json.h"
 #include "tools/message_input.h"
 #include "tools/message_text.h"
+#include "tools/said_outcome.h"
 
 namespace prehend::tools {
 
@@ -34,7 +35,12 @@ int call_service(const CallOptions& options) {
   } else {
     std::fputs(message_text(*response, false).c_str(), stdout);
   }
-  return 0;
+  const SaidOutcome said = said_outcome(*response);
+  if (said.done) return 0;
+  std::fflush(stdout);
+  std::fprintf(stderr, "prehend: %s was not done: %s\n", options.service.c_str(),
+               said.reason.c_str());
+  return 1;
 }
 
 }  // namespace prehend::tools

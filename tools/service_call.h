@@ -11,8 +11,9 @@ struct CallOptions {
 };
 
 /// Calls a service with a request given as protobuf text or JSON and prints its response. Returns
-/// an exit code. Throws std::runtime_error when the registry does not answer, nobody serves it, the
-/// request is none of its type, or the call fails.
+/// 0, or 1 after one line with the reason when the response says that it was not done (see
+/// said_outcome). Throws std::runtime_error when the registry does not answer, nobody serves it,
+/// the request is none of its type, or the call fails.
 int call_service(const CallOptions& options);
 
 }  // namespace prehend::tools

@@ -34,7 +34,8 @@ void add_echo(CLI::App& group, Outcome& outcome) {
   auto echo = std::make_shared<EchoOptions>();
   CLI::App* command = group.add_subcommand("echo", "Print the messages of a topic");
   command->add_option("topic", echo->topic, "The topic")->required();
-  command->add_option("-n,--count", echo->count, "Messages to print; 0: until Ctrl-C");
+  command->add_option("-n,--count", echo->count,
+                      "Messages to print, of what is latched the newest; 0: until Ctrl-C");
   command->add_flag("--full", echo->full, "Print long byte fields and lists, too");
   command->add_flag("--wait", echo->wait, "Wait for a topic that nobody publishes yet");
   add_registry_option(*command, echo->registry);

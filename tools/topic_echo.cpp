@@ -2,11 +2,16 @@
 
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include "prehend/graph/introspection.h"
 #include "prehend/graph/schema.h"
 #include "prehend/recording/protobuf_schema.h"
 #include "tools/command_node.h"
@@ -68,19 +73,73 @@ class MessagePrinter {
   std::map<std::uint64_t, std::unique_ptr<SchemaMessageFactory>> factories_;
 };
 
+constexpr std::size_t kQueue = 100;  // messages
+constexpr double kGathering = 0.15;  // s, in which what publishers kept comes after its first
+
+// True when late subscribers get messages of the past.
+bool is_latched(const std::string& registry, const std::string& topic) {
+  for (const auto& node : graph::Introspection(registry).nodes()) {
+    for (const auto& end : node.publishers()) {
+      if (end.topic() == topic && end.policy() == msgs::graph::LATCHED) return true;
+    }
+  }
+  return false;
+}
+
+// Prints as many messages as asked for. Of those that the publishers kept for late subscribers
+// the newest: they come publisher by publisher, each one's oldest first.
+class EchoedMessages {
+ public:
+  EchoedMessages(const EchoOptions& options, bool has_history, std::function<void()> on_last)
+      : printer_(options.full, options.json),
+        count_(options.count),
+        gathering_(has_history && options.count > 0),
+        on_last_(std::move(on_last)) {}
+
+  void take(const graph::RawMessage& message) {
+    if (!gathering_) return print(message);
+    const auto place = std::upper_bound(
+        history_.begin(), history_.end(), message,
+        [](const auto& a, const auto& b) { return a.info.publish_time < b.info.publish_time; });
+    history_.insert(place, message);
+    if (history_.size() > count_) history_.erase(history_.begin());
+  }
+
+  // Each kGathering: ends it when some had come the last time already.
+  void tick() {
+    if (!gathering_ || !std::exchange(has_some_, !history_.empty())) return;
+    gathering_ = false;
+    for (const graph::RawMessage& message : history_) print(message);
+    history_.clear();
+  }
+
+ private:
+  void print(const graph::RawMessage& message) {
+    if (count_ > 0 && printed_ == count_) return;
+    printer_.print(message);
+    if (++printed_ == count_) on_last_();
+  }
+
+  MessagePrinter printer_;
+  const std::uint64_t count_;
+  bool gathering_;
+  std::function<void()> on_last_;
+  std::vector<graph::RawMessage> history_;  // the newest last
+  bool has_some_ = false;
+  std::uint64_t printed_ = 0;
+};
+
 }  // namespace
 
 int echo_topic(const EchoOptions& options) {
   if (!options.wait) require_publisher(options.registry, options.topic);
+  const bool has_history = is_latched(options.registry, options.topic);
   return run_as_node("echo", options.registry, [&](graph::Node& node) {
-    MessagePrinter printer(options.full, options.json);
-    std::uint64_t printed = 0;
-    const auto subscription = node.subscribe_raw(
-        options.topic, graph::QoS::queue(100), [&](const graph::RawMessage& message) {
-          if (options.count > 0 && printed == options.count) return;
-          printer.print(message);
-          if (++printed == options.count) node.shutdown();
-        });
+    EchoedMessages messages(options, has_history, [&] { node.shutdown(); });
+    const auto subscription =
+        node.subscribe_raw(options.topic, graph::QoS::queue(kQueue),
+                           [&](const graph::RawMessage& message) { messages.take(message); });
+    const auto timer = node.create_timer(kGathering, [&] { messages.tick(); });
     node.spin();
   });
 }

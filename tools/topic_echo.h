@@ -7,7 +7,7 @@ namespace prehend::tools {
 
 struct EchoOptions {
   std::string registry, topic;
-  std::uint64_t count = 0;  ///< 0: until interrupted
+  std::uint64_t count = 0;  ///< 0: until interrupted; of what is latched the newest
   bool full = false;        ///< long byte fields in full
   bool wait = false;        ///< for a topic nobody publishes yet
   bool json = false;  ///< one object a line; unless `full`, lists beyond 1000 elements and bytes

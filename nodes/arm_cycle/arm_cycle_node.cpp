@@ -24,38 +24,44 @@ control::ArmCycleOptions declare_options(graph::Node& node, double look_timeout)
       {.name = "reacts",
        .default_value = options.reacts,
        .description = "stop the approach where the hand touches, and close there; false: open "
-                      "loop"});
+                      "loop",
+       .read_only = true});
   options.contact_force = node.declare_parameter<double>(
       {.name = "contact_force",
        .default_value = options.contact_force,
        .unit = "N",
        .minimum = 0.1,
-       .description = "at the wrist, that counts as contact on the approach"});
+       .description = "at the wrist, that counts as contact on the approach",
+       .read_only = true});
   options.overrun = node.declare_parameter<double>(
       {.name = "overrun",
        .default_value = options.overrun,
        .unit = "rad",
        .minimum = 0.0,
-       .description = "how far fingers go on beyond where they were predicted to touch"});
+       .description = "how far fingers go on beyond where they were predicted to touch",
+       .read_only = true});
   options.stale_time = node.declare_parameter<double>(
       {.name = "stale_time",
        .default_value = options.stale_time,
        .unit = "s",
        .minimum = 0.02,
        .maximum = 10,
-       .description = "without a word of joints or wrist: all is stopped"});
-  options.answer_time = node.declare_parameter<double>(
-      {.name = "answer_time",
-       .default_value = options.answer_time,
-       .unit = "s",
-       .minimum = 0.1,
-       .maximum = 60,
-       .description = "without feedback of a motion: all is stopped"});
+       .description = "without a word of joints or wrist: all is stopped",
+       .read_only = true});
+  options.answer_time =
+      node.declare_parameter<double>({.name = "answer_time",
+                                      .default_value = options.answer_time,
+                                      .unit = "s",
+                                      .minimum = 0.1,
+                                      .maximum = 60,
+                                      .description = "without feedback of a motion: all is stopped",
+                                      .read_only = true});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
                                    .minimum = 1,
-                                   .description = "grasps tried before giving up"});
+                                   .description = "grasps tried before giving up",
+                                   .read_only = true});
   return options;
 }
 
@@ -67,16 +73,19 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
                                            .default_value = -1,
                                            .minimum = -1,
                                            .description = "id of the object to grasp, -1: the one "
-                                                          "with the best grasp"})),
+                                                          "with the best grasp",
+                                           .read_only = true})),
       exits_(node.declare_parameter<bool>({.name = "exit_when_done",
                                            .default_value = false,
-                                           .description = "end the process after the result"})),
+                                           .description = "end the process after the result",
+                                           .read_only = true})),
       patience_(node.declare_parameter<double>(
           {.name = "patience",
            .default_value = 20.0,
            .unit = "s",
            .minimum = 0.0,
-           .description = "wall time to wait for the next plan of a view"})),
+           .description = "wall time to wait for the next plan of a view",
+           .read_only = true})),
       look_(node),
       options_(declare_options(node, look_.timeout())),
       arm_(node),

@@ -34,18 +34,23 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
                                                   .default_value = 1.0,
                                                   .minimum = 1e-9,
                                                   .maximum = 1e9,
-                                                  .description = "metres per unit of the file"});
+                                                  .description = "metres per unit of the file",
+                                                  .read_only = true});
   const auto viewpoint = node.declare_parameter<std::string>(
       {.name = "viewpoint",
        .description = "pose of the camera's optical frame in the file's frame: x y z qw qx qy qz; "
-                      "empty: found out from the file"});
+                      "empty: found out from the file",
+       .read_only = true});
   const auto up = node.declare_parameter<std::string>(
-      {.name = "up", .description = "direction up in the file's frame: x y z; empty: unknown"});
+      {.name = "up",
+       .description = "direction up in the file's frame: x y z; empty: unknown",
+       .read_only = true});
   const auto single_object = node.declare_parameter<std::string>(
       {.name = "single_object",
        .default_value = "auto",
        .choices = {"auto", "yes", "no"},
-       .description = "whether the cloud is one object without a table"});
+       .description = "whether the cloud is one object without a table",
+       .read_only = true});
   if (const auto v =
           read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
       !v.empty()) {
@@ -88,16 +93,19 @@ msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedClou
 }
 
 void run(graph::Node& node) {
-  const auto file = node.declare_parameter<std::string>(
-      {.name = "file", .description = "a .pcd or .ply cloud", .reads_file = true});
+  const auto file = node.declare_parameter<std::string>({.name = "file",
+                                                         .description = "a .pcd or .ply cloud",
+                                                         .read_only = true,
+                                                         .reads_file = true});
   const perception::RecordedCloudOptions options = read_options(node);
   const auto world = node.declare_parameter<std::string>(
       {.name = "world",
        .default_value = "table",
        .choices = {"table", "file"},
        .description = "frame of the objects: made from the table that is found, or the file's own, "
-                      "as several clouds of one scene need (view_merging)"});
-  nodes::declare_segmentation_parameters(node);
+                      "as several clouds of one scene need (view_merging)",
+       .read_only = true});
+  nodes::declare_segmentation_parameters(node, true);
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
     message.mutable_header()->set_frame_id("world");

@@ -20,7 +20,7 @@ constexpr auto kGripperPatience = std::chrono::seconds(20);  // for the robot to
 
 bool declare_flag(graph::Node& node, const std::string& name, const std::string& description) {
   return node.declare_parameter<bool>(
-      {.name = name, .default_value = false, .description = description});
+      {.name = name, .default_value = false, .description = description, .read_only = true});
 }
 
 double declare_length(graph::Node& node, const std::string& name, double value, double minimum,
@@ -29,7 +29,8 @@ double declare_length(graph::Node& node, const std::string& name, double value, 
                                          .default_value = value,
                                          .unit = "m",
                                          .minimum = minimum,
-                                         .description = description});
+                                         .description = description,
+                                         .read_only = true});
 }
 
 control::CycleOptions declare_cycle_options(graph::Node& node) {
@@ -44,19 +45,22 @@ control::CycleOptions declare_cycle_options(graph::Node& node) {
        .unit = "s",
        .minimum = 0.02,
        .maximum = 10,
-       .description = "without a word of gripper, pads, wrist or carrier: all is stopped"});
-  options.answer_time = node.declare_parameter<double>(
-      {.name = "answer_time",
-       .default_value = options.answer_time,
-       .unit = "s",
-       .minimum = 0.1,
-       .maximum = 60,
-       .description = "without feedback of a motion: all is stopped"});
+       .description = "without a word of gripper, pads, wrist or carrier: all is stopped",
+       .read_only = true});
+  options.answer_time =
+      node.declare_parameter<double>({.name = "answer_time",
+                                      .default_value = options.answer_time,
+                                      .unit = "s",
+                                      .minimum = 0.1,
+                                      .maximum = 60,
+                                      .description = "without feedback of a motion: all is stopped",
+                                      .read_only = true});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = options.largest_attempts,
                                    .minimum = 1,
-                                   .description = "grasps tried before giving up"});
+                                   .description = "grasps tried before giving up",
+                                   .read_only = true});
   return options;
 }
 
@@ -103,7 +107,8 @@ CycleNode::CycleNode(graph::Node& node)
                                            .default_value = -1,
                                            .minimum = -1,
                                            .description = "id of the object to grasp, -1: the one "
-                                                          "with the best grasp"})),
+                                                          "with the best grasp",
+                                           .read_only = true})),
       spawns_(declare_flag(node, "spawn_predicted",
                            "put the predicted objects into the simulation before grasping")),
       exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
@@ -113,11 +118,13 @@ CycleNode::CycleNode(graph::Node& node)
                                                .default_value = 800,
                                                .unit = "kg/m^3",
                                                .minimum = 1,
-                                               .description = "of spawned objects"})),
+                                               .description = "of spawned objects",
+                                               .read_only = true})),
       touch_counts_(node.declare_parameter<int>({.name = "touch_counts",
                                                  .default_value = 10,
                                                  .minimum = 0,
-                                                 .description = "above: a texel is touched"})),
+                                                 .description = "above: a texel is touched",
+                                                 .read_only = true})),
       gripper_(node),
       options_(declare_cycle_options(node)),
       put_down_(declare_put_down_options(node, options_.lift_height)),
@@ -128,7 +135,8 @@ CycleNode::CycleNode(graph::Node& node)
                                           .unit = "s",
                                           .minimum = 0.0,
                                           .description = "wall time to wait for the next plan of "
-                                                         "a view"}))),
+                                                         "a view",
+                                          .read_only = true}))),
       gripper_port_(node),
       carrier_port_(node),
       spawn_(node.client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn")),

@@ -19,6 +19,7 @@
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -45,7 +46,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
                                             .default_value = value,
                                             .unit = unit,
                                             .minimum = minimum,
-                                            .description = description});
+                                            .description = description,
+                                            .read_only = true});
   };
   declare("density", options.density, "kg/m^3", 1, "assumed of the objects");
   declare("friction", options.friction, "", 0.01, "assumed between pads and objects");
@@ -64,7 +66,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
        .description =
            "ways to make candidates, these alone; none: circles and boxes for the "
            "parallel gripper, circles for a platform's hand, and antipodal where none of "
-           "those holds"});
+           "those holds",
+       .read_only = true});
   if (!generators.empty()) options.generators = generators;
   declare("budget", options.budget, "s", 0,
           "for the grasps of one object: the best setting of the front within it, which ends "
@@ -75,12 +78,14 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
            "measured front (config/fidelity/plan.yaml) from which the budget chooses "
            "generators, rolls, standoffs and robustness samples, which must not be given "
            "then; empty: these. Not with a platform",
+       .read_only = true,
        .reads_file = true});
   options.uncertainty.samples = node.declare_parameter<int>(
       {.name = "robustness_samples",
        .default_value = options.uncertainty.samples,
        .minimum = 0,
-       .description = "disturbed poses and frictions in which each listed grasp is tried"});
+       .description = "disturbed poses and frictions in which each listed grasp is tried",
+       .read_only = true});
   declare("position_deviation", options.uncertainty.position_deviation, "m", 0,
           "standard, of the hand in the object when it is tried so");
   declare("rotation_deviation", options.uncertainty.rotation_deviation, "rad", 0,
@@ -89,12 +94,14 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
       node.declare_parameter<int>({.name = "rolls",
                                    .default_value = options.candidates.circles.rolls,
                                    .minimum = 1,
-                                   .description = "over half a turn"});
+                                   .description = "over half a turn",
+                                   .read_only = true});
   options.candidates.circles.standoffs =
       node.declare_parameter<int>({.name = "standoffs",
                                    .default_value = options.candidates.circles.standoffs,
                                    .minimum = 1,
-                                   .description = "depths of the fingertips tried"});
+                                   .description = "depths of the fingertips tried",
+                                   .read_only = true});
   if (node.is_parameter_given("rolls")) {
     options.candidates.rolls = options.candidates.circles.rolls;
   }
@@ -104,7 +111,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   options.largest_count = node.declare_parameter<int>({.name = "largest_count",
                                                        .default_value = options.largest_count,
                                                        .minimum = 1,
-                                                       .description = "of grasps in a plan"});
+                                                       .description = "of grasps in a plan",
+                                                       .read_only = true});
   if (!front.empty() && options.budget > 0) {
     const std::string chosen =
         fidelity::apply_plan_budget(fidelity::read_front(front), options.budget, &options);
@@ -119,21 +127,25 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
        .description = "arm with a hand (kr5_sdh, pa10_barrett, ...); empty: the parallel gripper "
-                      "on the carrier"});
+                      "on the carrier",
+       .read_only = true});
   const auto folder = node.declare_parameter<std::string>(
       {.name = "platforms",
-       .default_value = "config/robots",
-       .description = "folder of the platform's file, PLATFORM.yaml"});
+       .default_value = text::tree_file("config/robots"),
+       .description = "folder of the platform's file, PLATFORM.yaml",
+       .read_only = true});
   const auto home = node.declare_parameter<std::string>(
       {.name = "home",
        .default_value = "home",
-       .description = "of the platform: where its arm stands when a motion starts"});
+       .description = "of the platform: where its arm stands when a motion starts",
+       .read_only = true});
   planning::PlatformPickOptions arm;
   const auto move = node.declare_parameter<std::vector<double>>(
       {.name = "move",
        .default_value = {0, 0.15, 0},
        .unit = "m",
        .description = "with a platform: x, y, z by which the object is carried",
+       .read_only = true,
        .validate = [](const std::vector<double>& value) {
          return value.size() == 3 ? "" : "must be three numbers";
        }});
@@ -141,12 +153,14 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                     .default_value = arm.pick.budget,
                                                     .unit = "s",
                                                     .minimum = 0.0,
-                                                    .description = "for one motion of the arm"});
+                                                    .description = "for one motion of the arm",
+                                                    .read_only = true});
   const int motions =
       node.declare_parameter<int>({.name = "motions",
                                    .default_value = 3,
                                    .minimum = 1,
-                                   .description = "grasps that get a motion of the arm"});
+                                   .description = "grasps that get a motion of the arm",
+                                   .read_only = true});
   const bool front_chooses =
       !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
   nodes::refuse_what_does_not_apply(node, !file.empty(), front_chooses);
@@ -161,7 +175,8 @@ std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "database",
        .description = "file of grasps of known objects (known_objects): used, added to, and told "
-                      "what was executed; empty: none"});
+                      "what was executed; empty: none",
+       .read_only = true});
   if (file.empty()) return std::nullopt;
   return std::make_optional<nodes::GraspRecords>(file);
 }
@@ -178,20 +193,23 @@ class GraspPlanning {
              .default_value = "auto",
              .choices = {"auto", "down", "table", "any"},
              .description = "directions the robot can approach along: down the world's z axis, "
-                            "straight at the table, any; auto: down when the table is level"})),
+                            "straight at the table, any; auto: down when the table is level",
+             .read_only = true})),
         records_(declare_records(node)),
         workspace_(node.declare_parameter<double>(
             {.name = "workspace",
              .default_value = 0.0,
              .unit = "m",
              .minimum = 0.0,
-             .description = "half the side of the square the carrier reaches, 0: no limit"})),
+             .description = "half the side of the square the carrier reaches, 0: no limit",
+             .read_only = true})),
         batch_(std::chrono::duration<double>(node.declare_parameter<double>(
             {.name = "patience",
              .default_value = 15.0,
              .unit = "s",
              .minimum = 0.0,
-             .description = "wall time to wait for the next model of a view"}))),
+             .description = "wall time to wait for the next model of a view",
+             .read_only = true}))),
         plans_(node.advertise<msgs::GraspPlan>("/plans", graph::QoS::latched(32))),
         models_(node.subscribe<msgs::ObjectModel>("/models", graph::QoS::latched(32),
                                                   [this](const auto& model) {

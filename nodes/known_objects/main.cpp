@@ -28,32 +28,36 @@ planning::KnownModels declare_models(graph::Node& node) {
   const auto folder = node.declare_parameter<std::string>(
       {.name = "models",
        .description = "folder of the known objects' meshes (.ply, .obj, .stl)",
+       .read_only = true,
        .reads_file = true});
-  const auto scale =
-      node.declare_parameter<double>({.name = "scale",
-                                      .default_value = 1.0,
-                                      .minimum = 1e-6,
-                                      .maximum = 1e3,
-                                      .description = "metres per unit of the files"});
+  const auto scale = node.declare_parameter<double>({.name = "scale",
+                                                     .default_value = 1.0,
+                                                     .minimum = 1e-6,
+                                                     .maximum = 1e3,
+                                                     .description = "metres per unit of the files",
+                                                     .read_only = true});
   options.tolerance = node.declare_parameter<double>(
       {.name = "tolerance",
        .default_value = options.tolerance,
        .unit = "m",
        .minimum = 1e-5,
        .maximum = 0.1,
-       .description = "that a seen point may be off the known surface"});
+       .description = "that a seen point may be off the known surface",
+       .read_only = true});
   options.least_explained = node.declare_parameter<double>(
       {.name = "least_explained",
        .default_value = options.least_explained,
        .minimum = 0.0,
        .maximum = 1.0,
-       .description = "share of the seen points that the known surface has to explain"});
+       .description = "share of the seen points that the known surface has to explain",
+       .read_only = true});
   options.most_violated = node.declare_parameter<double>(
       {.name = "most_violated",
        .default_value = options.most_violated,
        .minimum = 0.0,
        .maximum = 1.0,
-       .description = "share of the known surface that may stand where the camera saw nothing"});
+       .description = "share of the known surface that may stand where the camera saw nothing",
+       .read_only = true});
   options.size_margin = node.declare_parameter<double>(
       {.name = "size_margin",
        .default_value = options.size_margin,
@@ -62,7 +66,8 @@ planning::KnownModels declare_models(graph::Node& node) {
        .maximum = 1.0,
        .description =
            "by which the seen object may be larger or smaller than the known one, beyond "
-           "three standard deviations of what its points tell"});
+           "three standard deviations of what its points tell",
+       .read_only = true});
   return planning::KnownModels(folder, scale, options);
 }
 
@@ -76,7 +81,8 @@ class KnownObjects {
                                                   .unit = "s",
                                                   .minimum = 0.0,
                                                   .description = "wall time that a predicted model "
-                                                                 "waits for its view"})),
+                                                                 "waits for its view",
+                                                  .read_only = true})),
         publisher_(node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects))),
         predicted_(node.subscribe<msgs::ObjectModel>(
             "/predicted_models", graph::QoS::latched(kMostObjects),

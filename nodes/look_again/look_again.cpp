@@ -28,7 +28,8 @@ LookAgain::LookAgain(graph::Node& node)
            .minimum = 0.0,
            .description =
                "after a failed attempt: to wait for a plan of what is there then, before "
-               "the next grasp of the plan before is taken; 0: that at once"})) {}
+               "the next grasp of the plan before is taken; 0: that at once",
+           .read_only = true})) {}
 
 void LookAgain::ask(double since) {
   if (asked_ == since) return;

@@ -37,31 +37,37 @@ Settings declare_settings(Node& node) {
       {.name = "output",
        .default_value = "recording.mcap",
        .description = "file to write: FILE.partial until it is whole; the one before is kept as "
-                      "FILE.1"});
+                      "FILE.1",
+       .read_only = true});
   s.topics = split_words(node.declare_parameter<std::string>(
       {.name = "topics",
-       .description = "topics to record, separated by spaces, * for any text; empty: all"}));
+       .description = "topics to record, separated by spaces, * for any text; empty: all",
+       .read_only = true}));
   s.attachments = split_words(node.declare_parameter<std::string>(
       {.name = "attachment",
        .description = "files to keep in the recording, separated by spaces, in double quotes where "
-                      "they have some; the launch file of the graph always is"}));
+                      "they have some; the launch file of the graph always is",
+       .read_only = true}));
   s.writer.compression = prehend::recording::compression_named(
       node.declare_parameter<std::string>({.name = "compression",
                                            .default_value = "lz4",
                                            .choices = {"none", "lz4", "zstd"},
-                                           .description = "of the recording's chunks"}));
+                                           .description = "of the recording's chunks",
+                                           .read_only = true}));
   s.duration = node.declare_parameter<double>(
       {.name = "duration",
        .default_value = 0,
        .unit = "s",
        .minimum = 0,
-       .description = "wall time after which it ends; 0: when it is stopped"});
+       .description = "wall time after which it ends; 0: when it is stopped",
+       .read_only = true});
   s.split.size = static_cast<std::uint64_t>(node.declare_parameter<std::int64_t>(
       {.name = "split_size",
        .default_value = 0,
        .unit = "B",
        .minimum = 0,
-       .description = "size at which it goes on in another file, OUTPUT_0001.mcap; 0: never"}));
+       .description = "size at which it goes on in another file, OUTPUT_0001.mcap; 0: never",
+       .read_only = true}));
   s.split.duration = static_cast<std::uint64_t>(
       1e9 * node.declare_parameter<double>(
                 {.name = "split_duration",
@@ -69,7 +75,8 @@ Settings declare_settings(Node& node) {
                  .unit = "s",
                  .minimum = 0,
                  .maximum = 1e9,
-                 .description = "recorded time after which it goes on in another file; 0: never"}));
+                 .description = "recorded time after which it goes on in another file; 0: never",
+                 .read_only = true}));
   return s;
 }
 

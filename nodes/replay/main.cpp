@@ -25,7 +25,8 @@ prehend::RecordingPlayerOptions declare_options(Node& node,
   prehend::RecordingPlayerOptions options;
   options.topics = split_words(node.declare_parameter<std::string>(
       {.name = "topics",
-       .description = "topics to replay, separated by spaces, * for any text; empty: all"}));
+       .description = "topics to replay, separated by spaces, * for any text; empty: all",
+       .read_only = true}));
   options.rate = node.declare_parameter<double>(
       {.name = "rate",
        .default_value = 1,
@@ -38,21 +39,25 @@ prehend::RecordingPlayerOptions declare_options(Node& node,
        .unit = "s",
        .minimum = 0,
        .description = "where to begin, after the recording's beginning; what was latched before "
-                      "comes first"});
+                      "comes first",
+       .read_only = true});
   options.end = node.declare_parameter<double>(
       {.name = "end",
        .default_value = 0,
        .unit = "s",
        .minimum = 0,
-       .description = "where to end, after the recording's beginning; 0: at its end"});
-  options.paused = node.declare_parameter<bool>(
-      {.name = "paused",
-       .default_value = false,
-       .description = "begin with the clock paused, see prehend clock"});
+       .description = "where to end, after the recording's beginning; 0: at its end",
+       .read_only = true});
+  options.paused =
+      node.declare_parameter<bool>({.name = "paused",
+                                    .default_value = false,
+                                    .description = "begin with the clock paused, see prehend clock",
+                                    .read_only = true});
   options.publish_clock =
       node.declare_parameter<bool>({.name = "clock",
                                     .default_value = true,
-                                    .description = "publish the recorded time on /clock"});
+                                    .description = "publish the recorded time on /clock",
+                                    .read_only = true});
   return options;
 }
 
@@ -67,23 +72,29 @@ void sleep_while(Node& node, bool condition) {
 }
 
 void replay(Node& node) {
-  const auto file = node.declare_parameter<std::string>(
-      {.name = "file", .description = "the recording (MCAP)", .reads_file = true});
+  const auto file = node.declare_parameter<std::string>({.name = "file",
+                                                         .description = "the recording (MCAP)",
+                                                         .read_only = true,
+                                                         .reads_file = true});
   const auto pacer = std::make_shared<prehend::graph::ClockPacer>();
   prehend::RecordingPlayerOptions options =
       declare_options(node, [pacer](const double& rate) { pacer->set_speed(rate); });
-  const bool loop = node.declare_parameter<bool>(
-      {.name = "loop", .default_value = false, .description = "begin again at the end"});
+  const bool loop = node.declare_parameter<bool>({.name = "loop",
+                                                  .default_value = false,
+                                                  .description = "begin again at the end",
+                                                  .read_only = true});
   const bool hold = node.declare_parameter<bool>(
       {.name = "hold",
        .default_value = false,
-       .description = "stay at the end, with the last message of each topic for late subscribers"});
+       .description = "stay at the end, with the last message of each topic for late subscribers",
+       .read_only = true});
   const double wait = node.declare_parameter<double>(
       {.name = "wait_for_subscribers",
        .default_value = 2,
        .unit = "s",
        .minimum = 0,
-       .description = "longest wait for a subscriber of each topic before it begins"});
+       .description = "longest wait for a subscriber of each topic before it begins",
+       .read_only = true});
   options.latch_all = hold;
 
   // First of all on the graph, so that --help opens no file.

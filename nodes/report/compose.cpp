@@ -416,7 +416,11 @@ std::vector<Row> stage_times(const Collected& collected) {
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
                   const robot::GripperModel& gripper, const std::vector<Process>& processes) {
   Page page(title);
-  page.add_verdict(verdict.text, verdict.success);
+  if (verdict.success && verdict.ungraspable) {
+    page.add_answer("Nothing was grasped: " + verdict.text);
+  } else {
+    page.add_verdict(verdict.text, verdict.success);
+  }
   section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
   section(page, "What was seen", [&] { add_view(page, collected); });
   // The object of the cycle first.

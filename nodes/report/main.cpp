@@ -41,26 +41,32 @@ void run(graph::Node& node) {
   const auto out =
       node.declare_parameter<std::string>({.name = "out",
                                            .default_value = "out/report",
-                                           .description = "folder of report.html and summary.txt"});
-  const auto title = node.declare_parameter<std::string>(
-      {.name = "title", .default_value = "prehend", .description = "title of the page"});
+                                           .description = "folder of report.html and summary.txt",
+                                           .read_only = true});
+  const auto title = node.declare_parameter<std::string>({.name = "title",
+                                                          .default_value = "prehend",
+                                                          .description = "title of the page",
+                                                          .read_only = true});
   nodes::GripperSource gripper(node);
   const bool require_lift =
       node.declare_parameter<bool>({.name = "require_lift",
                                     .default_value = false,
-                                    .description = "also \"cannot be grasped\" is a failure"});
+                                    .description = "also \"cannot be grasped\" is a failure",
+                                    .read_only = true});
   const double timeout = node.declare_parameter<double>(
       {.name = "timeout",
        .default_value = 180.0,
        .unit = "s",
        .minimum = 1.0,
-       .description = "wall time after which the run counts as failed"});
+       .description = "wall time after which the run counts as failed",
+       .read_only = true});
   const double patience = node.declare_parameter<double>(
       {.name = "patience",
        .default_value = 2.0,
        .unit = "s",
        .minimum = 0.0,
-       .description = "wall time to wait for objects after a view without any"});
+       .description = "wall time to wait for objects after a view without any",
+       .read_only = true});
   gripper.listen();
   nodes::Collector collector(node);
   node.spin_in_background();

@@ -7,83 +7,100 @@
 namespace prehend::nodes {
 namespace {
 
-void declare_length(graph::Node& node, const std::string& name, double value,
+/// A node that declares parameters, and whether they count at the start only.
+struct Declarer {
+  graph::Node& node;
+  bool at_start;
+};
+
+void declare_length(const Declarer& declarer, const std::string& name, double value,
                     const std::string& description, double minimum = 0, double maximum = 100) {
-  node.declare_parameter<double>({.name = name,
-                                  .default_value = value,
-                                  .unit = "m",
-                                  .minimum = minimum,
-                                  .maximum = maximum,
-                                  .description = description});
+  declarer.node.declare_parameter<double>({.name = name,
+                                           .default_value = value,
+                                           .unit = "m",
+                                           .minimum = minimum,
+                                           .maximum = maximum,
+                                           .description = description,
+                                           .read_only = declarer.at_start});
 }
 
-void declare_count(graph::Node& node, const std::string& name, int value, int minimum, int maximum,
-                   const std::string& unit, const std::string& description) {
-  node.declare_parameter<int>({.name = name,
-                               .default_value = value,
-                               .unit = unit,
-                               .minimum = minimum,
-                               .maximum = maximum,
-                               .description = description});
+void declare_count(const Declarer& declarer, const std::string& name, int value, int minimum,
+                   int maximum, const std::string& unit, const std::string& description) {
+  declarer.node.declare_parameter<int>({.name = name,
+                                        .default_value = value,
+                                        .unit = unit,
+                                        .minimum = minimum,
+                                        .maximum = maximum,
+                                        .description = description,
+                                        .read_only = declarer.at_start});
 }
 
-void declare_table_parameters(graph::Node& node) {
+void declare_table_parameters(const Declarer& declarer) {
   const perception::TableOptions table;
-  declare_length(node, "table.inlier_distance", table.inlier_distance,
+  declare_length(declarer, "table.inlier_distance", table.inlier_distance,
                  "distance to the table within which a point belongs to it, at 1 m", 1e-4, 0.1);
-  declare_count(node, "table.max_iterations", table.max_iterations, 1, 100000, "",
+  declare_count(declarer, "table.max_iterations", table.max_iterations, 1, 100000, "",
                 "RANSAC draws for each plane");
-  declare_count(node, "table.max_planes", table.max_planes, 1, 20, "", "planes that are looked at");
-  node.declare_parameter<double>({.name = "table.min_support",
-                                  .default_value = table.min_support,
-                                  .minimum = 0.0,
-                                  .maximum = 1.0,
-                                  .description = "share of all points that a table must have"});
-  declare_length(node, "table.min_extent", table.min_extent, "shorter side of a table");
-  node.declare_parameter<double>({.name = "table.max_tilt",
-                                  .default_value = table.max_tilt,
-                                  .unit = "rad",
-                                  .minimum = 0.01,
-                                  .maximum = 1.5708,
-                                  .description = "largest angle between table normal and up, where "
-                                                 "up is known"});
-  declare_length(node, "table.leaf_size", table.leaf_size, "voxels the table is sought in", 0, 0.1);
-  declare_length(node, "table.max_distance", table.max_distance,
+  declare_count(declarer, "table.max_planes", table.max_planes, 1, 20, "",
+                "planes that are looked at");
+  declarer.node.declare_parameter<double>(
+      {.name = "table.min_support",
+       .default_value = table.min_support,
+       .minimum = 0.0,
+       .maximum = 1.0,
+       .description = "share of all points that a table must have",
+       .read_only = declarer.at_start});
+  declare_length(declarer, "table.min_extent", table.min_extent, "shorter side of a table");
+  declarer.node.declare_parameter<double>({.name = "table.max_tilt",
+                                           .default_value = table.max_tilt,
+                                           .unit = "rad",
+                                           .minimum = 0.01,
+                                           .maximum = 1.5708,
+                                           .description =
+                                               "largest angle between table normal and up, where "
+                                               "up is known",
+                                           .read_only = declarer.at_start});
+  declare_length(declarer, "table.leaf_size", table.leaf_size, "voxels the table is sought in", 0,
+                 0.1);
+  declare_length(declarer, "table.max_distance", table.max_distance,
                  "farther points are not looked at for the table", 0.1);
-  declare_count(node, "seed", static_cast<int>(table.seed), 0, 1000000, "",
+  declare_count(declarer, "seed", static_cast<int>(table.seed), 0, 1000000, "",
                 "of the random draws; same seed, same result");
 }
 
 }  // namespace
 
-void declare_segmentation_parameters(graph::Node& node) {
-  declare_table_parameters(node);
+void declare_segmentation_parameters(graph::Node& node, bool at_start) {
+  const Declarer declarer{node, at_start};
+  declare_table_parameters(declarer);
   const perception::SegmentationOptions o;
-  declare_length(node, "min_height", o.min_height,
+  declare_length(declarer, "min_height", o.min_height,
                  "lower points belong to the table, up to 1 m depth", 1e-4, 0.1);
-  declare_length(node, "max_height", o.max_height, "points higher over the table are dropped");
-  declare_length(node, "max_distance", o.max_distance, "points farther from the camera are dropped",
-                 0.1);
-  declare_length(node, "cluster_tolerance", o.cluster_tolerance, "gap that separates two objects",
-                 1e-3, 0.5);
-  declare_length(node, "leaf_size", o.leaf_size, "voxels that are clustered", 0, 0.1);
-  declare_count(node, "min_points", o.min_points, 1, 1000000, "points", "of the smallest object");
-  declare_length(node, "min_object_height", o.min_object_height, "lower things are dropped");
-  declare_length(node, "hull_margin", o.hull_margin, "by which the table's outline is widened");
-  declare_count(node, "close_radius", o.close_radius, 0, 50, "px",
+  declare_length(declarer, "max_height", o.max_height, "points higher over the table are dropped");
+  declare_length(declarer, "max_distance", o.max_distance,
+                 "points farther from the camera are dropped", 0.1);
+  declare_length(declarer, "cluster_tolerance", o.cluster_tolerance,
+                 "gap that separates two objects", 1e-3, 0.5);
+  declare_length(declarer, "leaf_size", o.leaf_size, "voxels that are clustered", 0, 0.1);
+  declare_count(declarer, "min_points", o.min_points, 1, 1000000, "points",
+                "of the smallest object");
+  declare_length(declarer, "min_object_height", o.min_object_height, "lower things are dropped");
+  declare_length(declarer, "hull_margin", o.hull_margin, "by which the table's outline is widened");
+  declare_count(declarer, "close_radius", o.close_radius, 0, 50, "px",
                 "of the closing that fills small holes of the masks");
-  declare_count(node, "max_objects", o.max_objects, 1, 200, "", "the largest are kept");
+  declare_count(declarer, "max_objects", o.max_objects, 1, 200, "", "the largest are kept");
   node.declare_parameter<std::string>(
       {.name = "clustering",
        .default_value = "euclidean",
        .choices = {"euclidean", "organized"},
-       .description =
-           "how points become objects; organized is faster, for clouds that are images"});
+       .description = "how points become objects; organized is faster, for clouds that are images",
+       .read_only = at_start});
   node.declare_parameter<bool>({.name = "split_touching",
                                 .default_value = o.split,
                                 .description = "split objects that touch where surface and colour "
-                                               "say so, in clouds that are images"});
-  declare_length(node, "join_gap", o.parts.join_gap,
+                                               "say so, in clouds that are images",
+                                .read_only = at_start});
+  declare_length(declarer, "join_gap", o.parts.join_gap,
                  "within which a floating part belongs to a larger object");
 }
 

@@ -59,6 +59,7 @@ void declare_parameters(graph::Node& node) {
        .default_value = "",
        .description = "YAML file of coefficients (config/fidelity/shape_confidence.yaml); empty: "
                       "the built-in ones",
+       .read_only = true,
        .reads_file = true});
   node.declare_parameter<std::string>(
       {.name = "vote",

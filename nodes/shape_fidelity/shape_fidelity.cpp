@@ -36,6 +36,7 @@ ShapeFidelity::ShapeFidelity(graph::Node& node) {
        .default_value = "",
        .description = "measured speed-accuracy front (config/fidelity/shape.yaml) to choose the "
                       "knobs from by budget or tolerance",
+       .read_only = true,
        .reads_file = true});
   const auto budget = node.declare_parameter<double>(
       {.name = "budget",
@@ -43,14 +44,16 @@ ShapeFidelity::ShapeFidelity(graph::Node& node) {
        .unit = "s",
        .minimum = 0.0,
        .description = "from segmented cloud to mesh: the most accurate setting of the front that "
-                      "takes no longer; 0: none asked for. At the start only"});
+                      "takes no longer; 0: none asked for. At the start only",
+       .read_only = true});
   const auto tolerance = node.declare_parameter<double>(
       {.name = "tolerance",
        .default_value = 0.0,
        .unit = "m",
        .minimum = 0.0,
        .description = "mean error of the mesh: the fastest setting of the front that keeps it; 0: "
-                      "none asked for. At the start only"});
+                      "none asked for. At the start only",
+       .read_only = true});
   if (budget == 0 && tolerance == 0) return;
   try {
     chosen_ = choose(file, budget, tolerance);

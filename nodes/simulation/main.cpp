@@ -7,6 +7,7 @@
 #include "msgs/convert/gripper.h"
 #include "nodes/simulation/camera.h"
 #include "nodes/simulation/motion_actions.h"
+#include "nodes/simulation/reader_pace.h"
 #include "nodes/simulation/robot_actions.h"
 #include "nodes/simulation/robot_messages.h"
 #include "nodes/simulation/robot_runner.h"
@@ -16,6 +17,7 @@
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/simulation/scene.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -33,54 +35,64 @@ struct Settings {
 
 Settings declare_settings(graph::Node& node) {
   Settings s;
-  s.scene = node.declare_parameter<std::string>({.name = "scene",
-                                                 .default_value = "config/scenes/demo.yaml",
-                                                 .description = "scene file",
-                                                 .reads_file = true});
+  s.scene = node.declare_parameter<std::string>(
+      {.name = "scene",
+       .default_value = text::tree_file("config/scenes/demo.yaml"),
+       .description = "scene file",
+       .read_only = true,
+       .reads_file = true});
   s.robot = node.declare_parameter<std::string>(
       {.name = "robot",
        .default_value = "",
        .description = "platform (config/robots) that stands in the scene in place of its gripper",
+       .read_only = true,
        .reads_file = true});
   s.robot_home = node.declare_parameter<std::string>(
       {.name = "robot_home",
        .default_value = "",
-       .description =
-           "of the platform's homes, where the arm stands at first; empty: the scene's"});
+       .description = "of the platform's homes, where the arm stands at first; empty: the scene's",
+       .read_only = true});
   s.show_robot = node.declare_parameter<bool>(
       {.name = "show_robot",
        .default_value = true,
-       .description = "the camera sees arm and hand; false: as if their links were masked"});
-  s.paused = node.declare_parameter<bool>(
-      {.name = "paused",
-       .default_value = false,
-       .description = "begin with the clock paused, see prehend clock"});
+       .description = "the camera sees arm and hand; false: as if their links were masked",
+       .read_only = true});
+  s.paused =
+      node.declare_parameter<bool>({.name = "paused",
+                                    .default_value = false,
+                                    .description = "begin with the clock paused, see prehend clock",
+                                    .read_only = true});
   s.camera = node.declare_parameter<bool>(
       {.name = "camera",
        .default_value = true,
-       .description = "publish /camera/info and a stereo pair at the start"});
+       .description = "publish /camera/info and a stereo pair at the start",
+       .read_only = true});
   s.camera_period = node.declare_parameter<double>(
       {.name = "camera_period",
        .default_value = 0.0,
        .unit = "s",
        .minimum = 0.0,
-       .description = "simulated time between further stereo pairs, 0: on request only"});
+       .description = "simulated time between further stereo pairs, 0: on request only",
+       .read_only = true});
   s.noise_seed =
       node.declare_parameter<int>({.name = "noise_seed",
                                    .default_value = -1,
                                    .minimum = -1,
-                                   .description = "of the camera's noise, -1: that of the scene"});
+                                   .description = "of the camera's noise, -1: that of the scene",
+                                   .read_only = true});
   s.render.samples_per_side = node.declare_parameter<int>(
       {.name = "samples_per_side",
        .default_value = s.render.samples_per_side,
        .minimum = 1,
        .maximum = 4,
-       .description = "rays of a pixel are its square; rendering time grows with them"});
+       .description = "rays of a pixel are its square; rendering time grows with them",
+       .read_only = true});
   s.render.threads = node.declare_parameter<int>({.name = "render_threads",
                                                   .default_value = s.render.threads,
                                                   .minimum = 1,
                                                   .maximum = 64,
-                                                  .description = "threads that render"});
+                                                  .description = "threads that render",
+                                                  .read_only = true});
   return s;
 }
 
@@ -169,12 +181,14 @@ void run_gripper(graph::Node& node, const Settings& settings, const simulation::
   description.publish(convert::describe_gripper(scene.gripper_file));
   SensorPublisher sensors(node, scene);
   PictureClock pictures(settings.camera_period);
+  ReaderPace pace(node, pacer);
   SimulatedRobot robot(
       node, scene, pacer,
       [&](const SensorReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
+        pace.slice_published();
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   World world(node, settings, scene, robot);
@@ -190,6 +204,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
   const robot::Platform platform = robot::read_platform(scene.robot);
   RobotPublisher sensors(node, platform.hand);
   PictureClock pictures(settings.camera_period);
+  ReaderPace pace(node, pacer);
   RobotRunner robot(
       node, simulation::RobotWorld(platform, scene, scene.robot_home), pacer,
       SimulatedRobot::slice_of(scene),
@@ -197,6 +212,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
         pictures.tell(readings.stamp);
+        pace.slice_published();
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
@@ -217,7 +233,8 @@ void run(graph::Node& node) {
        .default_value = 1.0,
        .unit = "s/s",
        .minimum = 0.0,
-       .description = "simulated seconds per wall second, 0: as fast as possible",
+       .description = "simulated seconds per wall second, 0: as fast as the subscribers' "
+                      "callbacks, without loss",
        .on_change = [&running](const double& value) {
          if (running) running->set_speed(value);
        }});

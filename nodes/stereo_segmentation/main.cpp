@@ -132,7 +132,7 @@ class StereoSegmentation {
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
     declare_stereo_parameters(node);
     declare_method_parameters(node);
-    nodes::declare_segmentation_parameters(node);
+    nodes::declare_segmentation_parameters(node, false);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
                                                [this](const graph::Received<msgs::CameraInfo>& m) {

@@ -16,7 +16,7 @@ using namespace prehend;
 
 std::string declare_file(graph::Node& node, const char* name, const char* description) {
   return node.declare_parameter<std::string>(
-      {.name = name, .description = description, .reads_file = true});
+      {.name = name, .description = description, .read_only = true, .reads_file = true});
 }
 
 void run(graph::Node& node) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <random>
 #include <stdexcept>
@@ -25,12 +26,56 @@ using msgs::graph::PeerMessage;
 using msgs::graph::RegistryReply;
 using msgs::graph::RegistryRequest;
 
+namespace {
+
+// What a client's socket tells of the keys at the other end.
+class KeyWatch {
+ public:
+  KeyWatch(zmq::context_t& context, zmq::socket_ref socket)
+      : socket_(socket), events_(context, zmq::socket_type::pair) {
+    const std::string name = fmt::format("inproc://keys-{}", socket.handle());
+    if (zmq_socket_monitor(socket.handle(), name.c_str(), key_events()) != 0) throw zmq::error_t();
+    // No bound: ZeroMQ's thread would wait for ever to tell a monitor that nobody reads.
+    events_.set(zmq::sockopt::rcvhwm, 0);
+    events_.set(zmq::sockopt::linger, 0);
+    events_.connect(name);
+  }
+  ~KeyWatch() { zmq_socket_monitor(socket_.handle(), nullptr, 0); }
+  KeyWatch(const KeyWatch&) = delete;
+  KeyWatch& operator=(const KeyWatch&) = delete;
+
+  // "" when there is none.
+  std::string trouble(bool has_keys) {
+    for (Frames frames = receive(events_); !frames.empty(); frames = receive(events_)) {
+      std::uint16_t event = 0;
+      if (frames[0].size() < sizeof event) continue;
+      std::memcpy(&event, frames[0].data(), sizeof event);
+      if (auto words = key_trouble(event, has_keys)) trouble_ = std::move(*words);
+    }
+    return trouble_;
+  }
+
+ private:
+  zmq::socket_ref socket_;
+  zmq::socket_t events_;
+  std::string trouble_;
+};
+
+// Nobody answered in time.
+class NoAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace
+
 struct Introspection::Impl {
   std::string registry;
   std::optional<GraphKeys> keys;
   std::chrono::milliseconds timeout;
   zmq::context_t context{1};
   zmq::socket_t socket;
+  std::optional<KeyWatch> key_watch;  // of the socket
   std::uint64_t next_id = 1;
 
   zmq::socket_t open(const std::string& endpoint);
@@ -72,27 +117,36 @@ void Introspection::Impl::exchange(zmq::socket_t& to, const std::string& who, Fr
         std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     zmq::pollitem_t item{to.handle(), 0, ZMQ_POLLIN, 0};
     if (left.count() <= 0 || zmq::poll(&item, 1, left) == 0) {
-      throw std::runtime_error(fmt::format("{} does not answer within {:.3g} s", who,
-                                           std::chrono::duration<double>(timeout).count()));
+      throw NoAnswer(fmt::format("{} does not answer within {:.3g} s", who,
+                                 std::chrono::duration<double>(timeout).count()));
     }
     if (is_answer(receive(to))) return;
   }
 }
 
 RegistryReply Introspection::Impl::ask(RegistryRequest request) {
-  if (!socket) socket = open(registry);
+  if (!socket) {
+    socket = open(registry);
+    key_watch.emplace(context, socket);
+  }
   request.set_id(next_id++);
   Frames frames(1);
   frames[0] = zmq::message_t(request.SerializeAsString());
   RegistryReply reply;
   const std::uint64_t id = request.id();
-  exchange(socket,
-           "no graph is running (start one with prehend launch): the registry at " + registry,
-           std::move(frames), [&](const Frames& got) {
-             return got.size() == 1 &&
-                    reply.ParseFromArray(got[0].data(), static_cast<int>(got[0].size())) &&
-                    reply.id() == id;
-           });
+  try {
+    exchange(socket,
+             "no graph is running (start one with prehend launch): the registry at " + registry,
+             std::move(frames), [&](const Frames& got) {
+               return got.size() == 1 &&
+                      reply.ParseFromArray(got[0].data(), static_cast<int>(got[0].size())) &&
+                      reply.id() == id;
+             });
+  } catch (const NoAnswer&) {
+    const std::string trouble = key_watch->trouble(keys.has_value());
+    if (trouble.empty()) throw;
+    throw KeyError("the registry at " + registry + " cannot be asked: " + trouble);
+  }
   if (!reply.error().empty()) throw std::runtime_error(reply.error());
   return reply;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,15 @@
 
 namespace prehend::graph {
 
+/// The registry that listens there cannot be asked with these keys, or without any.
+class KeyError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Looks at a running graph from outside, without being a node. One thread at a time.
 /// Every call throws std::runtime_error with one clear line when the registry or the node asked
-/// does not answer in time.
+/// does not answer in time; KeyError when keys are the reason.
 class Introspection {
  public:
   /// `registry`: endpoint; empty: PREHEND_REGISTRY, else the default. `timeout`: of each call.

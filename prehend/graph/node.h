@@ -81,8 +81,8 @@ struct DescribedNode;
 /// What blocks (call, wait, wait_for_server, wait_for_subscribers, sleeps of the clock) is refused
 /// inside the node's callbacks, with a line that names the mend. Handlers of actions may block.
 ///
-/// An exception that leaves a callback is logged and reported as diagnostic; the node goes on. So
-/// that one item of several does not lose the others, see shield().
+/// An exception that leaves a callback is logged, counted, and an error of the node's health for 5
+/// s; the node goes on. So that one item of several does not lose the others, see shield().
 ///
 /// Names of topics, services and actions start with '/'. They are put into the node's namespace,
 /// except those of the whole graph (/clock, /log, /diagnostics, /parameter_events, /statistics) and

@@ -74,7 +74,12 @@ Node::Impl::Impl(NodeOptions node_options, bool is_describing)
   if (options.use_slab) link->slabs = std::make_shared<SlabPool>(kMaxSlabBytes);
   link->loop = std::make_shared<IoLoop>();
   link->log = [this](LogLevel level, const std::string& text) { log(level, text); };
-  link->report = [this](Health level, const std::string& text) { report(level, text); };
+  link->callback_failed = [this](const std::string& source, const std::string& what) {
+    callback_failed(source, what);
+  };
+  link->hold_against = [this](const std::string& instance, const std::string& text) {
+    hold_against(instance, text);
+  };
   link->send_to_client = [this, loop = link->loop](const std::string& client,
                                                    const msgs::graph::PeerMessage& message) {
     ++link->waiting_to_send;
@@ -388,24 +393,14 @@ void Node::Impl::log(LogLevel level, const std::string& text) {
 }
 
 void Node::Impl::report(Health level, const std::string& text) {
-  bool changed = false;
   {
     const std::lock_guard lock(mutex);
-    changed = level != health || text != health_text;
-    health = level;
-    health_text = text;
+    if (!health.say({level, text})) return;
   }
-  if (!changed) return;
   if (level != Health::kOk) {
     log(level == Health::kError ? LogLevel::kError : LogLevel::kWarning, text);
   }
-  msgs::graph::Diagnostic diagnostic;
-  diagnostic.set_stamp(link->clock->now());
-  diagnostic.set_node(options.name);
-  diagnostic.set_level(static_cast<msgs::graph::HealthLevel>(level));
-  diagnostic.set_text(text);
-  publish_to(diagnostic_publisher, diagnostic);
-  link->loop->post([this] { record_changed(); });
+  tell_health();
 }
 
 void Node::Impl::callback_failed(const std::string& source, const std::string& what) {
@@ -414,21 +409,44 @@ void Node::Impl::callback_failed(const std::string& source, const std::string& w
 
 void Node::Impl::work_failed(Health level, const std::string& source, const std::string& text) {
   std::uint64_t count = 0;
+  bool is_new = false;
   {
     const std::lock_guard lock(mutex);
     auto& [failed, line] = failures[source];
     if (line.is_due(++failed)) count = failed;
+    is_new = health.fail({level, text}, std::chrono::steady_clock::now());
   }
-  const auto health_before = [this] {
-    const std::lock_guard lock(mutex);
-    return health_text;
-  }();
-  if (health_before != text) {
-    report(level, text);
+  if (is_new) {
+    log(level == Health::kError ? LogLevel::kError : LogLevel::kWarning, text);
+    tell_health();
   } else if (count > 0) {
     log(level == Health::kError ? LogLevel::kError : LogLevel::kWarning,
         fmt::format("{} ({} times in all)", text, count));
   }
+}
+
+void Node::Impl::hold_against(const std::string& instance, const std::string& text) {
+  {
+    const std::lock_guard lock(mutex);
+    health.hold(instance, text);
+  }
+  log(LogLevel::kError, text);
+  tell_health();
+}
+
+void Node::Impl::tell_health() {
+  NodeHealth::Word word;
+  {
+    const std::lock_guard lock(mutex);
+    if (!health.take_news(std::chrono::steady_clock::now(), word)) return;
+  }
+  msgs::graph::Diagnostic diagnostic;
+  diagnostic.set_stamp(link->clock->now());
+  diagnostic.set_node(options.name);
+  diagnostic.set_level(static_cast<msgs::graph::HealthLevel>(word.level));
+  diagnostic.set_text(word.text);
+  publish_to(diagnostic_publisher, diagnostic);
+  link->loop->post([this] { record_changed(); });
 }
 
 void Node::Impl::start_spinning() {

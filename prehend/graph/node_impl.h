@@ -15,6 +15,7 @@
 #include "prehend/graph/link/curve.h"
 #include "prehend/graph/link/delivery_side.h"
 #include "prehend/graph/link/goal_side.h"
+#include "prehend/graph/link/node_health.h"
 #include "prehend/graph/link/node_link.h"
 #include "prehend/graph/link/parameter_store.h"
 #include "prehend/graph/link/peer_channels.h"
@@ -66,6 +67,10 @@ struct Node::Impl {
   void callback_failed(const std::string& source, const std::string& what);
   /// Reports `text`, which names its `source`; at once when it is news, repeated now and then.
   void work_failed(Health level, const std::string& source, const std::string& text);
+  /// Another node does something wrong, which counts against this one's health until it is gone.
+  void hold_against(const std::string& instance, const std::string& text);
+  /// Publishes the health if it has changed.
+  void tell_health();
   /// Offers topic /parameter_events, once there is a parameter.
   void announce_parameters();
   /// Logs it, calls back, and publishes one event.
@@ -90,8 +95,7 @@ struct Node::Impl {
   std::mutex mutex;
   std::set<std::string> remaps_used;
   std::set<std::string> names_used;
-  Health health = Health::kOk;
-  std::string health_text;
+  NodeHealth health;
   std::map<std::string, std::pair<std::uint64_t, LossLine>> failures;  // by source
   bool is_shut_down = false;
   std::atomic<std::size_t> settings_waiting = 0;  // of parameters, for their validation

@@ -43,8 +43,8 @@ void Node::Impl::send_record() {
     *full.add_actions() = to_record(action->offer());
   {
     const std::lock_guard lock(mutex);
-    full.set_health(static_cast<msgs::graph::HealthLevel>(health));
-    full.set_health_text(health_text);
+    full.set_health(static_cast<msgs::graph::HealthLevel>(health.told().level));
+    full.set_health_text(health.told().text);
   }
   full.clear_version();
   const std::uint64_t version = registry->update(full);
@@ -64,10 +64,13 @@ void Node::Impl::meet(const msgs::graph::NodeRecord& node) {
   warn_if_out_of_reach(node);
   const auto check = [&](const auto& offers, const auto& own, const std::string& kind) {
     for (const auto& offer : offers) {
-      if (!own.count(offer.name()) || !conflicts_told.insert(kind + offer.name()).second) continue;
-      report(Health::kError, fmt::format("{}{} is served by this node and by node '{}'; clients "
-                                         "take either",
-                                         kind, offer.name(), node.name()));
+      if (!own.count(offer.name()) ||
+          !conflicts_told.insert(node.instance() + kind + offer.name()).second) {
+        continue;
+      }
+      hold_against(node.instance(), fmt::format("{}{} is served by this node and by node '{}'; "
+                                                "clients take either",
+                                                kind, offer.name(), node.name()));
     }
   };
   check(node.services(), services, "service ");
@@ -78,6 +81,13 @@ void Node::Impl::lose_node(const std::string& instance) {
   publishers->lose_client(instance);
   deliveries->lose_client(instance);
   for (auto& [name, server] : action_servers) server->lose_client(instance);
+  std::erase_if(conflicts_told,
+                [&](const std::string& conflict) { return conflict.starts_with(instance); });
+  {
+    const std::lock_guard lock(mutex);
+    health.release(instance);
+  }
+  tell_health();
   // Its last messages may be on their way still.
   departed[instance] = std::chrono::steady_clock::now();
 }
@@ -229,6 +239,7 @@ void Node::Impl::tell_topic(const std::function<void(const TopicInfo&)>& watcher
 }
 
 void Node::Impl::tick() {
+  std::uint64_t failed_callbacks = 0;
   forget_departed();
   calls->check_connections();
   goals->check_connections();
@@ -237,7 +248,12 @@ void Node::Impl::tick() {
   publishers->check_opening();
   publishers->log_losses(false);
   subscribers->log_losses(false);
-  statistics->tick(malformed, channels->dropped());
+  tell_health();
+  {
+    const std::lock_guard lock(mutex);
+    failed_callbacks = health.failures();
+  }
+  statistics->tick(malformed, channels->dropped(), failed_callbacks);
   if (malformed_line.is_due(malformed)) {
     log(LogLevel::kError, fmt::format("{} damaged or foreign messages thrown away in all, the last "
                                       "one: {}",

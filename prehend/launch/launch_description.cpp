@@ -55,7 +55,8 @@ std::map<std::string, std::string> remaps_as_written(const LaunchNode& node) {
 }
 
 void put_node(YAML::Emitter& out, const LaunchNode& node) {
-  out << YAML::BeginMap << YAML::Key << "node" << YAML::Value << node.program;
+  out << YAML::BeginMap << YAML::Key << "node" << YAML::Value
+      << (node.by_path ? node.executable : node.program);
   out << YAML::Comment(node.place);
   put(out, "name", node.name.substr(name_in(node.name_space, "").size()));
   put(out, "namespace", node.name_space);

@@ -53,8 +53,8 @@ void check_top_level(const LaunchScope& scope, const YAML::Node& root) {
 
 class Loader {
  public:
-  Loader(std::string node_folder, Missing missing, LaunchGraph& graph)
-      : node_folder_(std::move(node_folder)), missing_(missing), graph_(graph) {}
+  Loader(std::string node_path, Missing missing, LaunchGraph& graph)
+      : node_path_(std::move(node_path)), missing_(missing), graph_(graph) {}
 
   void load_top(const std::string& path, const std::map<std::string, std::string>& given) {
     load(path, given, "command line", {});
@@ -161,7 +161,8 @@ class Loader {
       check_keys(scope, entry, "an include", with_settings({"file", "arguments", "if"}));
       if (!entry["file"]) fail(scope, entry, "an include needs the key \"file\"");
       if (!condition_of(scope, entry["if"])) continue;
-      const auto arguments = text_map_of(scope, entry["arguments"], "arguments", Values::kSingleOrLists);
+      const auto arguments =
+          text_map_of(scope, entry["arguments"], "arguments", Values::kSingleOrLists);
       const std::string file = file_beside(scope, entry["file"], "included file");
       if (file.empty()) continue;  // depends on an argument without a value
       load(file, arguments, place_of(scope, entry),
@@ -192,7 +193,7 @@ class Loader {
         switched_off_.insert(node_name_of(scope, entry, settings));
         continue;
       }
-      LaunchNode node = node_of(scope, entry, settings, node_folder_);
+      LaunchNode node = node_of(scope, entry, settings, node_path_);
       for (const LaunchNode& other : graph_.nodes) {
         if (other.name != node.name) continue;
         fail(scope, entry,
@@ -237,7 +238,7 @@ class Loader {
     }
   }
 
-  const std::string node_folder_;
+  const std::string node_path_;
   const Missing missing_;
   LaunchGraph& graph_;
   std::vector<std::string> chain_;  // of files being read, the top one first
@@ -270,10 +271,10 @@ std::vector<LaunchArgument> declared_arguments(const std::string& path) {
 
 LaunchGraph load_launch_file(const std::string& path,
                              const std::map<std::string, std::string>& arguments,
-                             const std::string& node_folder, Missing missing) {
+                             const std::string& node_path, Missing missing) {
   LaunchGraph graph;
   graph.file = scope_of(path).file;
-  Loader loader(fs::absolute(node_folder).lexically_normal().string(), missing, graph);
+  Loader loader(node_path, missing, graph);
   try {
     loader.load_top(path, arguments);
   } catch (const YAML::Exception& error) {

@@ -37,6 +37,7 @@ struct LaunchNode {
   std::string name;        ///< unique in the graph, with its namespace before it: left_camera
   std::string program;     ///< name of the executable
   std::string executable;  ///< its path
+  bool by_path = false;    ///< the launch file names it by its path
   std::string clock;       ///< "wall", "simulated", or "" for the program's default
   std::string name_space;  ///< e.g. "/left"; "" for none
   std::map<std::string, std::string> parameters;        ///< nested keys joined with '.'
@@ -88,12 +89,14 @@ std::map<std::string, std::string> parse_arguments(const std::vector<std::string
 std::vector<LaunchArgument> declared_arguments(const std::string& path);
 
 /// Reads a launch file and everything it includes, and resolves it. All keys: launch/README.md.
-/// `node_folder` is where programs are looked for. Unknown keys, programs and arguments, duplicate
-/// names and keys, values of a wrong type, missing files, cyclic includes and start orders, nodes
-/// of one process that contradict each other, and files beyond all measure throw LaunchError.
+/// `node_path`: folders in which programs are looked for, separated by ':', the first one first; a
+/// program may be named by its path instead, seen from the launch file. Unknown keys, programs and
+/// arguments, duplicate names and keys, values of a wrong type, missing files, cyclic includes and
+/// start orders, nodes of one process that contradict each other, and files beyond all measure
+/// throw LaunchError.
 LaunchGraph load_launch_file(const std::string& path,
                              const std::map<std::string, std::string>& arguments,
-                             const std::string& node_folder, Missing missing = Missing::kRefuse);
+                             const std::string& node_path, Missing missing = Missing::kRefuse);
 
 /// The resolved graph as YAML that load_launch_file would accept, groups and includes resolved.
 std::string describe(const LaunchGraph& graph);

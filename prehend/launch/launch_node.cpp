@@ -118,35 +118,77 @@ Respawn respawn_of(const LaunchScope& scope, const YAML::Node& node) {
   return respawn;
 }
 
-std::vector<std::string> programs_in(const std::string& folder) {
+bool is_executable_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) &&
+         (fs::status(path, error).permissions() & fs::perms::owner_exec) != fs::perms::none;
+}
+
+std::vector<std::string> folders_of(const std::string& path) {
+  std::vector<std::string> folders;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find(':', begin), path.size());
+    if (end > begin) folders.push_back(path.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return folders;
+}
+
+std::vector<std::string> programs_in(const std::vector<std::string>& folders) {
   std::vector<std::string> programs;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    const bool executable =
-        (entry.status(error).permissions() & fs::perms::owner_exec) != fs::perms::none;
-    const bool other = name == "prehend" || name == "registry" || name == "container" ||
-                       name.starts_with("test_") || name.starts_with("bench_") ||
-                       name.starts_with("eval_");
-    if (entry.is_regular_file(error) && executable && !other) programs.push_back(name);
+  for (const std::string& folder : folders) {
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+      const std::string name = entry.path().filename().string();
+      const bool other = name == "prehend" || name == "registry" || name == "container" ||
+                         name.starts_with("test_") || name.starts_with("bench_") ||
+                         name.starts_with("eval_");
+      if (is_executable_file(entry.path()) && !other) programs.push_back(name);
+    }
   }
   std::sort(programs.begin(), programs.end());
   return programs;
 }
 
-void take_program(const LaunchScope& scope, const YAML::Node& entry, const std::string& folder,
+// The executable of a program that is named by its path, seen from the launch file.
+std::string executable_at(const LaunchScope& scope, const YAML::Node& place,
+                          const std::string& path) {
+  const fs::path full = (fs::path(scope.values.at("launch_dir")) / path).lexically_normal();
+  if (!fs::is_regular_file(full)) {
+    fail(scope, place, "there is no node program " + full.string());
+  }
+  if (!is_executable_file(full)) {
+    fail(scope, place, "node program " + full.string() + " is not executable; run: chmod +x");
+  }
+  return full.string();
+}
+
+// The executable of a program that is named alone, in the first folder that has it.
+std::string executable_in(const LaunchScope& scope, const YAML::Node& place,
+                          const std::string& node_path, const std::string& name) {
+  const std::vector<std::string> folders = folders_of(node_path);
+  std::string all;
+  for (const std::string& folder : folders) {
+    const fs::path file = (fs::absolute(folder) / name).lexically_normal();
+    if (!name.empty() && fs::is_regular_file(file)) return file.string();
+    all += (all.empty() ? "" : " or ") + folder;
+  }
+  fail(scope, place,
+       "there is no node program \"" + name + "\" in " + all +
+           text::nearest_match_hint(name, programs_in(folders)) +
+           "; programs elsewhere are named by their path or found in PREHEND_NODE_PATH");
+}
+
+void take_program(const LaunchScope& scope, const YAML::Node& entry, const std::string& node_path,
                   LaunchNode& node) {
-  node.program = text_of(scope, entry["node"], "node");
-  node.executable = (fs::path(folder) / node.program).string();
+  const std::string program = text_of(scope, entry["node"], "node");
+  node.by_path = program.find('/') != std::string::npos;
+  node.program = fs::path(program).filename().string();
   if (node.program == "registry") {
     fail(scope, entry["node"], "every launch has a registry of its own; remove this one");
   }
-  const bool plain = node.program.find('/') == std::string::npos && !node.program.empty();
-  if (!plain || !fs::is_regular_file(node.executable)) {
-    fail(scope, entry["node"],
-         "there is no node program \"" + node.program + "\" in " + folder +
-             text::nearest_match_hint(node.program, programs_in(folder)));
-  }
+  node.executable = node.by_path ? executable_at(scope, entry["node"], program)
+                                 : executable_in(scope, entry["node"], node_path, program);
 }
 
 // A new name begins with "//" when it shall not be in the node's namespace.
@@ -205,15 +247,16 @@ std::string name_in(const std::string& name_space, const std::string& name) {
 
 std::string node_name_of(const LaunchScope& scope, const YAML::Node& entry,
                          const LaunchSettings& settings) {
-  const std::string name = text_of(scope, entry[entry["name"] ? "name" : "node"], "name");
+  std::string name = text_of(scope, entry[entry["name"] ? "name" : "node"], "name");
+  if (!entry["name"] && !is_open(name)) name = fs::path(name).filename().string();
   check_name(scope, entry[entry["name"] ? "name" : "node"], name, "node");
   return name_in(settings.name_space, name);
 }
 
 LaunchNode node_of(const LaunchScope& scope, const YAML::Node& entry,
-                   const LaunchSettings& settings, const std::string& node_folder) {
+                   const LaunchSettings& settings, const std::string& node_path) {
   LaunchNode node;
-  take_program(scope, entry, node_folder, node);
+  take_program(scope, entry, node_path, node);
   node.place = place_of(scope, entry);
   node.name = node_name_of(scope, entry, settings);
   node.clock = settings.clock;

@@ -26,9 +26,10 @@ std::string name_in(const std::string& name_space, const std::string& name);
 std::string node_name_of(const LaunchScope& scope, const YAML::Node& entry,
                          const LaunchSettings& settings);
 
-/// One entry of `nodes:`; `settings` are its own. Throws LaunchError.
+/// One entry of `nodes:`; `settings` are its own, `node_path` as of load_launch_file. Throws
+/// LaunchError.
 LaunchNode node_of(const LaunchScope& scope, const YAML::Node& entry,
-                   const LaunchSettings& settings, const std::string& node_folder);
+                   const LaunchSettings& settings, const std::string& node_path);
 
 /// A file named relative to the launch file; throws when it does not exist.
 std::string file_beside(const LaunchScope& scope, const YAML::Node& node, const std::string& what);

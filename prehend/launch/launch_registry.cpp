@@ -33,9 +33,15 @@ int LaunchRegistry::start() {
   if (free_choice) {
     output_.progress("taking a free port for the registry instead");
     if (const int signal = listen("tcp://127.0.0.1:*")) return signal;
+    if (!endpoint_.empty()) {
+      output_.progress("to look at this graph, not the one there: export PREHEND_REGISTRY=" +
+                       endpoint_);
+    }
   }
   if (endpoint_.empty()) {
-    throw std::runtime_error("the registry did not start; its words are above");
+    throw std::runtime_error("the registry did not start" +
+                             (free_choice ? std::string() : " at " + options_.registry) +
+                             "; its words are above");
   }
   return 0;
 }
@@ -70,6 +76,8 @@ int LaunchRegistry::join(const std::string& endpoint) {
       introspection.nodes();
       endpoint_ = endpoint;
       return 0;
+    } catch (const graph::KeyError&) {
+      throw;  // waiting does not mend it
     } catch (const std::runtime_error&) {
       // not yet there
     }

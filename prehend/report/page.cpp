@@ -58,6 +58,7 @@ figcaption{font-size:13px;color:#555;max-width:342px}
 table{border-collapse:collapse;margin:8px 0}td,th{border:1px solid #ccc;padding:3px 10px;text-align:left}
 th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:bold}
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
+.answer{background:#fdf3d3;color:#6b4e00}
 .chart svg{max-width:100%;height:auto}
 )";
 
@@ -72,6 +73,10 @@ void Page::add_paragraph(const std::string& text) { body_ += "<p>" + escaped(tex
 void Page::add_verdict(const std::string& text, bool success) {
   body_ += std::string("<p class=\"verdict ") + (success ? "good" : "bad") + "\">" + escaped(text) +
            "</p>\n";
+}
+
+void Page::add_answer(const std::string& text) {
+  body_ += "<p class=\"verdict answer\">" + escaped(text) + "</p>\n";
 }
 
 void Page::add_pictures(const std::vector<geometry::ColorImage>& pictures,

@@ -17,6 +17,8 @@ class Page {
   void add_paragraph(const std::string& text);
   /// A paragraph that stands out: green for success, red otherwise.
   void add_verdict(const std::string& text, bool success);
+  /// The same in amber: an answer that is neither, e.g. that nothing can be grasped.
+  void add_answer(const std::string& text);
   /// Pictures side by side, each with its caption. Pictures and captions are as many.
   void add_pictures(const std::vector<geometry::ColorImage>& pictures,
                     const std::vector<std::string>& captions);

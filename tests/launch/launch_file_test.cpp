@@ -202,7 +202,8 @@ TEST_F(LaunchFileTest, WrongValuesAreNamed) {
   EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"),
               HasSubstr("begin with '/'"));
   EXPECT_THAT(error_of("nodes: [{node: report, name: a-b}]"), HasSubstr("no node name"));
-  EXPECT_THAT(error_of("nodes: [{node: ../bin/report}]"), HasSubstr("no node program"));
+  EXPECT_THAT(error_of("nodes: [{node: ../bin/none}]"), HasSubstr("no node program"));
+  EXPECT_THAT(error_of("nodes: [{node: ./a.yaml}]"), HasSubstr("is not executable"));
   EXPECT_THAT(error_of("nodes: [{node: report, name: $(root}]"), HasSubstr("closing parenthesis"));
   EXPECT_THAT(error_of("nodes: [{name: x}]"), HasSubstr("needs the key \"node\""));
   EXPECT_THAT(error_of("nodes: {node: report}"), HasSubstr("must be a list"));
@@ -249,6 +250,29 @@ TEST_F(LaunchFileTest, DeclaredArgumentsAreListed) {
   EXPECT_EQ(arguments[0].default_value, (folder_ / "x").string());
   EXPECT_FALSE(arguments[1].default_value);
   EXPECT_EQ(arguments[1].description, "d");
+}
+
+TEST_F(LaunchFileTest, ProgramsOutsideTheTreeAreNamedByTheirPathOrFoundInTheNodePath) {
+  const auto outside = folder_ / "other" / "bin";
+  std::filesystem::create_directories(outside);
+  for (const char* program : {"wave", "report"}) {
+    std::ofstream(outside / program) << "#!/bin/sh\n";
+    std::filesystem::permissions(outside / program, std::filesystem::perms::owner_all);
+  }
+  const LaunchGraph by_path = load("nodes: [{node: ../other/bin/wave}]");
+  EXPECT_EQ(by_path.nodes.at(0).executable, (outside / "wave").string());
+  EXPECT_EQ(by_path.nodes.at(0).name, "wave");
+  EXPECT_EQ(by_path.nodes.at(0).program, "wave");
+  // What --dry-run prints can be launched.
+  EXPECT_EQ(load(describe(by_path)).nodes.at(0).executable, (outside / "wave").string());
+
+  EXPECT_THAT(error_of("nodes: [{node: wave}]"),
+              AllOf(HasSubstr("no node program \"wave\""), HasSubstr("PREHEND_NODE_PATH")));
+  const std::string file = write("b.yaml", "nodes: [{node: wave}, {node: report}]");
+  const LaunchGraph found =
+      load_launch_file(file, {}, (folder_ / "bin").string() + ":" + outside.string());
+  EXPECT_EQ(found.nodes.at(0).executable, (outside / "wave").string());
+  EXPECT_EQ(found.nodes.at(1).executable, (folder_ / "bin" / "report").string()) << "the first";
 }
 
 }  // namespace

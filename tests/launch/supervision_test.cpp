@@ -4,6 +4,8 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 
 #include "tests/launch/supervision_fixture.h"
 #include "tests/system/launched.h"
@@ -151,6 +153,32 @@ TEST_F(SupervisionTest, ARegistryPortInUseIsAClearError) {
                       scratch_.path("second.txt"));
   EXPECT_EQ(second.wait(seconds(10)), 1);
   EXPECT_THAT(second.output(), HasSubstr("in use"));
+}
+
+// `prehend node list` with the same environment looked at another graph.
+TEST_F(SupervisionTest, ListensWhereTheEnvironmentSays) {
+  const std::string endpoint = "ipc://" + scratch_.path("registry");
+  const std::string file = scratch_.write(
+      "launch/a.yaml", "nodes:\n" + node("talker", "print: PREHEND_REGISTRY, after: 0.1"));
+  ChildProgram program("prehend", {"launch", file, "--log-dir", scratch_.path("log")},
+                       scratch_.path("output.txt"), endpoint);
+  EXPECT_EQ(program.wait(std::chrono::seconds(20)), 0) << program.output();
+  EXPECT_THAT(program.output(), HasSubstr("PREHEND_REGISTRY=" + endpoint));
+}
+
+TEST_F(SupervisionTest, ProgramsOfOtherProjectsAreFoundInTheNodePath) {
+  const auto own = std::filesystem::path(std::getenv("PREHEND_BIN")) / "launch_test_node";
+  std::filesystem::create_directories(scratch_.path("other"));
+  std::filesystem::create_symlink(std::filesystem::absolute(own), scratch_.path("other/wave"));
+  ::setenv("PREHEND_NODE_PATH", scratch_.path("other").c_str(), 1);
+  const auto program = launch(
+      "  - {node: wave, parameters: {touch: " + pids_file() + ", say: hello, after: 0.1}}\n" +
+      "  - {node: ../other/wave, name: again, parameters: {touch: " + pids_file() +
+      ", say: hello again, after: 0.1}}\n");
+  ::unsetenv("PREHEND_NODE_PATH");
+  EXPECT_EQ(program->wait(std::chrono::seconds(20)), 0) << program->output();
+  EXPECT_THAT(program->output(), HasSubstr("wave  | hello\n"));
+  EXPECT_THAT(program->output(), HasSubstr("again | hello again\n"));
 }
 
 }  // namespace

@@ -49,6 +49,25 @@ TEST(Verdict, NamesTheStageAtWhichTheChainBroke) {
   EXPECT_EQ(judge(collected, true, "").text, "no completed shape came");
 }
 
+// It was green: a page on which nothing was grasped looked like a success.
+TEST(Page, AnObjectThatCannotBeGraspedIsNoSuccess) {
+  Collected collected;
+  collected.result.emplace();
+  collected.result->set_reason("cannot be grasped: narrowest width 94 mm");
+  const robot::GripperModel gripper;
+  const auto banner = [&](bool require_lift) {
+    const std::string html =
+        compose_page("t", collected, judge(collected, require_lift, ""), gripper, {}).html();
+    const auto begin = html.find("<p class=\"verdict ");
+    return html.substr(begin, html.find("</p>", begin) - begin);
+  };
+  EXPECT_EQ(
+      banner(false),
+      "<p class=\"verdict answer\">Nothing was grasped: cannot be grasped: narrowest width 94 "
+      "mm");
+  EXPECT_EQ(banner(true), "<p class=\"verdict bad\">cannot be grasped: narrowest width 94 mm");
+}
+
 TEST(Page, IsWrittenForEveryStageOfFailure) {
   Collected collected;
   const robot::GripperModel gripper;

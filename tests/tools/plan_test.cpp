@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "prehend/geometry/mesh_files.h"
@@ -41,6 +42,17 @@ TEST_F(Plan, PrintsGraspsLedgerAndStages) {
   EXPECT_THAT(output, AllOf(HasSubstr("RANK"), HasSubstr("circles"), HasSubstr("FELL AT"),
                             HasSubstr("approach direction out of the robot's reach"),
                             HasSubstr("NEAREST MISS"), HasSubstr("STAGE"), HasSubstr("grasps")));
+}
+
+// "config/robots/pg70_dsa.yaml does not exist", anywhere but in the source tree.
+TEST_F(Plan, WorksFromAnyFolder) {
+  const std::string file = box({0.04, 0.05, 0.1});
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  const std::string output = run({file, "--approach", "down"});
+  std::filesystem::current_path(before);
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, HasSubstr("RANK"));
 }
 
 TEST_F(Plan, WithAnArmSaysTheSegmentsAndDrawsThem) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "msgs/sensors.pb.h"
+#include "prehend/graph/introspection.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
 #include "prehend/recording/mcap_reader.h"
@@ -279,6 +280,28 @@ TEST(Replay, SaysWhatIsWrongWithFileTopicAndRate) {
               HasSubstr("No such file"));
   EXPECT_THAT(error_of({"--param", file, "--param", "rate:=-1"}), HasSubstr("rate"));
   EXPECT_THAT(error_of({}), HasSubstr("file:=FILE.mcap"));
+}
+
+// `prehend replay FILE` of the docs failed: no registry answered.
+TEST(Replay, BringsARegistryWhereNoneIsAndTakesItAway) {
+  const ScratchDirectory scratch;
+  write_timed_recording(scratch.path("a.mcap"));
+  const std::string endpoint = "ipc://" + scratch.path("registry");
+  ChildProgram replay("prehend", {"replay", scratch.path("a.mcap"), "--wait", "0", "--hold"},
+                      scratch.path("replay.txt"), endpoint);
+  ASSERT_TRUE(replay.wait_for_output("replayed 60 messages")) << replay.output();
+  EXPECT_THAT(replay.output(), HasSubstr("starting a registry at " + endpoint));
+  EXPECT_EQ(graph::Introspection(endpoint).nodes().size(), 1u);
+  ::kill(replay.pid(), SIGINT);
+  EXPECT_EQ(replay.wait(seconds(5)), 0);
+  EXPECT_TRUE(eventually([&] {
+    try {
+      graph::Introspection(endpoint, std::chrono::milliseconds(100)).nodes();
+      return false;
+    } catch (const std::runtime_error&) {
+      return true;
+    }
+  }));
 }
 
 TEST(Replay, HoldsTheLastMessagesForLateSubscribers) {

@@ -1,6 +1,15 @@
 #include "tools/grasp_plan/choices.h"
 
+#include <filesystem>
+
+#include "prehend/text/tree_file.h"
+
 namespace prehend::tools {
+
+// Many projects have a folder config: one with robots is meant.
+std::string own_config() {
+  return std::filesystem::path(text::tree_file("config/robots")).parent_path().string();
+}
 
 void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command

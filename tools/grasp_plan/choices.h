@@ -8,6 +8,9 @@
 
 namespace prehend::tools {
 
+/// The tree's folder config, wherever the program is started.
+std::string own_config();
+
 /// What `prehend plan` is asked for.
 struct PlanChoices {
   std::string file;
@@ -25,7 +28,7 @@ struct PlanChoices {
   double budget = 0;
   std::uint64_t seed = 1;
   int rows = 10;
-  std::string config = "config";
+  std::string config = own_config();
   std::string database;
   std::string known;
   std::string out;

@@ -13,6 +13,7 @@
 #include "drivers/wire/stream/pseudo_terminal.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -63,7 +64,7 @@ void run(graph::Node& node) {
                                                              .read_only = true}));
   const auto gripper_file =
       node.declare_parameter<std::string>({.name = "gripper",
-                                           .default_value = "config/robots/pg70_dsa.yaml",
+                                           .default_value = text::tree_file("config/robots/pg70_dsa.yaml"),
                                            .description = "gripper model: the module's limits",
                                            .read_only = true});
   ModuleOptions options;

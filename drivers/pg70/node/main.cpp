@@ -12,6 +12,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -54,7 +55,7 @@ Settings declare_settings(graph::Node& node) {
        .read_only = true}));
   s.gripper = node.declare_parameter<std::string>(
       {.name = "gripper",
-       .default_value = "config/robots/pg70_dsa.yaml",
+       .default_value = text::tree_file("config/robots/pg70_dsa.yaml"),
        .description = "gripper model: limits of opening, speed, acceleration, current",
        .read_only = true});
   const auto seconds = [&](const char* name, double value, double least, const char* words) {

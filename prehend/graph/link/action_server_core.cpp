@@ -141,7 +141,7 @@ void ActionServerCore::run(GoalTask& task) {
 
 void ActionServerCore::fail(const GoalTask& task, const std::string& what) {
   send_end(task, PeerMessage::FAILED, offer_.label() + " failed: " + what);
-  link_->report(Health::kError, offer_.label() + ": exception in the handler: " + what);
+  link_->callback_failed(offer_.label(), what);
 }
 
 void ActionServerCore::send_end(const GoalTask& task, PeerMessage::GoalStatus status,

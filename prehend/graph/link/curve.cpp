@@ -43,6 +43,18 @@ void secure_client(zmq::socket_ref socket, const std::string& endpoint,
   socket.set(zmq::sockopt::curve_secretkey, keys->secret_key);
 }
 
+int key_events() { return ZMQ_EVENT_HANDSHAKE_SUCCEEDED | kRefusals | kBrokenOff; }
+
+std::optional<std::string> key_trouble(std::uint16_t event, bool has_keys) {
+  if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return "";
+  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
+    return has_keys ? "what listens there uses no keys"
+                    : "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
+  }
+  if (has_keys && (event & key_events()) != 0) return "the registry there has other keys";
+  return std::nullopt;
+}
+
 CurveGate::CurveGate(IoLoop& loop, std::optional<GraphKeys> keys, Log log)
     : loop_(loop), keys_(std::move(keys)), log_(std::move(log)) {
   loop_.every(std::chrono::seconds(1), [this] {

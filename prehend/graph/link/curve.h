@@ -22,6 +22,13 @@ namespace prehend::graph {
 void secure_client(zmq::socket_ref socket, const std::string& endpoint,
                    const std::optional<GraphKeys>& keys);
 
+/// Events of a client's socket (ZMQ_EVENT_...) that tell of its keys.
+int key_events();
+
+/// What such an event says of the keys of who listens there, as the end of a sentence; "" when the
+/// connection stands, nothing where it says nothing.
+std::optional<std::string> key_trouble(std::uint16_t event, bool has_keys);
+
 /// Guards the sockets of one ZeroMQ context. Every member of a graph is CURVE server and client
 /// with the same key pair. A peer proves as client that it has the secret key, as the gate answers
 /// the context's ZAP requests (ZeroMQ RFC 27) and admits only the graph's public key. What is

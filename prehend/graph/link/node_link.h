@@ -52,7 +52,9 @@ struct NodeLink {
   std::shared_ptr<Executor> executor;
   /// May be called from any thread while the node lives.
   std::function<void(LogLevel, const std::string&)> log;
-  std::function<void(Health, const std::string&)> report;
+  std::function<void(const std::string& source, const std::string& what)> callback_failed;
+  /// What a node (its instance) does wrong: an error of this one's health until that one is gone.
+  std::function<void(const std::string& instance, const std::string& text)> hold_against;
   /// Sends to a client, in the order of the calls. May be called from any thread.
   std::function<void(const std::string& client, const msgs::graph::PeerMessage&)> send_to_client;
   /// Messages given to send_to_client that the loop has not come to yet.

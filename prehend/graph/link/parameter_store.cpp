@@ -107,12 +107,14 @@ std::vector<ParameterInfo> ParameterStore::set(const std::map<std::string, std::
     for (const auto& [name, text] : texts) changed.push_back(find(name));
   }
   for (ParameterInfo& parameter : changed) {
-    if (parameter.read_only) {
-      throw std::invalid_argument(
-          "parameter '" + parameter.name +
-          "' is read-only: it is set when the node starts, by --param or a parameter file");
-    }
+    const ParameterValue before = parameter.value;
     parameter.value = parse_parameter(parameter, texts.at(parameter.name));
+    if (parameter.read_only && parameter.value != before) {
+      throw std::invalid_argument("parameter '" + parameter.name + "' is read-only and stays " +
+                                  to_text(before) +
+                                  ": it is set when the node starts, by --param, a parameter file "
+                                  "or the launch file");
+    }
     validate_parameter(parameter, parameter.value);
   }
   const std::lock_guard lock(mutex_);

@@ -26,8 +26,8 @@ class ParameterStore {
   ParameterValue declare(ParameterInfo parameter);
   /// The parameter as it is now. Throws std::invalid_argument, with the nearest name, when unknown.
   ParameterInfo get(const std::string& name) const;
-  /// Sets all of name -> text, or none and throws as declare and get do. Returns the parameters as
-  /// they are then, sorted by name.
+  /// Sets all of name -> text, or none and throws as declare and get do; a read-only one can only
+  /// be set to what it is. Returns the parameters as they are then, sorted by name.
   std::vector<ParameterInfo> set(const std::map<std::string, std::string>& texts);
   /// True when one of them has a validate(), which is user code.
   bool has_validation(const std::map<std::string, std::string>& texts) const;

@@ -39,9 +39,7 @@ RegistryLink::RegistryLink(IoLoop& loop, const CurveGate& gate, const std::strin
   socket_.set(zmq::sockopt::linger, 300);
   socket_.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
   gate.secure_client(socket_, endpoint);
-  monitor_.emplace(loop_, socket_,
-                   ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                       ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL,
+  monitor_.emplace(loop_, socket_, key_events(),
                    [this](std::uint16_t event, std::uint32_t) { connection_event(event); });
   socket_.connect(endpoint);
   loop_.watch(socket_, [this] { read(); });
@@ -59,18 +57,10 @@ bool RegistryLink::send(RegistryRequest& request) {
 }
 
 void RegistryLink::connection_event(std::uint16_t event) {
-  if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
-    key_trouble_.clear();
-    last_beat_ = now() - kBeat;  // it may be a new registry, or have taken this node for dead
-    return tick();
-  }
-  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
-    key_trouble_ = has_keys_
-                       ? "what listens there uses no keys"
-                       : "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
-  } else if (has_keys_) {
-    key_trouble_ = "the registry there has other keys";
-  }
+  if (const auto trouble = graph::key_trouble(event, has_keys_)) key_trouble_ = *trouble;
+  if (event != ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return;
+  last_beat_ = now() - kBeat;  // it may be a new registry, or have taken this node for dead
+  tick();
 }
 
 void RegistryLink::hello(const NodeRecord& record) {

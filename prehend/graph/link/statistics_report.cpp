@@ -38,7 +38,8 @@ StatisticsReport::StatisticsReport(const PublisherSide& publishers,
                                    std::function<void(NodeStatistics&)> publish)
     : publishers_(publishers), subscribers_(subscribers), publish_(std::move(publish)) {}
 
-void StatisticsReport::tick(std::uint64_t malformed_frames, std::uint64_t control_dropped) {
+void StatisticsReport::tick(std::uint64_t malformed_frames, std::uint64_t control_dropped,
+                            std::uint64_t failed_callbacks) {
   const auto now = std::chrono::steady_clock::now();
   const std::chrono::duration<double> elapsed = now - last_report_;
   if (elapsed < kPeriod) return;
@@ -50,6 +51,7 @@ void StatisticsReport::tick(std::uint64_t malformed_frames, std::uint64_t contro
   set_rates(report, is_first ? 0 : elapsed.count());
   report.set_malformed_frames(malformed_frames);
   report.set_control_dropped(control_dropped);
+  report.set_failed_callbacks(failed_callbacks);
   report.set_resident_bytes(resident_bytes());
   report.set_cpu_seconds(cpu_seconds());
   publish_(report);

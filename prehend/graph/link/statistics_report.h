@@ -26,7 +26,8 @@ class StatisticsReport {
                    std::function<void(msgs::graph::NodeStatistics&)> publish);
 
   /// To be called often; reports when a second is over, first at once.
-  void tick(std::uint64_t malformed_frames, std::uint64_t control_dropped);
+  void tick(std::uint64_t malformed_frames, std::uint64_t control_dropped,
+            std::uint64_t failed_callbacks);
 
  private:
   using Time = std::chrono::steady_clock::time_point;

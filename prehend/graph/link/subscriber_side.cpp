@@ -89,7 +89,7 @@ bool SubscriberSide::accept_schema(Entry& entry, const NodeRecord& node,
   const std::string text = fmt::format("topic {}: node '{}' publishes {}; nothing of it is taken",
                                        core.topic(), node.name(), what);
   entry.core->count([](SubscriptionStatistics& s) { ++s.refused_publishers; });
-  link_.report(Health::kError, text);
+  link_.hold_against(node.instance(), text);
   return false;
 }
 
