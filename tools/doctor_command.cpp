@@ -88,7 +88,7 @@ void print_findings_json(const std::string& registry, const std::optional<GraphV
                  .set("what", finding.what)
                  .set("mend", finding.mend));
   }
-  print(Json::object()
+  tools::print(Json::object()
             .set("registry", registry)
             .set("reachable", graph.has_value())
             .set("nodes", graph ? graph->node_names() : std::vector<std::string>())

@@ -30,7 +30,7 @@ void print_json(const std::string& scene, const Explanation& explanation) {
                      .set("error_text", part.error_text)
                      .set("why", part.why));
   }
-  print(tools::Json::object()
+  tools::print(tools::Json::object()
             .set("scene", scene)
             .set("modelled", modelled)
             .set("left_out", left_out)
