@@ -39,7 +39,7 @@ msgs::Grasp to_message(const grasp::Grasp& grasp) {
   for (const auto& p_W : grasp.left_contacts_W) *message.add_left_contacts() = to_message(p_W);
   for (const auto& p_W : grasp.right_contacts_W) *message.add_right_contacts() = to_message(p_W);
   message.set_generator(grasp.generator);
-  message.set_robustness(grasp.robustness);
+  if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
   message.set_guessed_contact(grasp.guessed_contact);
   message.set_remark(grasp.remark);
   return message;
@@ -66,7 +66,7 @@ grasp::Grasp from_message(const msgs::Grasp& message) {
   grasp.predicted = {message.predicted().opening(), message.predicted().contact_area(),
                      message.predicted().tactile_sum(), message.predicted().lifted_mass()};
   grasp.generator = message.generator();
-  grasp.robustness = message.robustness();
+  grasp.robustness = message.has_robustness() ? message.robustness() : -1;
   grasp.guessed_contact = message.guessed_contact();
   grasp.remark = message.remark();
   for (const auto& p_W : message.left_contacts()) {

@@ -215,8 +215,12 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   page.add_pictures(
       {report::draw_meshes(scene, camera, grasp_views[0]),
        report::draw_meshes(scene, camera, grasp_views[1])},
-      {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N", index + 1,
-                   plan->second.grasps_size(), 1000 * opening, grasp.grasp_force()),
+      {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N, score {:.2f}, {}",
+                   index + 1, plan->second.grasps_size(), 1000 * opening, grasp.grasp_force(),
+                   grasp.score(),
+                   grasp.has_robustness() ? fmt::format("held in {:.0f} % of the disturbed trials",
+                                                        100 * grasp.robustness())
+                                          : std::string("robustness not assessed")),
        "The same from the other side"});
 }
 
@@ -303,7 +307,13 @@ Row surprise_row(const msgs::Surprise& surprise) {
       {msgs::Surprise::CONTACT_AREA, {"contact area", 1e6, "mm^2"}},
       {msgs::Surprise::TACTILE_SUM, {"tactile sum", 1, "N"}},
       {msgs::Surprise::HELD_AFTER_LIFT, {"held after lift", 1, ""}},
-      {msgs::Surprise::TOUCHED_TOO_EARLY, {"touched too early", 1, "N"}}};
+      {msgs::Surprise::TOUCHED_TOO_EARLY, {"touched too early", 1, "N"}},
+      {msgs::Surprise::FINGERS_TOUCH, {"fingers touch", 1, ""}},
+      {msgs::Surprise::FINGERS_AT_CONTACT, {"fingers beyond contact", 1, "rad"}},
+      {msgs::Surprise::LIFTED_WEIGHT, {"weight", 1, "N"}},
+      {msgs::Surprise::HELD_WHILE_CARRIED, {"held while carried", 1, ""}},
+      {msgs::Surprise::PLACED, {"placed", 1, ""}},
+      {msgs::Surprise::MOTION, {"motion as planned", 1, ""}}};
   const auto it = kUnits.find(surprise.kind());
   const Unit unit = it == kUnits.end() ? Unit{"unknown", 1, ""} : it->second;
   const auto value = [&unit](double x) {

@@ -312,7 +312,10 @@ HandPlan HandPlanner::plan() {
       best.pop_back();
     }
   }
-  for (ListedHandGrasp& one : best) result.grasps.push_back(std::move(one.grasp));
+  for (ListedHandGrasp& one : best) {
+    if (one.grasp.robustness < 0) add_remark(kNotAssessed, &one.grasp.remark);
+    result.grasps.push_back(std::move(one.grasp));
+  }
   result.rejections = ledger.rejections();
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;

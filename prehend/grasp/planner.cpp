@@ -197,8 +197,8 @@ void Planner::assess_robustness(const std::function<bool()>& time_is_up) {
   });
   for (std::size_t g = 0; g < listed_.size(); ++g) {
     Grasp& grasp = listed_[g].grasp();
-    grasp.robustness = share_held(held, g * samples, samples).value_or(0);
-    grasp.score *= 1 - options_.weights.robust * (1 - grasp.robustness);
+    grasp.robustness = share_held(held, g * samples, samples).value_or(grasp.robustness);
+    grasp.score *= 1 - options_.weights.robust * (1 - std::max(0.0, grasp.robustness));
   }
 }
 
@@ -246,7 +246,10 @@ GraspPlanResult Planner::plan() {
     assess_robustness(time_is_up);
     std::sort(listed_.begin(), listed_.end(), better);
   }
-  for (Listed& listed : listed_) result.grasps.push_back(std::move(listed.grasp()));
+  for (Listed& listed : listed_) {
+    if (listed.grasp().robustness < 0) add_remark(kNotAssessed, &listed.grasp().remark);
+    result.grasps.push_back(std::move(listed.grasp()));
+  }
   result.rejections = ledger.rejections();
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;

@@ -82,7 +82,8 @@ struct Grasp {
   std::vector<Eigen::Vector3d> left_contacts_W;  // pressed texels [m]
   std::vector<Eigen::Vector3d> right_contacts_W;
   std::string generator;  // whose candidate it was
-  double robustness = 1;  // share of UncertaintyOptions.samples in which it holds; 1 without any
+  double robustness =
+      -1;  // share of UncertaintyOptions.samples in which it holds; -1: not assessed
   double guessed_contact = 0;  // share of the contact's force on surface that nobody saw
   std::string remark;          // what to know of it, in words; often empty
 };

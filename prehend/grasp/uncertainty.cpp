@@ -43,6 +43,10 @@ void UncertaintyOptions::validate() const {
           "least_friction must be positive and not above largest_friction");
 }
 
+void add_remark(const std::string& more, std::string* remark) {
+  *remark += (remark->empty() ? "" : "; ") + more;
+}
+
 std::vector<Disturbance> disturbances(const UncertaintyOptions& options) {
   Normal random(options.seed);
   std::vector<Disturbance> all(static_cast<std::size_t>(options.samples));

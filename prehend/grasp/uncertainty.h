@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "prehend/geometry/rigid_transform.h"
@@ -27,6 +28,13 @@ struct Disturbance {
   geometry::RigidTransform X_GD = geometry::RigidTransform::Identity();  // where the hand comes to
   double friction = 0;
 };
+
+/// For the remark of a grasp whose robustness is not known: there were no samples, no time, or
+/// enough better ones.
+inline constexpr const char* kNotAssessed = "robustness not assessed";
+
+/// Appends `more` to a remark.
+void add_remark(const std::string& more, std::string* remark);
 
 /// `options.samples` of them, the same for every grasp, so that grasps differ by what they are.
 std::vector<Disturbance> disturbances(const UncertaintyOptions& options);

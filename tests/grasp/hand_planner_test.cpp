@@ -171,6 +171,7 @@ TEST(PlanHandGrasps, TheBestAreRankedByWhatHoldsInDisturbedPoses) {
     std::vector<double> all;
     for (const auto& grasp : plan_hand_grasps(object, kTable, {}, hand.ready, {}, options).grasps) {
       if (grasp.robustness >= 0) all.push_back(grasp.robustness);
+      EXPECT_EQ(grasp.robustness < 0, grasp.remark.find(kNotAssessed) != std::string::npos);
       EXPECT_LE(grasp.robustness, 1);
       if (options.uncertainty.samples == 0) continue;
       EXPECT_LE(grasp.score, 1 - options.weights.robust * (1 - std::max(0.0, grasp.robustness)));

@@ -144,6 +144,13 @@ TEST(PlanGrasps, RobustnessFallsWithTheUncertainty) {
     return result.grasps.empty() ? -1.0 : result.grasps.front().robustness;
   };
   EXPECT_EQ(robustness(0, 0), 1);
+  PlannerOptions unassessed;
+  unassessed.uncertainty.samples = 0;
+  for (const auto& grasp :
+       plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), unassessed).grasps) {
+    EXPECT_EQ(grasp.robustness, -1);
+    EXPECT_NE(grasp.remark.find(kNotAssessed), std::string::npos);
+  }
   const double little = robustness(0.002, 0.02), much = robustness(0.03, 0.5);
   EXPECT_GT(little, 0.8);
   EXPECT_LT(much, 0.4);
