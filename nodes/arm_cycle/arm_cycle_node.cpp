@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/sensors.pb.h"
+#include "nodes/arm_cycle/arm_grasps.h"
+#include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
 namespace {
@@ -38,7 +41,16 @@ control::ArmCycleOptions declare_options(graph::Node& node, double look_timeout)
        .default_value = options.overrun,
        .unit = "rad",
        .minimum = 0.0,
-       .description = "how far fingers go on beyond where they were predicted to touch",
+       .description = "how far fingers go on beyond where they were predicted to touch, within "
+                      "their limits",
+       .read_only = true});
+  options.holding.resolution = node.declare_parameter<double>(
+      {.name = "force_resolution",
+       .default_value = options.holding.resolution,
+       .unit = "N",
+       .minimum = 0.001,
+       .description = "of the wrist's sensor: a change of less, or within its noise, does not show "
+                      "that something is held",
        .read_only = true});
   options.stale_time = node.declare_parameter<double>(
       {.name = "stale_time",
@@ -100,7 +112,7 @@ ArmCycleNode::ArmCycleNode(graph::Node& node)
   subscriptions_.push_back(
       node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
         // What cannot be read leaves the older one in place, which soon is too old to move by.
-        wrist_force_ = convert::from_message(message->wrench().force()).norm();
+        wrist_force_ = convert::from_message(message->wrench().force());
         wrist_stamp_ = message->header().stamp();
       }));
   subscriptions_.push_back(
@@ -161,41 +173,38 @@ void ArmCycleNode::tick() {
   }
 }
 
-control::ArmGrasp ArmCycleNode::grasp_of(const msgs::Grasp& grasp) const {
-  control::ArmGrasp result;
-  for (const msgs::ArmSegment& segment : grasp.arm()) {
-    result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
-  }
-  result.hand_joints.assign(grasp.hand_joint_name().begin(), grasp.hand_joint_name().end());
-  result.open.assign(grasp.open_position().begin(), grasp.open_position().end());
-  result.closed.assign(grasp.closed_position().begin(), grasp.closed_position().end());
-  result.lifted_mass = grasp.predicted().lifted_mass();
-  return result;
-}
-
 ArmCycleNode::Choice ArmCycleNode::choose(const View& view, int object) const {
   Choice choice;
+  std::map<std::string, std::string> problems;  // of which objects
   for (const auto& [id, plan] : view.plans) {
     if (object >= 0 && id != static_cast<std::uint32_t>(object)) continue;
     choice.known = true;
     std::vector<control::ArmGrasp> own;
-    double score = -1;
+    std::string problem = plan->problem();
+    const msgs::Grasp* best = nullptr;
     for (const msgs::Grasp& grasp : plan->grasps()) {
       choice.planned = true;
-      const bool whole = grasp.arm_size() > 0 && grasp.hand_joint_name_size() > 0 &&
-                         grasp.open_position_size() == grasp.hand_joint_name_size() &&
-                         grasp.closed_position_size() == grasp.hand_joint_name_size();
-      if (!whole) continue;
-      if (own.empty()) score = grasp.score();
-      own.push_back(grasp_of(grasp));
+      if (!is_executable(grasp)) continue;
+      try {
+        own.push_back(from_message(grasp));
+        if (!best) best = &grasp;
+      } catch (const geometry::InputError& error) {
+        problem = error.what();
+        break;  // indices are those of the plan
+      }
     }
-    choice.problem +=
-        (choice.problem.empty() ? "" : "; ") + fmt::format("object {}: ", id) +
-        (plan->problem().empty() ? "no grasp with a way for the arm" : plan->problem());
-    if (own.empty() || score <= choice.score) continue;
-    choice.score = score;
+    if (!best) {
+      std::string& objects =
+          problems[problem.empty() ? "no grasp with a way for the arm" : problem];
+      objects += fmt::format("{}object {}", objects.empty() ? "" : ", ", id);
+    }
+    if (!best || (!choice.grasps.empty() && best->score() <= choice.grasps.front().score)) continue;
     choice.object = id;
+    choice.destination = destination(*best);
     choice.grasps = std::move(own);
+  }
+  for (const auto& [problem, objects] : problems) {
+    choice.problem += (choice.problem.empty() ? "" : "; ") + objects + ": " + problem;
   }
   if (!choice.known) choice.problem = fmt::format("there is no plan of object {}", object);
   return choice;
@@ -210,8 +219,9 @@ void ArmCycleNode::start(const View& view) {
   }
   target_ = choice.object;
   centroid_W_ = convert::from_message(view.plans.at(target_)->centroid());
-  node_.log_info("grasping object {}: {} grasps, best score {:.2f}", target_, choice.grasps.size(),
-                 choice.score);
+  node_.log_info("grasping object {}: {} grasps that the arm can execute, first {}; it is {}",
+                 target_, choice.grasps.size(), control::described(choice.grasps.front(), 0),
+                 choice.destination);
   surprises_sent_ = 0;
   last_detail_.clear();
   running_ = true;
@@ -246,7 +256,13 @@ msgs::Surprise ArmCycleNode::to_message(const control::Surprise& surprise) const
 
 void ArmCycleNode::publish_progress() {
   for (; surprises_sent_ < cycle_.surprises().size(); ++surprises_sent_) {
-    surprises_.publish(to_message(cycle_.surprises()[surprises_sent_]));
+    const msgs::Surprise message = to_message(cycle_.surprises()[surprises_sent_]);
+    if (message.surprising()) {
+      node_.log_warning("surprise: {} predicted {:.4g}, felt {:.4g}: {}",
+                        msgs::Surprise::Kind_Name(message.kind()), message.predicted(),
+                        message.felt(), message.reaction());
+    }
+    surprises_.publish(message);
   }
   if (cycle_.detail() == last_detail_) return;
   last_detail_ = cycle_.detail();

@@ -35,17 +35,16 @@ class ArmCycleNode {
   struct Choice {
     std::uint32_t object = 0;
     std::vector<control::ArmGrasp> grasps;
-    std::string problem;   // of each object
-    bool planned = false;  // there are grasps, if only without a way for the arm
-    bool known = false;    // the object asked for is in the view
-    double score = -1;
+    std::string problem;      // of each object
+    bool planned = false;     // there are grasps, if only without a way for the arm
+    bool known = false;       // the object asked for is in the view
+    std::string destination;  // of the first grasp, in words
   };
   /// Among all objects, or the one with the id `object` when that is >= 0.
   Choice choose(const View& view, int object) const;
   void start(const View& view);
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
-  control::ArmGrasp grasp_of(const msgs::Grasp& grasp) const;
   void publish_progress();
   void finish(const control::CycleResult& result, bool ungraspable);
   msgs::Surprise to_message(const control::Surprise& surprise) const;
@@ -68,8 +67,8 @@ class ArmCycleNode {
 
   std::map<std::int64_t, View> views_;  // by stamp [ns]; the newest few
   std::shared_ptr<const msgs::JointState> joints_;
-  std::optional<double> wrist_force_;  // N
-  std::int64_t wrist_stamp_ = 0;       // ns
+  std::optional<Eigen::Vector3d> wrist_force_;  // N
+  std::int64_t wrist_stamp_ = 0;                // ns
   std::uint32_t target_ = 0;
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   bool armed_ = true, running_ = false;

@@ -60,6 +60,7 @@ void HandActions::move(const std::vector<std::string>& joints, const std::vector
   goal.set_until_contact(until_contact);
   goal.set_stamp(node_.clock().now());
   problem_.clear();
+  positions_.clear();
   goal_.send(goal);
 }
 
@@ -67,6 +68,7 @@ MotionStatus HandActions::motion() {
   const auto outcome = goal_.end();
   if (!outcome) return MotionStatus::kMoving;
   const bool ok = outcome->ok();
+  if (ok) positions_.assign((*outcome)->position().begin(), (*outcome)->position().end());
   if (ok && (*outcome)->reached()) return MotionStatus::kReached;
   problem_ = "/hand/move: " + (ok ? (*outcome)->reason() : outcome->error());
   return ok && (*outcome)->blocked() ? MotionStatus::kContact : MotionStatus::kFailed;

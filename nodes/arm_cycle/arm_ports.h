@@ -39,12 +39,14 @@ class HandActions : public control::HandPort {
   control::MotionStatus motion() override;
   double answer_age() override { return goal_.answer_age(); }
   std::string problem() override { return problem_; }
+  std::vector<double> positions() override { return positions_; }
   void stop() override { goal_.stop(); }
 
  private:
   graph::Node& node_;
   MotionGoal<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult> goal_;
   std::string problem_;
+  std::vector<double> positions_;
 };
 
 }  // namespace prehend::nodes

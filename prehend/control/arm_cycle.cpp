@@ -6,13 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "prehend/geometry/gravity.h"
 #include "prehend/text/require.h"
 
 namespace prehend::control {
 namespace {
 
-using geometry::kGravity;
+std::vector<double> values_of(const Eigen::VectorXd& vector) {
+  return {vector.begin(), vector.end()};
+}
 
 }  // namespace
 
@@ -24,67 +25,38 @@ void ArmCycleOptions::validate() const {
   require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
   require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
   require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
+  require(std::isfinite(rest_time) && rest_time >= 0, "rest_time must not be negative");
   require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
-  require(held_ratio >= 0 && held_ratio < 1, "held_ratio must be in [0, 1)");
-  require(std::isfinite(least_weight) && least_weight > 0, "least_weight must be positive");
   require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
   require(std::isfinite(largest_detour) && largest_detour > 0, "largest_detour must be positive");
   require(largest_attempts > 0, "largest_attempts must be positive");
   require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
   require(std::isfinite(answer_time) && answer_time > 0, "answer_time must be positive");
   require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
+  holding.validate();
+  tolerances.validate();
 }
 
-JointPath reversed(const JointPath& path) {
-  JointPath back = path;
-  std::reverse(back.points.begin(), back.points.end());
-  const double duration = path.points.empty() ? 0.0 : path.points.back().time;
-  for (JointPath::Point& point : back.points) {
-    point.time = duration - point.time;
-    for (double& v : point.velocity) v = -v;
-  }
-  return back;
-}
-
-JointPath joined(JointPath path, const std::vector<std::string>& names,
-                 const std::vector<double>& positions, double most) {
-  if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
-  const double duration = path.points.back().time;
-  for (std::size_t k = 0; k < path.joints.size(); ++k) {
-    const auto found = std::find(names.begin(), names.end(), path.joints[k]);
-    if (found == names.end()) {
-      throw std::invalid_argument("no joint '" + path.joints[k] + "' tells where it stands");
-    }
-    if (path.points.front().position.size() != path.joints.size()) {
-      throw std::invalid_argument("the arm's segment has not one position a joint");
-    }
-    const double off = positions.at(static_cast<std::size_t>(found - names.begin())) -
-                       path.points.front().position[k];
-    if (!(std::abs(off) <= most)) {
-      throw std::invalid_argument(fmt::format(
-          "joint '{}' stands {:.2f} rad from where the plan begins", path.joints[k], off));
-    }
-    if (off == 0 || duration <= 0) continue;
-    for (JointPath::Point& point : path.points) {
-      if (point.position.size() != path.joints.size()) {
-        throw std::invalid_argument("the arm's segment has not one position a joint");
-      }
-      const double s = point.time / duration;
-      point.position[k] += off * (1 - s * s * s * (10 + s * (6 * s - 15)));
-      if (k < point.velocity.size()) {
-        point.velocity[k] -= off * 30 * s * s * (1 - s) * (1 - s) / duration;
-      }
-      if (k < point.acceleration.size()) {
-        point.acceleration[k] -= off * 60 * s * (1 - s) * (1 - 2 * s) / (duration * duration);
-      }
-    }
-  }
-  return path;
+std::string described(const ArmGrasp& grasp, int index) {
+  return fmt::format("grasp {} (score {:.2f}, {})", index, grasp.score,
+                     grasp.robustness < 0 ? std::string("robustness not assessed")
+                                          : fmt::format("held in {:.0f} % of the disturbed trials",
+                                                        100 * grasp.robustness));
 }
 
 ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
-    : options_(options), arm_(arm), hand_(hand) {
+    : options_(options), arm_(arm), hand_(hand), holding_(options.holding) {
   options.validate();
+}
+
+bool ArmCycle::moves_hand(Step step) {
+  return step == Step::kOpen || step == Step::kGather || step == Step::kClose ||
+         step == Step::kRelease || step == Step::kGiveUpOpen;
+}
+
+bool ArmCycle::waits(Step step) {
+  return step == Step::kRest || step == Step::kSettle || step == Step::kCheck ||
+         step == Step::kVerify || step == Step::kLook;
 }
 
 Phase ArmCycle::phase_of(Step step) {
@@ -94,6 +66,7 @@ Phase ArmCycle::phase_of(Step step) {
       return Phase::kWaiting;
     case Step::kOpen:
     case Step::kReach:
+    case Step::kRest:
     case Step::kApproach:
       return Phase::kApproach;
     case Step::kGather:
@@ -108,6 +81,7 @@ Phase ArmCycle::phase_of(Step step) {
       return Phase::kMove;
     case Step::kRelease:
     case Step::kRetreat:
+    case Step::kVerify:
     case Step::kGiveUpOpen:
     case Step::kGoBack:
       return Phase::kRelease;
@@ -177,8 +151,10 @@ void ArmCycle::begin_attempt() {
   result_.grasp_index = grasp_index_;
   failure_.clear();
   gone_.clear();
-  hand_.move(grasp().hand_joints, grasp().open, options_.opening_speed, false);
-  enter(Step::kOpen, fmt::format("grasp {}: opening the hand", grasp_index_));
+  holding_.begin();
+  attempts_surprises_ = surprises_.size();
+  open_hand();
+  enter(Step::kOpen, described(grasp(), grasp_index_) + ": opening the hand");
 }
 
 void ArmCycle::follow(const JointPath& path, double contact_force) {
@@ -192,65 +168,46 @@ void ArmCycle::follow(const JointPath& path, double contact_force) {
   }
 }
 
+const JointPath* ArmCycle::segment(const std::string& name) const {
+  for (const auto& [segment_name, path] : grasp().segments) {
+    if (segment_name == name) return &path;
+  }
+  return nullptr;
+}
+
 bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_force) {
   enter(step, "arm: " + name);
-  for (const auto& [segment, path] : grasp().segments) {
-    if (segment != name) continue;
-    follow(path, contact_force);
-    return true;
-  }
-  return false;
+  const JointPath* path = segment(name);
+  if (path) follow(*path, contact_force);
+  return path != nullptr;
+}
+
+void ArmCycle::open_hand() {
+  hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false);
 }
 
 void ArmCycle::gather() {
   if (options_.gather == 0) return close();
-  std::vector<double> before = grasp().closed;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const double way = grasp().closed[i] - grasp().open[i];
-    before[i] -= std::copysign(std::min(options_.gather, std::abs(way)), way);
-  }
-  hand_.move(grasp().hand_joints, before, options_.closing_speed, true);
+  hand_.move(grasp().hand_joints, values_of(grasp().hand.at(-options_.gather)),
+             options_.closing_speed, true);
   enter(Step::kGather, "gathering the fingers round the object");
 }
 
 void ArmCycle::close() {
-  std::vector<double> beyond = grasp().closed;
-  for (std::size_t i = 0; i < beyond.size(); ++i) {
-    const double way = grasp().closed[i] - grasp().open[i];
-    if (std::abs(way) > 1e-3) beyond[i] += std::copysign(options_.overrun, way);
-  }
-  hand_.move(grasp().hand_joints, beyond, options_.closing_speed, true);
-  enter(Step::kClose, "closing the hand");
-}
-
-void ArmCycle::after_approach(MotionStatus status) {
-  if (status == MotionStatus::kContact) {
-    add_surprise(SurpriseKind::kTouchedTooEarly, 0, now_.wrist_force.value_or(0),
-                 "closes where it touches");
-  }
-  gather();
-}
-
-void ArmCycle::check() {
-  const double weight = grasp().lifted_mass * kGravity;
-  const double least = std::max(options_.least_weight, options_.held_ratio * weight);
-  const double felt = now_.wrist_force.value_or(0);
-  const bool held = felt >= least;
-  add_surprise(SurpriseKind::kHeldAfterLift, 1, held ? 1 : 0, "opens and tries the next grasp");
-  if (!held) {
-    return give_up(
-        fmt::format("nothing is held after the lift: the wrist bears {:.2f} N, less "
-                    "than {:.2f} N",
-                    felt, least));
-  }
-  begin_segment("carry", Step::kCarry, 0);
+  hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
+             options_.closing_speed, true);
+  enter(Step::kClose, "closing the fingers");
 }
 
 void ArmCycle::give_up(const std::string& reason) {
   failure_ = fmt::format("grasp {}: {}", grasp_index_, reason);
   failed_attempts_.add(static_cast<int>(step_), failure_);
+  const bool surprised =
+      std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
+                  surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });
+  if (!surprised) add_surprise(SurpriseKind::kMotion, 1, 0, "opens and goes back");
   arm_.stop();
-  hand_.move(grasp().hand_joints, grasp().open, options_.opening_speed, false);
+  open_hand();
   enter(Step::kGiveUpOpen, failure_ + "; opening");
 }
 
@@ -295,6 +252,21 @@ void ArmCycle::next_grasp(const std::string& why) {
   if (!why.empty()) detail_ = why + ": the next grasp of the plan before; " + detail_;
 }
 
+// A segment that the plan does not have ends at once.
+MotionStatus ArmCycle::motion_status() {
+  static const std::pair<Step, const char*> kSegments[] = {
+      {Step::kReach, "reach"}, {Step::kApproach, "approach"}, {Step::kLift, "lift"},
+      {Step::kCarry, "carry"}, {Step::kPlace, "place"},       {Step::kRetreat, "retreat"}};
+  if (moves_hand(step_)) return hand_.motion();
+  if (waits(step_)) return MotionStatus::kReached;
+  if (!refused_.empty()) return MotionStatus::kFailed;
+  bool planned = step_ == Step::kGoBack;
+  for (const auto& [step, name] : kSegments) {
+    planned = planned || (step == step_ && segment(name) != nullptr);
+  }
+  return planned ? arm_.motion() : MotionStatus::kReached;
+}
+
 void ArmCycle::step(const ArmPercepts& percepts) {
   if (!phase_times_.empty()) {
     phase_times_.back().second += std::max(0.0, percepts.time - now_.time);
@@ -304,53 +276,40 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (step_ == Step::kWaiting) return step_waiting();
   if (stop_when_lost()) return;
   const double spent = now_.time - step_start_;
-  const bool hand_moves = step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
-                          step_ == Step::kRelease || step_ == Step::kGiveUpOpen;
-  const bool waits = step_ == Step::kSettle || step_ == Step::kCheck || step_ == Step::kLook;
-  // A segment that the plan does not have ends at once.
-  static const std::pair<Step, const char*> kSegments[] = {
-      {Step::kReach, "reach"}, {Step::kApproach, "approach"}, {Step::kLift, "lift"},
-      {Step::kCarry, "carry"}, {Step::kPlace, "place"},       {Step::kRetreat, "retreat"}};
-  MotionStatus status = MotionStatus::kReached;
-  if (hand_moves) {
-    status = hand_.motion();
-  } else if (!waits) {
-    bool planned = step_ == Step::kGoBack;
-    for (const auto& [step, name] : kSegments) {
-      if (step != step_) continue;
-      const std::string wanted = name;
-      planned = std::any_of(grasp().segments.begin(), grasp().segments.end(),
-                            [&](const auto& segment) { return segment.first == wanted; });
-    }
-    if (!refused_.empty()) {
-      status = MotionStatus::kFailed;
-    } else if (planned) {
-      status = arm_.motion();
-    }
-  }
-  if (!waits && status == MotionStatus::kMoving) {
+  if (watch_held(spent)) return;
+  const MotionStatus status = motion_status();
+  const bool gives_up = step_ == Step::kGiveUpOpen || step_ == Step::kGoBack;
+  if (status == MotionStatus::kMoving) {
     if (spent <= options_.motion_timeout) return;
     arm_.stop();
     hand_.stop();
-    if (step_ == Step::kGiveUpOpen || step_ == Step::kGoBack) {
-      return finish(false, failure_ + "; " + detail_ + " took too long");
-    }
+    if (gives_up) return finish(false, failure_ + "; " + detail_ + " took too long");
     return give_up(detail_ + " took too long");
   }
   if (status == MotionStatus::kFailed) {
     std::string why = detail_ + ": ";
-    why += hand_moves ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
-    if (step_ == Step::kGiveUpOpen || step_ == Step::kGoBack) {
-      return finish(false, failure_ + "; " + why);
+    why += moves_hand(step_) ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
+    if (gives_up) return finish(false, failure_ + "; " + why);
+    if (step_ == Step::kRetreat) {
+      add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
+      return finish(false, why);
     }
-    if (step_ == Step::kRetreat) return finish(false, why);
     return give_up(why);
   }
+  advance(status, spent);
+}
+
+// To the next step, as this one has ended by `status` or waits.
+void ArmCycle::advance(MotionStatus status, double spent) {
   switch (step_) {
     case Step::kOpen:
       begin_segment("reach", Step::kReach, 0);
       return;
     case Step::kReach:
+      return enter(Step::kRest, "reading the wrist at rest");
+    case Step::kRest:
+      holding_.feel_free(now_.wrist_force);
+      if (spent < options_.rest_time) return;
       begin_segment("approach", Step::kApproach, options_.reacts ? options_.contact_force : 0);
       return;
     case Step::kApproach:
@@ -358,29 +317,40 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     case Step::kGather:
       return close();
     case Step::kClose:
-      // Fingers that get to the end of their way touch nothing.
-      if (status == MotionStatus::kReached) return give_up("the fingers closed on nothing");
-      return enter(Step::kSettle, "pressing");
+      return after_closing(status);
     case Step::kSettle:
       if (spent < options_.settle_time) return;
+      if (const auto now = closure()) {
+        const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
+        holding_.grip(now, sent - *now);
+      }
       begin_segment("lift", Step::kLift, 0);
       return;
     case Step::kLift:
-      return enter(Step::kCheck, "looking whether it is held");
+      holding_.begin_weighing();
+      return enter(Step::kCheck, "weighing what is held");
     case Step::kCheck:
+      holding_.weigh(now_.wrist_force);
       if (spent < options_.check_time) return;
       return check();
-    case Step::kCarry:
-      begin_segment("place", Step::kPlace, 0);
+    case Step::kCarry: {
+      // What reacts to contact lowers the object until something bears it.
+      const double weight = holding_.weight().value_or(0);
+      begin_segment("place", Step::kPlace, options_.reacts ? weight + options_.contact_force : 0);
       return;
+    }
     case Step::kPlace:
-      hand_.move(grasp().hand_joints, grasp().open, options_.opening_speed, false);
-      return enter(Step::kRelease, "opening the hand");
+      return after_placing(status);
     case Step::kRelease:
       begin_segment("retreat", Step::kRetreat, 0);
       return;
     case Step::kRetreat:
-      return finish(true, fmt::format("grasp {}: lifted, held, put down", grasp_index_));
+      holding_.begin_weighing();
+      return enter(Step::kVerify, "looking whether the hand is empty");
+    case Step::kVerify:
+      holding_.weigh(now_.wrist_force);
+      if (spent < options_.check_time) return;
+      return verify();
     case Step::kGiveUpOpen:
     case Step::kGoBack:
       return go_back();
@@ -409,7 +379,7 @@ void ArmCycle::finish(bool success, const std::string& reason) {
 
 void ArmCycle::add_surprise(SurpriseKind kind, double predicted, double felt,
                             const std::string& reaction) {
-  surprises_.push_back(compare(kind, predicted, felt, SurpriseTolerances{}, reaction));
+  surprises_.push_back(compare(kind, predicted, felt, options_.tolerances, reaction));
 }
 
 }  // namespace prehend::control

@@ -162,6 +162,7 @@ void GraspCycle::begin_attempt() {
   ++result_.attempts;
   tried_[static_cast<std::size_t>(grasp_index_)] = true;
   failure_.clear();
+  attempts_surprises_ = surprises_.size();
   gripper_port_.move_to(std::min(current_grasp().pregrasp_opening, gripper_.max_opening),
                         options_.opening_speed);
   enter(Step::kOpen, "opening to " + millimetres(current_grasp().pregrasp_opening));
@@ -328,9 +329,11 @@ void GraspCycle::step_carry(const Percepts& percepts) {
   regulate_force(percepts);
   const bool lowering = step_ == Step::kLower;
   const std::string reason = why_not_held(percepts);
-  if (!reason.empty() && !lowering) {
-    add_surprise(SurpriseKind::kHeldAfterLift, 1, 0, "open, take the next grasp");
-    return give_up_attempt("lost while carrying: " + reason);
+  // On the table it leans on one pad more than on the other, but it stays between them.
+  const bool collapsed = *percepts.opening < grasp_opening_ - options_.largest_collapse;
+  if (lowering ? collapsed : !reason.empty()) {
+    add_surprise(SurpriseKind::kHeldWhileCarried, 1, 0, "take the next grasp");
+    return give_up_attempt((lowering ? "lost while lowering: " : "lost while carrying: ") + reason);
   }
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kFailed || (status == MotionStatus::kContact && !lowering)) {
@@ -365,6 +368,14 @@ void GraspCycle::step_release(const Percepts& percepts) {
         shifted(X_WG, -current_grasp().pregrasp_distance * current_grasp().approach_W),
         options_.travel_speed, 0);
   }
+  const double left = percepts.left ? percepts.left->sum : 0;
+  const double right = percepts.right ? percepts.right->sum : 0;
+  const bool empty = std::max(left, right) <= options_.touch_force;
+  add_surprise(SurpriseKind::kPlaced, 1, empty ? 1 : 0, "end");
+  if (!empty) {
+    return finish(false, "what was to be put down did not leave the hand: the pads still feel " +
+                             newtons(left) + " and " + newtons(right));
+  }
   finish(true, "gripped with " + newtons(force_controller_.target()) + " at an opening of " +
                    millimetres(grasp_opening_) + ", lifted by " +
                    millimetres(options_.lift_height) + ", carried by " +
@@ -374,6 +385,14 @@ void GraspCycle::step_release(const Percepts& percepts) {
 void GraspCycle::give_up_attempt(const std::string& reason) {
   failure_ = reason;
   failed_attempts_.add(static_cast<int>(step_), reason);
+  // No attempt fails as predicted.
+  const bool surprised =
+      std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
+                  surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });
+  if (!surprised) {
+    add_surprise(step_ == Step::kClose ? SurpriseKind::kFingersTouch : SurpriseKind::kMotion, 1, 0,
+                 "take the next grasp");
+  }
   carrier_port_.stop();
   gripper_port_.stop();
   gripper_port_.move_to(gripper_.max_opening, options_.opening_speed);

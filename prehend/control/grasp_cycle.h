@@ -253,6 +253,7 @@ class GraspCycle {
   geometry::RigidTransform X_WG_start_ = geometry::RigidTransform::Identity();  // of the cycle
   std::string failure_;  // of the current attempt
   FailedAttempts failed_attempts_;
+  std::size_t attempts_surprises_ = 0;  // that there were when the attempt began
   CycleResult result_;
   std::vector<Surprise> surprises_;
   std::vector<std::pair<std::string, double>> phase_times_;

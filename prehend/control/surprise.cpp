@@ -10,7 +10,9 @@ namespace prehend::control {
 void SurpriseTolerances::validate() const {
   for (const auto& [name, value] :
        {std::pair{"opening", opening}, std::pair{"area", area}, std::pair{"area_ratio", area_ratio},
-        std::pair{"tactile_sum", tactile_sum}, std::pair{"tactile_sum_ratio", tactile_sum_ratio}}) {
+        std::pair{"tactile_sum", tactile_sum}, std::pair{"tactile_sum_ratio", tactile_sum_ratio},
+        std::pair{"fingers", fingers}, std::pair{"weight", weight},
+        std::pair{"weight_ratio", weight_ratio}}) {
     if (!(value >= 0)) {
       throw std::invalid_argument(std::string("SurpriseTolerances.") + name +
                                   " must not be negative");
@@ -26,7 +28,15 @@ double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerance
       return std::max(tolerances.area, tolerances.area_ratio * std::abs(predicted));
     case SurpriseKind::kTactileSum:
       return std::max(tolerances.tactile_sum, tolerances.tactile_sum_ratio * std::abs(predicted));
+    case SurpriseKind::kFingersAtContact:
+      return tolerances.fingers;
+    case SurpriseKind::kLiftedWeight:
+      return std::max(tolerances.weight, tolerances.weight_ratio * std::abs(predicted));
     case SurpriseKind::kHeldAfterLift:
+    case SurpriseKind::kFingersTouch:
+    case SurpriseKind::kHeldWhileCarried:
+    case SurpriseKind::kPlaced:
+    case SurpriseKind::kMotion:
       return 0.5;
     case SurpriseKind::kTouchedTooEarly:
       return 0;

@@ -10,7 +10,13 @@ enum class SurpriseKind {
   kContactArea,       // m^2
   kTactileSum,        // N
   kHeldAfterLift,     // 1 held, 0 not
-  kTouchedTooEarly,   // N at the wrist while approaching
+  kTouchedTooEarly,   // N at the wrist while approaching, or before the object is put down
+  kFingersTouch,      // 1 fingers, or both pads, met something when they closed, 0 not
+  kFingersAtContact,  // rad, mean, that the fingers closed beyond the predicted touch
+  kLiftedWeight,      // N
+  kHeldWhileCarried,  // 1 held until it was lowered, 0 lost on the way
+  kPlaced,            // 1 the hand is empty after it has opened at the place, 0 not
+  kMotion,            // 1 a motion ended as planned, 0 not
 };
 
 /// A prediction against what was felt.
@@ -31,11 +37,14 @@ struct SurpriseTolerances {
   double area_ratio = 0.5;         // of the predicted area
   double tactile_sum = 1.0;        // N
   double tactile_sum_ratio = 0.2;  // of the predicted sum
+  double fingers = 0.2;            // rad
+  double weight = 1;               // N
+  double weight_ratio = 1;         // of the predicted weight: its density is a guess
 
   void validate() const;  ///< @throws std::invalid_argument naming the negative field.
 };
 
-/// The tolerance of `kind` for a prediction; 0.5 for kHeldAfterLift, 0 for kTouchedTooEarly.
+/// The tolerance of `kind` for a prediction; 0.5 for what is 1 or 0, 0 for kTouchedTooEarly.
 double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerances& tolerances);
 
 /// Compares; `reaction_if_surprising` is said only when it is a surprise, else "carry on".

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "prehend/contact/require.h"
+#include "prehend/robot/closing_way.h"
 
 namespace prehend::simulation {
 namespace {
@@ -88,25 +89,17 @@ class Execution {
     if (!world_.body(kObject).X_WB.matrix().allFinite()) outcome_.reason = "the object flew off";
   }
 
-  // Moves the fingers to `beyond` [rad] past their predicted touch, at most back to where they are
-  // open.
+  // Moves the fingers to `beyond` [rad] past their predicted touch.
   void move_fingers(double beyond) {
-    const Eigen::VectorXd& open = grasp_.open.size() > 0 ? grasp_.open : shape_.open;
     HandCommand command;
     command.speed = options_.closing_speed;
     command.until_contact = true;
-    command.position = grasp_.closed;
+    command.position = robot::closing_way(hand_, shape_, grasp_.open, grasp_.closed).at(beyond);
     command.effort.resize(hand_.size());
     for (int i = 0; i < hand_.size(); ++i) {
-      const std::size_t k = static_cast<std::size_t>(i);
-      const robot::Joint& joint = hand_.model.joints[static_cast<std::size_t>(hand_.actuated[k])];
-      double way = beyond * shape_.closing[k].rate;
-      if (beyond < 0) {
-        const double all = grasp_.closed[i] - open[i];
-        way = std::clamp(way, std::min(0.0, -all), std::max(0.0, -all));
-      }
-      command.position[i] = std::clamp(grasp_.closed[i] + way, joint.lower, joint.upper);
-      command.effort[i] = options_.effort * joint.max_effort;
+      const int joint = hand_.actuated[static_cast<std::size_t>(i)];
+      command.effort[i] =
+          options_.effort * hand_.model.joints[static_cast<std::size_t>(joint)].max_effort;
     }
     world_.move_hand(command);
     const double until = world_.time() + kClosingTimeout;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -70,6 +71,10 @@ struct WorldHand : HandPort {
     return world.hand().reached() ? MotionStatus::kReached : MotionStatus::kContact;
   }
   std::string problem() override { return "refused"; }
+  std::vector<double> positions() override {
+    const Eigen::VectorXd q = world.hand_positions();
+    return {q.begin(), q.end()};
+  }
   void stop() override { world.stop_hand(); }
   simulation::RobotWorld& world;
 };
@@ -146,64 +151,76 @@ struct PlatformSetup {
   double way;     // rad, that motors close as planned
 };
 
-class InSimulation : public testing::TestWithParam<PlatformSetup> {};
-
-TEST_P(InSimulation, PicksABoxAndPutsItDown) {
-  const PlatformSetup setup = GetParam();
-  const robot::Platform platform =
-      robot::read_platform(std::string("config/robots/") + setup.platform);
-  const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
-  simulation::RobotWorld world(platform, simulation::Scene());
-  geometry::TriangleMesh box = simulation::make_standing_box({0.06, 0.06, 0.14});
-  world.add_object("box", box, 0.4);
-
-  RigidTransform at = RigidTransform::Identity();
-  at.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  at.translation() = Eigen::Vector3d(0, 0, setup.height);
-  const auto over = [&](double y, double dz) {
-    RigidTransform X = at;
-    X.translation() += Eigen::Vector3d(0, y, dz);
-    return X;
-  };
-  PlanByHand plan(platform, preshape);
-  ArmGrasp grasp;
-  grasp.segments.emplace_back("reach", plan.jump(over(0, 0.12)));
-  grasp.segments.emplace_back("approach", plan.straight(over(0, 0.12), over(0, 0)));
-  grasp.segments.emplace_back("lift", plan.straight(over(0, 0), over(0, 0.1)));
-  grasp.segments.emplace_back("carry", plan.straight(over(0, 0.1), over(0.15, 0.1)));
-  grasp.segments.emplace_back("place", plan.straight(over(0.15, 0.1), over(0.15, 0.002)));
-  grasp.segments.emplace_back("retreat", plan.straight(over(0.15, 0.002), over(0.15, 0.12)));
-  grasp.hand_joints = platform.hand.actuated_names();
-  for (int i = 0; i < platform.hand.size(); ++i) {
-    grasp.open.push_back(preshape.open[i]);
-    grasp.closed.push_back(preshape.open[i] +
-                           setup.way * preshape.closing[static_cast<std::size_t>(i)].rate);
+class InSimulation : public testing::TestWithParam<PlatformSetup> {
+ protected:
+  explicit InSimulation(double mass = 0.4) {
+    world.add_object("box", simulation::make_standing_box({0.06, 0.06, 0.14}), mass);
+    RigidTransform at = RigidTransform::Identity();
+    at.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    at.translation() = Eigen::Vector3d(0, 0, setup.height);
+    const auto over = [&](double y, double dz) {
+      RigidTransform X = at;
+      X.translation() += Eigen::Vector3d(0, y, dz);
+      return X;
+    };
+    const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
+    PlanByHand plan(platform, preshape);
+    grasp.segments.emplace_back("reach", plan.jump(over(0, 0.12)));
+    grasp.segments.emplace_back("approach", plan.straight(over(0, 0.12), over(0, 0)));
+    grasp.segments.emplace_back("lift", plan.straight(over(0, 0), over(0, 0.1)));
+    grasp.segments.emplace_back("carry", plan.straight(over(0, 0.1), over(0.15, 0.1)));
+    grasp.segments.emplace_back("place", plan.straight(over(0.15, 0.1), over(0.15, 0.002)));
+    grasp.segments.emplace_back("retreat", plan.straight(over(0.15, 0.002), over(0.15, 0.12)));
+    grasp.hand_joints = platform.hand.actuated_names();
+    Eigen::VectorXd closed = preshape.open;
+    for (int i = 0; i < platform.hand.size(); ++i) {
+      closed[i] += setup.way * preshape.closing[static_cast<std::size_t>(i)].rate;
+    }
+    grasp.hand = robot::closing_way(platform.hand, preshape, preshape.open, closed);
+    grasp.lifted_mass = 0.4;
   }
-  grasp.lifted_mass = 0.4;
 
-  WorldArm arm(world);
-  WorldHand hand(world);
-  ArmCycleOptions options;
-  options.reacts = setup.reacts;
-  ArmCycle cycle(options, arm, hand);
-  const auto percepts = [&] {
+  ArmPercepts percepts() const {
     ArmPercepts now;
     now.time = world.time();
     for (const simulation::JointReading& joint : world.joints()) {
       now.names.push_back(joint.name);
       now.positions.push_back(joint.position);
     }
-    now.wrist_force = world.wrist_wrench().force.norm();
+    now.wrist_force = world.wrist_wrench().force;
     return now;
-  };
-  cycle.step(percepts());
-  cycle.start({grasp});
-  double highest = 0;
-  while (!cycle.finished() && world.time() < 60) {
-    for (int i = 0; i < 20; ++i) world.step();
-    highest = std::max(highest, world.body("box").height);
-    cycle.step(percepts());
   }
+
+  /// Runs to the end; before each step of the cycle `also` is called.
+  void run(ArmCycle& cycle, const std::function<void(const ArmCycle&)>& also = nullptr) {
+    cycle.step(percepts());
+    cycle.start({grasp});
+    while (!cycle.finished() && world.time() < 60) {
+      for (int i = 0; i < 20; ++i) world.step();
+      if (also) also(cycle);
+      highest = std::max(highest, world.body("box").height);
+      cycle.step(percepts());
+    }
+  }
+  ArmCycleOptions options() const {
+    ArmCycleOptions made;
+    made.reacts = setup.reacts;
+    return made;
+  }
+
+  const PlatformSetup setup = GetParam();
+  const robot::Platform platform =
+      robot::read_platform(std::string("config/robots/") + setup.platform);
+  simulation::RobotWorld world{platform, simulation::Scene()};
+  ArmGrasp grasp;
+  WorldArm arm{world};
+  WorldHand hand{world};
+  double highest = 0;  // m, of the box
+};
+
+TEST_P(InSimulation, PicksABoxAndPutsItDown) {
+  ArmCycle cycle(options(), arm, hand);
+  run(cycle);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_GT(highest, 0.09);
   for (int i = 0; i < 500; ++i) world.step();
@@ -212,6 +229,42 @@ TEST_P(InSimulation, PicksABoxAndPutsItDown) {
   EXPECT_LT(put.height, 0.003);
   EXPECT_TRUE(put.touches_table);
   EXPECT_FALSE(put.touches_robot);
+  for (const Surprise& surprise : cycle.surprises()) {
+    if (surprise.kind != SurpriseKind::kLiftedWeight) continue;
+    EXPECT_NEAR(surprise.felt, 0.4 * 9.81, 0.3);
+  }
+}
+
+// Regressions: a weight at a guessed density was asked for, and an overrun beyond the joints'
+// limits was refused.
+TEST_P(InSimulation, HoldsWhatIsMuchLighterThanGuessedWithAnyOverrun) {
+  grasp.lifted_mass = 4;
+  ArmCycleOptions far = options();
+  far.overrun = 2.5;
+  ArmCycle cycle(far, arm, hand);
+  run(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_LT(world.body("box").height, 0.003);
+}
+
+// Regression: success was said without an object.
+TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
+  ArmCycle cycle(options(), arm, hand);
+  bool gone = false;
+  run(cycle, [&](const ArmCycle& now) {
+    if (gone || now.detail() != "arm: carry") return;
+    gone = true;
+    RigidTransform elsewhere = RigidTransform::Identity();
+    elsewhere.translation() = Eigen::Vector3d(0.2, -0.3, 0);
+    world.place_object("box", elsewhere);
+  });
+  EXPECT_TRUE(gone);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("lost while carrying"), std::string::npos)
+      << cycle.result().reason;
+  EXPECT_TRUE(std::any_of(cycle.surprises().begin(), cycle.surprises().end(), [](const auto& s) {
+    return s.kind == SurpriseKind::kHeldWhileCarried && s.surprising;
+  }));
 }
 
 INSTANTIATE_TEST_SUITE_P(

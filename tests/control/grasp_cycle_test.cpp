@@ -43,6 +43,11 @@ TEST_F(GraspCycleTest, NothingThereTriesTheNextGrasps) {
   EXPECT_FALSE(cycle.result().success);
   EXPECT_EQ(cycle.result().attempts, 3);
   EXPECT_NE(cycle.result().reason.find("neither pad"), std::string::npos) << cycle.result().reason;
+  // Regression: without one surprise.
+  const auto surprises = std::count_if(
+      cycle.surprises().begin(), cycle.surprises().end(),
+      [](const Surprise& s) { return s.kind == SurpriseKind::kFingersTouch && s.surprising; });
+  EXPECT_EQ(surprises, 3) << "one for each attempt";
 }
 
 // The reason was "closed completely, neither pad felt anything", of the attempts that came after.
@@ -68,6 +73,27 @@ TEST_F(GraspCycleTest, SlippedObjectIsNoticedAfterTheLift) {
   ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
   EXPECT_NE(cycle.result().reason.find("not held"), std::string::npos) << cycle.result().reason;
+}
+
+// Regression: nobody looked while it was lowered, nor whether the hand was empty after.
+TEST_F(GraspCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
+  run(1, [&] {
+    if (cycle.detail() == "lowering it") world.object_width = 0;
+  });
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("lost while lowering"), std::string::npos)
+      << cycle.result().reason;
+  ASSERT_NE(surprise(SurpriseKind::kHeldWhileCarried), nullptr);
+  EXPECT_TRUE(surprise(SurpriseKind::kHeldWhileCarried)->surprising);
+}
+
+TEST_F(GraspCycleTest, WhatSticksToTheHandIsNotPutDown) {
+  run(1, [&] {
+    if (cycle.detail() == "retreating") world.object_width = 0.08;
+  });
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("did not leave the hand"), std::string::npos)
+      << cycle.result().reason;
 }
 
 // Once grasps that held well were let go, as a finger met the object beside its pad.

@@ -114,6 +114,7 @@ struct QuickHand : HandPort {
     return closes ? MotionStatus::kContact : MotionStatus::kReached;
   }
   std::string problem() override { return ""; }
+  std::vector<double> positions() override { return {}; }
   void stop() override { stopped = true; }
   bool closes = false, stopped = false;
 };
@@ -126,8 +127,8 @@ ArmGrasp grasp_of_one_joint() {
   grasp.segments = {{"reach", way(0, 1)}, {"approach", way(1, 2)}, {"lift", way(2, 3)},
                     {"carry", way(3, 4)}, {"place", way(4, 5)},    {"retreat", way(5, 6)}};
   grasp.hand_joints = {"f"};
-  grasp.open = {0.1};
-  grasp.closed = {0.6};
+  const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
+  grasp.hand = {one(0.1), one(0.6), one(1), one(0), one(2)};
   grasp.lifted_mass = 0.3;
   return grasp;
 }
@@ -136,13 +137,14 @@ class ArmLostInput : public testing::TestWithParam<std::tuple<std::string, Phase
  protected:
   // Runs to the end; `each_step` may change what is perceived.
   void run(const std::function<void(ArmPercepts&)>& each_step) {
-    ArmPercepts now{0, {"j"}, {0.0}, 3.0};
+    ArmPercepts now{0, {"j"}, {0.0}, Eigen::Vector3d::Zero()};
     cycle.step(now);
     cycle.start({grasp_of_one_joint(), grasp_of_one_joint()});
     for (int i = 0; i < 5000 && !cycle.finished(); ++i) {
       now.time += 0.02;
       arm.now = now.time;
       now.positions = arm.position;
+      now.wrist_force = Eigen::Vector3d(0, 0, hand.closes ? 3 : 0);
       each_step(now);
       cycle.step(now);
     }

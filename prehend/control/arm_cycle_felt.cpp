@@ -1,0 +1,116 @@
+// What the cycle of arm and hand feels, compared with what was predicted.
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "prehend/control/arm_cycle.h"
+#include "prehend/geometry/gravity.h"
+
+namespace prehend::control {
+namespace {
+
+constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing else can bear it
+
+}  // namespace
+
+// How far the fingers have closed beyond the predicted touch [rad], by the joints' states.
+std::optional<double> ArmCycle::closure() const {
+  const std::vector<std::string>& joints = grasp().hand_joints;
+  Eigen::VectorXd positions(static_cast<Eigen::Index>(joints.size()));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    // A hand's own names are its platform's without the prefix.
+    auto found = std::find(now_.names.begin(), now_.names.end(), joints[i]);
+    if (found == now_.names.end()) {
+      found = std::find(now_.names.begin(), now_.names.end(), "hand_" + joints[i]);
+    }
+    if (found == now_.names.end()) return std::nullopt;
+    positions[static_cast<Eigen::Index>(i)] =
+        now_.positions.at(static_cast<std::size_t>(found - now_.names.begin()));
+  }
+  return grasp().hand.closure(positions);
+}
+
+// The force that has stopped the arm [N]: what was asked for at least, as it may be gone by now.
+double ArmCycle::felt_contact(double borne) const {
+  return std::max(now_.wrist_force ? now_.wrist_force->norm() : 0, borne + options_.contact_force);
+}
+
+void ArmCycle::after_approach(MotionStatus status) {
+  if (status == MotionStatus::kContact) {
+    add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), "closes where it touches");
+  }
+  gather();
+}
+
+void ArmCycle::after_closing(MotionStatus status) {
+  // Fingers that get to the end of their way touch nothing.
+  const bool touch = status == MotionStatus::kContact;
+  add_surprise(SurpriseKind::kFingersTouch, 1, touch ? 1 : 0, "opens and tries the next grasp");
+  if (!touch) return give_up("the fingers closed on nothing");
+  const std::vector<double> positions = hand_.positions();
+  if (positions.size() == grasp().hand_joints.size()) {
+    const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
+        positions.data(), static_cast<Eigen::Index>(positions.size())));
+    add_surprise(SurpriseKind::kFingersAtContact, 0, beyond, "grips anyhow, weighs it when lifted");
+  }
+  enter(Step::kSettle, "pressing");
+}
+
+bool ArmCycle::watch_held(double spent) {
+  const bool lifting = step_ == Step::kLift, carrying = step_ == Step::kCarry,
+             placing = step_ == Step::kPlace;
+  if (!lifting && !carrying && !placing) return false;
+  bool by_weight = carrying;
+  if (placing) {
+    const JointPath* path = segment("place");
+    by_weight = path != nullptr && spent < kHighAboveTable * path->duration();
+  }
+  const std::string why = holding_.lost(now_.time, now_.wrist_force, closure(), by_weight);
+  if (why.empty()) return false;
+  add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
+               "opens and tries the next grasp");
+  give_up(fmt::format("lost while {}: {}",
+                      lifting ? "lifting" : (carrying ? "carrying" : "lowering"), why));
+  return true;
+}
+
+void ArmCycle::check() {
+  const Holding::Verdict held = holding_.held(closure());
+  add_surprise(SurpriseKind::kHeldAfterLift, 1, held.yes ? 1 : 0, "opens and tries the next grasp");
+  if (!held.yes) return give_up("nothing is held after the lift: " + held.why);
+  if (grasp().lifted_mass > 0 && holding_.weight()) {
+    add_surprise(SurpriseKind::kLiftedWeight, grasp().lifted_mass * geometry::kGravity,
+                 *holding_.weight(), "carries what it weighs");
+  }
+  if (!segment("place")) {
+    return finish(true, fmt::format("{}: lifted and held ({}); the plan puts it nowhere",
+                                    described(grasp(), grasp_index_), held.why));
+  }
+  begin_segment("carry", Step::kCarry, 0);
+}
+
+void ArmCycle::after_placing(MotionStatus status) {
+  if (status == MotionStatus::kContact) {
+    const double weight = holding_.weight().value_or(0);
+    add_surprise(SurpriseKind::kTouchedTooEarly, weight, felt_contact(weight),
+                 "opens where it touches");
+  }
+  add_surprise(SurpriseKind::kHeldWhileCarried, 1, 1, "");
+  open_hand();
+  enter(Step::kRelease, "opening the hand");
+}
+
+void ArmCycle::verify() {
+  const Holding::Verdict empty = holding_.empty();
+  add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0, "ends");
+  const std::string name = described(grasp(), grasp_index_);
+  if (!empty.yes) {
+    return finish(false, name + ": what was to be put down did not leave the hand: " + empty.why);
+  }
+  finish(true, fmt::format("{}: lifted{}, held all the way, put down; {}", name,
+                           holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
+                           empty.why));
+}
+
+}  // namespace prehend::control

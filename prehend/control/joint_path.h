@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace prehend::control {
+
+/// Joint positions over time, as msgs.JointTrajectory.
+struct JointPath {
+  struct Point {
+    double time = 0;                                       // s, from the start
+    std::vector<double> position, velocity, acceleration;  // rad or m, per s, per s^2; may be empty
+  };
+  std::vector<std::string> joints;
+  std::vector<Point> points;
+
+  double duration() const { return points.empty() ? 0 : points.back().time; }  // s
+};
+
+/// The same way back.
+JointPath reversed(const JointPath& path);
+
+/// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
+/// 15s^4 + 10s^3) along the way. For an arm that contact stopped short of a segment's end.
+/// @throws std::invalid_argument in words when the arm is more than `most` [rad] off, a joint of
+/// the path is not among `names`, or the path is empty.
+JointPath joined(JointPath path, const std::vector<std::string>& names,
+                 const std::vector<double>& positions, double most);
+
+}  // namespace prehend::control

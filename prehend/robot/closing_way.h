@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "prehend/robot/hand_model.h"
+
+namespace prehend::robot {
+
+/// How the motors of a hand close round a thing [rad or m, of each motor]: what a planner predicts,
+/// a cycle commands and a simulation executes.
+struct ClosingWay {
+  Eigen::VectorXd open;          // before it closes
+  Eigen::VectorXd closed;        // where its fingers are predicted to touch
+  Eigen::VectorXd rate;          // signed, for each unit of closing; 0: stays
+  Eigen::VectorXd lower, upper;  // limits of the joints
+
+  /// Where closing is `beyond` [rad or m] past the predicted touch, each motor by its rate and no
+  /// farther than its limit; before it (negative), and then at most back to where the hand is open.
+  Eigen::VectorXd at(double beyond) const;
+  /// How far the motors have closed, at these positions, past the predicted touch: the mean of
+  /// those that close, each in its closing sense. 0 when none does.
+  /// @pre positions.size() == closed.size()
+  double closure(const Eigen::Ref<const Eigen::VectorXd>& positions) const;
+
+  /// @throws std::invalid_argument when the sizes differ, something but a limit is not finite, or a
+  /// lower limit is above its upper one.
+  void validate() const;
+};
+
+/// Of a grasp by a preshape of `hand`; `open` may be empty: the preshape's.
+ClosingWay closing_way(const HandModel& hand, const Preshape& preshape, const Eigen::VectorXd& open,
+                       const Eigen::VectorXd& closed);
+
+}  // namespace prehend::robot
