@@ -12,10 +12,10 @@
 
 #include "prehend/grasp/force_closure.h"
 #include "prehend/grasp/wrench_hull.h"
-#include "tests/oracles/ompl_planner.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "tests/motion/pick_scene.h"
 #include "tests/motion/shelves.h"
+#include "tests/oracles/ompl_planner.h"
 #include "tests/robot/arms.h"
 
 namespace {
@@ -260,7 +260,7 @@ void pick(benchmark::State& state, const char* arm) {
   motion::PickScene scene(arm, {0.5, 0.2, 0});
   scene.add("left", motion::at(0.5, 0.4, 0.1), {0.1, 0.1, 0.2});
   scene.add("right", motion::at(0.5, -0.02, 0.15), {0.2, 0.05, 0.3});
-  scene.task.X_BO_place = motion::at(0.45, -0.25, 0.081);
+  scene.task.X_BO_places = {motion::at(0.45, -0.25, 0.081)};
   scene.grasps_from_above();
   scene.grasps_from_the_side(0);
   scene.task.start[0] = -1;

@@ -36,7 +36,7 @@ std::vector<planning::PlatformGrasp> gripper_grasps(const surface::ObjectModel& 
     // The model's joint is half of the opening.
     grasps.push_back({grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance,
                       platform.hand.preshapes.front().name,
-                      Eigen::VectorXd::Constant(1, grasp.pregrasp_opening / 2)});
+                      Eigen::VectorXd::Constant(1, grasp.pregrasp_opening / 2), grasp.score});
   }
   return grasps;
 }
@@ -50,8 +50,8 @@ std::vector<planning::PlatformGrasp> hand_grasps(const surface::ObjectModel& obj
   options.reaches = planning::arm_reach(platform);
   std::vector<planning::PlatformGrasp> grasps;
   for (const auto& grasp : grasp::plan_hand_grasps(object, table_W, {}, hand, {}, options).grasps) {
-    grasps.push_back(
-        {grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance, grasp.preshape, grasp.open});
+    grasps.push_back({grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance, grasp.preshape,
+                      grasp.open, grasp.score});
   }
   return grasps;
 }

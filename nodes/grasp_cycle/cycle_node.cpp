@@ -1,6 +1,7 @@
 #include "nodes/grasp_cycle/cycle_node.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,8 @@ using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
+constexpr double kAnyHeight = 10;                            // m
+constexpr double kHandRadius = 0.06;                         // m, beside what is put down
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
 constexpr auto kGripperPatience = std::chrono::seconds(20);  // for the robot to say what it has
 
@@ -64,14 +67,17 @@ control::CycleOptions declare_cycle_options(graph::Node& node) {
   return options;
 }
 
-control::PutDownOptions declare_put_down_options(graph::Node& node, double lift_height) {
-  control::PutDownOptions options;
-  options.lift_height = lift_height;
-  options.distance =
-      declare_length(node, "move_distance", options.distance, 0.01, "sideways with the object");
-  const double reach = declare_length(node, "workspace", 0.55, 0.01,
-                                      "half the side of the square the carrier reaches");
-  options.workspace_W = {Eigen::Vector3d(-reach, -reach, -10), Eigen::Vector3d(reach, reach, 10)};
+planning::PlaceOptions declare_place_options(graph::Node& node, double lift_height) {
+  planning::PlaceOptions options;
+  options.straight_height = lift_height;
+  options.distance = declare_length(node, "move_distance", options.distance, 0.01,
+                                    "sideways with the object, if there is room, else farther");
+  options.farthest = std::max(options.farthest, options.distance);
+  options.given_W = planning::read_place(node.declare_parameter<std::string>(
+      {.name = "place",
+       .description = "x,y of the world [m] where the object is put; empty: a free place is "
+                      "chosen",
+       .read_only = true}));
   return options;
 }
 
@@ -94,9 +100,9 @@ std::optional<geometry::RigidTransform> pose_of(const msgs::GroundTruth* truth,
   return std::nullopt;
 }
 
-Eigen::AlignedBox3d bounds_in(const geometry::TriangleMesh& mesh_W,
-                              const geometry::RigidTransform& X_SW) {
-  return geometry::bounds(geometry::transformed(mesh_W, X_SW));
+geometry::Plane transformed(const geometry::Plane& plane_W, const geometry::RigidTransform& X_SW) {
+  const Eigen::Vector3d normal = X_SW.linear() * plane_W.normal;
+  return {normal, plane_W.offset + normal.dot(X_SW.translation())};
 }
 
 }  // namespace
@@ -127,7 +133,9 @@ CycleNode::CycleNode(graph::Node& node)
                                                  .read_only = true})),
       gripper_(node),
       options_(declare_cycle_options(node)),
-      put_down_(declare_put_down_options(node, options_.lift_height)),
+      place_(declare_place_options(node, options_.lift_height)),
+      workspace_(declare_length(node, "workspace", 0.55, 0.01,
+                                "half the side of the square the carrier reaches")),
       look_(node),
       views_(std::chrono::duration<double>(
           node.declare_parameter<double>({.name = "patience",
@@ -307,7 +315,8 @@ void CycleNode::follow_spawned(double since) {
   const geometry::RigidTransform X_moved = *X_SB * spawned_.X_SB->inverse();
   target_.grasps.erase(target_.grasps.begin() + cycle_->grasp_index());
   control::MovedGraspLimits limits;
-  limits.workspace_W = put_down_.workspace_W;
+  limits.workspace_W = {Eigen::Vector3d(-workspace_, -workspace_, -kAnyHeight),
+                        Eigen::Vector3d(workspace_, workspace_, kAnyHeight)};
   const control::MovedGrasps moved = control::moved_grasps(target_.grasps, X_moved, limits);
   if (!moved.grasps.empty()) {
     const double distance = (X_SB->translation() - spawned_.X_SB->translation()).norm();
@@ -402,21 +411,51 @@ void CycleNode::take_spawned(std::uint32_t id, const graph::Outcome<msgs::SpawnR
   spawn_next();
 }
 
+// In the frame S of the simulation, which is the world unless recorded objects are spawned.
 Eigen::Vector3d CycleNode::choose_move(const View& view, const Target& target,
                                        const geometry::RigidTransform& X_SW,
                                        const geometry::RigidTransform& X_moved) const {
   const Eigen::Vector3d hand = target.grasps.front().X_WG.translation();
-  Eigen::AlignedBox3d object(hand, hand);
-  std::vector<Eigen::AlignedBox3d> obstacles;
+  geometry::Plane table_W;
+  if (const auto model = view.models.find(target.id); model != view.models.end()) {
+    table_W = convert::from_message(model->second->table());
+  }
+  std::vector<Eigen::Vector3d> object{hand};
+  std::vector<std::vector<Eigen::Vector3d>> others;
   for (const auto& [id, mesh_W] : meshes_of(view)) {
-    const Eigen::AlignedBox3d box = bounds_in(mesh_W, id == target.id ? X_moved * X_SW : X_SW);
+    std::vector<Eigen::Vector3d> points =
+        geometry::transformed(mesh_W, id == target.id ? X_moved * X_SW : X_SW).vertices;
     if (id == target.id) {
-      object = box;
+      object = std::move(points);
     } else {
-      obstacles.push_back(box);
+      others.push_back(std::move(points));
     }
   }
-  return control::choose_move(object, hand, obstacles, put_down_);
+  planning::PlaceOptions options = place_;
+  for (const double x : {-kHandRadius, kHandRadius}) {
+    for (const double y : {-kHandRadius, kHandRadius}) {
+      options.hand_W.push_back(hand + Eigen::Vector3d(x, y, 0));
+    }
+  }
+  if (options.given_W) {
+    const Eigen::Vector2d& at = *options.given_W;
+    const double z =
+        (table_W.offset - table_W.normal.head<2>().dot(at)) / std::max(0.1, table_W.normal.z());
+    options.given_W = (X_SW * Eigen::Vector3d(at.x(), at.y(), z)).head<2>();
+  }
+  options.unreachable = [&](const Eigen::Vector3d& move) -> std::string {
+    if ((hand + move).head<2>().cwiseAbs().maxCoeff() <= workspace_) return {};
+    return fmt::format("the carrier reaches {:.2f} m from the middle", workspace_);
+  };
+  const planning::FreePlaces places =
+      planning::free_places(transformed(table_W, X_SW), object, others, options);
+  if (!places.problem.empty()) throw geometry::InputError(places.problem, planning::kPlaceMend);
+  const Eigen::Vector3d move = places.moves_W.front();
+  if (move.isZero()) {
+    node_.log_info("object {} is put back where it stands: there is no free place for it",
+                   target.id);
+  }
+  return move;
 }
 
 msgs::Surprise CycleNode::to_message(const control::Surprise& surprise) const {

@@ -14,8 +14,8 @@
 #include "nodes/gripper_source/gripper_source.h"
 #include "nodes/look_again/look_again.h"
 #include "prehend/control/grasp_cycle.h"
-#include "prehend/control/put_down.h"
 #include "prehend/graph/node.h"
+#include "prehend/planning/free_places.h"
 
 namespace prehend::nodes {
 
@@ -44,6 +44,7 @@ class CycleNode {
   /// The same for a predicted object in the simulation: takes its grasps to where it is `since`.
   void follow_spawned(double since);
   /// `X_moved`: by which the target has moved since it was seen.
+  /// @throws geometry::InputError for a place that was given and cannot be used.
   Eigen::Vector3d choose_move(
       const View& view, const Target& target, const geometry::RigidTransform& X_SW,
       const geometry::RigidTransform& X_moved = geometry::RigidTransform::Identity()) const;
@@ -61,7 +62,8 @@ class CycleNode {
   int touch_counts_;
   GripperSource gripper_;
   control::CycleOptions options_;
-  control::PutDownOptions put_down_;
+  planning::PlaceOptions place_;
+  double workspace_;  // m
   LookAgain look_;
   ViewCollector views_;
   GripperActions gripper_port_;

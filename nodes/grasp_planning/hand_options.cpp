@@ -24,7 +24,7 @@ constexpr Misfit kNotOfPlatforms[] = {
 };
 constexpr Misfit kOfPlatforms[] = {
     {"platforms", "no platform is named"}, {"home", "no platform is named"},
-    {"move", "no platform is named"},      {"arm_budget", "no platform is named"},
+    {"place", "no platform is named"},     {"arm_budget", "no platform is named"},
     {"motions", "no platform is named"},
 };
 constexpr Misfit kChosenByFronts[] = {

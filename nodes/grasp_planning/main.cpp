@@ -140,15 +140,13 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
        .description = "of the platform: where its arm stands when a motion starts",
        .read_only = true});
   planning::PlatformPickOptions arm;
-  const auto move = node.declare_parameter<std::vector<double>>(
-      {.name = "move",
-       .default_value = {0, 0.15, 0},
-       .unit = "m",
-       .description = "with a platform: x, y, z by which the object is carried",
-       .read_only = true,
-       .validate = [](const std::vector<double>& value) {
-         return value.size() == 3 ? "" : "must be three numbers";
-       }});
+  planning::PlaceOptions place;
+  place.given_W = planning::read_place(node.declare_parameter<std::string>(
+      {.name = "place",
+       .description =
+           "with a platform: x,y of the world [m] where the object is put; empty: a free "
+           "place is chosen",
+       .read_only = true}));
   arm.pick.budget = node.declare_parameter<double>({.name = "arm_budget",
                                                     .default_value = arm.pick.budget,
                                                     .unit = "s",
@@ -165,10 +163,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
       !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
   nodes::refuse_what_does_not_apply(node, !file.empty(), front_chooses);
   if (file.empty()) return nullptr;
-  arm.move_W = {move[0], move[1], move[2]};
   return std::make_unique<nodes::PlatformPlanning>(std::filesystem::path(folder) / (file + ".yaml"),
                                                    home, nodes::hand_options(node, common), arm,
-                                                   motions);
+                                                   place, motions);
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -352,9 +349,11 @@ class GraspPlanning {
     time.set_stage("grasp_planning");
     time.set_seconds(seconds);
     if (plan.problem().empty()) {
-      node_.log_info("object {}: {} grasps of {} candidates, best score {:.2f}, {:.2f} s",
-                     plan.id(), plan.grasps_size(), plan.candidates(), plan.grasps(0).score(),
-                     seconds);
+      node_.log_info(
+          "object {}: {} grasps of {} candidates, best score {:.2f}{}, {:.2f} s", plan.id(),
+          plan.grasps_size(), plan.candidates(), plan.grasps(0).score(),
+          plan.grasps(0).has_robustness() ? "" : std::string(" (") + grasp::kNotAssessed + ")",
+          seconds);
     } else {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }

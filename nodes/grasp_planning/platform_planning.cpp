@@ -8,6 +8,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "prehend/robot/closing_way.h"
 
 namespace prehend::nodes {
 namespace {
@@ -18,15 +19,18 @@ constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
 
 PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
                                    grasp::HandPlannerOptions grasps,
-                                   planning::PlatformPickOptions arm, int motions)
+                                   planning::PlatformPickOptions arm, planning::PlaceOptions place,
+                                   int motions)
     : platform_(robot::read_platform(platform)),
       start_(platform_.home(home).arm),
       hand_(platform_.hand),
       options_(std::move(grasps)),
       arm_options_(std::move(arm)),
+      place_(std::move(place)),
       motions_(motions) {
   options_.reaches = planning::arm_reach(platform_);
   options_.validate();
+  place_.validate();
 }
 
 msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double mass) const {
@@ -37,7 +41,7 @@ msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double m
   message.set_pregrasp_distance(grasp.pregrasp_distance);
   message.set_quality(grasp.quality);
   message.set_score(grasp.score);
-  message.set_robustness(std::max(0.0, grasp.robustness));
+  if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
   message.set_generator(grasp.generator);
   message.set_preshape(grasp.preshape);
   message.set_guessed_contact(grasp.guessed_contact);
@@ -46,8 +50,13 @@ msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double m
   for (const std::string& name : platform_.hand.actuated_names()) {
     message.add_hand_joint_name("hand_" + name);
   }
-  for (const double position : grasp.open) message.add_open_position(position);
-  for (const double position : grasp.closed) message.add_closed_position(position);
+  const robot::ClosingWay way = robot::closing_way(
+      platform_.hand, platform_.hand.preshape(grasp.preshape), grasp.open, grasp.closed);
+  for (const double position : way.open) message.add_open_position(position);
+  for (const double position : way.closed) message.add_closed_position(position);
+  for (const double rate : way.rate) message.add_closing_rate(rate);
+  for (const double position : way.lower) message.add_least_position(position);
+  for (const double position : way.upper) message.add_largest_position(position);
   for (const grasp::HandContact& contact : grasp.contacts) {
     *message.add_contacts() = convert::to_message(contact.contact_W.point);
   }
@@ -91,19 +100,36 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
   message.set_problem(plan.problem);
   convert::add_rejections(plan.rejections, &message);
 
-  const planning::PlatformScene scene{table_W, object.convex_pieces_W, obstacles_W};
+  if (!plan.grasps.empty()) {
+    add_motions(plan, {table_W, object.convex_pieces_W, obstacles_W}, &message);
+  }
+  return message;
+}
+
+// The grasps that the arm can execute, best first, and then the others; or why there is none.
+void PlatformPlanning::add_motions(const grasp::HandPlan& plan,
+                                   const planning::PlatformScene& scene,
+                                   msgs::GraspPlan* message) const {
+  const planning::FreePlaces places = planning::free_places_for(platform_, scene, place_);
+  if (!places.problem.empty()) {
+    message->set_problem("cannot be grasped: " + places.problem + ". " + planning::kPlaceMend);
+    return;
+  }
+  planning::PlatformPickOptions options = arm_options_;
+  options.moves_W = places.moves_W;
   std::vector<grasp::HandGrasp> left = plan.grasps;
   std::string arm_problem;
   for (int i = 0; i < motions_ && !left.empty(); ++i) {
     std::vector<planning::PlatformGrasp> poses;
     for (const auto& g : left) {
-      poses.push_back({g.X_WG, g.approach_W, g.pregrasp_distance, g.preshape, g.open});
+      poses.push_back({g.X_WG, g.approach_W, g.pregrasp_distance, g.preshape, g.open,
+                       std::clamp(g.score, 0.0, 1.0)});
     }
     const planning::PlatformPick pick =
-        planning::plan_platform_pick(platform_, start_, poses, scene, arm_options_);
+        planning::plan_platform_pick(platform_, start_, poses, scene, options);
     if (i == 0) {
       for (const auto& rejected : pick.motion.rejections) {
-        auto& rejection = *message.add_rejections();
+        auto& rejection = *message->add_rejections();
         rejection.set_reason(std::string("arm: ") + motion::to_string(rejected.filter));
         rejection.set_count(static_cast<std::uint32_t>(rejected.count));
         rejection.set_nearest_miss(rejected.nearest_miss);
@@ -115,17 +141,19 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
     }
     msgs::Grasp grasp = to_message(left[static_cast<std::size_t>(pick.grasp)], plan.mass);
     for (const auto& segment : pick.motion.segments) *grasp.add_arm() = to_message(segment);
-    *message.add_grasps() = std::move(grasp);
+    if (pick.motion.place >= 0) {
+      *grasp.mutable_move() =
+          convert::to_message(options.moves_W[static_cast<std::size_t>(pick.motion.place)]);
+    }
+    *message->add_grasps() = std::move(grasp);
     left.erase(left.begin() + pick.grasp);
   }
-  if (message.grasps_size() == 0 && !plan.grasps.empty()) {
-    message.set_problem("cannot be grasped: the arm reaches none of " +
-                        fmt::format("{} grasps: ", plan.grasps.size()) + arm_problem);
+  if (message->grasps_size() == 0) {
+    message->set_problem(fmt::format("cannot be grasped: the arm can execute none of {} grasps: {}",
+                                     plan.grasps.size(), arm_problem));
+    return;
   }
-  for (const auto& g : left) {
-    if (message.grasps_size() > 0) *message.add_grasps() = to_message(g, plan.mass);
-  }
-  return message;
+  for (const auto& g : left) *message->add_grasps() = to_message(g, plan.mass);
 }
 
 }  // namespace prehend::nodes

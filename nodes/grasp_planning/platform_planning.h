@@ -22,10 +22,11 @@ class PlatformPlanning {
   /// @throws geometry::InputError as robot::read_platform(), and for an unknown home.
   PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
                    grasp::HandPlannerOptions grasps, planning::PlatformPickOptions arm,
-                   int motions);
+                   planning::PlaceOptions place, int motions);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
-  /// without any motion has the arm's reason as its problem. Obstacles are convex pieces.
+  /// without any motion has the arm's reason, or the place's, as its problem. Obstacles are convex
+  /// pieces.
   /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
   /// @throws geometry::InputError for a bad mesh.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
@@ -38,6 +39,8 @@ class PlatformPlanning {
 
  private:
   msgs::Grasp to_message(const grasp::HandGrasp& grasp, double mass) const;
+  void add_motions(const grasp::HandPlan& plan, const planning::PlatformScene& scene,
+                   msgs::GraspPlan* message) const;
   msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
 
   robot::Platform platform_;
@@ -45,6 +48,7 @@ class PlatformPlanning {
   grasp::HandToClose hand_;
   grasp::HandPlannerOptions options_;
   planning::PlatformPickOptions arm_options_;
+  planning::PlaceOptions place_;
   int motions_;
 };
 

@@ -1,6 +1,8 @@
 #include "prehend/motion/pick_ledger.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "prehend/text/require.h"
@@ -45,7 +47,9 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
           "the start needs " + std::to_string(size) + " finite positions");
   require(is_unit(task.up_B), "up_B must be a unit vector");
   require(task.object.X_BO.matrix().allFinite(), "the object's pose must be finite");
-  require(!task.X_BO_place || task.X_BO_place->matrix().allFinite(), "the place must be finite");
+  for (const geometry::RigidTransform& X_BO : task.X_BO_places) {
+    require(X_BO.matrix().allFinite(), "a place must be finite");
+  }
   for (std::size_t i = 0; i < task.grasps.size(); ++i) {
     const PickGrasp& grasp = task.grasps[i];
     const std::string name = "grasp " + std::to_string(i);
@@ -53,6 +57,8 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
     require(is_unit(grasp.approach_direction_B), name + " needs a unit approach_direction_B");
     require(grasp.pregrasp_distance > 0 && std::isfinite(grasp.pregrasp_distance),
             name + " needs a positive pregrasp_distance");
+    require(grasp.expected_success >= 0 && grasp.expected_success <= 1,
+            name + " needs an expected_success from 0 to 1");
   }
   require(options.lift_height > 0 && std::isfinite(options.lift_height), "lift_height must be > 0");
   require(options.straight_step > 0 && std::isfinite(options.straight_step),
@@ -60,10 +66,29 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
   require(options.goals >= 1 && options.goals_per_grasp >= 1,
           "goals and goals_per_grasp must be >= 1");
   require(options.budget >= 0, "budget must be >= 0");
+  require(options.success_for_path >= 0 && options.success_for_path <= 1,
+          "success_for_path must be in [0, 1]");
   require(options.straight_speed_factor > 0 && options.straight_speed_factor <= 1,
           "straight_speed_factor must be in (0, 1]");
   require(options.acceleration.size() == 0 || options.acceleration.size() == size,
           "acceleration needs one value for each joint, or none");
+}
+
+std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& expected_success,
+                                                    double width) {
+  std::vector<std::size_t> order(expected_success.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return expected_success[a] > expected_success[b];
+  });
+  std::vector<std::vector<std::size_t>> tiers;
+  for (const std::size_t i : order) {
+    const bool is_next =
+        tiers.empty() || expected_success[i] < expected_success[tiers.back().front()] - width;
+    if (is_next) tiers.emplace_back();
+    tiers.back().push_back(i);
+  }
+  return tiers;
 }
 
 void PickLedger::add(const PickMiss& miss) {
@@ -79,15 +104,15 @@ std::vector<PickRejection> PickLedger::rejections() const {
   return result;
 }
 
-std::string PickLedger::problem(std::size_t grasps) const {
+std::string rejection_problem(std::size_t grasps, const std::vector<PickRejection>& rejections) {
   if (grasps == 0) return "there are no grasps";
   std::string text = "none of " + std::to_string(grasps) + " grasps can be used: ";
   bool first = true;
-  for (const auto& [filter, entry] : entries_) {
+  for (const PickRejection& rejection : rejections) {
     if (!first) text += ", ";
     first = false;
-    text += std::to_string(entry.count) + " " + to_string(filter);
-    if (!entry.nearest.text.empty()) text += " (nearest: " + entry.nearest.text + ")";
+    text += std::to_string(rejection.count) + " " + to_string(rejection.filter);
+    if (!rejection.nearest_miss.empty()) text += " (nearest: " + rejection.nearest_miss + ")";
   }
   return text;
 }

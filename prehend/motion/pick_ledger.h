@@ -24,13 +24,14 @@ struct PickMiss {
   }
 };
 
+/// "none of 12 grasps can be used: 10 out of reach (nearest: ...), 2 ..."
+std::string rejection_problem(std::size_t grasps, const std::vector<PickRejection>& rejections);
+
 /// Counts grasps by the filter they failed at.
 class PickLedger {
  public:
   void add(const PickMiss& miss);
   std::vector<PickRejection> rejections() const;
-  /// "none of 12 grasps can be used: 10 out of reach (nearest: ...), 2 ..."
-  std::string problem(std::size_t grasps) const;
 
  private:
   struct Entry {

@@ -16,8 +16,9 @@ using robot::InverseAnswer;
 using robot::Positions;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kShareForGoals = 0.5;  // of the budget, when there is a goal already
-constexpr int kPlacesPerGrasp = 4;
+constexpr double kShareForGoals = 0.5;  // of a tier's time, when there is a goal already
+constexpr double kShareOfTier = 0.5;    // of what is left of the budget, when others remain
+constexpr int kWaysDown = 4;            // to one place
 
 RigidTransform moved(const RigidTransform& X_BT, const Eigen::Vector3d& by_B) {
   RigidTransform X = X_BT;
@@ -36,9 +37,15 @@ struct Goal {
   std::vector<Positions> approach, lift;
 };
 
-/// From above the place to beside it.
-struct Place {
+/// From above a place to beside it.
+struct WayDown {
   std::vector<Positions> down, retreat;
+};
+
+/// The first place of a grasp that it can be put down at, and how.
+struct Place {
+  std::size_t index = 0;  // of the task's
+  std::vector<WayDown> ways;
 };
 
 PickMiss miss_of(const InverseAnswer& answer) {
@@ -64,28 +71,20 @@ class Picker {
     if (std::string problem = scenes_.reach().problem(task_.start); !problem.empty()) {
       return failed("at the start, " + problem);
     }
-    find_goals();
-    lap("goals");
-    result_.goals = static_cast<int>(goals_.size());
-    while (!goals_.empty()) {
-      std::vector<Positions> ends;
-      for (const Goal& goal : goals_) ends.push_back(goal.approach.front());
-      JointPath reach = plan_path(scenes_.reach(), task_.start, ends, searching());
-      lap("reach");
-      if (!reach.found()) {
-        for (const Goal& goal : goals_) drop(goal.grasp, reach.reason);
-        goals_.clear();
-        break;
-      }
-      const Goal goal = goals_[static_cast<std::size_t>(reach.goal)];
-      if (finish(goal, std::move(reach.waypoints))) {
-        settle();
-        return std::move(result_);
-      }
-      goals_.erase(goals_.begin() + reach.goal);
+    misses_.resize(task_.grasps.size());
+    tried_.assign(task_.grasps.size(), false);
+    places_.resize(task_.grasps.size());
+    std::vector<double> expected;
+    for (const PickGrasp& grasp : task_.grasps) expected.push_back(grasp.expected_success);
+    const auto tiers = success_tiers(expected, options_.success_for_path);
+    for (std::size_t t = 0; t < tiers.size() && !(t > 0 && is_over_all()); ++t) {
+      begin_slice(t + 1 == tiers.size());
+      if (!plan_for(tiers[t])) continue;
+      settle();
+      return std::move(result_);
     }
     settle();
-    return failed(ledger_.problem(task_.grasps.size()));
+    return failed(rejection_problem(task_.grasps.size(), result_.rejections));
   }
 
  private:
@@ -96,8 +95,15 @@ class Picker {
   }
 
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  bool is_over_all() const { return options_.budget > 0 && elapsed() > options_.budget; }
+
+  /// The time for one tier of grasps: all that is left for the last.
+  void begin_slice(bool is_last) {
+    slice_begin_ = elapsed();
+    slice_ = (is_last ? 1 : kShareOfTier) * (options_.budget - slice_begin_);
+  }
   bool is_over(double share) const {
-    return options_.budget > 0 && elapsed() > share * options_.budget;
+    return options_.budget > 0 && elapsed() > slice_begin_ + share * slice_;
   }
   void lap(const char* name) {
     const double now = elapsed();
@@ -111,10 +117,10 @@ class Picker {
     last_lap_ = now;
   }
 
-  /// The search's options with what is left of the budget.
+  /// The search's options with what is left of the tier's time.
   RrtOptions searching() const {
     RrtOptions rrt = options_.rrt;
-    rrt.budget = options_.budget > 0 ? std::max(1e-6, options_.budget - elapsed()) : 0;
+    rrt.budget = options_.budget > 0 ? std::max(1e-6, slice_begin_ + slice_ - elapsed()) : 0;
     return rrt;
   }
 
@@ -123,10 +129,32 @@ class Picker {
     return straight_path(scene, from, X_BT, options_.straight_step);
   }
 
-  void find_goals() {
-    misses_.resize(task_.grasps.size());
-    places_.resize(task_.grasps.size());
-    for (std::size_t i = 0; i < task_.grasps.size(); ++i) {
+  /// A motion for one of these grasps; false when there is none.
+  bool plan_for(const std::vector<std::size_t>& tier) {
+    goals_.clear();
+    find_goals(tier);
+    lap("goals");
+    result_.goals = static_cast<int>(goals_.size());
+    while (!goals_.empty()) {
+      std::vector<Positions> ends;
+      for (const Goal& goal : goals_) ends.push_back(goal.approach.front());
+      JointPath reach = plan_path(scenes_.reach(), task_.start, ends, searching());
+      lap("reach");
+      if (!reach.found()) {
+        for (const Goal& goal : goals_) drop(goal.grasp, reach.reason);
+        goals_.clear();
+        break;
+      }
+      const Goal goal = goals_[static_cast<std::size_t>(reach.goal)];
+      if (finish(goal, std::move(reach.waypoints))) return true;
+      goals_.erase(goals_.begin() + reach.goal);
+    }
+    return false;
+  }
+
+  void find_goals(const std::vector<std::size_t>& tier) {
+    for (const std::size_t i : tier) {
+      tried_[i] = true;
       const bool enough = static_cast<int>(goals_.size()) >= options_.goals;
       if (enough || is_over(goals_.empty() ? 1 : kShareForGoals)) {
         misses_[i] = {PickFilter::kNotTried, 0,
@@ -158,10 +186,10 @@ class Picker {
         if (misses_[i].text.empty() || miss.is_farther_than(misses_[i])) misses_[i] = miss;
         continue;
       }
-      if (task_.X_BO_place && !place_known) {
+      if (is_placed() && !place_known) {
         place_known = true;
-        miss = find_places(grasp, goal.lift.back(), places_[i]);
-        if (places_[i].empty()) {
+        miss = find_place(grasp, goal.lift.back(), 0, places_[i]);
+        if (places_[i].ways.empty()) {
           misses_[i] = miss;
           return;
         }
@@ -195,7 +223,7 @@ class Picker {
       miss = miss_of(PickFilter::kLift, up);
       return false;
     }
-    if (task_.X_BO_place) {
+    if (is_placed()) {
       const std::string problem = scenes_.carry(grasp).problem(up.waypoints.back());
       if (!problem.empty()) {
         miss = {PickFilter::kLift, 1, "when lifted, " + problem};
@@ -207,10 +235,28 @@ class Picker {
     return true;
   }
 
-  /// Ways down to the object's place and back; the farthest miss when there are none.
-  PickMiss find_places(const PickGrasp& grasp, const Positions& seed,
-                       std::vector<Place>& places) const {
-    const RigidTransform X_BT = scenes_.X_BT_place(grasp);
+  bool is_placed() const { return !task_.X_BO_places.empty(); }
+
+  /// The first place from `first` on that the object can be put down at; the farthest miss when
+  /// there is none.
+  PickMiss find_place(const PickGrasp& grasp, const Positions& seed, std::size_t first,
+                      Place& place) const {
+    PickMiss farthest{PickFilter::kPlace, 0, ""};
+    const RobotInWorld carry = scenes_.carry(grasp);
+    place.ways.clear();
+    for (place.index = first; place.index < task_.X_BO_places.size(); ++place.index) {
+      const PickMiss miss =
+          find_ways_down(grasp, seed, task_.X_BO_places[place.index], carry, place.ways);
+      if (!place.ways.empty()) return {};
+      if (farthest.text.empty() || miss.passed > farthest.passed) farthest = miss;
+    }
+    return farthest;
+  }
+
+  /// Ways down to a place and back; the farthest miss when there are none.
+  PickMiss find_ways_down(const PickGrasp& grasp, const Positions& seed, const RigidTransform& X_BO,
+                          const RobotInWorld& carry, std::vector<WayDown>& ways) const {
+    const RigidTransform X_BT = scenes_.X_BT_at(grasp, X_BO);
     const InverseAnswer answer = inverse_.solve(X_BT, seed);
     if (answer.solutions.empty()) return {PickFilter::kPlace, -1 - answer.miss, answer.reason};
     PickMiss farthest{PickFilter::kPlace, -1, ""};
@@ -219,9 +265,9 @@ class Picker {
         farthest = {PickFilter::kPlace, passed, std::move(text)};
       }
     };
-    const RobotInWorld carry = scenes_.carry(grasp), retreat = scenes_.retreat();
+    const RobotInWorld retreat = scenes_.retreat(X_BO);
     for (const Positions& q : answer.solutions) {
-      if (places.size() >= kPlacesPerGrasp || is_over(1)) break;
+      if (ways.size() >= kWaysDown || is_over(1)) break;
       if (const std::string sunk = sinks_in(carry, q); !sunk.empty()) {
         note(0, "at the place, " + sunk);
         continue;
@@ -236,13 +282,13 @@ class Picker {
         note(2, "above the place, " + problem);
         continue;
       }
-      const Eigen::Vector3d back = -grasp.pregrasp_distance * scenes_.approach_at_place(grasp);
+      const Eigen::Vector3d back = -grasp.pregrasp_distance * scenes_.approach_at(grasp, X_BO);
       JointPath away = straight(retreat, q, moved(X_BT, back));
       if (!away.found()) {
         note(3 + away.completed, "on the way back, " + away.reason);
         continue;
       }
-      places.push_back({reversed(up.waypoints), std::move(away.waypoints)});
+      ways.push_back({reversed(up.waypoints), std::move(away.waypoints)});
     }
     return farthest;
   }
@@ -267,26 +313,39 @@ class Picker {
     add("reach", std::move(reach), false);
     add("approach", goal.approach, false);
     add("lift", goal.lift, true);
-    if (task_.X_BO_place) {
-      std::vector<Positions> ends;
-      for (const Place& place : places_[goal.grasp]) ends.push_back(place.down.front());
-      JointPath carry = plan_path(scenes_.carry(grasp), goal.lift.back(), ends, searching());
-      lap("carry");
-      if (!carry.found()) {
-        drop(goal.grasp, "on the way to the place, " + carry.reason);
-        return false;
-      }
-      const Place& place = places_[goal.grasp][static_cast<std::size_t>(carry.goal)];
-      add("carry", std::move(carry.waypoints), true);
-      add("place", place.down, true);
-      add("retreat", place.retreat, false);
-    }
+    if (is_placed() && !finish_at_place(goal)) return false;
     if (options_.acceleration.size() > 0) {
       time_segments(grasp);
       lap("timing");
     }
     result_.grasp = static_cast<int>(goal.grasp);
     return true;
+  }
+
+  /// Carry, place and retreat, to the first place that there is a path to.
+  bool finish_at_place(const Goal& goal) {
+    const PickGrasp& grasp = task_.grasps[goal.grasp];
+    Place& place = places_[goal.grasp];
+    const RobotInWorld scene = scenes_.carry(grasp);
+    std::string problem;
+    while (!place.ways.empty()) {
+      std::vector<Positions> ends;
+      for (const WayDown& way : place.ways) ends.push_back(way.down.front());
+      JointPath carry = plan_path(scene, goal.lift.back(), ends, searching());
+      lap("carry");
+      if (carry.found()) {
+        const WayDown& way = place.ways[static_cast<std::size_t>(carry.goal)];
+        add("carry", std::move(carry.waypoints), true);
+        add("place", way.down, true);
+        add("retreat", way.retreat, false);
+        result_.place = static_cast<int>(place.index);
+        return true;
+      }
+      if (problem.empty()) problem = carry.reason;
+      find_place(grasp, goal.lift.back(), place.index + 1, place);
+    }
+    drop(goal.grasp, "on the way to the place, " + problem);
+    return false;
   }
 
   void add(const char* name, std::vector<Positions> waypoints, bool holds) {
@@ -308,7 +367,10 @@ class Picker {
       if (segment.name == "lift") timed(scenes_.lift(grasp, way.front()), straight);
       if (segment.name == "carry") timed(scenes_.carry(grasp), options_.timing);
       if (segment.name == "place") timed(scenes_.lift(grasp, way.back()), straight);
-      if (segment.name == "retreat") timed(scenes_.retreat(), straight);
+      if (segment.name == "retreat") {
+        timed(scenes_.retreat(task_.X_BO_places[static_cast<std::size_t>(result_.place)]),
+              straight);
+      }
     }
   }
 
@@ -322,6 +384,11 @@ class Picker {
       const bool is_goal =
           static_cast<int>(i) == result_.grasp ||
           std::any_of(goals_.begin(), goals_.end(), [i](const Goal& g) { return g.grasp == i; });
+      if (!tried_[i]) {
+        misses_[i] = {
+            PickFilter::kNotTried, 0,
+            result_.grasp >= 0 ? "a better one can be executed" : "the budget was used up"};
+      }
       if (!is_goal) ledger_.add(misses_[i]);
     }
     result_.rejections = ledger_.rejections();
@@ -333,9 +400,11 @@ class Picker {
   PickScenes scenes_;
   Clock::time_point begin_ = Clock::now();
   double last_lap_ = 0;
+  double slice_begin_ = 0, slice_ = 0;  // s, of the present tier
   std::vector<Goal> goals_;
-  std::vector<PickMiss> misses_;            // of each grasp
-  std::vector<std::vector<Place>> places_;  // of each grasp
+  std::vector<PickMiss> misses_;  // of each grasp
+  std::vector<bool> tried_;       // of each grasp
+  std::vector<Place> places_;     // of each grasp
   PickLedger ledger_;
   PickMotion result_;
 };

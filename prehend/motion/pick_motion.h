@@ -17,6 +17,7 @@ struct PickGrasp {
   geometry::RigidTransform X_BT;  // of the tip when the hand closes
   Eigen::Vector3d approach_direction_B = -Eigen::Vector3d::UnitZ();  // the hand's way to it; unit
   double pregrasp_distance = 0.1;                                    // m, of that way, > 0
+  double expected_success = 1;  // 0..1, how likely it is thought to hold
 };
 
 /// What is grasped. Frame O.
@@ -28,13 +29,17 @@ struct PickObject {
 
 struct PickTask {
   robot::Positions start;
-  std::vector<PickGrasp> grasps;  // best first
+  std::vector<PickGrasp> grasps;  // in any order
   PickObject object;
-  std::optional<geometry::RigidTransform> X_BO_place;  // where the object goes; none: only lifted
-  Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();     // away from the table; unit
+  /// Where the object may go, best first; empty: it is only lifted.
+  std::vector<geometry::RigidTransform> X_BO_places;
+  Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();  // away from the table; unit
 };
 
 struct PickOptions {
+  /// The trade between a grasp and its path, 0..1: so much less expected success is taken for the
+  /// path that the search finds first. 0: the path decides between equal grasps only.
+  double success_for_path = 0.05;
   double lift_height = 0.1;      // m, before the carry and above the place, > 0
   double straight_step = 0.01;   // m, of the straight segments, > 0
   int goals = 24;                // positions above grasps that are looked for at most, >= 1
@@ -56,7 +61,7 @@ enum class PickFilter {
   kLift,             // not straight up with the object
   kPlace,            // of the place: reach, limits, touch, or the straight ways down and back
   kPath,             // no path to it, or on from it, was found
-  kNotTried,         // enough goals, or the budget's end, before it
+  kNotTried,         // a better one, enough goals, or the budget's end, before it
 };
 const char* to_string(PickFilter filter);  // "out of reach"
 
@@ -82,6 +87,7 @@ struct PickStage {
 struct PickMotion {
   std::vector<PickSegment> segments;  // in order; empty: none was found
   int grasp = -1;                     // the one that is reached
+  int place = -1;                     // of PickTask::X_BO_places; -1: it is only lifted
   std::string problem;                // why there is none, in words
   std::vector<PickRejection> rejections;
   std::vector<PickStage> times;
@@ -90,11 +96,23 @@ struct PickMotion {
   bool found() const { return !segments.empty(); }
 };
 
+/// Indices of grasps by their expected success: the best and all within `width` of it, then the
+/// best of the rest and all within `width` of that, ...; in each the best first, equal ones in
+/// order.
+std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& expected_success,
+                                                    double width);
+
 /// A motion that picks an object and, if asked, places it: reach (RRT-Connect to the goal set of
-/// all solutions of all grasps from which the rest is possible), approach (straight), lift
+/// all solutions of the best grasps from which the rest is possible), approach (straight), lift
 /// (straight up, with the object), carry (RRT-Connect, with the object), place (straight down),
 /// retreat (straight back). The hand closes between approach and lift, and opens between place and
 /// retreat.
+///
+/// Which grasp: the one with the best expected success, the path second. The grasps within
+/// `success_for_path` of the best are one goal set, in which the search takes what it reaches
+/// first; only when none of them can be executed, it goes on to those within as much of the best
+/// that is left (success_tiers()). Which place: of the grasp that is taken, the first that can be
+/// reached.
 ///
 /// Who may touch what: the hand the object, on the straight segments next to grasp and place. What
 /// is held keeps from each thing what it kept when it was grasped, down to 1 mm less, until it is
@@ -103,10 +121,11 @@ struct PickMotion {
 /// touch the object, that counts.
 ///
 /// Reentrant. Same task, options and seed, same motion, unless the budget ends a search; then the
-/// best so far is given: fewer goals, or no carry, which is a failure that says so.
+/// best so far is given: fewer goals, or no carry, which is a failure that says so. A search among
+/// the best grasps may use half of what is left of the budget while others remain.
 /// @param robot with the object in its world and nothing attached.
 /// @throws std::invalid_argument for a bad option, a start of another size, directions that are not
-/// unit vectors, or what is not finite.
+/// unit vectors, an expected success outside [0, 1], or what is not finite.
 PickMotion plan_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
                      const PickTask& task, const PickOptions& options = {});
 

@@ -44,24 +44,25 @@ RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q)
   return scene;
 }
 
-RobotInWorld PickScenes::retreat() const {
+RobotInWorld PickScenes::retreat(const geometry::RigidTransform& X_BO) const {
   RobotInWorld scene = without_;
-  scene.change_world([this](CollisionWorld& world) {
+  scene.change_world([&](CollisionWorld& world) {
     for (const Ball& ball : task_.object.cover_O.balls) {
-      world.add_sphere(task_.object.name, *task_.X_BO_place * ball.center, ball.radius);
+      world.add_sphere(task_.object.name, X_BO * ball.center, ball.radius);
     }
     world.set_margin(task_.object.name, Part::kHand, -kNever);
   });
   return scene;
 }
 
-geometry::RigidTransform PickScenes::X_BT_place(const PickGrasp& grasp) const {
-  return *task_.X_BO_place * task_.object.X_BO.inverse() * grasp.X_BT;
+geometry::RigidTransform PickScenes::X_BT_at(const PickGrasp& grasp,
+                                             const geometry::RigidTransform& X_BO) const {
+  return X_BO * task_.object.X_BO.inverse() * grasp.X_BT;
 }
 
-Eigen::Vector3d PickScenes::approach_at_place(const PickGrasp& grasp) const {
-  return task_.X_BO_place->linear() * task_.object.X_BO.linear().transpose() *
-         grasp.approach_direction_B;
+Eigen::Vector3d PickScenes::approach_at(const PickGrasp& grasp,
+                                        const geometry::RigidTransform& X_BO) const {
+  return X_BO.linear() * task_.object.X_BO.linear().transpose() * grasp.approach_direction_B;
 }
 
 }  // namespace prehend::motion

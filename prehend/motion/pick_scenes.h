@@ -20,13 +20,14 @@ class PickScenes {
   RobotInWorld carry(const PickGrasp& grasp) const;
   /// As carry(), but what is held may stay as near to each thing as it is at `q`.
   RobotInWorld lift(const PickGrasp& grasp, const robot::Positions& q) const;
-  /// The object stands at its place and the hand may touch it.
-  RobotInWorld retreat() const;
+  /// The object stands at X_BO and the hand may touch it.
+  RobotInWorld retreat(const geometry::RigidTransform& X_BO) const;
 
-  /// Poses of the tip when the object is at its place.
-  geometry::RigidTransform X_BT_place(const PickGrasp& grasp) const;
+  /// Pose of the tip when the object is at X_BO.
+  geometry::RigidTransform X_BT_at(const PickGrasp& grasp,
+                                   const geometry::RigidTransform& X_BO) const;
   /// The approach's direction there.
-  Eigen::Vector3d approach_at_place(const PickGrasp& grasp) const;
+  Eigen::Vector3d approach_at(const PickGrasp& grasp, const geometry::RigidTransform& X_BO) const;
 
  private:
   /// The object's balls in the tip's frame.

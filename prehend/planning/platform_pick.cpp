@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "prehend/geometry/rotation_between.h"
+#include "prehend/motion/pick_ledger.h"
 #include "prehend/motion/robot_spheres.h"
 #include "prehend/text/require.h"
 
@@ -23,6 +27,7 @@ constexpr double kTableReach = 0.6;      // m, of the slab from the object, at m
 constexpr double kTableThickness = 0.2;  // m
 constexpr double kBaseClearance = 0.2;   // m, round the arm's base, where it stands on the table
 constexpr int kElbowAngles = 8;          // for what the arm reaches at all
+constexpr double kShareOfTime = 0.5;     // of what is left, while other grasps remain
 constexpr const char* kObject = "object";
 
 std::vector<TriangleMesh> moved(const std::vector<TriangleMesh>& meshes, const RigidTransform& X) {
@@ -37,20 +42,30 @@ Eigen::Vector3d middle_of(const std::vector<TriangleMesh>& meshes) {
   return box.center();
 }
 
+/// The slab of table that motions are planned on, in the world: a square with its middle under the
+/// object, in the axes of X_WT (z the normal).
+struct TableSlab {
+  RigidTransform X_WT = RigidTransform::Identity();  // of its surface
+  double reach = 0;                                  // m, half of its side
+
+  TableSlab(const robot::Platform& platform, const geometry::Plane& table,
+            const Eigen::Vector3d& p_WO) {
+    const Eigen::Vector3d on_table = table.project(p_WO);
+    const double to_base = (table.project(platform.X_WB.translation()) - on_table).norm();
+    reach = std::clamp(to_base / std::sqrt(2.0) - kBaseClearance, 0.05, kTableReach);
+    X_WT.linear() =
+        geometry::rotation_between(Eigen::Vector3d::UnitZ(), table.normal).toRotationMatrix();
+    X_WT.translation() = on_table;
+  }
+};
+
 // What the arm must keep from, in its base's frame.
 motion::CollisionWorld world_of(const PlatformScene& scene, const RigidTransform& X_BW,
-                                const Eigen::Vector3d& p_WO) {
+                                const TableSlab& slab) {
   motion::CollisionWorld world;
-  const Eigen::Vector3d p_WB = X_BW.inverse().translation();
-  const Eigen::Vector3d on_table = scene.table_W.project(p_WO);
-  const double reach =
-      std::clamp((scene.table_W.project(p_WB) - on_table).norm() / std::sqrt(2.0) - kBaseClearance,
-                 0.05, kTableReach);
-  RigidTransform X_WT = RigidTransform::Identity();
-  X_WT.linear() =
-      geometry::rotation_between(Eigen::Vector3d::UnitZ(), scene.table_W.normal).toRotationMatrix();
-  X_WT.translation() = on_table - kTableThickness / 2 * scene.table_W.normal;
-  world.add_box("table", X_BW * X_WT, {2 * reach, 2 * reach, kTableThickness});
+  RigidTransform X_WMiddle = slab.X_WT;
+  X_WMiddle.translation() -= kTableThickness / 2 * scene.table_W.normal;
+  world.add_box("table", X_BW * X_WMiddle, {2 * slab.reach, 2 * slab.reach, kTableThickness});
   for (const auto& piece : moved(scene.object_pieces_W, X_BW)) world.add_convex(kObject, piece);
   for (const auto& piece : moved(scene.obstacle_pieces_W, X_BW)) {
     world.add_convex("another object", piece);
@@ -72,15 +87,12 @@ void add_rejections(const std::vector<motion::PickRejection>& more,
   }
 }
 
-std::vector<std::string> preshapes_of(const std::vector<PlatformGrasp>& grasps) {
-  std::vector<std::string> names;
-  for (const auto& grasp : grasps) {
-    if (std::find(names.begin(), names.end(), grasp.preshape) == names.end()) {
-      names.push_back(grasp.preshape);
-    }
-  }
-  return names;
-}
+/// Grasps of one preshape and opening, and the robot with its hand so.
+struct HandShape {
+  std::string preshape;
+  Eigen::VectorXd open;
+  motion::RobotInWorld robot;
+};
 
 }  // namespace
 
@@ -93,74 +105,189 @@ std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& plat
   };
 }
 
+FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
+                           PlaceOptions options) {
+  std::vector<Eigen::Vector3d> object;
+  for (const auto& piece : scene.object_pieces_W) {
+    object.insert(object.end(), piece.vertices.begin(), piece.vertices.end());
+  }
+  std::vector<std::vector<Eigen::Vector3d>> others;
+  for (const auto& piece : scene.obstacle_pieces_W) others.push_back(piece.vertices);
+  const TableSlab slab(platform, scene.table_W, middle_of(scene.object_pieces_W));
+  options.unreachable = [&slab, &object](const Eigen::Vector3d& move_W) -> std::string {
+    double beyond = 0;
+    for (const Eigen::Vector3d& p : object) {
+      const Eigen::Vector3d at = slab.X_WT.inverse() * (p + move_W);
+      beyond = std::max(beyond, at.head<2>().cwiseAbs().maxCoeff() - slab.reach);
+    }
+    if (beyond <= 0) return {};
+    return fmt::format("the table that is known ends {:.2f} m from the object, {:.2f} m before it",
+                       slab.reach, beyond);
+  };
+  return free_places(scene.table_W, object, others, options);
+}
+
+namespace {
+
+/// Plans for the grasps of a list, those of one hand's shape at a time.
+class PlatformPicker {
+ public:
+  PlatformPicker(const robot::Platform& platform, const robot::Positions& start,
+                 const std::vector<PlatformGrasp>& grasps, const PlatformScene& scene,
+                 const PlatformPickOptions& options)
+      : platform_(platform),
+        grasps_(grasps),
+        options_(options),
+        X_BW_(platform.X_WB.inverse()),
+        inverse_(platform.arm_chain()) {
+    const Eigen::Vector3d p_WO = middle_of(scene.object_pieces_W);
+    world_ = world_of(scene, X_BW_, TableSlab(platform, scene.table_W, p_WO));
+    task_.start = start;
+    task_.up_B = X_BW_.linear() * scene.table_W.normal;
+    task_.object.name = kObject;
+    task_.object.X_BO.translation() = X_BW_ * p_WO;
+    task_.object.cover_O = motion::cover_convex_pieces(
+        moved(moved(scene.object_pieces_W, X_BW_), task_.object.X_BO.inverse()),
+        options.cover_resolution);
+    for (const Eigen::Vector3d& move_W : options.moves_W) {
+      RigidTransform X_BO = task_.object.X_BO;
+      X_BO.translation() += X_BW_.linear() * move_W;
+      task_.X_BO_places.push_back(X_BO);
+    }
+    pick_ = options.pick;
+    pick_.acceleration =
+        Eigen::VectorXd::Constant(inverse_.chain().size(), options.arm_acceleration);
+  }
+
+  PlatformPick plan() {
+    std::vector<double> expected;
+    for (const PlatformGrasp& grasp : grasps_) {
+      shapes_of_.push_back(shape_of(grasp));
+      expected.push_back(grasp.expected_success);
+    }
+    // In the order in which they are tried.
+    std::vector<std::vector<std::size_t>> turns;
+    for (const auto& tier : motion::success_tiers(expected, pick_.success_for_path)) {
+      const std::size_t first = turns.size();
+      for (const std::size_t i : tier) {
+        const auto same = std::find_if(
+            turns.begin() + static_cast<std::ptrdiff_t>(first), turns.end(),
+            [&](const auto& turn) { return shapes_of_[turn.front()] == shapes_of_[i]; });
+        if (same == turns.end()) {
+          turns.push_back({i});
+        } else {
+          same->push_back(i);
+        }
+      }
+    }
+    for (std::size_t t = 0; t < turns.size(); ++t) {
+      if (t > 0 && result_.grasp >= 0) {
+        not_tried(turns[t].size(), "one as good or better can be executed");
+      } else if (t > 0 && is_over()) {
+        not_tried(turns[t].size(), "the budget was used up");
+      } else {
+        take_turn(turns[t], t + 1 == turns.size());
+      }
+    }
+    if (result_.grasp < 0) result_.motion.problem = problem();
+    result_.motion.rejections = std::move(rejections_);
+    result_.motion.times = std::move(times_);
+    return std::move(result_);
+  }
+
+ private:
+  double left() const {
+    return options_.pick.budget -
+           std::chrono::duration<double>(steady_clock::now() - begin_).count();
+  }
+  bool is_over() const { return options_.pick.budget > 0 && left() <= 0; }
+
+  std::size_t shape_of(const PlatformGrasp& grasp) {
+    const robot::Preshape& preshape = platform_.hand.preshape(grasp.preshape);
+    const Eigen::VectorXd& open =
+        grasp.open.size() == preshape.open.size() ? grasp.open : preshape.open;
+    for (std::size_t k = 0; k < shapes_.size(); ++k) {
+      if (shapes_[k].preshape == grasp.preshape && shapes_[k].open == open) return k;
+    }
+    const robot::RobotModel model = platform_.with_hand_at(platform_.hand.all_positions(open));
+    shapes_.push_back(
+        {grasp.preshape, open,
+         motion::RobotInWorld(inverse_.chain(),
+                              motion::make_robot_spheres(model, platform_.base, platform_.flange,
+                                                         options_.sphere_resolution),
+                              world_, options_.margin)});
+    return shapes_.size() - 1;
+  }
+
+  void take_turn(const std::vector<std::size_t>& turn, bool is_last) {
+    const HandShape& shape = shapes_[shapes_of_[turn.front()]];
+    const robot::Preshape& preshape = platform_.hand.preshape(shape.preshape);
+    task_.grasps.clear();
+    for (const std::size_t i : turn) {
+      const PlatformGrasp& grasp = grasps_[i];
+      task_.grasps.push_back({platform_.X_BF(grasp.X_WG, preshape),
+                              X_BW_.linear() * grasp.approach_W, grasp.pregrasp_distance,
+                              grasp.expected_success});
+    }
+    if (options_.pick.budget > 0) {
+      pick_.budget = std::max(1e-3, (is_last ? 1 : kShareOfTime) * left());
+    }
+    result_.motion = motion::plan_pick(shape.robot, inverse_, task_, pick_);
+    add_rejections(result_.motion.rejections, &rejections_);
+    times_.insert(times_.end(), result_.motion.times.begin(), result_.motion.times.end());
+    if (result_.motion.found()) {
+      result_.grasp = static_cast<int>(turn[static_cast<std::size_t>(result_.motion.grasp)]);
+    } else if (result_.motion.rejections.empty()) {
+      start_problem_ = result_.motion.problem;
+      not_tried(turn.size(), start_problem_);
+    }
+  }
+
+  void not_tried(std::size_t count, const std::string& why) {
+    add_rejections({{motion::PickFilter::kNotTried, static_cast<int>(count), why}}, &rejections_);
+  }
+
+  std::string problem() const {
+    if (grasps_.empty()) return "there are no grasps";
+    // The same for all of them.
+    if (rejections_.size() == 1 && rejections_.front().nearest_miss == start_problem_) {
+      return start_problem_;
+    }
+    return motion::rejection_problem(grasps_.size(), rejections_);
+  }
+
+  const robot::Platform& platform_;
+  const std::vector<PlatformGrasp>& grasps_;
+  const PlatformPickOptions& options_;
+  RigidTransform X_BW_;
+  robot::InverseKinematics inverse_;
+  motion::CollisionWorld world_;
+  motion::PickTask task_;
+  motion::PickOptions pick_;
+  steady_clock::time_point begin_ = steady_clock::now();
+  std::vector<HandShape> shapes_;
+  std::vector<std::size_t> shapes_of_;  // of each grasp
+  std::string start_problem_;
+  std::vector<motion::PickRejection> rejections_;
+  std::vector<motion::PickStage> times_;
+  PlatformPick result_;
+};
+
+}  // namespace
+
 PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Positions& start,
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene, const PlatformPickOptions& options) {
   const text::Require require{"PlatformPickOptions."};
   require(options.arm_acceleration > 0, "arm_acceleration must be positive");
   require(options.margin >= 0, "margin must not be negative");
-  require(options.move_W.allFinite(), "move_W must be finite");
+  for (const Eigen::Vector3d& move_W : options.moves_W) {
+    require(move_W.allFinite(), "moves_W must be finite");
+  }
   if (scene.object_pieces_W.empty()) {
     throw std::invalid_argument("PlatformScene.object_pieces_W must not be empty");
   }
-  const RigidTransform X_BW = platform.X_WB.inverse();
-  const Eigen::Vector3d p_WO = middle_of(scene.object_pieces_W);
-  const motion::CollisionWorld world = world_of(scene, X_BW, p_WO);
-  const robot::InverseKinematics inverse(platform.arm_chain());
-
-  motion::PickTask task;
-  task.start = start;
-  task.up_B = X_BW.linear() * scene.table_W.normal;
-  task.object.name = kObject;
-  task.object.X_BO.translation() = X_BW * p_WO;
-  task.object.cover_O = motion::cover_convex_pieces(
-      moved(moved(scene.object_pieces_W, X_BW), task.object.X_BO.inverse()),
-      options.cover_resolution);
-  if (!options.move_W.isZero()) {
-    task.X_BO_place = task.object.X_BO;
-    task.X_BO_place->translation() += X_BW.linear() * options.move_W;
-  }
-  motion::PickOptions pick = options.pick;
-  pick.acceleration = Eigen::VectorXd::Constant(inverse.chain().size(), options.arm_acceleration);
-
-  PlatformPick result;
-  result.motion.problem = "there are no grasps";
-  std::vector<motion::PickRejection> rejections;
-  std::vector<motion::PickStage> times;
-  const auto begin = steady_clock::now();
-  for (const std::string& name : preshapes_of(grasps)) {
-    const robot::Preshape& preshape = platform.hand.preshape(name);
-    std::vector<int> indices;
-    task.grasps.clear();
-    Eigen::VectorXd open = preshape.open;
-    for (std::size_t i = 0; i < grasps.size(); ++i) {
-      if (grasps[i].preshape != name) continue;
-      if (indices.empty() && grasps[i].open.size() == open.size()) open = grasps[i].open;
-      indices.push_back(static_cast<int>(i));
-      task.grasps.push_back({platform.X_BF(grasps[i].X_WG, preshape),
-                             X_BW.linear() * grasps[i].approach_W, grasps[i].pregrasp_distance});
-    }
-    if (options.pick.budget > 0) {
-      const std::chrono::duration<double> spent = steady_clock::now() - begin;
-      pick.budget = std::max(1e-3, options.pick.budget - spent.count());
-    }
-    const robot::RobotModel model = platform.with_hand_at(platform.hand.all_positions(open));
-    const motion::RobotInWorld robot(
-        inverse.chain(),
-        motion::make_robot_spheres(model, platform.base, platform.flange,
-                                   options.sphere_resolution),
-        world, options.margin);
-    result.motion = motion::plan_pick(robot, inverse, task, pick);
-    add_rejections(result.motion.rejections, &rejections);
-    times.insert(times.end(), result.motion.times.begin(), result.motion.times.end());
-    if (result.motion.found()) {
-      result.grasp = indices[static_cast<std::size_t>(result.motion.grasp)];
-      break;
-    }
-  }
-  result.motion.rejections = std::move(rejections);
-  result.motion.times = std::move(times);
-  return result;
+  return PlatformPicker(platform, start, grasps, scene, options).plan();
 }
 
 }  // namespace prehend::planning

@@ -7,6 +7,7 @@
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/motion/pick_motion.h"
+#include "prehend/planning/free_places.h"
 #include "prehend/robot/platform.h"
 
 // From ranked grasps of a hand to the motion of the arm that carries it.
@@ -25,7 +26,8 @@ struct PlatformGrasp {
   Eigen::Vector3d approach_W = -Eigen::Vector3d::UnitZ();                // unit
   double pregrasp_distance = 0.08;                                       // m, > 0
   std::string preshape;
-  Eigen::VectorXd open;  // of the hand's motors, before it closes
+  Eigen::VectorXd open;         // of the hand's motors, before it closes; empty: the preshape's
+  double expected_success = 1;  // 0..1, as motion::PickGrasp
 };
 
 struct PlatformPickOptions {
@@ -38,12 +40,14 @@ struct PlatformPickOptions {
   double margin = 0.005;            // m, >= 0, kept from obstacles
   double sphere_resolution = 0.04;  // m, > 0, of the robot's balls
   double cover_resolution = 0.015;  // m, > 0, of the held object's balls
-  Eigen::Vector3d move_W = Eigen::Vector3d::Zero();  // m, where the object is put; 0: only lifted
+  /// m, displacements by which the object may be put elsewhere, best first (free_places()); empty:
+  /// it is only lifted.
+  std::vector<Eigen::Vector3d> moves_W;
 };
 
 struct PlatformPick {
-  motion::PickMotion motion;
-  int grasp = -1;  // of the list; -1: none is reached
+  motion::PickMotion motion;  // its `place` is of PlatformPickOptions::moves_W
+  int grasp = -1;             // of the list; -1: none is reached
 };
 
 /// Whether the arm of `platform` reaches a pose X_WH of the hand's root, its links and the world
@@ -52,10 +56,16 @@ struct PlatformPick {
 std::function<bool(const geometry::RigidTransform& X_WH)> arm_reach(
     const robot::Platform& platform);
 
-/// Plans the arm's motion for the best grasp that it can execute: preshape after preshape, in the
-/// order of their first grasp (the open hand of each is another shape to keep from the world), by
-/// motion::plan_pick(). The table is a slab under the objects that ends 0.2 m before the arm's own
-/// base. Ledgers of all preshapes are added up.
+/// Free places for the object of `scene` (free_places()) on the part of the table that the arm's
+/// motions are planned on. @throws as free_places().
+FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
+                           PlaceOptions options = {});
+
+/// Plans the arm's motion for the best grasp that it can execute, by motion::plan_pick(): expected
+/// success first, among grasps within `pick.success_for_path` the path. Grasps of one preshape and
+/// opening are planned together, as the open hand of each is another shape to keep from the world;
+/// of several, the one of the best grasp first. The table is a slab under the objects that ends
+/// 0.2 m before the arm's own base. Ledgers of all are added up.
 /// @param start of the arm's joints.
 /// @throws std::invalid_argument for options out of range or a start of another size;
 /// geometry::InputError for an unknown preshape or pieces without volume.

@@ -37,7 +37,7 @@ PickScene cluttered(const std::string& arm) {
   PickScene scene(arm, {0.5, 0.2, 0});
   scene.add("left", at(0.5, 0.4, 0.1), {0.1, 0.1, 0.2});
   scene.add("right", at(0.5, -0.02, 0.15), {0.2, 0.05, 0.3});
-  scene.task.X_BO_place = at(0.45, -0.25, 0.081);
+  scene.task.X_BO_places = {at(0.45, -0.25, 0.081)};
   scene.grasps_from_above();
   scene.grasps_from_the_side(0);
   scene.task.start[0] = -1;
@@ -71,7 +71,7 @@ TEST_P(PlanPick, PicksCarriesAndPlacesAmongObstacles) {
       1e-6);
   EXPECT_NEAR(tip(2, true).translation().z(), grasp.X_BT.translation().z() + 0.1, 1e-6);
   const RigidTransform X_BO = tip(4, true) * grasp.X_BT.inverse() * scene.task.object.X_BO;
-  EXPECT_LT(robot::difference(X_BO, *scene.task.X_BO_place), 1e-6);
+  EXPECT_LT(robot::difference(X_BO, scene.task.X_BO_places[0]), 1e-6);
   for (const PickSegment& segment : motion.segments) {
     ASSERT_TRUE(segment.trajectory);
     EXPECT_EQ(segment.trajectory->at(0).position, segment.waypoints.front());
@@ -167,14 +167,14 @@ TEST_P(PlanPick, TheLedgerNamesWhatIsInTheWay) {
             8);
   EXPECT_THAT(blocked.problem, HasSubstr("'roof'"));
   // The place in the table, and a place out of reach.
-  open.task.X_BO_place = at(0.5, -0.2, 0.03);
+  open.task.X_BO_places = {at(0.5, -0.2, 0.03)};
   const PickMotion sunk = plan(open);
   EXPECT_EQ(count(sunk, PickFilter::kPlace), 8);
   EXPECT_THAT(sunk.problem, HasSubstr("the object would be"));
-  open.task.X_BO_place = at(3, 0, 0.1);
+  open.task.X_BO_places = {at(3, 0, 0.1)};
   EXPECT_THAT(plan(open).problem, HasSubstr("cannot be placed (nearest: out of reach"));
   // A start among walls.
-  open.task.X_BO_place.reset();
+  open.task.X_BO_places.clear();
   PickOptions few;
   few.rrt.iterations = 1;
   PickScene walled = cluttered(GetParam());
@@ -183,6 +183,58 @@ TEST_P(PlanPick, TheLedgerNamesWhatIsInTheWay) {
     EXPECT_GT(count(motion, PickFilter::kPath), 0);
     EXPECT_THAT(motion.problem, HasSubstr("no path"));
   }
+}
+
+// Regression: whichever grasp the search reached first was taken, however unlikely it was to hold.
+TEST_P(PlanPick, TakesTheLikeliestGraspAndNotTheNearest) {
+  PickScene scene(GetParam(), {0.5, 0.1, 0});
+  scene.grasps_from_above();
+  PickGrasp poor = scene.task.grasps.back(), good = scene.task.grasps.front();
+  scene.task.grasps = {poor};
+  const PickMotion there = plan(scene);
+  ASSERT_TRUE(there.found()) << there.problem;
+  // The arm stands where the approach of the poor one begins.
+  scene.task.start = there.segments[0].waypoints.back();
+  poor.expected_success = 0.07;
+  good.expected_success = 0.75;
+  scene.task.grasps = {poor, good};
+  const PickMotion best = plan(scene);
+  ASSERT_TRUE(best.found()) << best.problem;
+  EXPECT_EQ(best.grasp, 1);
+  EXPECT_EQ(scene.problem(best), "");
+  EXPECT_EQ(count(best, PickFilter::kNotTried), 1);
+  // Within the trade the path decides.
+  PickOptions options;
+  options.success_for_path = 0.7;
+  EXPECT_EQ(plan(scene, options).grasp, 0);
+  scene.task.grasps[0].expected_success = 0.71;
+  EXPECT_EQ(plan(scene).grasp, 0);
+  options.success_for_path = 0;
+  EXPECT_EQ(plan(scene, options).grasp, 1);
+  // The likeliest cannot be executed: the next one is.
+  scene.task.grasps[0].expected_success = 0.07;
+  PickGrasp far = good;
+  far.X_BT.translation().x() = 2.5;
+  far.expected_success = 1;
+  scene.task.grasps.push_back(far);
+  const PickMotion second = plan(scene);
+  EXPECT_EQ(second.grasp, 1) << second.problem;
+  EXPECT_EQ(count(second, PickFilter::kOutOfReach), 1);
+  EXPECT_EQ(count(second, PickFilter::kNotTried), 1);
+}
+
+TEST_P(PlanPick, TheFirstPlaceThatIsReachedIsTaken) {
+  PickScene scene = cluttered(GetParam());
+  const geometry::RigidTransform good = scene.task.X_BO_places[0];
+  scene.task.X_BO_places = {at(3, 0, 0.081), at(0.5, 0.4, 0.081), good, at(0.4, -0.3, 0.081)};
+  const PickMotion motion = plan(scene);
+  ASSERT_TRUE(motion.found()) << motion.problem;
+  EXPECT_EQ(motion.place, 2) << "out of reach; in the box 'left'; free";
+  EXPECT_EQ(scene.problem(motion), "");
+  const PickGrasp& grasp = scene.task.grasps[static_cast<std::size_t>(motion.grasp)];
+  const RigidTransform X_BO = scene.chain.forward(motion.segments[4].waypoints.back()) *
+                              grasp.X_BT.inverse() * scene.task.object.X_BO;
+  EXPECT_LT(robot::difference(X_BO, good), 1e-6);
 }
 
 TEST_P(PlanPick, AnswersBadTasksWithTheReason) {
@@ -215,7 +267,9 @@ TEST_P(PlanPick, AnswersBadTasksWithTheReason) {
   refused([](PickTask& task, PickOptions&) { task.grasps[0].approach_direction_B.setZero(); });
   refused([](PickTask& task, PickOptions&) { task.grasps[0].pregrasp_distance = 0; });
   refused([](PickTask& task, PickOptions&) { task.grasps[0].X_BT(0, 3) = std::nan(""); });
-  refused([](PickTask& task, PickOptions&) { (*task.X_BO_place)(0, 3) = std::nan(""); });
+  refused([](PickTask& task, PickOptions&) { task.X_BO_places[0](0, 3) = std::nan(""); });
+  refused([](PickTask& task, PickOptions&) { task.grasps[0].expected_success = 1.1; });
+  refused([](PickTask&, PickOptions& options) { options.success_for_path = -0.1; });
   refused([](PickTask&, PickOptions& options) { options.lift_height = 0; });
   refused([](PickTask&, PickOptions& options) { options.goals = 0; });
   refused([](PickTask&, PickOptions& options) { options.budget = -1; });
@@ -223,6 +277,14 @@ TEST_P(PlanPick, AnswersBadTasksWithTheReason) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, PlanPick, ::testing::Values("kr5", "pa10"));
+
+TEST(SuccessTiers, HoldWhatIsWithinTheWidthOfTheirBest) {
+  using Tiers = std::vector<std::vector<std::size_t>>;
+  EXPECT_EQ(success_tiers({}, 0.05), Tiers{});
+  EXPECT_EQ(success_tiers({0.5, 0.5, 0.5}, 0), (Tiers{{0, 1, 2}}));
+  EXPECT_EQ(success_tiers({0.07, 0.75, 0.71, 0.69}, 0.05), (Tiers{{1, 2}, {3}, {0}}));
+  EXPECT_EQ(success_tiers({0.07, 0.75, 0.71, 0.69}, 1), (Tiers{{1, 2, 3, 0}}));
+}
 
 TEST(CoverConvexPieces, HoldsTheSurfaceAndSaysHowFarItReaches) {
   const geometry::TriangleMesh ball = geometry::make_sphere(0.05, 24);

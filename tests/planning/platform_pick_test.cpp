@@ -40,7 +40,7 @@ class PlatformPickTest : public ::testing::TestWithParam<const char*> {
 
 TEST_P(PlatformPickTest, ReachesLiftsAndPuts) {
   PlatformPickOptions options;
-  options.move_W = {0, 0.15, 0};
+  options.moves_W = {{0, 0.15, 0}};
   const auto pick =
       plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
   ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
@@ -87,6 +87,44 @@ TEST_P(PlatformPickTest, SaysWhyNothingIsReached) {
   const auto none = plan_platform_pick(platform, home(), {}, scene);
   EXPECT_FALSE(none.motion.found());
   EXPECT_EQ(none.motion.problem, "there are no grasps");
+}
+
+// Regression: the first preshape that had any grasp in reach was taken, here with 0.07.
+TEST_P(PlatformPickTest, TheBestGraspComesBeforeThePreshapeOfTheFirst) {
+  std::vector<PlatformGrasp> grasps{from_above(platform, {4, 0, 0.14}),
+                                    from_above(platform, {0, 0, 0.14}),
+                                    from_above(platform, {0, 0, 0.14})};
+  grasps[0].expected_success = 0.8;  // out of reach
+  grasps[1].expected_success = 0.07;
+  grasps[2].expected_success = 0.71;
+  grasps[2].preshape = platform.hand.preshapes.back().name;
+  grasps[2].open = 0.9 * platform.hand.preshapes.back().open;
+  const auto pick = plan_platform_pick(platform, home(), grasps, scene);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  EXPECT_EQ(pick.grasp, 2);
+  int counted = 0;
+  for (const auto& rejection : pick.motion.rejections) counted += rejection.count;
+  EXPECT_EQ(counted, 2) << "one out of reach, one not tried";
+}
+
+// Regression: with a neighbour 15 cm along y an object could not be grasped.
+TEST_P(PlatformPickTest, AFreePlaceIsFoundBesideANeighbour) {
+  scene.obstacle_pieces_W = {box_at({0.06, 0.06, 0.12}, {0, 0.15, 0.06})};
+  const FreePlaces places = free_places_for(platform, scene);
+  ASSERT_TRUE(places.problem.empty()) << places.problem;
+  PlatformPickOptions options;
+  options.moves_W = places.moves_W;
+  const auto pick =
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  const Eigen::Vector3d move = places.moves_W[static_cast<std::size_t>(pick.motion.place)];
+  EXPECT_GE(move.norm(), 0.149);
+  EXPECT_GT((move - Eigen::Vector3d(0, 0.15, 0)).head<2>().norm(), 0.05);
+  // Beyond the table that motions are planned on.
+  PlaceOptions far;
+  far.given_W = Eigen::Vector2d(0, 0.9);
+  EXPECT_NE(free_places_for(platform, scene, far).problem.find("cannot be reached: the table"),
+            std::string::npos);
 }
 
 TEST_P(PlatformPickTest, ObstaclesRoundTheObjectAreKeptFrom) {

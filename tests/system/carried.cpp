@@ -40,6 +40,8 @@ Carried carried_body(const std::map<std::string, std::vector<Recorded>>& recordi
     carried.raised = raised;
     carried.moved = std::hypot(path.end.x() - path.start.x(), path.end.y() - path.start.y());
     carried.last_height = path.end_height;
+    carried.last_x = path.end.x();
+    carried.last_y = path.end.y();
     carried.touches_table = path.touches_table;
   }
   return carried;

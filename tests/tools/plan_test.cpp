@@ -63,6 +63,8 @@ TEST_F(Plan, WithAnArmSaysTheSegmentsAndDrawsThem) {
   for (const char* segment : {"reach", "approach", "lift", "carry", "place", "retreat"}) {
     EXPECT_THAT(output, HasSubstr(segment));
   }
+  EXPECT_THAT(output, AllOf(HasSubstr("The arm takes grasp"), HasSubstr("(score "),
+                            HasSubstr("the best that it can execute")));
   std::ifstream file(page + "/index.html");
   const std::string html{std::istreambuf_iterator<char>(file), {}};
   EXPECT_THAT(html, AllOf(HasSubstr("The arm at the grasp"), HasSubstr("image/png")));

@@ -1,5 +1,6 @@
 #include "tools/grasp_plan/planned.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -141,7 +142,7 @@ void plan_arm(const PlanChoices& choices, const PlanTarget& target, Planned* pla
   options.pick.rrt.seed = choices.seed;
   if (choices.budget > 0) options.pick.budget = choices.budget;
   if (!choices.move.empty()) {
-    options.move_W = {choices.move[0], choices.move[1], choices.move[2]};
+    options.moves_W = {{choices.move[0], choices.move[1], choices.move[2]}};
   }
   planning::PlatformScene scene;
   scene.table_W = target.table_W;
@@ -150,7 +151,10 @@ void plan_arm(const PlanChoices& choices, const PlanTarget& target, Planned* pla
     scene.obstacle_pieces_W.insert(scene.obstacle_pieces_W.end(), pieces.begin(), pieces.end());
   }
   std::vector<planning::PlatformGrasp> grasps;
-  for (const PlannedGrasp& grasp : planned->grasps) grasps.push_back(grasp.pose);
+  for (const PlannedGrasp& grasp : planned->grasps) {
+    grasps.push_back(grasp.pose);
+    grasps.back().expected_success = std::clamp(grasp.score, 0.0, 1.0);
+  }
   planned->arm = planning::plan_platform_pick(
       *planned->platform, planned->platform->home("home").arm, grasps, scene, options);
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "prehend/grasp/uncertainty.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/robot_meshes.h"
@@ -112,7 +113,17 @@ void print_rows(const std::vector<std::string>& header, Rows rows) {
 std::string verdict(const Planned& planned) {
   if (!planned.problem.empty()) return planned.problem;
   if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
-  if (planned.arm) return fmt::format("The arm takes grasp {}.", planned.arm->grasp + 1);
+  if (planned.arm) {
+    const PlannedGrasp& taken = planned.grasps[static_cast<std::size_t>(planned.arm->grasp)];
+    return fmt::format(
+        "The arm takes grasp {} (score {:.2f}, {}): the best that it can execute, or within {:.2f} "
+        "of it.",
+        planned.arm->grasp + 1, taken.score,
+        taken.robustness < 0
+            ? std::string(grasp::kNotAssessed)
+            : fmt::format("held in {:.0f} % of the disturbed trials", 100 * taken.robustness),
+        motion::PickOptions().success_for_path);
+  }
   return fmt::format("{} grasps", planned.grasps.size());
 }
 

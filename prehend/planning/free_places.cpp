@@ -1,0 +1,228 @@
+#include "prehend/planning/free_places.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/text/require.h"
+
+namespace prehend::planning {
+namespace {
+
+constexpr std::size_t kSides = 64;   // directions in which outlines are compared
+constexpr double kSamePlace = 0.02;  // m
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Sides = std::array<Eigen::Vector2d, kSides>;
+
+const Sides& sides() {
+  static const Sides all = [] {
+    Sides made;
+    for (std::size_t i = 0; i < kSides; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kSides;
+      made[i] = {std::cos(angle), std::sin(angle)};
+    }
+    return made;
+  }();
+  return all;
+}
+
+/// Axes of the table in the world: y along the world's as far as the table allows.
+struct TableAxes {
+  Eigen::Vector3d x, y, up;
+
+  explicit TableAxes(const Eigen::Vector3d& normal) : up(normal) {
+    Eigen::Vector3d along = Eigen::Vector3d::UnitY() - normal.y() * normal;
+    if (along.norm() < 1e-3) along = Eigen::Vector3d::UnitX() - normal.x() * normal;
+    y = along.normalized();
+    x = y.cross(up);
+  }
+  Eigen::Vector2d flat(const Eigen::Vector3d& p) const { return {x.dot(p), y.dot(p)}; }
+  Eigen::Vector3d in_world(const Eigen::Vector2d& p) const { return p.x() * x + p.y() * y; }
+};
+
+/// The convex outline on the table: how far it reaches in each direction of sides().
+struct Outline {
+  std::array<double, kSides> reach;
+  double bottom = kInfinity, top = -kInfinity;  // m over the table
+  Eigen::AlignedBox2d box;
+
+  Outline() { reach.fill(-kInfinity); }
+  void add(const Eigen::Vector2d& p) {
+    box.extend(p);
+    for (std::size_t i = 0; i < kSides; ++i) reach[i] = std::max(reach[i], sides()[i].dot(p));
+  }
+};
+
+Outline outline_of(const std::vector<Eigen::Vector3d>& points, const TableAxes& axes,
+                   const geometry::Plane& table) {
+  Outline outline;
+  for (const Eigen::Vector3d& p : points) {
+    outline.add(axes.flat(p));
+    outline.bottom = std::min(outline.bottom, table.signed_distance(p));
+    outline.top = std::max(outline.top, table.signed_distance(p));
+  }
+  return outline;
+}
+
+/// Distance of `object`, moved by `move`, to `other`; with `sweeps` on all of its way there.
+double room(const Outline& object, const Eigen::Vector2d& move, const Outline& other, bool sweeps) {
+  double most = -kInfinity;
+  for (std::size_t i = 0; i < kSides; ++i) {
+    const double along = sides()[i].dot(move);
+    const double reach = object.reach[i] + (sweeps ? std::max(0.0, along) : along);
+    most = std::max(most, -other.reach[(i + kSides / 2) % kSides] - reach);
+  }
+  return most;
+}
+
+class Chooser {
+ public:
+  Chooser(const geometry::Plane& table, const std::vector<Eigen::Vector3d>& object_W,
+          const std::vector<std::vector<Eigen::Vector3d>>& others_W, const PlaceOptions& options)
+      : axes_(table.normal),
+        options_(options),
+        stands_(outline_of(object_W, axes_, table)),
+        taken_(stands_) {
+    for (const Eigen::Vector3d& p : options.hand_W) taken_.add(axes_.flat(p));
+    for (const auto& points : others_W) {
+      if (!points.empty()) others_.push_back(outline_of(points, axes_, table));
+    }
+    middle_W_ = axes_.in_world(stands_.box.center()) + table.offset * table.normal;
+  }
+
+  FreePlaces given(const geometry::Plane& table) const {
+    FreePlaces places;
+    const Eigen::Vector2d& at = *options_.given_W;
+    const std::string name = fmt::format("the place {:.3f}, {:.3f}", at.x(), at.y());
+    if (std::abs(table.normal.z()) < 0.1) {
+      places.problem = name + " says nothing on a table that stands upright";
+      return places;
+    }
+    // Straight up or down to the table.
+    const double z = (table.offset - table.normal.head<2>().dot(at)) / table.normal.z();
+    const Eigen::Vector3d move_W = Eigen::Vector3d(at.x(), at.y(), z) - middle_W_;
+    if (move_W.norm() < kSamePlace) {
+      places.problem = "the object stands at " + name + " already";
+      return places;
+    }
+    std::size_t nearest = 0;
+    if (room_at(axes_.flat(move_W), &nearest) < options_.clearance) {
+      const Eigen::Vector3d other =
+          axes_.in_world(others_[nearest].box.center()) + table.offset * table.normal;
+      places.problem = fmt::format("{} is occupied by what stands at {:.3f}, {:.3f}", name,
+                                   other.x(), other.y());
+      return places;
+    }
+    if (const std::string why = unreachable(move_W); !why.empty()) {
+      places.problem = name + " cannot be reached: " + why;
+      return places;
+    }
+    places.moves_W = {move_W};
+    return places;
+  }
+
+  FreePlaces chosen() const {
+    struct Found {
+      Eigen::Vector3d move_W;
+      double room = 0;
+    };
+    std::vector<Found> roomy, narrow;
+    for (int ring = 0;; ++ring) {
+      const double distance = options_.distance + ring * options_.step;
+      if (distance > options_.farthest + 1e-9) break;
+      for (int i = 0; i < options_.directions; ++i) {
+        const double angle = std::numbers::pi * (0.5 + 2.0 * i / options_.directions);
+        const Eigen::Vector2d move = distance * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+        const double found = room_at(move, nullptr);
+        const Eigen::Vector3d move_W = axes_.in_world(move);
+        if (found < options_.clearance || !unreachable(move_W).empty()) continue;
+        (found >= options_.enough ? roomy : narrow).push_back({move_W, found});
+      }
+    }
+    std::stable_sort(narrow.begin(), narrow.end(),
+                     [](const Found& a, const Found& b) { return a.room > b.room; });
+    FreePlaces places;
+    for (const auto* all : {&roomy, &narrow}) {
+      for (const Found& found : *all) places.moves_W.push_back(found.move_W);
+    }
+    places.moves_W.push_back(Eigen::Vector3d::Zero());
+    return places;
+  }
+
+ private:
+  double room_at(const Eigen::Vector2d& move, std::size_t* nearest) const {
+    double least = kInfinity;
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      const bool blocks =
+          options_.straight_height && others_[i].top > stands_.bottom + *options_.straight_height;
+      const double found = room(taken_, move, others_[i], blocks);
+      if (found >= least) continue;
+      least = found;
+      if (nearest) *nearest = i;
+    }
+    return least;
+  }
+  std::string unreachable(const Eigen::Vector3d& move_W) const {
+    return options_.unreachable ? options_.unreachable(move_W) : std::string();
+  }
+
+  TableAxes axes_;
+  const PlaceOptions& options_;
+  Outline stands_, taken_;  // the object; and with the hand
+  std::vector<Outline> others_;
+  Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // on the table
+};
+
+}  // namespace
+
+void PlaceOptions::validate() const {
+  const text::Require require{"PlaceOptions."};
+  require(distance > 0 && std::isfinite(distance), "distance must be positive");
+  require(farthest >= distance && std::isfinite(farthest), "farthest must be at least distance");
+  require(step > 0, "step must be positive");
+  require(directions > 0, "directions must be positive");
+  require(clearance >= 0, "clearance must not be negative");
+  require(enough >= clearance, "enough must be at least clearance");
+  require(!given_W || given_W->allFinite(), "given_W must be finite");
+  require(!straight_height || *straight_height >= 0, "straight_height must not be negative");
+}
+
+FreePlaces free_places(const geometry::Plane& table_W, const std::vector<Eigen::Vector3d>& object_W,
+                       const std::vector<std::vector<Eigen::Vector3d>>& others_W,
+                       const PlaceOptions& options) {
+  options.validate();
+  if (object_W.empty()) throw std::invalid_argument("free_places: the object has no points");
+  const Chooser chooser(table_W, object_W, others_W, options);
+  return options.given_W ? chooser.given(table_W) : chooser.chosen();
+}
+
+std::optional<Eigen::Vector2d> read_place(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::size_t comma = text.find(',');
+  const auto number = [](const std::string& part, double& value) {
+    std::size_t end = 0;
+    try {
+      value = std::stod(part, &end);
+    } catch (const std::exception&) {
+      return false;
+    }
+    return part.find_first_not_of(' ', end) == std::string::npos && std::isfinite(value);
+  };
+  Eigen::Vector2d place;
+  if (comma == std::string::npos || !number(text.substr(0, comma), place.x()) ||
+      !number(text.substr(comma + 1), place.y())) {
+    throw geometry::InputError("'" + text + "' is no place",
+                               "Give x,y on the table in metres, as place:=0.1,-0.2");
+  }
+  return place;
+}
+
+}  // namespace prehend::planning
