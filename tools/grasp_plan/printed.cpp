@@ -208,7 +208,7 @@ void print_json(const PlanChoices& choices, const PlanTarget& target, const Plan
         "arm",
         arm.set("grasp", planned.arm->grasp).set("segments", segments).set("ledger", missed));
   }
-  print(result);
+  tools::print(result);
 }
 
 // Object, hand and, where the arm reaches the grasp, the arm.
