@@ -13,7 +13,7 @@
 #include <hwy/highway.h>
 
 #include "prehend/shape/fast_vote.h"
-#include "prehend/shape/reference_vote.h"
+#include "tests/oracles/reference_vote.h"
 #include "prehend/shape/symmetry.h"
 #include "tests/shape/synthetic_view.h"
 

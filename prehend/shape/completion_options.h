@@ -6,7 +6,8 @@ namespace prehend::shape {
 
 /// What a symmetry plane is judged by.
 enum class VoteKind {
-  /// The vote of Bohg et al. (2011), equation (3) of reference_vote.h, and nothing else, in its
+  /// The vote of Bohg et al. (2011), equation (3) of tests/oracles/reference_vote.h, and nothing
+  /// else, in its
   /// own unit (square pixels and kPublishedDepthUnit).
   kPublished,
   /// What contradicts the view, squared outside the mask; a term for mirrored points that coincide

@@ -9,11 +9,11 @@
 
 namespace prehend::shape {
 
-/// The vote of reference_vote.h to float accuracy, some hundred times faster: the images once, in
-/// the object's region of interest; distance and depth in one array, so that a mirrored point costs
-/// one gather; points in vectors of the widest instructions the processor has (Highway: SSE4, AVX2,
-/// AVX-512, or portable code, chosen at run time); points in blocks that stay in the first cache
-/// while all planes are tried.
+/// The vote of tests/oracles/reference_vote.h to float accuracy, some hundred times faster: the
+/// images once, in the object's region of interest; distance and depth in one array, so that a
+/// mirrored point costs one gather; points in vectors of the widest instructions the processor has
+/// (Highway: SSE4, AVX2, AVX-512, or portable code, chosen at run time); points in blocks that stay
+/// in the first cache while all planes are tried.
 ///
 /// Differs from the reference by rounding: a mirrored point within about 1e-4 pixel of a pixel's
 /// border may be looked up in the neighbour. Same input, same processor: same bits.

@@ -49,7 +49,8 @@ struct PointEvidence {
   bool unseen = false;      // behind the camera or beside its image
 };
 
-/// The terms of reference_tally (reference_vote.h) for one point, in the optical frame C [m]. O(1).
+/// The terms of reference_tally (tests/oracles/reference_vote.h) for one point, in the optical
+/// frame C [m]. O(1).
 PointEvidence evidence_about(const SeenMap& map, const geometry::PinholeCamera& camera,
                              const Eigen::Vector3d& p_C, double depth_tolerance);
 
@@ -61,8 +62,9 @@ PixelWindow window_of_mirrored(const ObjectView& view,
 /// The window of the mask and the points, grown by `margin` of its longer side to every side.
 PixelWindow window_round_object(const ObjectView& view, double margin);
 
-/// The same distances and depths as reference_images (reference_vote.h), once, within `window`.
-/// O(pixels of the window) but where points are sparse: O(pixels x distance to the next point).
+/// The same distances and depths as reference_images (tests/oracles/reference_vote.h), once, within
+/// `window`. O(pixels of the window) but where points are sparse: O(pixels x distance to the next
+/// point).
 /// @pre `window` holds the mask and all points that project into the image.
 SeenMap make_seen_map(const ObjectView& view, const PixelWindow& window);
 

@@ -7,12 +7,13 @@ namespace prehend::shape {
 
 /// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,
 /// one plane, every point votes, and every mirrored point is kept. Its hypotheses and votes are
-/// those of reference_vote.h.
+/// those of tests/oracles/reference_vote.h.
 CompletionOptions as_published();
 
 /// Completes an object seen from one side by the plane of symmetry that contradicts the view least
 /// (after Bohg, Johnson-Roberson, León, Felip, Gratal, Bergström, Kragic, Morales: "Mind the Gap -
-/// Robotic Grasping under Incomplete Observation", ICRA 2011; see reference_vote.h).
+/// Robotic Grasping under Incomplete Observation", ICRA 2011; see
+/// tests/oracles/reference_vote.h).
 ///
 /// The plane stands on the table, or leans a little where the view asks for it. All its directions
 /// and plausible shifts are tried (plane_search.h). With q a mirrored point, l =

@@ -22,7 +22,8 @@ inline constexpr double kPublishedDepthUnit = 1e-3;
 inline constexpr double kNearer = 1e-6;
 
 /// What one view says about all points of one object mirrored at one plane: sums over the points.
-/// reference_vote.h defines every term; fast_vote.h computes the same to float accuracy.
+/// tests/oracles/reference_vote.h defines every term; fast_vote.h computes the same to float
+/// accuracy.
 struct VoteTally {
   std::size_t points = 0;  // mirrored points, n
   // Of equation (3) as it is published: pixels, without tolerance.

@@ -28,8 +28,8 @@ VotingPoints make_voting_points(const ObjectView& view, double thinning);
 
 /// Directions along the table (unit, pointing away from the viewer) of normals that the footprint
 /// suggests: both eigenvectors of the projected points, the one that equation (1) of
-/// reference_vote.h chooses first, then the sides of the smallest rectangle round the footprint.
-/// With `first_only` only the first.
+/// tests/oracles/reference_vote.h chooses first, then the sides of the smallest rectangle round the
+/// footprint. With `first_only` only the first.
 std::vector<Eigen::Vector2d> starting_normals(const VotingPoints& points, bool first_only);
 
 }  // namespace prehend::shape

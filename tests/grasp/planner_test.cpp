@@ -147,7 +147,7 @@ TEST(PlanGrasps, RobustnessFallsWithTheUncertainty) {
   PlannerOptions unassessed;
   unassessed.uncertainty.samples = 0;
   for (const auto& grasp :
-       plan_grasps(cube, geometry::Plane{}, {}, kGripper, carrier(), unassessed).grasps) {
+       plan_grasps(cube, geometry::Plane{}, {}, kPlannerGripper, carrier(), unassessed).grasps) {
     EXPECT_EQ(grasp.robustness, -1);
     EXPECT_NE(grasp.remark.find(kNotAssessed), std::string::npos);
   }

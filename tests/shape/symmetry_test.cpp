@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "prehend/shape/reference_vote.h"
+#include "tests/oracles/reference_vote.h"
 #include "tests/shape/synthetic_view.h"
 
 namespace prehend::shape {

@@ -1,4 +1,4 @@
-#include "prehend/shape/reference_vote.h"
+#include "tests/oracles/reference_vote.h"
 
 #include <algorithm>
 #include <cmath>
