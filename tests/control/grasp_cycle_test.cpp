@@ -62,7 +62,7 @@ TEST_F(GraspCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
   EXPECT_LT(reason.find("lost while carrying"), reason.find("neither pad")) << reason;
   const auto held = std::count_if(
       cycle.surprises().begin(), cycle.surprises().end(),
-      [](const Surprise& s) { return s.kind == SurpriseKind::kHeldAfterLift && s.surprising; });
+      [](const Surprise& s) { return s.kind == SurpriseKind::kHeldWhileCarried && s.surprising; });
   EXPECT_EQ(held, 1);
 }
 

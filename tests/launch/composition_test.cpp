@@ -186,10 +186,12 @@ std::string cloud_of_a_can() {
 TEST_F(Composition, ComposedNodesPredictTheSameAsProcesses) {
   const std::string root = std::filesystem::current_path().string();
   const std::string file = scratch_.write(
-      "launch/a.yaml", "arguments: {composed: {type: bool}}\ninclude:\n  - file: " + root +
-                           "/launch/prediction.yaml\n    arguments: {composed: $(composed)}\n"
-                           "nodes:\n  - {node: cloud_source, parameters: {file: " +
-                           scratch_.write("can.pcd", cloud_of_a_can()) + "}}\n");
+      "launch/a.yaml",
+      "arguments: {composed: {type: bool}}\ninclude:\n  - file: " + root +
+          "/launch/prediction.yaml\n    arguments: {composed: $(composed), gripper: " + root +
+          "/config/robots/pg70_dsa.yaml}\n"
+          "nodes:\n  - {node: cloud_source, parameters: {file: " +
+          scratch_.write("can.pcd", cloud_of_a_can()) + "}}\n");
   std::vector<std::map<std::string, std::string>> results;
   for (const std::string composed : {"false", "true"}) {
     ChildProgram program("prehend",

@@ -43,23 +43,24 @@ TEST(LaunchFilesOfTheRepository, AreCheckedWithThePredictionComposed) {
 TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   const ScratchDirectory scratch;
   int calls = 0;
-  const auto check = [&](const std::string& parameters) {
-    scratch.write("a.yaml", "nodes: [{node: grasp_planning, parameters: {" + parameters + "}}]\n");
+  const auto check = [&](const std::string& parameters,
+                         const std::string& node = "grasp_planning") {
+    scratch.write("a.yaml", "nodes: [{node: " + node + ", parameters: {" + parameters + "}}]\n");
     ChildProgram program("prehend", {"launch", "--check", scratch.path("a.yaml")},
                          scratch.path(std::to_string(++calls)));
     const bool is_right = program.wait(seconds(30)) == 0;
     return (is_right ? "right: " : "wrong: ") + program.output();
   };
-  for (const char* right :
-       {"generators: [circles]", "generators: \"[segments, boxes]\"",
-        "generators: [circles, segments, boxes, antipodal, medial_axis]", "move: [0, 0.1, 0]"}) {
+  for (const char* right : {"generators: [circles]", "generators: \"[segments, boxes]\"",
+                            "generators: [circles, segments, boxes, antipodal, medial_axis]"}) {
     EXPECT_THAT(check(right), HasSubstr("right: ")) << right;
   }
+  EXPECT_THAT(check("mounting: [0, 0, -0.05, 0, 0, 1.5]", "ft300"), HasSubstr("right: "));
   EXPECT_THAT(check("generators: [circles, segment]"),
               AllOf(HasSubstr("wrong: "), HasSubstr("must be one of: circles, segments"),
                     HasSubstr("(item 2)")));
   EXPECT_THAT(check("generators: circles"), HasSubstr("must be a list between brackets"));
-  EXPECT_THAT(check("move: [0, up, 0]"), HasSubstr("item 2 is none"));
+  EXPECT_THAT(check("mounting: [0, up, 0, 0, 0, 0]", "ft300"), HasSubstr("item 2 is none"));
   EXPECT_THAT(check("density: [1, 2]"), HasSubstr("of type number"));
 }
 

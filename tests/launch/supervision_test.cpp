@@ -177,8 +177,8 @@ TEST_F(SupervisionTest, ProgramsOfOtherProjectsAreFoundInTheNodePath) {
       ", say: hello again, after: 0.1}}\n");
   ::unsetenv("PREHEND_NODE_PATH");
   EXPECT_EQ(program->wait(std::chrono::seconds(20)), 0) << program->output();
-  EXPECT_THAT(program->output(), HasSubstr("wave  | hello\n"));
-  EXPECT_THAT(program->output(), HasSubstr("again | hello again\n"));
+  EXPECT_THAT(program->output(), HasSubstr("wave     | hello\n"));
+  EXPECT_THAT(program->output(), HasSubstr("again    | hello again\n"));
 }
 
 }  // namespace

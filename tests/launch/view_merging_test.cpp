@@ -61,8 +61,9 @@ class ViewMerging : public SupervisionTest {
   graph::Registry registry_{graph::RegistryOptions{.endpoint = "tcp://127.0.0.1:*"}};
 };
 
-/// A table at the height `table` [m], the top of a can on it and the half that is turned to the viewer at
-/// -y or +y, 0.65 m away and as high over the table, who looks at the can's foot. File frame: z up.
+/// A table at the height `table` [m], the top of a can on it and the half that is turned to the
+/// viewer at -y or +y, 0.65 m away and as high over the table, who looks at the can's foot. File
+/// frame: z up.
 std::string half_can(double side, double table = 0) {
   std::string points;
   int count = 0;

@@ -36,9 +36,9 @@ std::string output_of(const std::string& command) {
 std::set<std::string> looked_at_again() {
   static const std::regex kRead(R"(parameter<[^(]*>\(\s*"([A-Za-z_.0-9]+)\")");
   static const std::regex kTold(R"(\.name = "([A-Za-z_.0-9]+)\"(?:(?!\.name = )[^;])*\.on_change)");
-  // The emulators' faults, by functions that declare them with on_change.
+  // The emulators' faults, by what declares them with on_change (drivers/wire/node).
   static const std::regex kFault(
-      R"((?:probability|declare_switch)\(\s*(?:node, )?"([a-z_0-9]+)\")");
+      R"((?:part|Switch [a-z_]+|LateParameter<[a-z]+> [a-z_]+|[a-z]+_)\(\s*(?:node,\s*)?(?:\{\.name = )?"([a-z_0-9]+)\")");
   std::set<std::string> names;
   for (const char* folder : {"nodes", "drivers"}) {
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {

@@ -165,7 +165,7 @@ TEST_F(RobotNode, FollowsATrajectory) {
 TEST_F(RobotNode, RefusesTrajectoriesThatCannotBeRight) {
   msgs::FollowTrajectoryGoal goal = turn(0.4, 1);
   goal.mutable_trajectory()->set_joint_name(2, "arm_axis_33");
-  expect_refused(goal, "the nearest is 'arm_axis_3'");
+  expect_refused(goal, "did you mean \"arm_axis_3\"?");
   goal = turn(0.4, 1);
   goal.mutable_trajectory()->set_joint_name(2, "arm_axis_2");
   expect_refused(goal, "named twice");
@@ -262,7 +262,7 @@ TEST_F(RobotNode, MovesTheHand) {
   };
   msgs::MoveHandGoal bad = goal;
   bad.set_joint_name(0, "hand_thumb_proximall");
-  refused(bad, "the nearest is 'hand_thumb_proximal'");
+  refused(bad, "did you mean \"hand_thumb_proximal\"?");
   bad = goal;
   bad.set_position(0, 3);
   refused(bad, "is outside");

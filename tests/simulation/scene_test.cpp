@@ -54,7 +54,7 @@ TEST_F(SceneFile, AnEngineIsNamedOrTheNearestIsSaid) {
   EXPECT_EQ(read("physics: {engine: native}\n").physics.engine, "native");
   const std::string error = error_of("step: 0.001\nphysics:\n  engine: bulet\n");
   EXPECT_NE(error.find(":3"), std::string::npos) << error;
-  EXPECT_NE(error.find("Did you mean 'bullet'"), std::string::npos) << error;
+  EXPECT_NE(error.find("The nearest is 'bullet'"), std::string::npos) << error;
 }
 
 TEST_F(SceneFile, StepsAreANumberOrAdaptive) {

@@ -82,7 +82,7 @@ TEST_F(Explain, ABadSceneIsOneClearError) {
   };
   refused("nothing.yaml", "nothing.yaml does not exist");
   refused("config/robots/pg70_dsa.yaml", "pg70_dsa.yaml:3: unknown key 'name'");
-  refused(scene("physics: {rules: {slep: true}}\n"), "nearest known key is 'sleep'");
+  refused(scene("physics: {rules: {slep: true}}\n"), "The nearest is 'sleep'");
   refused(scene("objects: [{name: a, mass: -1}]\n"), "mass");
   run({});
   EXPECT_EQ(exit_code_, 2);
