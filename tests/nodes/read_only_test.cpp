@@ -35,7 +35,7 @@ std::string output_of(const std::string& command) {
 // What the sources of nodes look at again: by Node::parameter, or told by on_change.
 std::set<std::string> looked_at_again() {
   static const std::regex kRead(R"(parameter<[^(]*>\(\s*"([A-Za-z_.0-9]+)\")");
-  static const std::regex kTold(R"(\.name = "([A-Za-z_.0-9]+)\"(?:(?!\.name = )[^;])*\.on_change)");
+  static const std::regex kTold(R"(\.name = "([A-Za-z_.0-9]+)\"(?:(?!\.name = )[^}])*\.on_change)");
   // The emulators' faults, by what declares them with on_change (drivers/wire/node).
   static const std::regex kFault(
       R"((?:part|Switch [a-z_]+|LateParameter<[a-z]+> [a-z_]+|[a-z]+_)\(\s*(?:node,\s*)?(?:\{\.name = )?"([a-z_0-9]+)\")");

@@ -16,6 +16,7 @@
 #include "drivers/wire/stream/tcp_server.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/gripper.h"
 #include "msgs/convert/objects.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
@@ -83,6 +84,7 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
     auto plan = convert::to_message(
         grasp::plan_grasps(object, geometry::Plane{}, {}, scene.gripper, reachability));
     ASSERT_GT(plan.grasps_size(), 0) << plan.problem();
+    *plan.mutable_gripper() = convert::describe_gripper("config/robots/pg70_dsa.yaml");
     plan.mutable_header()->set_stamp(1);
     plan.set_object_count(1);
     auto model = convert::to_message(object);
