@@ -13,8 +13,8 @@
 #include <hwy/highway.h>
 
 #include "prehend/shape/fast_vote.h"
-#include "tests/oracles/reference_vote.h"
 #include "prehend/shape/symmetry.h"
+#include "tests/oracles/reference_vote.h"
 #include "tests/shape/synthetic_view.h"
 
 namespace {

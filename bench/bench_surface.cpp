@@ -169,8 +169,8 @@ BENCHMARK(BM_CloudToMesh)->ArgName("box")->Arg(kCylinder)->Arg(kBox)->Unit(bench
 /// A view of 40 000 points.
 const shape::SyntheticView& segmented(int which) {
   static const auto make = [](const TriangleMesh& mesh) {
-    shape::SyntheticView view = shape::synthetic_view(shape::standing(mesh, 0.5),
-                                                      {.distance = 0.4, .depth_noise = 0.0005});
+    shape::SyntheticView view =
+        shape::synthetic_view(shape::standing(mesh, 0.5), {.distance = 0.4, .depth_noise = 0.0005});
     const std::vector<Eigen::Vector3f> all = std::move(view.cloud_W.points);
     view.cloud_W.points.clear();
     for (std::size_t i = 0; i < kPoints; ++i) {

@@ -12,8 +12,8 @@
 #include "prehend/recording/recording_file.h"
 #include "prehend/recording/topic_filter.h"
 #include "prehend/text/nearest_match.h"
-#include "tools/bag_tools.h"
 #include "prehend/text/quantities.h"
+#include "tools/bag_tools.h"
 
 namespace prehend::tools {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node.h"
-#include "tools/commands.h"
 #include "prehend/text/quantities.h"
+#include "tools/commands.h"
 
 namespace prehend::tools {
 namespace {

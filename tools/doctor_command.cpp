@@ -89,12 +89,12 @@ void print_findings_json(const std::string& registry, const std::optional<GraphV
                  .set("mend", finding.mend));
   }
   tools::print(Json::object()
-            .set("registry", registry)
-            .set("reachable", graph.has_value())
-            .set("nodes", graph ? graph->node_names() : std::vector<std::string>())
-            .set("errors", errors)
-            .set("warnings", warnings)
-            .set("findings", list));
+                   .set("registry", registry)
+                   .set("reachable", graph.has_value())
+                   .set("nodes", graph ? graph->node_names() : std::vector<std::string>())
+                   .set("errors", errors)
+                   .set("warnings", warnings)
+                   .set("findings", list));
 }
 
 int examine(const DoctorChoices& choices) {

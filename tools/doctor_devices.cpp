@@ -99,8 +99,8 @@ std::optional<Finding> reason_against_scan(const drivers::pg70::LinkAddress& add
 Findings ask_gripper(const DeviceChoices& choices) {
   const drivers::pg70::LinkAddress address{choices.can, static_cast<unsigned>(choices.bit_rate),
                                            static_cast<std::uint8_t>(choices.module_id)};
-  const auto against = choices.scan && !choices.shared ? reason_against_scan(address)
-                                                       : std::optional<Finding>();
+  const auto against =
+      choices.scan && !choices.shared ? reason_against_scan(address) : std::optional<Finding>();
   Findings findings{finding_of("gripper", drivers::pg70::probe(address))};
   if (against) findings.push_back(*against);
   if (!choices.scan || against) return findings;

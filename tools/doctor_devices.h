@@ -10,8 +10,8 @@ namespace prehend::tools {
 struct DeviceChoices {
   std::string can;  ///< "can0", "slcan:/dev/ttyACM0", "serial:/dev/ttyUSB2"
   int module_id = 12;
-  int bit_rate = 0;   ///< of `can`, 0: as it is
-  bool scan = false;  ///< asks all module ids, unless others talk on the line
+  int bit_rate = 0;     ///< of `can`, 0: as it is
+  bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
   std::string dsa, ft300;
   int unit = 9;  ///< Modbus address of the force sensor

@@ -81,8 +81,8 @@ void run_throughput_receiver(const Job& job, Channel& channel) {
   std::atomic<std::uint64_t> received = 0;
   {
     graph::Node node(node_options("receiver", channel.read_line(20s)));
-    const auto subscription =
-        node.subscribe<StereoPair>(kThroughputTopic, kThroughputQos, [&](const graph::Received<StereoPair>& message) {
+    const auto subscription = node.subscribe<StereoPair>(
+        kThroughputTopic, kThroughputQos, [&](const graph::Received<StereoPair>& message) {
           const auto payload = message.payload();
           if (const char* problem = check_payload(payload.data(), payload.size(), job.bytes)) {
             end_worker(problem);

@@ -162,9 +162,9 @@ float unpack_share(char byte) {
 
 shape::CompletionMethod method_named(const std::string& name) {
   using shape::CompletionMethod;
-  for (const auto method : {CompletionMethod::kMirror, CompletionMethod::kRotation,
-                            CompletionMethod::kExtrusion, CompletionMethod::kConvexHull,
-                            CompletionMethod::kRefusedMirror}) {
+  for (const auto method :
+       {CompletionMethod::kMirror, CompletionMethod::kRotation, CompletionMethod::kExtrusion,
+        CompletionMethod::kConvexHull, CompletionMethod::kRefusedMirror}) {
     if (name == shape::name(method)) return method;
   }
   throw InputError("A completed shape made by the unknown method '" + name + "'", kSenderMend);

@@ -13,7 +13,7 @@ struct RecordingCheck {
   /// What its writer put under no checksum, so that damage there may not be seen; empty for
   /// recordings of this project.
   std::vector<std::string> notes;
-  std::uint64_t messages = 0;          ///< read
+  std::uint64_t messages = 0;  ///< read
   std::uint64_t chunks = 0;
   std::uint64_t attachments = 0;
 };

@@ -27,8 +27,8 @@ struct BranchInput {
 struct BranchOutput {
   std::array<std::array<double, kBranches>, 6> q{};  // rad, lane by lane; whole turns as near to
                                                      // the seed as the limits allow
-  std::array<double, kBranches> distance{};  // squared, from the seed [rad^2]
-  std::uint32_t within = 0;                  // lanes that solve it within the limits
+  std::array<double, kBranches> distance{};          // squared, from the seed [rad^2]
+  std::uint32_t within = 0;                          // lanes that solve it within the limits
   /// A root is double or an axis coincides with another: the lanes are of no use.
   bool is_doubtful = false;
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kReach = 2;           // cells
 constexpr double kMostCells = 1e4;  // along an axis
-constexpr float kNone = -1;  // confidence where there is no point
+constexpr float kNone = -1;         // confidence where there is no point
 
 /// The surest seen and the surest predicted point of some cells.
 struct Surest {
@@ -49,8 +49,8 @@ class Cells {
     for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
       const bool seen = shape.origin[i] == shape::PointOrigin::kSeen;
       const float sure = shape.point_confidence[i];
-      cells_[key(cell_of(shape.cloud_W.points[i].cast<double>()))].add(
-          seen ? Surest{sure, kNone} : Surest{kNone, sure});
+      cells_[key(cell_of(shape.cloud_W.points[i].cast<double>()))].add(seen ? Surest{sure, kNone}
+                                                                            : Surest{kNone, sure});
     }
   }
 

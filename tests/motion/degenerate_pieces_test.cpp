@@ -6,9 +6,9 @@
 #include <limits>
 #include <random>
 
-#include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/motion/ball_cover.h"

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/oracles/ompl_planner.h"
 #include "prehend/motion/rrt_connect.h"
 #include "tests/motion/shelves.h"
+#include "tests/oracles/ompl_planner.h"
 #include "tests/robot/arms.h"
 
 namespace prehend::motion {

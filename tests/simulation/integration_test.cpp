@@ -96,9 +96,10 @@ TEST(Integration, TumblingKeepsItsAngularMomentum) {
 }
 
 // Two boxes that stand in one another fly apart, turning; the pair has no momentum before or after.
-// Linear momentum is kept to the rounding of the linear system, whatever the iterations leave: every
-// contact adds the same number to both bodies' rows. So is angular momentum in first order, since
-// p x v does not change along v; SDIRK2 keeps no quadratic invariants and loses some in an impact.
+// Linear momentum is kept to the rounding of the linear system, whatever the iterations leave:
+// every contact adds the same number to both bodies' rows. So is angular momentum in first order,
+// since p x v does not change along v; SDIRK2 keeps no quadratic invariants and loses some in an
+// impact.
 TEST(Integration, AFreePairKeepsItsMomenta) {
   for (const auto integration : {Integration::kFirstOrder, Integration::kSecondOrder}) {
     for (const double step : {1e-4, 1e-3, 1e-2}) {
@@ -115,8 +116,8 @@ TEST(Integration, AFreePairKeepsItsMomenta) {
       const Eigen::Quaterniond aslant(
           Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized()));
       world.place_object("cube", geometry::make_transform(aslant, {0, 0, 0.3}));
-      world.place_object("other", geometry::make_transform(Eigen::Quaterniond::Identity(),
-                                                           {0.045, 0.01, 0.305}));
+      world.place_object(
+          "other", geometry::make_transform(Eigen::Quaterniond::Identity(), {0.045, 0.01, 0.305}));
       double most = 0;  // kg m/s, of either
       for (int i = 0; i < std::lround(0.3 / step); ++i) {
         world.step();

@@ -39,11 +39,11 @@ class RobotNode : public ::testing::Test {
         registry_({.endpoint = "tcp://127.0.0.1:*"}) {}
 
   void SetUp() override {
-    simulation_ = start_simulation(
-        {"--registry", registry_.endpoint(), "--param", "speed:=1", "--param", "camera:=false",
-         "--param", "scene:=config/scenes/demo.yaml", "--param",
-         "robot:=config/robots/kr5_sdh.yaml"},
-        output_);
+    simulation_ =
+        start_simulation({"--registry", registry_.endpoint(), "--param", "speed:=1", "--param",
+                          "camera:=false", "--param", "scene:=config/scenes/demo.yaml", "--param",
+                          "robot:=config/robots/kr5_sdh.yaml"},
+                         output_);
     graph::NodeOptions options;
     options.name = "tester";
     options.registry = registry_.endpoint();

@@ -145,7 +145,8 @@ TEST(Recorder, SaysWhyItCannotWrite) {
   ChildProgram recorder("recorder", {"--param", "output:=/dev/full"}, scratch.path("out.txt"),
                         registry.endpoint());
   EXPECT_EQ(recorder.wait(seconds(10)), 1);
-  EXPECT_THAT(recorder.output(), HasSubstr("cannot record to /dev/full: there is something that is no file"));
+  EXPECT_THAT(recorder.output(),
+              HasSubstr("cannot record to /dev/full: there is something that is no file"));
 }
 
 // What a subscriber in a graph of its own gets from a replay.

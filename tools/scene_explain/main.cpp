@@ -31,10 +31,10 @@ void print_json(const std::string& scene, const Explanation& explanation) {
                      .set("why", part.why));
   }
   tools::print(tools::Json::object()
-            .set("scene", scene)
-            .set("modelled", modelled)
-            .set("left_out", left_out)
-            .set("rules_off", explanation.rules_off));
+                   .set("scene", scene)
+                   .set("modelled", modelled)
+                   .set("left_out", left_out)
+                   .set("rules_off", explanation.rules_off));
 }
 
 void print_text(const std::string& scene, const Explanation& explanation) {

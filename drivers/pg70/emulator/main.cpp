@@ -62,11 +62,11 @@ void run(graph::Node& node) {
                                                              .maximum = 255,
                                                              .description = "that it answers to",
                                                              .read_only = true}));
-  const auto gripper_file =
-      node.declare_parameter<std::string>({.name = "gripper",
-                                           .default_value = text::tree_file("config/robots/pg70_dsa.yaml"),
-                                           .description = "gripper model: the module's limits",
-                                           .read_only = true});
+  const auto gripper_file = node.declare_parameter<std::string>(
+      {.name = "gripper",
+       .default_value = text::tree_file("config/robots/pg70_dsa.yaml"),
+       .description = "gripper model: the module's limits",
+       .read_only = true});
   ModuleOptions options;
   options.referenced = node.declare_parameter<bool>({.name = "referenced",
                                                      .default_value = true,

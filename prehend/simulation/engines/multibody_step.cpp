@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 #include "prehend/contact/rotation.h"
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/symmetric_solve.h"
