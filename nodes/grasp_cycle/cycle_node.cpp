@@ -228,10 +228,10 @@ void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
   if (running_) {
     // A step that cannot be done is no reason to let things move on.
-    if (spawns_ && !spawned_.X_SB) {
-      spawned_.X_SB = pose_of(truth_.get(), spawned_name(target_.id), 0);
-    }
     const std::string failure = node_.shield("cycle", [this] {
+      if (spawns_ && !spawned_.X_SB) {
+        spawned_.X_SB = pose_of(truth_.get(), spawned_name(target_.id), 0);
+      }
       cycle_->step(percepts());
       if (const auto since = cycle_->looks_since()) look_again(*since);
     });
