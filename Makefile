@@ -36,7 +36,7 @@ asan: packages
 	@cmake --preset debug --log-level=WARNING && ninja -C build-debug && scripts/run-tests.sh build-debug
 # The part of it that ends within three minutes.
 asan-quick: packages
-	@cmake --preset debug --log-level=WARNING -DPREHEND_BUILD_BENCHMARKS=OFF
+	@cmake --preset debug --log-level=WARNING
 	@ninja -C build-debug quick_tests && ctest --test-dir build-debug -j "$$(nproc)" --output-on-failure -L quick
 tsan: packages
 	@cmake --preset tsan --log-level=WARNING && ninja -C build-tsan && scripts/run-tests.sh build-tsan

@@ -15,7 +15,8 @@ if(PREHEND_FAST_BUILD)
 endif()
 if(PREHEND_SANITIZE)
   target_compile_options(prehend_compile_flags INTERFACE
-                         -fsanitize=${PREHEND_SANITIZE} -fno-omit-frame-pointer -g)
+                         -fsanitize=${PREHEND_SANITIZE} -fno-sanitize-recover=all
+                         -fno-omit-frame-pointer -O1 -g1)  # -O0 takes Eigen ten times as long
   target_link_options(prehend_compile_flags INTERFACE -fsanitize=${PREHEND_SANITIZE})
   # Eigen allocates differently under AddressSanitizer; memory that the installed PCL allocated
   # could not be freed here.
@@ -25,9 +26,8 @@ if(PREHEND_BUILD_FUZZERS)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
     message(FATAL_ERROR "PREHEND_BUILD_FUZZERS needs clang (apt install clang); use the preset fuzz")
   endif()
-  # A finding of the undefined-behaviour sanitizer ends the program, so that libFuzzer keeps it.
   target_compile_options(prehend_compile_flags INTERFACE
-                         -fsanitize=fuzzer-no-link -fno-sanitize-recover=all)
+                         -fsanitize=fuzzer-no-link)
   target_link_options(prehend_compile_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
@@ -131,6 +131,9 @@ function(prehend_test NAME)
   cmake_parse_arguments(ARG "SERIAL;REALTIME" "TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(PREHEND_SANITIZE)
+    math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")
   endif()
   add_executable(test_${NAME} ${ARG_SOURCES})
   target_link_libraries(test_${NAME} PRIVATE prehend_compile_flags ${ARG_DEPENDS} PkgConfig::EIGEN

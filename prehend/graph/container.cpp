@@ -72,7 +72,7 @@ class Container {
     try {
       code = inhabitant.program->run(*inhabitant.node);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "{}: {}\n", name, error.what());
+      code = report_end(name, error);
     }
     leave(inhabitant, code);
   }

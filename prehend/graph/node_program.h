@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <string>
 #include <type_traits>
@@ -47,10 +48,19 @@ class RegisteredNodeProgram {
   static void add(NodeProgram program);
 };
 
+/// Exit code of a node that refuses its parameters, or a file they name: to start it again as it is
+/// mends nothing.
+inline constexpr int kWrongInput = 2;
+
+/// Prints a node's last words, one line, and returns its exit code: kWrongInput for
+/// text::InputError and std::invalid_argument, else 1.
+int report_end(const std::string& node, const std::exception& error);
+
 /// All that are linked into this process, sorted by name.
 std::vector<const NodeProgram*> node_programs();
 
-/// The main function of a node's program; see run_node for its command line.
+/// The main function of a node's program; see run_node for its command line. Exit code: that of
+/// `run`, or as report_end says.
 int run_program(int argc, char** argv, const NodeProgram& program);
 
 /// The main function of a program that runs any of node_programs() in one process:

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
+#include <stdexcept>
+
 #include "prehend/graph/node_command_line.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/graph/stop_signals.h"
 #include "prehend/graph/warm_heap.h"
+#include "prehend/text/input_error.h"
 
 namespace prehend::graph {
 
@@ -15,6 +18,13 @@ void keep_heap_warm() {
 
 std::chrono::milliseconds stop_time_of(const NodeDescription& description) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(description.stop_time * 1e3));
+}
+
+int report_end(const std::string& node, const std::exception& error) {
+  fmt::print(stderr, "{}: {}\n", node, error.what());
+  const bool is_wrong_input = dynamic_cast<const text::InputError*>(&error) != nullptr ||
+                              dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
+  return is_wrong_input ? kWrongInput : 1;
 }
 
 int run_program(int argc, char** argv, const NodeProgram& program) {
@@ -32,8 +42,7 @@ int run_program(int argc, char** argv, const NodeProgram& program) {
         stop_time_of(program.description));
     return program.run(node);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", name, error.what());
-    return 1;
+    return report_end(name, error);
   }
 }
 

@@ -57,15 +57,16 @@ class Loader {
       : node_path_(std::move(node_path)), missing_(missing), graph_(graph) {}
 
   void load_top(const std::string& path, const std::map<std::string, std::string>& given) {
-    load(path, given, "command line", {});
+    const ArgumentUse use = load(path, given, "command line", {});
+    check_use(given, use);
     resolve_hosts();
     resolve_start_order();
   }
 
  private:
-  // Adds what the file asks for to the graph.
-  void load(const std::string& path, const std::map<std::string, std::string>& given,
-            const std::string& given_at, const LaunchSettings& inherited) {
+  // Adds what the file asks for to the graph. Returns which of its arguments had an effect.
+  ArgumentUse load(const std::string& path, const std::map<std::string, std::string>& given,
+                   const std::string& given_at, const LaunchSettings& inherited) {
     LaunchScope scope = scope_of(path);
     check_cycle(scope.file, given_at);
     if (++files_read_ > kMostFiles) {
@@ -76,14 +77,39 @@ class Loader {
     const YAML::Node root = parse_file(scope);
     check_top_level(scope, root);
     take_arguments(scope, root, given, given_at, missing_, graph_.missing_arguments);
+    ArgumentUse use;
+    scope.use = &use;
     take_launch_keys(scope, root, is_top);
     add_warnings(scope, root["warnings"]);
     add_content(scope, root, settings_of(scope, root, inherited, graph_.hosts));
+    use.use_defaults(root["arguments"], given);
     chain_.pop_back();
-    if (!is_top) return;
-    graph_.arguments = scope.values;
-    graph_.arguments.erase("launch_dir");
-    graph_.arguments.erase("root");
+    if (is_top) {
+      graph_.arguments = scope.values;
+      graph_.arguments.erase("launch_dir");
+      graph_.arguments.erase("root");
+    }
+    return use;
+  }
+
+  // An argument that was given and has no effect is a mistake, of this argument or of another.
+  void check_use(const std::map<std::string, std::string>& given, const ArgumentUse& use) const {
+    if (!graph_.missing_arguments.empty()) return;  // what depends on those was not looked at
+    for (const auto& [name, value] : given) {
+      if (use.is_used(name)) continue;
+      const std::string condition = use.left_out_by(name);
+      throw LaunchError("command line: " + name + ":=" + value + " has no effect: " +
+                        (condition.empty() ? "nothing in the launch file uses it; leave it away"
+                                           : "what it is for is left out at " + condition +
+                                                 "; change that, or leave it away"));
+    }
+  }
+
+  // Whether a part of the file is wanted; notes what it would have used when not.
+  static bool is_wanted(const LaunchScope& scope, const YAML::Node& part) {
+    if (condition_of(scope, part["if"])) return true;
+    scope.use->leave_out(part, place_of(scope, part["if"]) + " (if: " + part["if"].Scalar() + ")");
+    return false;
   }
 
   void check_cycle(const std::string& file, const std::string& given_at) const {
@@ -141,8 +167,9 @@ class Loader {
     for (const YAML::Node& entry : list) {
       check_keys(scope, entry, "a warning", {"text", "if"});
       if (!entry["text"]) fail(scope, entry, "a warning needs the key \"text\"");
-      const std::string text = text_of(scope, entry["text"], "text");
-      if (condition_of(scope, entry["if"])) graph_.warnings.push_back(text);
+      if (is_wanted(scope, entry)) {
+        graph_.warnings.push_back(text_of(scope, entry["text"], "text"));
+      }
     }
   }
 
@@ -160,13 +187,16 @@ class Loader {
     for (const YAML::Node& entry : list) {
       check_keys(scope, entry, "an include", with_settings({"file", "arguments", "if"}));
       if (!entry["file"]) fail(scope, entry, "an include needs the key \"file\"");
-      if (!condition_of(scope, entry["if"])) continue;
+      if (!is_wanted(scope, entry)) continue;
+      LaunchScope handing = scope;
+      handing.use = nullptr;  // used when the included file does
       const auto arguments =
-          text_map_of(scope, entry["arguments"], "arguments", Values::kSingleOrLists);
+          text_map_of(handing, entry["arguments"], "arguments", Values::kSingleOrLists);
       const std::string file = file_beside(scope, entry["file"], "included file");
       if (file.empty()) continue;  // depends on an argument without a value
-      load(file, arguments, place_of(scope, entry),
-           settings_of(scope, entry, inherited, graph_.hosts));
+      const ArgumentUse inner = load(file, arguments, place_of(scope, entry),
+                                     settings_of(scope, entry, inherited, graph_.hosts));
+      scope.use->hand_on(entry["arguments"], inner);
     }
   }
 
@@ -175,7 +205,7 @@ class Loader {
     check_list(scope, list, "groups must be a list of {namespace: ..., nodes: ..., ...}");
     for (const YAML::Node& entry : list) {
       check_keys(scope, entry, "a group", with_settings({"if", "nodes", "include", "groups"}));
-      if (!condition_of(scope, entry["if"])) continue;
+      if (!is_wanted(scope, entry)) continue;
       add_content(scope, entry, settings_of(scope, entry, inherited, graph_.hosts));
     }
   }
@@ -189,7 +219,7 @@ class Loader {
                                 "respawn", "after", "stop_time", "if"}));
       if (!entry["node"]) fail(scope, entry, "a node needs the key \"node\", its program");
       const LaunchSettings settings = settings_of(scope, entry, inherited, graph_.hosts);
-      if (!condition_of(scope, entry["if"])) {
+      if (!is_wanted(scope, entry)) {
         switched_off_.insert(node_name_of(scope, entry, settings));
         continue;
       }

@@ -122,6 +122,7 @@ std::string substitute(const LaunchScope& scope, const YAML::Node& place, const 
       fail(scope, place,
            "unknown argument $(" + name + ")" + text::nearest_match_hint(name, known));
     }
+    if (scope.use) scope.use->use(name);
     result += text.substr(done, begin - done) + value->second;
     done = end + 1;
     if (result.size() > kLongestText) fail(scope, place, "arguments make a text beyond 64 KiB");

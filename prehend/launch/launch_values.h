@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/launch/argument_use.h"
 #include "prehend/launch/launch_file.h"
 
 // Reading single values of launch files.
@@ -16,6 +17,7 @@ namespace prehend::launch {
 struct LaunchScope {
   std::string file;                           ///< absolute path
   std::map<std::string, std::string> values;  ///< arguments, launch_dir, root
+  ArgumentUse* use = nullptr;                 ///< told of every substitution; may be null
 };
 
 /// The shorter of the path itself and the path from the working directory.

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "prehend/graph/node_program.h"
 #include "prehend/launch/deaths.h"
 #include "prehend/launch/launch_events.h"
 #include "prehend/launch/launch_registry.h"
@@ -184,6 +185,10 @@ class Supervisor {
       }
     } else if (member.plan->respawn.wanted && may_start_again(process, status)) {
       plan_restart(member, words);
+    } else if (member.plan->respawn.wanted && refuses_input(process, status)) {
+      output_.error("node " + words + last +
+                    "; it refuses what it is given and is not started again");
+      if (!process.was_ready) exit_code_ = 1;
     } else if (member.plan->respawn.wanted) {
       give_up(process, words, last);
     } else if (is_success(status)) {
@@ -199,7 +204,11 @@ class Supervisor {
   bool may_start_again(SupervisedProcess& process, int status) const {
     const bool is_failed_start = !process.ready && !is_success(status);
     process.failed_starts = is_failed_start ? process.failed_starts + 1 : 0;
-    return process.failed_starts < kMostFailedStarts;
+    return process.failed_starts < kMostFailedStarts && !refuses_input(process, status);
+  }
+
+  static bool refuses_input(const SupervisedProcess& process, int status) {
+    return !process.ready && WIFEXITED(status) && WEXITSTATUS(status) == graph::kWrongInput;
   }
 
   // One that has been ready in this launch is done without; else the launch is not what was asked

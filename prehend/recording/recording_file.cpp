@@ -62,10 +62,14 @@ std::string make_way(const std::string& path) {
                   ".1 ...); recover or remove them");
 }
 
+void set_aside(const std::string& path, const std::string& otherwise) {
+  if (fs::exists(path)) rename_file(path, path + ".1", otherwise);
+}
+
 void give_name(const std::string& path) {
   const std::string partial = partial_path(path);
   const std::string otherwise = "; the recording is whole, and is " + partial;
-  if (fs::exists(path)) rename_file(path, path + ".1", otherwise);
+  set_aside(path, otherwise);
   rename_file(partial, path, otherwise);
 }
 

@@ -16,8 +16,12 @@ std::string partial_path(const std::string& path);
 /// it.
 std::string make_way(const std::string& path);
 
-/// The partial recording is whole: gives it its name, and the one before NAME.1 (instead of what
-/// had that name). Throws McapError, naming where the recording is, when it cannot be renamed.
+/// What has that name becomes NAME.1, instead of what had that name; does nothing when there is no
+/// such file. Throws McapError, which ends with `otherwise`.
+void set_aside(const std::string& path, const std::string& otherwise = "");
+
+/// The partial recording is whole: gives it its name, and sets aside the one before. Throws
+/// McapError, naming where the recording is, when it cannot be renamed.
 void give_name(const std::string& path);
 
 }  // namespace prehend::recording

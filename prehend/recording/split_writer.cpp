@@ -150,6 +150,14 @@ void SplitWriter::close_part() {
   files_.back() = name;
 }
 
-void SplitWriter::close() { close_part(); }
+void SplitWriter::close() {
+  close_part();
+  if (!split_.any()) return;
+  // Parts beyond the last one are of the recording before, and would be read as parts of this one.
+  for (std::size_t number = files_.size(); std::filesystem::exists(part_path(path_, number));
+       ++number) {
+    set_aside(part_path(path_, number));
+  }
+}
 
 }  // namespace prehend::recording

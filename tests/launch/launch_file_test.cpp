@@ -138,6 +138,44 @@ nodes:
   EXPECT_THAT(error_of("nodes: [{node: report, if: maybe}]"), HasSubstr("if must be true, false"));
 }
 
+TEST_F(LaunchFileTest, ArgumentsWithoutEffectAreRefusedWithWhatLeavesThemOut) {
+  write("driver.yaml", R"(
+arguments: {device: {default: sim}, line: {default: can0}, rate: {default: 5}}
+nodes:
+  - {node: report, if: $(device) == real, parameters: {title: $(line)}}
+  - {node: simulation}
+)");
+  const std::string text = R"(
+arguments:
+  device: {default: sim}
+  bus: {default: can0}
+  line: {default: net_$(bus)}
+  rate: {default: 5}
+  viewer: {default: false, type: bool}
+  colour: {default: red}
+  idle: {default: 1}
+include:
+  - {file: driver.yaml, arguments: {device: $(device), line: $(line), rate: $(rate)}}
+groups:
+  - {if: $(viewer), nodes: [{node: test_other, name: $(colour)_view}]}
+)";
+  load(text, {"device:=real", "line:=can1"});
+  load(text, {"device:=real", "bus:=vcan0"});  // by way of the default of line
+  load(text, {"device:=sim"});
+  load(text, {"viewer:=true", "colour:=blue"});
+  for (const char* argument : {"line:=can1", "bus:=vcan0"}) {
+    const std::string error = error_of(text, {argument});
+    EXPECT_THAT(error, HasSubstr(std::string("command line: ") + argument + " has no effect"));
+    EXPECT_THAT(error, HasSubstr("driver.yaml:4 (if: $(device) == real)"));
+  }
+  EXPECT_THAT(error_of(text, {"colour:=blue"}), HasSubstr("(if: $(viewer))"));
+  EXPECT_THAT(error_of(text, {"idle:=2"}), HasSubstr("nothing in the launch file uses it"));
+  EXPECT_THAT(error_of(text, {"rate:=2"}), HasSubstr("nothing in the launch file uses it"));
+  // Given a value of its own, line does without its default.
+  EXPECT_THAT(error_of(text, {"device:=real", "line:=can1", "bus:=vcan0"}),
+              HasSubstr("bus:=vcan0 has no effect"));
+}
+
 TEST_F(LaunchFileTest, WarningsOfAllFilesAreCollected) {
   write("b.yaml", "warnings: [{text: beside}]\nnodes: [{node: report}]\n");
   const LaunchGraph graph = load(R"(
@@ -182,7 +220,8 @@ TEST_F(LaunchFileTest, MisspeltNamesAreNamedWithTheirLineAndTheNearestOne) {
 TEST_F(LaunchFileTest, WrongValuesAreNamed) {
   const std::string typed =
       "arguments: {n: {default: 1, type: int}, b: {default: true, type: bool}, "
-      "x: {default: 1.5, type: double}}\nnodes: [{node: report}]\n";
+      "x: {default: 1.5, type: double}}\n"
+      "nodes: [{node: report, parameters: {n: $(n), b: $(b), x: $(x)}}]\n";
   EXPECT_THAT(error_of(typed, {"n:=1.5"}), HasSubstr("argument n must be an integer, is \"1.5\""));
   EXPECT_THAT(error_of(typed, {"b:=maybe"}), HasSubstr("must be true or false"));
   EXPECT_THAT(error_of(typed, {"x:=fast"}), HasSubstr("must be a number"));

@@ -53,13 +53,13 @@ TEST_F(SupervisionTest, TheLaunchEndsWithItsLastNode) {
 
 TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
   const auto start = steady_clock::now();
-  const auto program = launch(node("weak", "after: 0.05, exit: 2", "respawn: true"));
+  const auto program = launch(node("weak", "after: 0.05, exit: 3", "respawn: true"));
   ASSERT_TRUE(wait_for_pids(3));  // at 0, 0.5 and 1.5 s
   EXPECT_GE(steady_clock::now() - start, milliseconds(1500));
   ASSERT_TRUE(program->wait_for_output("starting it again in 2.0 s"));
   ::kill(program->pid(), SIGINT);
   EXPECT_EQ(program->wait(seconds(10)), 1) << "its last run failed, too";
-  EXPECT_THAT(program->output(), HasSubstr("weak: exit code 2; starting it again in 0.5 s"));
+  EXPECT_THAT(program->output(), HasSubstr("weak: exit code 3; starting it again in 0.5 s"));
   EXPECT_THAT(program->output(), HasSubstr("starting it again in 1.0 s"));
   expect_none_running();
 }
@@ -67,13 +67,27 @@ TEST_F(SupervisionTest, ANodeIsStartedAgainLaterEachTime) {
 // Without an end, a wrong configuration would keep the launch starting it for ever.
 TEST_F(SupervisionTest, ANodeThatNeverComesUpIsGivenUpWithItsReason) {
   const auto program = launch(node("idle", "after: 500") +
-                              node("weak", "say: no such device, after: 0, exit: 2",
+                              node("weak", "say: no such device, after: 0, exit: 3",
                                    "respawn: {first_delay: 0.05, longest_delay: 0.05}"));
   EXPECT_EQ(program->wait(seconds(60)), 1);
   EXPECT_THAT(program->output(),
-              HasSubstr("node weak: exit code 2, 5 times in a row before it was ready; it said "
+              HasSubstr("node weak: exit code 3, 5 times in a row before it was ready; it said "
                         "last: no such device; it is given up"));
   EXPECT_EQ(pids().size(), 6u);  // one of idle
+  expect_none_running();
+}
+
+// As with a mistyped value: the next start would end as this one did.
+TEST_F(SupervisionTest, ANodeThatRefusesItsParametersIsNotStartedAgain) {
+  const auto program =
+      launch(node("idle", "after: 500") + node("weak", "say: place is \"abc\", after: 0, exit: 2",
+                                               "respawn: {first_delay: 0.05}"));
+  EXPECT_EQ(program->wait(seconds(60)), 1);
+  EXPECT_THAT(
+      program->output(),
+      HasSubstr("node weak: exit code 2; it said last: place is \"abc\"; it refuses what it "
+                "is given and is not started again"));
+  EXPECT_LE(pids().size(), 2u);
   expect_none_running();
 }
 

@@ -136,6 +136,27 @@ TEST(SplitWriter, APartBeginsWithTheLatchedMessagesThatHoldThen) {
   EXPECT_EQ(first.publish_time, 9u) << "its own";
 }
 
+// A shorter recording left the last parts of the one before, which seemed to be its own.
+TEST(SplitWriter, PartsOfTheRecordingBeforeAreSetAside) {
+  TemporaryFolder folder;
+  const auto record = [&](int parts) {
+    SplitWriter writer(folder.file("a.mcap"), {}, {0, 1'000});
+    const auto touch = writer.add_channel("/touch", "t.P", example_schema(), {});
+    for (int i = 0; i < parts; ++i) {
+      writer.write(touch, "hand", 1, 10 + 1'000 * static_cast<std::uint64_t>(i), 9, message_of(i));
+    }
+    writer.close();
+    EXPECT_EQ(writer.files().size(), static_cast<std::size_t>(parts));
+  };
+  record(4);
+  record(2);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("a_0001.mcap")));
+  for (const char* name : {"a_0002.mcap", "a_0003.mcap"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder.file(name))) << name;
+    EXPECT_TRUE(std::filesystem::exists(folder.file(name + std::string(".1")))) << name;
+  }
+}
+
 TEST(SplitWriter, SaysWhatItRefuses) {
   TemporaryFolder folder;
   EXPECT_THROW(SplitWriter(folder.file("a.mcap"), {}, {10, 0}), std::invalid_argument);

@@ -74,7 +74,12 @@ Statistics Driver::statistics() const {
   Statistics statistics = statistics_;
   statistics.bad_checksums += decoder_.bad_checksums();
   statistics.discarded += decoder_.discarded();
+  statistics.lost_frames = lost_frames_.count();
   return statistics;
+}
+
+std::uint64_t Driver::damaged() const {
+  return statistics_.bad_frames + statistics_.bad_checksums + decoder_.bad_checksums();
 }
 
 void Driver::connected(Time now) {
@@ -96,6 +101,7 @@ void Driver::begin(Time now) {
   statistics_.discarded += decoder_.discarded();
   decoder_ = PacketDecoder();
   arrivals_.clear();
+  lost_frames_.restart();
   statistics_.frame_rate = 0;
   state_ = DriverState::kStopping;
   step_ = 0;
@@ -139,6 +145,8 @@ void Driver::take_frame(const Packet& packet, Time now) {
   last_frame_ = now;
   trouble_.clear();
   ++statistics_.frames;
+  lost_frames_.take(frame_.timestamp, damaged() - damaged_before_);
+  damaged_before_ = damaged();
   arrivals_.push_back(now);
   std::erase_if(arrivals_, [&](Time t) { return now - t > std::chrono::seconds(1); });
   const Time span = now - arrivals_.front();

@@ -9,6 +9,7 @@
 #include "drivers/dsa/codec/frame.h"
 #include "drivers/dsa/codec/packet.h"
 #include "drivers/dsa/codec/structures.h"
+#include "drivers/dsa/driver/lost_frames.h"
 #include "drivers/wire/time/time.h"
 
 namespace prehend::drivers::dsa {
@@ -41,10 +42,11 @@ struct Statistics {
   std::uint64_t frames = 0;      // handed on
   std::uint64_t bad_frames = 0;  // whole packets that held no valid frame
   std::uint64_t bad_checksums = 0;
-  std::uint64_t discarded = 0;   // bytes that belonged to no packet
-  std::uint64_t unanswered = 0;  // questions that had to be repeated or were given up
-  std::uint64_t restarts = 0;    // of the sequence, the first included
-  double frame_rate = 0;         // 1/s, of the last second; 0: none
+  std::uint64_t lost_frames = 0;  // that never came, by the controller's time stamps
+  std::uint64_t discarded = 0;    // bytes that belonged to no packet
+  std::uint64_t unanswered = 0;   // questions that had to be repeated or were given up
+  std::uint64_t restarts = 0;     // of the sequence, the first included
+  double frame_rate = 0;          // 1/s, of the last second; 0: none
 };
 
 /// The controller as a state machine over bytes and time. It does no input or output itself: what
@@ -82,6 +84,7 @@ class Driver {
   };
   void begin(Time now);
   void ask(PacketId id, std::vector<std::uint8_t> payload, Time now);
+  std::uint64_t damaged() const;
   void give_up(const std::string& words, Time now);
   void take_packet(const Packet& packet, Time now);
   void take_frame(const Packet& packet, Time now);
@@ -108,6 +111,8 @@ class Driver {
   Time last_byte_{};
   Time pause_until_{};
   std::vector<Time> arrivals_;  // of the last second
+  LostFrames lost_frames_;
+  std::uint64_t damaged_before_ = 0;  // the last good frame
   Statistics statistics_;
   std::string trouble_;
 };

@@ -160,7 +160,7 @@ class Watcher {
   void look() {
     const DriverState state = device_.state();
     const Statistics s = device_.statistics();
-    const std::uint64_t damaged = s.bad_frames + s.bad_checksums;
+    const std::uint64_t damaged = s.bad_frames + s.bad_checksums + s.lost_frames;
     if (state != DriverState::kStreaming) {
       quality_.restart();  // what is lost while it is away is no fault of the line
     } else if (looks_ % kSample == 0) {

@@ -112,6 +112,11 @@ TEST_F(DriverHealth, OfThePadsFollowsTheLine) {
   EXPECT_EQ(status().state(), "streaming");
   faults.set_faults({});
   EXPECT_TRUE(becomes("dsa", msgs::graph::HEALTH_OK, "streaming"));
+  // Whole frames that vanish leave no damaged byte behind.
+  faults.set_faults({.dropped = 0.2});
+  ASSERT_TRUE(becomes("dsa", msgs::graph::HEALTH_WARNING, "the line is bad"));
+  faults.set_faults({});
+  EXPECT_TRUE(becomes("dsa", msgs::graph::HEALTH_OK, "streaming"));
 }
 
 TEST_F(DriverHealth, OfTheForceSensorFollowsTheLine) {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "drivers/dsa/driver/device.h"
+#include "drivers/dsa/driver/lost_frames.h"
 #include "drivers/dsa/emulator/controller.h"
 #include "drivers/wire/faults/faulty_line.h"
 #include "drivers/wire/faults/faulty_stream.h"
@@ -104,6 +105,69 @@ TEST(DsaDriver, TwoMinutesOfSixPadsAccountForEveryFrame) {
   EXPECT_LE(pads.controller.frames() - statistics.frames, 1u);  // one may be on the line
   EXPECT_NEAR(static_cast<double>(statistics.frames), 30 * 120, 40);
   EXPECT_EQ(statistics.discarded + statistics.bad_frames + statistics.bad_checksums, 0u);
+}
+
+TEST(DsaDriver, FramesThatNeverCameAreCountedByTheirTimeStamps) {
+  VirtualPads pads;
+  pads.driver.connected(pads.now);
+  pads.run(2);
+  ASSERT_EQ(pads.driver.statistics().lost_frames, 0u);
+  pads.line.set_faults({.dropped = 0.15});
+  const auto sent = pads.controller.frames();
+  const auto came = pads.driver.statistics().frames;
+  pads.run(60);
+  const auto lost = (pads.controller.frames() - sent) - (pads.driver.statistics().frames - came);
+  ASSERT_GT(lost, 200u);
+  // All but those beside another loss.
+  const auto counted = pads.driver.statistics().lost_frames;
+  EXPECT_LE(counted, lost);
+  EXPECT_GT(static_cast<double>(counted), 0.6 * static_cast<double>(lost));
+  pads.line.set_faults({.corrupted = 0.15});
+  pads.run(60);
+  pads.line.set_faults({});
+  pads.run(1);
+  const Statistics after = pads.driver.statistics();
+  EXPECT_GT(after.bad_frames + after.bad_checksums, 100u);
+  // One that is damaged came; a damaged head or length makes a frame that is not seen at all.
+  EXPECT_LT(after.lost_frames - counted, 60u);
+  pads.run(10);
+  EXPECT_LE(pads.driver.statistics().lost_frames - after.lost_frames, 1u);
+}
+
+TEST(DsaDriver, FramesThatTakeLongerAreNotLost) {
+  ControllerOptions six;
+  for (int i = 0; i < 4; ++i) six.matrices.push_back({6, 13, 3.4});
+  VirtualPads pads({}, six);
+  pads.driver.connected(pads.now);
+  pads.run(3);
+  // Nothing to be run-length coded: the frame takes three times as long on the line.
+  std::vector<std::uint16_t> texels(pads.controller.texels());
+  for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<std::uint16_t>(i * 8);
+  pads.controller.set_texels(texels);
+  pads.run(5);
+  EXPECT_LT(pads.driver.statistics().frame_rate, 15);
+  pads.controller.set_texels(std::vector<std::uint16_t>(texels.size(), 0));
+  pads.run(5);
+  EXPECT_EQ(pads.driver.statistics().lost_frames, 0u);
+}
+
+TEST(DsaLostFrames, AClockThatWrapsAndAStreamThatBeginsAnewAreNone) {
+  LostFrames lost;
+  std::uint32_t time = 0xffffffff - 150;
+  const auto come = [&](int frames) {
+    for (int i = 0; i < frames; ++i) lost.take(time += 33, 0);
+  };
+  come(20);
+  EXPECT_EQ(lost.count(), 0u);
+  time += 2 * 33;
+  come(2);
+  EXPECT_EQ(lost.count(), 2u);
+  lost.restart();
+  time += 5000;
+  come(10);
+  EXPECT_EQ(lost.count(), 2u);
+  for (int i = 0; i < 10; ++i) lost.take(time, 0);  // a clock that stands
+  EXPECT_EQ(lost.count(), 2u);
 }
 
 TEST(DsaDriver, RawFramesAreBoundByTheLine) {
