@@ -19,6 +19,7 @@ struct CaseChoice {
   std::filesystem::path out;
   std::filesystem::path json;
   std::filesystem::path meshes;
+  std::vector<std::string> groups;
   std::vector<std::string> only;
   bool quick = false;
   bool fresh = false;

@@ -5,6 +5,7 @@
 #include <exception>
 #include <optional>
 
+#include "eval/structured_light.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
@@ -75,9 +76,15 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  const perception::DisparityImage disparity =
-      perception::disparity_by_sgbm(images.left, images.right, camera);
-  return perception::segment(perception::cloud_from_disparity(disparity, camera, images.left),
+  geometry::DepthImage depth;
+  if (rendered.sensor == DepthSensor::kStructuredLight) {
+    depth = structured_light(images.depth, images.labels, camera.left,
+                             {.missing = rendered.missing, .seed = rendered.scene.camera.seed});
+  } else {
+    depth = perception::depth_from_disparity(
+        perception::disparity_by_sgbm(images.left, images.right, camera), camera);
+  }
+  return perception::segment(perception::cloud_from_depth(depth, camera.left, images.left),
                              camera.left, rendered.scene.camera.X_WC());
 }
 

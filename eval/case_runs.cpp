@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "eval/hard_objects.h"
+#include "eval/household_objects.h"
 #include "eval/process_pool.h"
 #include "eval/text_files.h"
+#include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
 namespace {
@@ -54,18 +57,44 @@ void show_progress(const PoolProgress& progress, std::size_t known) {
 
 }  // namespace
 
-std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes) {
+std::vector<std::string> known_groups() { return {"household", "scanned", "hard", "held"}; }
+
+std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
+                                           const std::vector<std::string>& groups) {
   if (!meshes.empty()) {
     const fs::path folder = fs::canonical(meshes);
     return make_data_sets(folder.filename().string(), objects_of_folder(folder));
   }
-  std::vector<DataSet> sets = make_data_sets("household", household_objects());
   const char* shared = std::getenv("PREHEND_SHARED_DATA");
-  if (shared != nullptr && *shared != '\0') {
-    const auto scanned = make_data_sets("scanned", scanned_objects(shared));
-    sets.insert(sets.end(), scanned.begin(), scanned.end());
-  } else {
-    std::printf("Without scanned meshes: PREHEND_SHARED_DATA does not name a folder.\n");
+  const bool has_scans = shared != nullptr && *shared != '\0';
+  std::vector<std::string> wanted = groups;
+  if (wanted.empty()) {
+    wanted = {"household"};
+    if (has_scans) {
+      wanted.push_back("scanned");
+    } else {
+      std::printf("Without scanned meshes: PREHEND_SHARED_DATA does not name a folder.\n");
+    }
+  }
+  std::vector<DataSet> sets;
+  for (const std::string& group : wanted) {
+    std::vector<EvaluationObject> objects;
+    if (group == "household") objects = household_objects();
+    if (group == "hard") objects = hard_objects();
+    if (group == "held") objects = held_out_objects();
+    if (group == "scanned") {
+      if (!has_scans) {
+        throw geometry::InputError("The group scanned needs its meshes",
+                                   "Let PREHEND_SHARED_DATA name their folder");
+      }
+      objects = scanned_objects(shared);
+    }
+    if (objects.empty()) {
+      throw geometry::InputError("There is no group '" + group + "'",
+                                 "Give some of household, scanned, hard, held");
+    }
+    const std::vector<DataSet> made = make_data_sets(group, objects);
+    sets.insert(sets.end(), made.begin(), made.end());
   }
   return sets;
 }

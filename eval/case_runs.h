@@ -11,10 +11,16 @@
 
 namespace prehend::eval {
 
-/// The household objects and, where PREHEND_SHARED_DATA names their folder, the scanned ones (says
-/// so when not); or those of the folder `meshes` alone, if that is not empty.
-/// @throws geometry::InputError as objects_of_folder() and scanned_objects().
-std::vector<DataSet> data_sets_to_evaluate(const std::filesystem::path& meshes);
+/// Names of groups: "household", "scanned", "hard" and "held", see household_objects.h and
+/// hard_objects.h.
+std::vector<std::string> known_groups();
+
+/// The data sets of `groups`; of none: household and, where PREHEND_SHARED_DATA names their folder,
+/// scanned (says so when not). Or those of the folder `meshes` alone, if that is not empty.
+/// @throws geometry::InputError as objects_of_folder() and scanned_objects(), for an unknown group,
+/// and for scanned without PREHEND_SHARED_DATA.
+std::vector<DataSet> data_sets_to_evaluate(const std::filesystem::path& meshes,
+                                           const std::vector<std::string>& groups = {});
 
 /// How many cases are run.
 struct CaseRunOptions {

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
+
+#include "eval/household_objects.h"
 
 namespace prehend::eval {
 namespace {
@@ -14,10 +17,32 @@ std::uint32_t hash_of(const std::string& text) {
   return hash;
 }
 
-simulation::Texture texture_of(const Case& one, double contrast) {
+template <class Value>
+std::uint32_t hash_of(const std::vector<Value>& values, std::uint32_t hash) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+  for (std::size_t i = 0; i < values.size() * sizeof(Value); ++i) {
+    hash = (hash ^ bytes[i]) * 16777619U;
+  }
+  return hash;
+}
+
+std::uint32_t content_of(const DataSet& set) {
+  const Viewing& s = set.viewing;
+  std::uint32_t hash =
+      hash_of(std::vector<double>{static_cast<double>(s.sensor), s.elevation, s.distance,
+                                  s.look_aside.x(), s.look_aside.y(), s.missing},
+              2166136261U);
+  hash = hash_of(set.mesh_B->triangles, hash_of(set.mesh_B->vertices, hash));
+  for (const auto& other : s.others_B) {
+    hash = hash_of(other->triangles, hash_of(other->vertices, hash));
+  }
+  return hash;
+}
+
+simulation::Texture texture_of(const std::string& name, std::uint64_t seed, double contrast) {
   using Pattern = simulation::Texture::Pattern;
   static constexpr Pattern kPatterns[] = {Pattern::kNoise, Pattern::kStripes, Pattern::kLabel};
-  const std::uint32_t hash = hash_of(one.data_set->name);
+  const std::uint32_t hash = hash_of(name);
   const auto channel = [hash](int shift, double low, double high) {
     return low + (high - low) * static_cast<double>(hash >> shift & 0xFF) / 255;
   };
@@ -26,11 +51,30 @@ simulation::Texture texture_of(const Case& one, double contrast) {
   texture.color = {channel(0, 0.3, 0.85), channel(8, 0.2, 0.7), channel(16, 0.15, 0.6)};
   texture.second_color = {channel(12, 0.6, 0.95), channel(20, 0.6, 0.95), channel(4, 0.5, 0.9)};
   texture.contrast = contrast;
-  texture.seed = hash ^ static_cast<std::uint32_t>(one.seed);
+  texture.seed = hash ^ static_cast<std::uint32_t>(seed);
   return texture;
 }
 
+// Looks from the elevation at the object, which is `look_aside` of the image's middle.
+void place_camera(simulation::CameraSetup& camera, const Viewing& viewing) {
+  const Eigen::Vector3d along = camera.eye - camera.target;
+  const double distance = viewing.distance > 0 ? viewing.distance : along.norm();
+  const double elevation = viewing.elevation > 0 ? viewing.elevation * std::numbers::pi / 180
+                                                 : std::asin(along.z() / along.norm());
+  camera.eye =
+      camera.target + distance * Eigen::Vector3d(std::cos(elevation), 0, std::sin(elevation));
+  const geometry::RigidTransform X_WC = camera.X_WC();
+  const geometry::PinholeCamera& left = camera.camera.left;
+  const Eigen::Vector2d aside(viewing.look_aside.x() * left.width / 2 / left.fx,
+                              viewing.look_aside.y() * left.height / 2 / left.fy);
+  camera.target -= X_WC.linear().leftCols<2>() * aside * distance;
+}
+
 }  // namespace
+
+std::string Case::result_name() const {
+  return fmt::format("{}-{:08x}", name(), data_set->content);
+}
 
 std::string Case::name() const {
   return fmt::format("{}-{}-{:03}-seed{}", data_set->group, data_set->name, orientation, seed);
@@ -47,12 +91,13 @@ std::vector<DataSet> make_data_sets(const std::string& group,
                                     const std::vector<EvaluationObject>& objects) {
   std::vector<DataSet> sets;
   for (const EvaluationObject& object : objects) {
-    sets.push_back({group, object.name, object.mesh_B, object.symmetric});
+    sets.push_back({group, object.name, object.mesh_B, object.symmetric, object.viewing});
     if (!object.lies_too) continue;
     sets.push_back({group, object.name + "_lying",
                     std::make_shared<geometry::TriangleMesh>(lying(*object.mesh_B)),
-                    object.symmetric});
+                    object.symmetric, object.viewing});
   }
+  for (DataSet& set : sets) set.content = content_of(set);
   return sets;
 }
 
@@ -70,13 +115,24 @@ RenderedScene scene_of(const Case& one, const Appearance& appearance) {
   rendered.scene.camera.noise = appearance.image_noise;
   rendered.scene.camera.seed = hash_of(one.name());
   rendered.scene.light.ambient = appearance.ambient;
-  simulation::VisibleBody body;
-  body.name = one.data_set->name;
-  body.mesh_B = one.data_set->mesh_B;
-  body.X_WB = one.X_WB();
-  body.texture = texture_of(one, appearance.texture_contrast);
-  body.height = geometry::bounds(*body.mesh_B).max().z();
-  rendered.bodies.push_back(std::move(body));
+  const Viewing& viewing = one.data_set->viewing;
+  place_camera(rendered.scene.camera, viewing);
+  rendered.sensor = viewing.sensor;
+  rendered.missing = viewing.missing;
+  const auto add = [&](const std::string& name,
+                       const std::shared_ptr<const geometry::TriangleMesh>& mesh_B) {
+    simulation::VisibleBody body;
+    body.name = name;
+    body.mesh_B = mesh_B;
+    body.X_WB = one.X_WB();
+    body.texture = texture_of(name, one.seed, appearance.texture_contrast);
+    body.height = geometry::bounds(*mesh_B).max().z();
+    rendered.bodies.push_back(std::move(body));
+  };
+  add(one.data_set->name, one.data_set->mesh_B);
+  for (const auto& other : viewing.others_B) {
+    add(fmt::format("{}_other_{}", one.data_set->name, rendered.bodies.size()), other);
+  }
   return rendered;
 }
 

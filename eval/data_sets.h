@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/household_objects.h"
+#include "eval/evaluation_object.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/simulation/world.h"
@@ -19,6 +19,8 @@ struct DataSet {
   std::string name;   // the object's, with "_lying"
   std::shared_ptr<const geometry::TriangleMesh> mesh_B;  // resting on z = 0
   bool symmetric = true;
+  Viewing viewing;
+  std::uint32_t content = 0;  // of mesh and viewing: changes with them
 };
 
 /// One stereo pair of the evaluation.
@@ -29,6 +31,8 @@ struct Case {
 
   /// Unique and fit for a file name.
   std::string name() const;
+  /// The same for a file with its result, which another mesh or viewing of that name has not.
+  std::string result_name() const;
   /// Pose of the object in the world: turned by the orientation at the table's centre.
   geometry::RigidTransform X_WB() const;
 };
@@ -48,11 +52,13 @@ struct Appearance {
   double ambient = 0.45;           // 0..1 of the light
 };
 
-/// The scene (default camera, table, light) and the body that render_stereo() takes for a case. The
-/// colours and the pattern follow from the data set's name.
+/// The scene (default table and light, camera as the viewing says) and the bodies that
+/// render_stereo() takes for a case. Colours and patterns follow from the data set's name.
 struct RenderedScene {
   simulation::Scene scene;
-  std::vector<simulation::VisibleBody> bodies;
+  std::vector<simulation::VisibleBody> bodies;  // the case's first
+  DepthSensor sensor = DepthSensor::kStereo;
+  double missing = 0;  // part of the first body without depth
 };
 RenderedScene scene_of(const Case& one, const Appearance& appearance = {});
 

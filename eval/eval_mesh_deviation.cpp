@@ -90,12 +90,13 @@ void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path
 }
 
 int run(const Options& options) {
-  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.choice.meshes);
+  const std::vector<eval::DataSet> sets =
+      eval::data_sets_to_evaluate(options.choice.meshes, options.choice.groups);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   const std::vector<eval::Method> methods = methods_of(options);
   const eval::CaseRunOptions runs = options.choice.runs();
   std::vector<std::string> case_names;
-  for (const eval::Case& one : cases) case_names.push_back(one.name());
+  for (const eval::Case& one : cases) case_names.push_back(one.result_name());
   const auto crashed = eval::run_cases(
       runs, case_names,
       [&](int, const fs::path& file) { return known_result(file, methods).has_value(); },
@@ -106,7 +107,7 @@ int run(const Options& options) {
   std::vector<eval::CaseResult> results;
   for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
     const eval::Case& one = cases[i];
-    if (auto result = known_result(eval::case_file(runs, one.name()), methods)) {
+    if (auto result = known_result(eval::case_file(runs, one.result_name()), methods)) {
       results.push_back(std::move(*result));
       continue;
     }
@@ -140,6 +141,13 @@ int main(int argc, char** argv) {
       "also lying; with PREHEND_SHARED_DATA as many scanned ones) in 8 orientations. A run that "
       "was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
+  app.add_option(
+         "--groups", options.choice.groups,
+         "household, scanned (with PREHEND_SHARED_DATA), hard: vessels, stacks, hidden, cut, "
+         "tiny and dark things, held: the same in other shapes, for closing tables only; "
+         "default: household and scanned")
+      ->check(CLI::IsMember(eval::known_groups()))
+      ->excludes("--meshes");
   std::vector<std::string> names;
   for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
   app.add_option("--methods", options.methods, "the methods to compare; default: all")

@@ -16,6 +16,7 @@
 
 #include "eval/case_runs.h"
 #include "eval/grasp/plan_tradeoff.h"
+#include "eval/household_objects.h"
 #include "eval/shape_tradeoff.h"
 #include "eval/text_files.h"
 #include "eval/touch/tradeoff.h"

@@ -117,7 +117,8 @@ double toy(const Vector3d& p) {
 
 EvaluationObject object(std::string name, TriangleMesh mesh, bool lies_too = false,
                         bool symmetric = true) {
-  return {std::move(name), std::make_shared<TriangleMesh>(std::move(mesh)), symmetric, lies_too};
+  return {
+      std::move(name), std::make_shared<TriangleMesh>(std::move(mesh)), symmetric, lies_too, {}};
 }
 
 }  // namespace

@@ -1,22 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "prehend/geometry/triangle_mesh.h"
+#include "eval/evaluation_object.h"
 
 namespace prehend::eval {
-
-/// A body whose true shape is known.
-struct EvaluationObject {
-  std::string name;
-  /// Standing on z = 0, the middle of its bounds on the z axis, facing outward [m].
-  std::shared_ptr<const geometry::TriangleMesh> mesh_B;
-  bool symmetric = true;  // has a vertical plane of symmetry when it stands (as far as is known)
-  bool lies_too = false;  // is also evaluated lying on its side
-};
 
 /// Twelve household objects as code, 4 to 24 cm: boxes, can, bottles, bowl, mug, spray bottle,
 /// cone, ball, milk carton and a toy without any symmetry. Closed manifold meshes of 2 mm

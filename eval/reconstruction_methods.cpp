@@ -1,5 +1,7 @@
 #include "eval/reconstruction_methods.h"
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "prehend/shape/symmetry.h"
@@ -70,7 +72,11 @@ Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object)
   result.vote = shape.symmetry.vote;
   result.confidence = shape.confidence;
   result.evidence = shape.evidence;
-  result.mesh_W = surface::make_object_model(shape, scene.table_W).mesh_W;
+  surface::ObjectModel model = surface::make_object_model(shape, scene.table_W);
+  if (!model.substitute.empty()) {
+    result.confidence = std::min(result.confidence, surface::kSubstituteConfidence);
+  }
+  result.mesh_W = std::move(model.mesh_W);
   return result;
 }
 

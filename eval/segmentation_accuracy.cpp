@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "eval/data_sets.h"
+#include "eval/household_objects.h"
 #include "prehend/geometry/cloud_files.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/recorded_cloud.h"

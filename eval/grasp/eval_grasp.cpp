@@ -35,7 +35,7 @@ struct Options {
 struct HandCase {
   eval::Case one;
   const eval::HandUnderTest* hand;
-  std::string name() const { return hand->name + "_" + one.name(); }
+  std::string name() const { return hand->name + "_" + one.result_name(); }
 };
 
 // The file's result, if it has one of every setting.

@@ -308,6 +308,7 @@ msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene) {
     out.set_touches_image_border(object.touches_image_border);
     out.set_occluded_share(object.occluded_share);
   }
+  for (const std::string& dropped : scene.dropped) message.add_notes("not an object: " + dropped);
   message.set_depth(pack_depth(scene.depth));
   return message;
 }
@@ -420,6 +421,7 @@ msgs::ObjectModel to_message(const surface::ObjectModel& model) {
   }
   message.set_vertex_confidence(pack_shares(model.vertex_confidence));
   message.set_guessed_area(model.guessed_area);
+  message.set_substitute(model.substitute);
   for (const auto& mesh_W : model.alternatives_W) *message.add_alternatives() = to_message(mesh_W);
   return message;
 }

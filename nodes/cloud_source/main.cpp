@@ -1,6 +1,4 @@
 #include <chrono>
-#include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,25 +15,13 @@ namespace {
 
 using namespace prehend;
 
-// The numbers of a parameter like "0 0 1"; none for an empty one.
-std::vector<double> read_numbers(const std::string& name, const std::string& text,
-                                 std::size_t count, const std::string& meaning) {
-  std::istringstream stream(text);
-  std::vector<double> numbers;
-  for (double number = 0; stream >> number;) numbers.push_back(number);
-  if (stream.eof() && (numbers.empty() || numbers.size() == count)) return numbers;
-  throw geometry::InputError("Parameter " + name + " is '" + text + "'",
-                             "Give " + meaning + ", separated by spaces");
-}
-
 perception::RecordedCloudOptions read_options(graph::Node& node) {
-  perception::RecordedCloudOptions options;
-  options.scale = node.declare_parameter<double>({.name = "scale",
-                                                  .default_value = 1.0,
-                                                  .minimum = 1e-9,
-                                                  .maximum = 1e9,
-                                                  .description = "metres per unit of the file",
-                                                  .read_only = true});
+  const auto scale = node.declare_parameter<double>({.name = "scale",
+                                                     .default_value = 1.0,
+                                                     .minimum = 1e-9,
+                                                     .maximum = 1e9,
+                                                     .description = "metres per unit of the file",
+                                                     .read_only = true});
   const auto viewpoint = node.declare_parameter<std::string>(
       {.name = "viewpoint",
        .description = "pose of the camera's optical frame in the file's frame: x y z qw qx qy qz; "
@@ -45,31 +31,14 @@ perception::RecordedCloudOptions read_options(graph::Node& node) {
       {.name = "up",
        .description = "direction up in the file's frame: x y z; empty: unknown",
        .read_only = true});
-  const auto single_object = node.declare_parameter<std::string>(
-      {.name = "single_object",
+  const auto table = node.declare_parameter<std::string>(
+      {.name = "table",
        .default_value = "auto",
-       .choices = {"auto", "yes", "no"},
-       .description = "whether the cloud is one object without a table",
+       .description = "auto: a small cloud without a table is one object; find: there is a table; "
+                      "none: the cloud is one object; a b c d: it is the plane a x + b y + c z = d "
+                      "of the file's frame [m], normal towards the objects",
        .read_only = true});
-  if (const auto v =
-          read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
-      !v.empty()) {
-    const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
-    if (!(q.norm() > 0.5 && q.norm() < 2)) {
-      throw geometry::InputError(
-          "Parameter viewpoint has a quaternion of length " + std::to_string(q.norm()),
-          "Give a unit quaternion, w first");
-    }
-    options.viewpoint = geometry::make_transform(q, {v[0], v[1], v[2]});
-  }
-  if (const auto v = read_numbers("up", up, 3, "x y z"); !v.empty()) {
-    options.up = Eigen::Vector3d(v[0], v[1], v[2]);
-    if (options.up->norm() < 1e-9) {
-      throw geometry::InputError("Parameter up has no length", "Give a direction like 0 0 1");
-    }
-  }
-  if (single_object != "auto") options.single_object = single_object == "yes";
-  return options;
+  return perception::read_recorded_cloud_options(scale, viewpoint, up, table);
 }
 
 // A cloud without table or objects is an answer: it is published and the node stays.
@@ -82,7 +51,7 @@ msgs::ObjectHypotheses segment(graph::Node& node, const perception::RecordedClou
         recorded, nodes::segmentation_options(node), nodes::table_options(node), world);
     message = convert::to_message(scene);
     if (scene.objects.empty()) {
-      message.set_problem("The table is empty: nothing of a graspable size stands on it");
+      message.set_problem(perception::why_no_objects(scene));
     }
   } catch (const geometry::InputError& error) {
     message.set_problem(error.what());

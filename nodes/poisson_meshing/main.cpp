@@ -177,7 +177,9 @@ class PoissonMeshing {
     model.set_object_count(shape.object_count());
     model.set_touches_image_border(shape.touches_image_border());
     model.set_occluded_share(shape.occluded_share());
-    model.set_confidence(shape.confidence());
+    model.set_confidence(model.substitute().empty()
+                             ? shape.confidence()
+                             : std::min(shape.confidence(), surface::kSubstituteConfidence));
     model.set_method(shape.method());
     model.set_vote(shape.vote());
     *model.mutable_table() = shape.table();
@@ -189,6 +191,9 @@ class PoissonMeshing {
           model.convex_pieces_size(), model.volume() * 1e6, model.seen_deviation() * 1e3,
           100 * model.guessed_area());
       node_.log_info("{}", text);
+      if (!model.substitute().empty()) {
+        node_.log_warning("object {}: {}", shape.id(), model.substitute());
+      }
       node_.report(graph::Health::kOk, text);
     } else {
       node_.report(graph::Health::kWarning,

@@ -10,6 +10,7 @@
 #include "nodes/report/collector.h"
 #include "nodes/report/compose.h"
 #include "nodes/report/processes.h"
+#include "nodes/report/saved.h"
 #include "nodes/report/verdict.h"
 #include "prehend/graph/node_program.h"
 
@@ -47,6 +48,11 @@ void run(graph::Node& node) {
                                                           .default_value = "prehend",
                                                           .description = "title of the page",
                                                           .read_only = true});
+  const auto save = node.declare_parameter<std::string>(
+      {.name = "save",
+       .description = "folder for the predicted meshes (object_K.ply, .obj, .stl; metres, world "
+                      "frame) and their grasps (object_K_grasps.json); empty: none",
+       .read_only = true});
   nodes::GripperSource gripper(node);
   const bool require_lift =
       node.declare_parameter<bool>({.name = "require_lift",
@@ -90,6 +96,8 @@ void run(graph::Node& node) {
                                         gripper.model().value_or(robot::GripperModel{}), processes);
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
+
+  if (!save.empty()) nodes::save_predictions(collected, save);
 
   const std::string summary = summary_text(title, collected, verdict, file);
   std::ofstream(std::filesystem::path(out) / "summary.txt") << summary;

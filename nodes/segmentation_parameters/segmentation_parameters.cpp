@@ -75,15 +75,21 @@ void declare_segmentation_parameters(graph::Node& node, bool at_start) {
   declare_table_parameters(declarer);
   const perception::SegmentationOptions o;
   declare_length(declarer, "min_height", o.min_height,
-                 "lower points belong to the table, up to 1 m depth", 1e-4, 0.1);
+                 "lower points belong to the table, up to 1 m depth; 0: by the table's noise", 0,
+                 0.1);
   declare_length(declarer, "max_height", o.max_height, "points higher over the table are dropped");
   declare_length(declarer, "max_distance", o.max_distance,
                  "points farther from the camera are dropped", 0.1);
   declare_length(declarer, "cluster_tolerance", o.cluster_tolerance,
                  "gap that separates two objects", 1e-3, 0.5);
   declare_length(declarer, "leaf_size", o.leaf_size, "voxels that are clustered", 0, 0.1);
-  declare_count(declarer, "min_points", o.min_points, 1, 1000000, "points",
-                "of the smallest object");
+  node.declare_parameter<double>({.name = "min_area",
+                                  .default_value = o.min_area,
+                                  .unit = "m^2",
+                                  .minimum = 0,
+                                  .maximum = 1,
+                                  .description = "that is seen of the smallest object",
+                                  .read_only = at_start});
   declare_length(declarer, "min_object_height", o.min_object_height, "lower things are dropped");
   declare_length(declarer, "hull_margin", o.hull_margin, "by which the table's outline is widened");
   declare_count(declarer, "close_radius", o.close_radius, 0, 50, "px",
@@ -125,7 +131,7 @@ perception::SegmentationOptions segmentation_options(const graph::Node& node) {
   o.max_distance = node.parameter<double>("max_distance");
   o.cluster_tolerance = node.parameter<double>("cluster_tolerance");
   o.leaf_size = node.parameter<double>("leaf_size");
-  o.min_points = node.parameter<int>("min_points");
+  o.min_area = node.parameter<double>("min_area");
   o.min_object_height = node.parameter<double>("min_object_height");
   o.hull_margin = node.parameter<double>("hull_margin");
   o.close_radius = node.parameter<int>("close_radius");

@@ -20,9 +20,6 @@ namespace {
 
 using namespace prehend;
 
-constexpr const char* kNoObjects =
-    "The table is empty: nothing of a graspable size stands on it within max_distance";
-
 void declare_method_parameters(graph::Node& node) {
   const perception::StereoOptions o;
   node.declare_parameter<std::string>(
@@ -198,7 +195,6 @@ class StereoSegmentation {
     if (node_.parameter<std::string>("background") == "dark") {
       const perception::SegmentationOptions options = nodes::segmentation_options(node_);
       perception::DarkBackgroundOptions dark;
-      dark.min_points = options.min_points;
       dark.max_distance = options.max_distance;
       dark.max_objects = options.max_objects;
       scene = perception::segment_on_dark_background(cloud_C, images.left, camera.left, up_C, X_WC,
@@ -216,7 +212,7 @@ class StereoSegmentation {
     msgs::ObjectHypotheses message = convert::to_message(scene);
     message.mutable_camera()->set_baseline(camera.baseline);
     message.mutable_times()->Swap(times.mutable_times());
-    if (scene.objects.empty()) message.set_problem(kNoObjects);
+    if (scene.objects.empty()) message.set_problem(perception::why_no_objects(scene));
     return message;
   }
 

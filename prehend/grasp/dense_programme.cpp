@@ -29,7 +29,7 @@ std::optional<Eigen::VectorXd> DenseProgramme::maximise() const {
       !most.allFinite()) {
     throw std::invalid_argument("DenseProgramme: a number is not finite");
   }
-  const GlpkProblem programme(glp_create_prob());
+  const GlpkProblem programme = make_glpk_problem();
   glp_set_obj_dir(programme.get(), GLP_MAX);
   glp_add_rows(programme.get(), static_cast<int>(p + q));
   for (Eigen::Index i = 0; i < p; ++i) {

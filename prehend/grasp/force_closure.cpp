@@ -29,7 +29,7 @@ constexpr int kClosureIterations = 500;
 class WrenchProgramme {
  public:
   explicit WrenchProgramme(const Wrenches& wrenches)
-      : programme_(glp_create_prob()), count_(static_cast<int>(wrenches.cols())) {
+      : programme_(make_glpk_problem()), count_(static_cast<int>(wrenches.cols())) {
     glp_set_obj_dir(programme_.get(), GLP_MAX);
     glp_add_rows(programme_.get(), 7);
     for (int row = 1; row <= 6; ++row) glp_set_row_bnds(programme_.get(), row, GLP_FX, 0, 0);

@@ -73,8 +73,11 @@ StereoCalibration from_document(const CalibrationDocument& document) {
       fail_calibration(path, "has neither the key 'fx' nor a matrix 'M1' or 'K'",
                        "Add it or calibrate again");
     }
-    calibration.K_left << document.number({"fx"}), 0, document.number({"cx"}), 0,
-        document.number({"fy"}), document.number({"cy"}), 0, 0, 1;
+    calibration.K_left.setIdentity();
+    calibration.K_left(0, 0) = document.number({"fx"});
+    calibration.K_left(0, 2) = document.number({"cx"});
+    calibration.K_left(1, 1) = document.number({"fy"});
+    calibration.K_left(1, 2) = document.number({"cy"});
     check_pinhole(path, calibration.K_left, "fx, fy");
     calibration.K_right = calibration.K_left;
     set_baseline(calibration, path, document.number({"baseline"}));

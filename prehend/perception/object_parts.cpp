@@ -8,7 +8,9 @@
 
 #include <Eigen/Dense>
 
+#include "prehend/geometry/errors.h"
 #include "prehend/geometry/symmetric_solve.h"
+#include "prehend/perception/cloud_partition.h"
 
 namespace prehend::perception {
 namespace {
@@ -62,8 +64,8 @@ class PartJoiner {
     return std::sqrt(static_cast<double>(least));
   }
 
-  // The cluster that part k, floating, belongs to.
-  std::optional<std::size_t> carrier_of(std::size_t k, double contact_height,
+  // The cluster that part k belongs to, as it floats or stands within that one's outline.
+  std::optional<std::size_t> carrier_of(std::size_t k, bool floats, double contact_height,
                                         double join_gap) const {
     std::optional<std::size_t> carrier;
     double nearest = join_gap;
@@ -71,7 +73,7 @@ class PartJoiner {
       if (other == k || parts_[other].lowest > contact_height) continue;
       if (clusters_[other].size() < 2 * clusters_[k].size()) continue;
       const double gap = distance(k, other);
-      if (gap >= nearest) continue;
+      if (gap >= nearest || (!floats && !is_within(k, other))) continue;
       nearest = gap;
       carrier = other;
     }
@@ -105,6 +107,21 @@ class PartJoiner {
   }
 
  private:
+  // Whether all of cluster k stands within the convex outline of the other one, nearly.
+  bool is_within(std::size_t k, std::size_t other) const {
+    constexpr double kMargin = 0.008;  // m
+    std::vector<Eigen::Vector3f> around;
+    for (const int i : clusters_[other]) around.push_back(points_[i]);
+    try {
+      const PlaneOutline outline(table_, around);
+      return std::all_of(clusters_[k].begin(), clusters_[k].end(), [&](int i) {
+        return outline.contains(points_[i].cast<double>(), kMargin);
+      });
+    } catch (const geometry::InputError&) {
+      return false;  // the other one is seen as a line
+    }
+  }
+
   struct View {
     Eigen::Vector3d along;    // horizontal, away from the camera
     Eigen::Vector3d lateral;  // horizontal
@@ -158,38 +175,39 @@ class PartJoiner {
 
 }  // namespace
 
-std::vector<std::vector<int>> joined_parts(const std::vector<Eigen::Vector3f>& points,
-                                           const std::vector<std::vector<int>>& clusters,
-                                           const geometry::Plane& table_C,
-                                           const PartOptions& options) {
+JoinedParts joined_parts(const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<std::vector<int>>& clusters,
+                         const std::vector<char>& is_cut, const geometry::Plane& table_C,
+                         const PartOptions& options) {
   const PartJoiner joiner(points, clusters, table_C);
   std::vector<std::size_t> target(clusters.size());
   std::iota(target.begin(), target.end(), 0);
-  std::vector<char> dropped(clusters.size(), 0);
+  std::vector<char> hangs(clusters.size(), 0);
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     const bool floats = joiner.part(k).lowest > options.contact_height;
     std::optional<std::size_t> whole = joiner.near_wall_of(k);
-    if (!whole && floats) {
-      whole = joiner.carrier_of(k, options.contact_height, options.join_gap);
-    }
+    if (!whole) whole = joiner.carrier_of(k, floats, options.contact_height, options.join_gap);
     if (whole) {
       target[k] = *whole;
-    } else if (joiner.part(k).lowest > options.drop_height) {
-      dropped[k] = 1;
+    } else if (is_cut[k] && joiner.part(k).lowest > options.drop_height) {
+      hangs[k] = 1;
     }
   }
-  std::vector<std::vector<int>> result(clusters.size());
+  std::vector<std::vector<int>> joined(clusters.size());
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     // Parts of parts; a circle ends where it started.
     std::size_t root = k;
     for (std::size_t steps = 0; target[root] != root && steps < clusters.size(); ++steps) {
       root = target[root];
     }
-    if (dropped[root]) continue;
-    result[root].insert(result[root].end(), clusters[k].begin(), clusters[k].end());
+    joined[root].insert(joined[root].end(), clusters[k].begin(), clusters[k].end());
   }
-  std::erase_if(result, [](const auto& part) { return part.empty(); });
-  for (std::vector<int>& part : result) std::sort(part.begin(), part.end());
+  JoinedParts result;
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    if (joined[k].empty()) continue;
+    std::sort(joined[k].begin(), joined[k].end());
+    (hangs[k] ? result.hanging : result.objects).push_back(std::move(joined[k]));
+  }
   return result;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
@@ -21,7 +23,7 @@ using geometry::Plane;
 using geometry::PointCloud;
 using geometry::RigidTransform;
 
-constexpr double kLargestExtent = 20;      // m, more looks like millimetres
+constexpr double kLargestExtent = 8;       // m, more looks like millimetres
 constexpr double kSmallestExtent = 0.003;  // m, less looks like a wrong scale
 constexpr double kFlatness = 1e-3;         // ratio of deviations under which a cloud has no depth
 constexpr double kPinholeShare = 0.8;      // inliers of a cloud that is an image
@@ -83,9 +85,13 @@ void check_cloud(const PointCloud& cloud, const Shape& shape) {
   }
   if (finite == 1) throw InputError("The cloud has only one valid point", again);
   if (shape.extent.maxCoeff() > kLargestExtent) {
-    throw InputError("The cloud is " + text("%.4g", shape.extent.maxCoeff()) +
-                         " m large, which looks like millimetres",
-                     "Pass scale:=0.001, or a scale that makes it metres");
+    const double extent = shape.extent.maxCoeff();
+    throw InputError("The cloud would be " + text("%.4g", extent) +
+                         " m large, so its unit is not the metre. It is " +
+                         text("%.3g", 0.0254 * extent) + " m large if it is in inches, " +
+                         text("%.3g", 0.01 * extent) + " m if in centimetres, " +
+                         text("%.3g", 0.001 * extent) + " m if in millimetres",
+                     "Pass the scale that is right: 0.0254, 0.01 or 0.001");
   }
   if (shape.deviations[2] < 1e-9) {
     throw InputError("All " + std::to_string(finite) + " valid points of the cloud are one point",
@@ -256,12 +262,37 @@ void set_camera_and_cloud(RecordedCloud& recorded, const PointCloud& cloud_F,
                            std::to_string(recorded.camera.height) + " pixels is used");
 }
 
+// Whether the plane is seen around or under what stands on it. The face of a body has its other
+// faces beside it, not within it.
+bool is_around_things(const PointCloud& cloud_C, const Table& table) {
+  constexpr double kMostCovered = 0.6;  // of the table's outline, by what is over it
+  if (table.object_points == 0) return false;
+  std::vector<Eigen::Vector3f> corners, above;
+  for (const Eigen::Vector3d& p : table.hull_C) corners.push_back(p.cast<float>());
+  const PlaneOutline outline(table.plane_C, corners);
+  constexpr double kOver = 0.015;  // m
+  for (const Eigen::Vector3f& p : cloud_C.points) {
+    if (!geometry::is_finite(p)) continue;
+    const Eigen::Vector3d at = p.cast<double>();
+    if (table.plane_C.signed_distance(at) > kOver && outline.contains(at, 0)) above.push_back(p);
+  }
+  if (above.size() < 3) return false;
+  try {
+    return PlaneOutline(table.plane_C, above).area() < kMostCovered * outline.area();
+  } catch (const InputError&) {
+    return true;  // what is over it is a line on it
+  }
+}
+
 bool is_single_object(const RecordedCloud& recorded, const RecordedCloudOptions& options,
                       const Shape& shape) {
-  if (options.single_object) return *options.single_object;
-  if (shape.extent.norm() > kObjectExtent || recorded.cloud_C.organized()) return false;
+  if (options.table.kind != TableChoice::Kind::kAuto) {
+    return options.table.kind == TableChoice::Kind::kNone;
+  }
+  constexpr double kThinnest = 0.002;  // m, deviation: less is a plane, an empty table
+  if (shape.extent.norm() > kObjectExtent || shape.deviations[0] < kThinnest) return false;
   try {
-    return find_table(recorded.cloud_C, {}, recorded.up_C).object_points == 0;
+    return !is_around_things(recorded.cloud_C, find_table(recorded.cloud_C, {}, recorded.up_C));
   } catch (const InputError&) {
     return true;  // small, and no plane in it could be a table
   }
@@ -294,6 +325,19 @@ void put_on_hypothetical_table(RecordedCloud& recorded, bool up_known) {
       "lowest point");
 }
 
+// Cameras of this trade see from some decimetres to some metres.
+void note_distance(RecordedCloud& recorded) {
+  std::vector<float> distances;
+  for (const Eigen::Vector3f& p : recorded.cloud_C.points) {
+    if (geometry::is_finite(p)) distances.push_back(p.norm());
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  if (*middle > 0.15F && *middle < 5.0F) return;
+  recorded.notes.push_back("half of the points are within " + text("%.3g", *middle) +
+                           " m of the camera: is the scale right?");
+}
+
 // A made-up camera sees one side, like a real one.
 void drop_hidden_points(RecordedCloud& recorded) {
   const std::vector<int> visible =
@@ -310,7 +354,61 @@ void drop_hidden_points(RecordedCloud& recorded) {
   recorded.cloud_C = geometry::select(recorded.cloud_C, visible);
 }
 
+std::vector<double> read_numbers(const std::string& name, const std::string& text,
+                                 std::size_t count, const std::string& meaning) {
+  std::istringstream stream(text);
+  std::vector<double> numbers;
+  for (double number = 0; stream >> number;) numbers.push_back(number);
+  if (stream.eof() && (numbers.empty() || numbers.size() == count)) return numbers;
+  throw InputError("The option " + name + " is '" + text + "'",
+                   "Give " + meaning + ", separated by spaces");
+}
+
+TableChoice read_table_choice(const std::string& text) {
+  TableChoice choice;
+  if (text.empty() || text == "auto") return choice;
+  if (text == "find" || text == "none") {
+    choice.kind = text == "find" ? TableChoice::Kind::kFind : TableChoice::Kind::kNone;
+    return choice;
+  }
+  const auto v = read_numbers("table", text, 4,
+                              "auto, find, none, or the plane a x + b y + c z = d as a b c d [m]");
+  const Eigen::Vector3d normal =
+      v.empty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(v[0], v[1], v[2]);
+  if (!(normal.norm() > 1e-9) || !std::isfinite(v[3])) {
+    throw InputError("The option table is '" + text + "', a plane without a direction",
+                     "Give its normal towards the objects and its distance, e.g. 0 0 1 0.75");
+  }
+  choice.kind = TableChoice::Kind::kPlane;
+  choice.plane_F = {normal.normalized(), v[3] / normal.norm()};
+  return choice;
+}
+
 }  // namespace
+
+RecordedCloudOptions read_recorded_cloud_options(double scale, const std::string& viewpoint,
+                                                 const std::string& up, const std::string& table) {
+  RecordedCloudOptions options;
+  options.scale = scale;
+  options.table = read_table_choice(table);
+  if (const auto v =
+          read_numbers("viewpoint", viewpoint, 7, "x y z [m] and the quaternion w x y z");
+      !v.empty()) {
+    const Eigen::Quaterniond q(v[3], v[4], v[5], v[6]);
+    if (!(q.norm() > 0.5 && q.norm() < 2)) {
+      throw InputError("The option viewpoint has a quaternion of length " + text("%.3g", q.norm()),
+                       "Give a unit quaternion, w first");
+    }
+    options.viewpoint = geometry::make_transform(q, {v[0], v[1], v[2]});
+  }
+  if (const auto v = read_numbers("up", up, 3, "x y z"); !v.empty()) {
+    options.up = Eigen::Vector3d(v[0], v[1], v[2]);
+    if (!(options.up->norm() > 1e-9)) {
+      throw InputError("The option up has no length", "Give a direction like 0 0 1");
+    }
+  }
+  return options;
+}
 
 RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
                                        const RecordedCloudOptions& options) {
@@ -321,7 +419,11 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
     throw std::invalid_argument("RecordedCloudOptions: up must be a direction");
   }
   PointCloud cloud_F = file.cloud;
-  for (Eigen::Vector3f& p : cloud_F.points) p *= static_cast<float>(options.scale);
+  constexpr float kInvalid = std::numeric_limits<float>::quiet_NaN();
+  for (Eigen::Vector3f& p : cloud_F.points) {
+    if (p.isZero(0)) p.setConstant(kInvalid);
+    p *= static_cast<float>(options.scale);
+  }
   const Shape shape = shape_of(cloud_F);
   check_cloud(cloud_F, shape);
 
@@ -332,7 +434,16 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
   recorded.X_FC = viewpoint.X_FC;
   if (up_F) recorded.up_C = recorded.X_FC.linear().transpose() * *up_F;
   set_camera_and_cloud(recorded, cloud_F, file.labels);
-  if (is_single_object(recorded, options, shape)) {
+  note_distance(recorded);
+  if (options.table.kind == TableChoice::Kind::kPlane) {
+    const RigidTransform X_CF = recorded.X_FC.inverse();
+    geometry::Plane table_C;
+    table_C.normal = X_CF.linear() * options.table.plane_F.normal;
+    table_C.offset =
+        options.table.plane_F.offset + table_C.normal.dot(Eigen::Vector3d(X_CF.translation()));
+    recorded.given_table_C = table_C;
+    recorded.up_C = table_C.normal;
+  } else if (is_single_object(recorded, options, shape)) {
     put_on_hypothetical_table(recorded, up_F.has_value());
     if (viewpoint.made_up) drop_hidden_points(recorded);
   }
@@ -345,7 +456,10 @@ SegmentedScene segment_recorded_cloud(const RecordedCloud& recorded,
   std::optional<geometry::RigidTransform> X_WC;
   if (world == RecordedWorld::kFile) X_WC = recorded.X_FC;
   if (!recorded.hypothetical_table_C) {
-    const Table table = find_table(recorded.cloud_C, table_options, recorded.up_C);
+    const Table table =
+        recorded.given_table_C
+            ? table_of_plane(recorded.cloud_C, *recorded.given_table_C, table_options)
+            : find_table(recorded.cloud_C, table_options, recorded.up_C);
     return segment_on_table(recorded.cloud_C, recorded.camera, table, X_WC, options);
   }
   std::vector<int> all;

@@ -15,15 +15,33 @@
 
 namespace prehend::perception {
 
+/// Whether a recording shows a table.
+struct TableChoice {
+  enum class Kind {
+    kAuto,   // a table is looked for; a small cloud without one is one object
+    kFind,   // there is one, to be found
+    kNone,   // there is none: the cloud is one object
+    kPlane,  // it is this one
+  };
+  Kind kind = Kind::kAuto;
+  geometry::Plane plane_F;  // kPlane, file's frame, metres; normal towards the objects
+};
+
 struct RecordedCloudOptions {
   double scale = 1.0;  // metres per unit of the file
   /// Pose X_FC of the camera's optical frame (z forward, y down) in the file's frame F; wins over
   /// what the file says and over every guess. Metres, after scaling.
   std::optional<geometry::RigidTransform> viewpoint;
   std::optional<Eigen::Vector3d> up;  // direction in F, away from the table
-  /// The cloud is one object without a table. Unset: decided from the cloud.
-  std::optional<bool> single_object;
+  TableChoice table;
 };
+
+/// Options as words of a command line or a parameter; empty ones keep the defaults.
+/// @param viewpoint "x y z qw qx qy qz" [m]. @param up "x y z". @param table "auto", "find",
+/// "none", or "a b c d" for the plane a x + b y + c z = d [m] with (a, b, c) towards the objects.
+/// All in the file's frame. @throws geometry::InputError naming the option and what it takes.
+RecordedCloudOptions read_recorded_cloud_options(double scale, const std::string& viewpoint,
+                                                 const std::string& up, const std::string& table);
 
 /// A recorded cloud brought into the optical frame C of a real or virtual camera.
 struct RecordedCloud {
@@ -32,6 +50,7 @@ struct RecordedCloud {
   geometry::RigidTransform X_FC;                        // camera in the file's frame
   std::optional<Eigen::Vector3d> up_C;                  // unit, if known or guessed
   std::optional<geometry::Plane> hypothetical_table_C;  // set: the whole cloud is one object
+  std::optional<geometry::Plane> given_table_C;         // TableChoice::Kind::kPlane
   std::vector<std::uint32_t> labels;                    // of cloud_C's points, or empty
   std::vector<std::string> notes;  // what was assumed, in words, for the log and the report
 };
@@ -44,14 +63,15 @@ struct RecordedCloud {
 ///     plausible field of view;
 ///  4. a VIEWPOINT header other than the identity that has the points in front of it;
 ///  5. else the cloud has no camera: a plausible_viewpoint is made up.
-/// A small cloud without a plane that carries things is one object: it is put on a hypothetical
-/// table under its lowest points. Up is options.up, else the principal axis of an elongated object
-/// (nearest to the camera's up if the camera is known, else with its dominant component positive),
-/// else the camera's up or the file's z. Where its viewpoint was made up too, the points that this
-/// camera could not see are left out, as in any other view: a model scanned from all sides is used
-/// like an object seen from one.
+/// A small cloud (under 0.6 m) without a plane that is seen around things is one object, unless
+/// options.table says otherwise: it is put on a hypothetical table under its lowest points. Points
+/// that are exactly zero are invalid, as NaN are. Up is options.up, else the principal axis of an
+/// elongated object (nearest to the camera's up if the camera is known, else with its dominant
+/// component positive), else the camera's up or the file's z. Where its viewpoint was made up too,
+/// the points that this camera could not see are left out, as in any other view: a model scanned
+/// from all sides is used like an object seen from one.
 /// @throws geometry::InputError for an empty cloud, one without finite points, one point, collinear
-/// or coplanar points, and one that looks like millimetres (extent over 20 m);
+/// or coplanar points, and one too large for metres (over 8 m), with its size in other units;
 /// std::invalid_argument for a bad option.
 RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
                                        const RecordedCloudOptions& options = {});

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
@@ -18,19 +20,21 @@ using geometry::Plane;
 using geometry::PointCloud;
 using geometry::RigidTransform;
 
-constexpr int kMinClusterVoxels = 5;     // smaller ones are noise
+constexpr int kMinClusterVoxels = 3;     // smaller ones are noise
+constexpr int kLeastPoints = 30;         // of an object: fewer have no shape
+constexpr int kLeastTold = 30;           // points of a dropped cluster that is worth a word
 constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
 
 void check_options(const SegmentationOptions& o) {
   const text::Require require{"SegmentationOptions: "};
-  require(std::isfinite(o.min_height) && o.min_height > 0, "min_height must be positive");
+  require(std::isfinite(o.min_height) && o.min_height >= 0, "min_height must not be negative");
   require(o.max_height > o.min_height, "max_height must exceed min_height");
   require(o.max_distance > 0, "max_distance must be positive");
   require(std::isfinite(o.cluster_tolerance) && o.cluster_tolerance > 0,
           "cluster_tolerance must be positive");
   require(o.leaf_size >= 0 && o.leaf_size < o.cluster_tolerance,
           "leaf_size must be 0 or more and under cluster_tolerance");
-  require(o.min_points > 0, "min_points must be positive");
+  require(std::isfinite(o.min_area) && o.min_area >= 0, "min_area must not be negative");
   require(o.pixel_reach >= 1 && o.pixel_reach <= 20, "pixel_reach must be 1..20");
   require(o.min_object_height >= 0, "min_object_height must not be negative");
   require(std::isfinite(o.hull_margin), "hull_margin must be finite");
@@ -40,18 +44,26 @@ void check_options(const SegmentationOptions& o) {
           "parts must not have negative lengths");
 }
 
+// As high as the noise of a table's points reaches.
+double least_height(const Table& table, const SegmentationOptions& options) {
+  constexpr double kDeviations = 3.5;
+  if (options.min_height > 0) return options.min_height;
+  return std::clamp(kDeviations * table.rms, 0.004, 0.008);
+}
+
 std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table,
                                    const SegmentationOptions& options) {
   std::vector<Eigen::Vector3f> corners;
   for (const Eigen::Vector3d& p : table.hull_C) corners.push_back(p.cast<float>());
   const PlaneOutline outline(table.plane_C, corners);
+  const double min_height = least_height(table, options);
   std::vector<int> indices;
   for (std::size_t i = 0; i < cloud_C.size(); ++i) {
     if (!geometry::is_finite(cloud_C.points[i])) continue;
     const Eigen::Vector3d p = cloud_C.points[i].cast<double>();
     const double height = table.plane_C.signed_distance(p);
     const double noise_growth = std::clamp(p.z() * p.z(), 1.0, 4.0);
-    if (height >= options.min_height * noise_growth && height <= options.max_height &&
+    if (height >= min_height * noise_growth && height <= options.max_height &&
         p.norm() <= options.max_distance && outline.contains(p, options.hull_margin)) {
       indices.push_back(static_cast<int>(i));
     }
@@ -87,51 +99,159 @@ ClusteredVoxels cluster(const PointCloud& cloud_C, const std::vector<int>& indic
   return result;
 }
 
-bool is_object(const PointCloud& cloud_C, const std::vector<int>& members, const Table& table,
-               const SegmentationOptions& options) {
-  if (static_cast<int>(members.size()) < options.min_points) return false;
-  // A stray point is no height.
+// A cluster's height [m]; a stray point is none.
+double height_of(const PointCloud& cloud_C, const std::vector<int>& members, const Table& table) {
   std::vector<double> heights;
   for (const int i : members) {
     heights.push_back(table.plane_C.signed_distance(cloud_C.points[i].cast<double>()));
   }
   const auto high = heights.end() - 1 - static_cast<std::ptrdiff_t>(heights.size() / 200);
   std::nth_element(heights.begin(), high, heights.end());
-  return *high >= options.min_object_height;
+  return *high;
 }
 
-// Point indices of each object, largest first.
-std::vector<std::vector<int>> find_objects(const PointCloud& cloud_C,
-                                           const geometry::PinholeCamera& camera,
-                                           const Table& table, const SegmentationOptions& options) {
-  const ClusteredVoxels voxels =
-      cluster(cloud_C, points_over_table(cloud_C, table, options), options);
-  std::vector<std::vector<int>> objects;
-  for (const auto& part :
-       joined_parts(voxels.grid.centroids, voxels.clusters, table.plane_C, options.parts)) {
+// Area of a cluster as the camera sees it [m^2]: of its pixels, or of its voxels.
+double seen_area(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
+                 const std::vector<int>& members, const SegmentationOptions& options) {
+  if (!cloud_C.organized()) {
+    const double leaf = options.leaf_size > 0 ? options.leaf_size : 0.005;
+    return leaf * leaf *
+           static_cast<double>(make_voxel_grid(cloud_C.points, members, leaf).centroids.size());
+  }
+  double area = 0;
+  for (const int i : members) {
+    const double z = cloud_C.points[i].z();
+    area += z / camera.fx * z / camera.fy;
+  }
+  return area;
+}
+
+// Which points are objects, and which look like one and are none.
+struct FoundObjects {
+  struct Dropped {
+    std::vector<int> members;
+    std::string reason;
+  };
+  std::vector<std::vector<int>> objects;  // largest first
+  std::vector<Dropped> dropped;           // likewise
+};
+
+// Tells objects from what is none.
+class ObjectFinder {
+ public:
+  ObjectFinder(const PointCloud& cloud_C, const geometry::PinholeCamera& camera, const Table& table,
+               const SegmentationOptions& options)
+      : cloud_C_(cloud_C), camera_(camera), table_(table), options_(options) {}
+
+  FoundObjects find() {
+    const ClusteredVoxels voxels =
+        cluster(cloud_C_, points_over_table(cloud_C_, table_, options_), options_);
+    std::vector<char> is_cut;
+    for (const std::vector<int>& of_cluster : voxels.clusters) {
+      is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
+    }
+    const JoinedParts joined = joined_parts(voxels.grid.centroids, voxels.clusters, is_cut,
+                                            table_.plane_C, options_.parts);
+    for (const std::vector<int>& part : joined.objects) take(members_of(voxels, part));
+    for (const std::vector<int>& part : joined.hanging) {
+      drop(members_of(voxels, part),
+           words("it begins more than %.0f mm over the table and goes on beyond what was looked at "
+                 "(drop_height)",
+                 1e3 * options_.parts.drop_height));
+    }
+    sort();
+    while (found_.objects.size() > static_cast<std::size_t>(options_.max_objects)) {
+      drop(std::move(found_.objects.back()),
+           words("there are %.0f larger objects (max_objects)", options_.max_objects));
+      found_.objects.pop_back();
+    }
+    sort();
+    return std::move(found_);
+  }
+
+ private:
+  template <class... Numbers>
+  static std::string words(const char* format, Numbers... numbers) {
+    char text[200];
+    std::snprintf(text, sizeof text, format, static_cast<double>(numbers)...);
+    return text;
+  }
+
+  static std::vector<int> members_of(const ClusteredVoxels& voxels, const std::vector<int>& part) {
     std::vector<int> members;
     for (const int voxel : part) {
       const std::vector<int>& points = voxels.grid.members[voxel];
       members.insert(members.end(), points.begin(), points.end());
     }
     std::sort(members.begin(), members.end());
-    if (!is_object(cloud_C, members, table, options)) continue;
-    if (!options.split || !cloud_C.organized()) {
-      objects.push_back(std::move(members));
-      continue;
+    return members;
+  }
+
+  // Whether the cluster is cut off by the image, by max_height or by the end of the table.
+  bool goes_on(const std::vector<int>& members) const {
+    constexpr double kStrip = 0.01;  // m
+    constexpr int kFrame = 3;        // pixels
+    std::vector<Eigen::Vector3f> corners;
+    for (const Eigen::Vector3d& p : table_.hull_C) corners.push_back(p.cast<float>());
+    const PlaneOutline outline(table_.plane_C, corners);
+    std::size_t at_border = 0;
+    for (const int i : members) {
+      const Eigen::Vector3d p = cloud_C_.points[i].cast<double>();
+      bool is_border = table_.plane_C.signed_distance(p) > options_.max_height - kStrip ||
+                       !outline.contains(p, options_.hull_margin - kStrip);
+      if (cloud_C_.organized()) {
+        const int u = i % cloud_C_.width, v = i / cloud_C_.width;
+        is_border |= u < kFrame || v < kFrame || u >= cloud_C_.width - kFrame ||
+                     v >= cloud_C_.height - kFrame;
+      }
+      at_border += is_border;
     }
-    for (auto& piece : split_touching(cloud_C, camera, members, options.splitting)) {
-      if (is_object(cloud_C, piece, table, options)) objects.push_back(std::move(piece));
+    return at_border > 0 && 100 * at_border >= members.size();
+  }
+
+  void take(std::vector<int> members) {
+    if (!options_.split || !cloud_C_.organized()) return take_piece(std::move(members));
+    for (auto& piece : split_touching(cloud_C_, camera_, members, options_.splitting)) {
+      take_piece(std::move(piece));
     }
   }
-  std::sort(objects.begin(), objects.end(), [](const auto& a, const auto& b) {
-    return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
-  });
-  if (objects.size() > static_cast<std::size_t>(options.max_objects)) {
-    objects.resize(static_cast<std::size_t>(options.max_objects));
+
+  void take_piece(std::vector<int> members) {
+    const double area = seen_area(cloud_C_, camera_, members, options_);
+    const double height = height_of(cloud_C_, members, table_);
+    if (members.size() < kLeastPoints) {
+      drop(std::move(members), words("fewer than %.0f points have no shape", kLeastPoints));
+    } else if (area < options_.min_area) {
+      drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area)",
+                                     1e4 * area, 1e4 * options_.min_area));
+    } else if (height < options_.min_object_height) {
+      drop(std::move(members), words("%.1f mm high, less than %.1f mm (min_object_height)",
+                                     1e3 * height, 1e3 * options_.min_object_height));
+    } else {
+      found_.objects.push_back(std::move(members));
+    }
   }
-  return objects;
-}
+
+  void drop(std::vector<int> members, std::string reason) {
+    if (members.size() < kLeastTold) return;
+    found_.dropped.push_back({std::move(members), std::move(reason)});
+  }
+
+  void sort() {
+    const auto larger = [](const auto& a, const auto& b) {
+      return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
+    };
+    std::sort(found_.objects.begin(), found_.objects.end(), larger);
+    std::sort(found_.dropped.begin(), found_.dropped.end(),
+              [&](const auto& a, const auto& b) { return larger(a.members, b.members); });
+  }
+
+  const PointCloud& cloud_C_;
+  const geometry::PinholeCamera& camera_;
+  const Table& table_;
+  const SegmentationOptions& options_;
+  FoundObjects found_;
+};
 
 // Mean of all objects' points, else of the table.
 Eigen::Vector3d anchor_of(const PointCloud& cloud_C, const std::vector<std::vector<int>>& objects,
@@ -169,6 +289,18 @@ RigidTransform world_from_table(const Plane& table_C, const Eigen::Vector3d& anc
   return X_CW.inverse();
 }
 
+std::string why_no_objects(const SegmentedScene& scene) {
+  if (scene.dropped.empty()) {
+    return "The table is empty: nothing stands on it within max_distance and max_height";
+  }
+  std::string text = "Nothing on the table is taken for an object";
+  constexpr std::size_t kMostTold = 3;
+  for (std::size_t k = 0; k < std::min(scene.dropped.size(), kMostTold); ++k) {
+    text += "; " + scene.dropped[k];
+  }
+  return text;
+}
+
 SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::PinholeCamera& camera,
                                 const Table& table, const std::optional<RigidTransform>& X_WC,
                                 const SegmentationOptions& options) {
@@ -177,7 +309,8 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
       (cloud_C.organized() && (cloud_C.width != camera.width || cloud_C.height != camera.height))) {
     throw std::invalid_argument("segment_on_table: the camera's size is not the cloud's");
   }
-  const std::vector<std::vector<int>> members = find_objects(cloud_C, camera, table, options);
+  const FoundObjects found = ObjectFinder(cloud_C, camera, table, options).find();
+  const std::vector<std::vector<int>>& members = found.objects;
   ObjectImages images = draw_objects(cloud_C, camera, members, options.close_radius);
 
   SegmentedScene scene;
@@ -200,6 +333,16 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin);
     scene.objects.push_back(std::move(object));
+  }
+  for (const FoundObjects::Dropped& dropped : found.dropped) {
+    Eigen::Vector3d center_C = Eigen::Vector3d::Zero();
+    for (const int i : dropped.members) center_C += cloud_C.points[i].cast<double>();
+    center_C /= static_cast<double>(dropped.members.size());
+    const Eigen::Vector3d p = scene.X_WC * center_C;
+    char place[80];
+    std::snprintf(place, sizeof place, "%zu points at (%.2f %.2f %.2f) m: ", dropped.members.size(),
+                  p.x(), p.y(), p.z());
+    scene.dropped.push_back(place + dropped.reason);
   }
   return scene;
 }

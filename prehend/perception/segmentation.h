@@ -20,17 +20,18 @@ enum class Clustering {
 
 struct SegmentationOptions {
   Clustering clustering = Clustering::kEuclidean;
-  /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond.
-  double min_height = 0.008;
+  /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond. 0: by
+  /// the table's own noise, 4 to 8 mm.
+  double min_height = 0;
   double max_height = 0.45;         // m over the table: higher points are dropped
   double max_distance = 2.5;        // m from the camera
   double cluster_tolerance = 0.02;  // m, gap that separates two objects
   double leaf_size = 0.005;         // m, voxels that are clustered; 0 clusters every point
-  int pixel_reach = 4;   // kOrganized: pixels without a point that do not separate, 1..20
-  int min_points = 200;  // of the cloud, for one object
-  double min_object_height = 0.02;  // m, lower clusters are dropped (paper, cables)
-  double hull_margin = 0.02;        // m, the table's outline is widened by this much
-  int close_radius = 2;             // pixels, morphological closing of the masks; 0: none
+  int pixel_reach = 4;     // kOrganized: pixels without a point that do not separate, 1..20
+  double min_area = 5e-5;  // m^2 that is seen of the smallest object
+  double min_object_height = 0.006;  // m, lower clusters are dropped (paper)
+  double hull_margin = 0.02;         // m, the table's outline is widened by this much
+  int close_radius = 2;              // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
   PartOptions parts;  // which clusters are one object
   /// Split objects that touch each other, in organized clouds; see splitting.h.
@@ -42,8 +43,8 @@ struct SegmentationOptions {
 /// Euclidean clusters, parts of one object joined, one mask each. Organized clouds give masks by
 /// pixel membership, others by projecting splats with a depth test; small holes are closed. Largest
 /// object (points) first, ids 0, 1, ... in that order. Objects cut by the image or hidden in part
-/// by another one are marked so. No object is not an error: `objects` is
-/// empty.
+/// by another one are marked so. What is no object is in `dropped` with the reason; no object is
+/// not an error: `objects` is empty.
 /// @param cloud_C in the optical frame of `camera`; organized clouds must have the camera's size.
 /// @param X_WC pose of the camera in the world. Without it the world is made from the table:
 ///   z = table normal, x = the camera's x projected into the table, origin = centroid of the

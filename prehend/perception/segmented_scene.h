@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "prehend/geometry/camera_model.h"
@@ -28,6 +29,12 @@ struct SegmentedScene {
   geometry::DepthImage depth;             // of the whole view, for reports
   geometry::Plane table_W;                // normal towards the objects
   std::vector<ObjectHypothesis> objects;  // largest first
+  /// What was seen over the table and is no object, largest first: its size, where [m, world], why,
+  /// and the option that decides.
+  std::vector<std::string> dropped;
 };
+
+/// What to say of a scene without objects: that, and what was dropped.
+std::string why_no_objects(const SegmentedScene& scene);
 
 }  // namespace prehend::perception

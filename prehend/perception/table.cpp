@@ -357,4 +357,33 @@ Table find_table(const geometry::PointCloud& cloud_C, const TableOptions& option
   return find_tables(cloud_C, options, up_C).front();
 }
 
+Table table_of_plane(const geometry::PointCloud& cloud_C, const geometry::Plane& plane_C,
+                     const TableOptions& options) {
+  check_options(options);
+  Table table;
+  table.plane_C = plane_C;
+  std::vector<Eigen::Vector3f> over;
+  double squares = 0;
+  for (std::size_t i = 0; i < cloud_C.size(); ++i) {
+    const Eigen::Vector3f& p = cloud_C.points[i];
+    if (!geometry::is_finite(p) || p.norm() > options.max_distance) continue;
+    const double height = plane_C.signed_distance(p.cast<double>());
+    const double tolerance = tolerance_at(p, options);
+    if (height < -tolerance) continue;
+    over.push_back(p);
+    if (height > tolerance) continue;
+    table.inliers.push_back(static_cast<int>(i));
+    squares += height * height;
+  }
+  if (over.size() < 3) {
+    throw geometry::InputError("No point of the cloud is on or over the table that was given",
+                               "Give its normal towards the objects, in the file's frame and unit");
+  }
+  if (!table.inliers.empty()) {
+    table.rms = std::sqrt(squares / static_cast<double>(table.inliers.size()));
+  }
+  table.hull_C = PlaneOutline(plane_C, over).vertices();
+  return table;
+}
+
 }  // namespace prehend::perception

@@ -57,4 +57,9 @@ std::vector<Table> find_tables(const geometry::PointCloud& cloud_C,
                                const TableOptions& options = {},
                                const std::optional<Eigen::Vector3d>& up_C = std::nullopt);
 
+/// The table that lies in a plane that is known: its inliers, and the outline of all points that
+/// are on it or over it. @throws geometry::InputError when no point is.
+Table table_of_plane(const geometry::PointCloud& cloud_C, const geometry::Plane& plane_C,
+                     const TableOptions& options = {});
+
 }  // namespace prehend::perception

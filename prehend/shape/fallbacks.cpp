@@ -200,7 +200,9 @@ Footprint footprint_of(const FallbackInput& input) {
   footprint.top = geometry::Image<float>(width, height, 0.f);
   for (const Eigen::Vector3d& p : input.voting.points_T) {
     const Eigen::Vector2d cell = (p.head<2>() - footprint.low) / footprint.side;
-    float& top = footprint.top.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+    // Rounding may put a point of the box's border into the ring.
+    float& top = footprint.top.at(std::clamp(static_cast<int>(cell.x()), 1, width - 2),
+                                  std::clamp(static_cast<int>(cell.y()), 1, height - 2));
     top = std::max(top, static_cast<float>(p.z()));
   }
   // What the outside does not reach through empty cells is within.

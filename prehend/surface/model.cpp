@@ -1,6 +1,8 @@
 #include "prehend/surface/model.h"
 
 #include <chrono>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "prehend/geometry/errors.h"
@@ -8,6 +10,7 @@
 #include "prehend/surface/closing.h"
 #include "prehend/surface/deviation.h"
 #include "prehend/surface/point_order.h"
+#include "prehend/surface/solid_hull.h"
 #include "prehend/surface/vertex_origin.h"
 
 namespace prehend::surface {
@@ -51,6 +54,51 @@ std::vector<Eigen::Vector3d> seen_sample(const shape::CompletedShape& shape) {
   return sample;
 }
 
+/// The convex hull of the points of an origin and of their feet on the table; none without volume.
+std::optional<geometry::TriangleMesh> standing_hull(const shape::CompletedShape& shape,
+                                                    const geometry::Plane& table_W,
+                                                    bool only_seen) {
+  constexpr std::size_t kMostVertices = 500;
+  std::vector<Eigen::Vector3d> points;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (only_seen && shape.origin[i] != shape::PointOrigin::kSeen) continue;
+    if (!geometry::is_finite(shape.cloud_W.points[i])) continue;
+    points.push_back(shape.cloud_W.points[i].cast<double>());
+    points.push_back(table_W.project(points.back()));
+  }
+  return solid_hull(points, kMostVertices);
+}
+
+/// mesh_of() or what stands in for it; `substitute` says what and why.
+geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
+                                        const geometry::Plane& table_W, const ModelOptions& options,
+                                        double* normals_seconds, std::string& substitute) {
+  try {
+    return mesh_of(shape, table_W, options, normals_seconds);
+  } catch (const geometry::InputError& error) {
+    substitute = error.problem();
+  }
+  for (const shape::CompletedShape& other : shape.alternatives) {
+    try {
+      geometry::TriangleMesh mesh = mesh_of(other, table_W, options);
+      substitute += "; an alternative plane of symmetry stands in";
+      return mesh;
+    } catch (const geometry::InputError&) {
+      // The next one, or the hull.
+    }
+  }
+  for (const bool only_seen : {true, false}) {
+    if (auto hull = standing_hull(shape, table_W, only_seen)) {
+      substitute += "; the convex hull of what was seen and its foot on the table stands in";
+      return std::move(*hull);
+    }
+  }
+  throw geometry::InputError(
+      "What was seen of the object, " + std::to_string(shape.cloud_W.size()) +
+          " points, has no volume over the table",
+      "Look at it from another side or from nearer, so that more of it is seen");
+}
+
 }  // namespace
 
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -72,7 +120,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   ModelTimes spent;
   Stopwatch stopwatch;
   ObjectModel model;
-  model.mesh_W = mesh_of(shape, table_W, options, &spent.normals);
+  model.mesh_W = mesh_at_any_rate(shape, table_W, options, &spent.normals, model.substitute);
   model.defects = geometry::find_defects(model.mesh_W);
   spent.poisson = stopwatch.lap() - spent.normals;
 

@@ -33,8 +33,11 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
 
 /// The predicted solid of a completed shape that stands on `table_W` (normal towards the object):
 /// mesh_of(), convex_pieces(), mass properties, what the vertices rest on, the mean distance of the
-/// seen points to the mesh, and the meshes of the shape's alternatives (those that give one).
-/// `times` is filled when given. @throws as mesh_of().
+/// seen points to the mesh, and the meshes of the shape's alternatives (those that give one). Where
+/// the completed points give no watertight mesh, the first alternative that does stands in for
+/// them, else the convex hull of what was seen and of its foot on the table: ObjectModel.substitute
+/// says so. `times` is filled when given. @throws geometry::InputError for fewer than four points,
+/// and for points without volume over the table, with what to do about it.
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);
 

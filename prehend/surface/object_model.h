@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "prehend/geometry/triangle_mesh.h"
@@ -14,6 +15,9 @@ enum class SurfaceOrigin : std::uint8_t {
   kAssumed = 2,    // no point is near: the bottom on the table, closed sides, bridged gaps
 };
 
+/// What a completion's confidence is at most where something stands in for its mesh.
+inline constexpr double kSubstituteConfidence = 0.25;
+
 /// The predicted solid.
 struct ObjectModel {
   geometry::TriangleMesh mesh_W;
@@ -26,6 +30,8 @@ struct ObjectModel {
   // Mean distance of the seen points (of 4000 of them, spread evenly, if there are more) to the
   // mesh [m].
   double seen_deviation = 0;
+  // Why the surface is not that of the completed points, and what stands in for it; "" when it is.
+  std::string substitute;
   // Other solids that it may be as well, best first: of CompletedShape::alternatives.
   std::vector<geometry::TriangleMesh> alternatives_W;
 };

@@ -15,10 +15,18 @@ namespace {
 struct Plans {
   fftwf_plan forward = nullptr;
   fftwf_plan backward = nullptr;
+
+  Plans() = default;
+  Plans(const Plans&) = delete;
+  Plans& operator=(const Plans&) = delete;
+  ~Plans() {
+    if (forward != nullptr) fftwf_destroy_plan(forward);
+    if (backward != nullptr) fftwf_destroy_plan(backward);
+  }
 };
 
 /// In-place plans for a size, kept for the process. Planning is not thread-safe, running is.
-Plans plans_for(ScalarGrid& grid) {
+const Plans& plans_for(ScalarGrid& grid) {
   static std::mutex mutex;
   static std::map<std::array<int, 3>, Plans> known;
   const Eigen::Vector3i& n = grid.size();
@@ -50,7 +58,7 @@ std::vector<float> eigenvalues(int n) {
 }  // namespace
 
 void solve_poisson(ScalarGrid& grid) {
-  const Plans plans = plans_for(grid);
+  const Plans& plans = plans_for(grid);
   const Eigen::Vector3i& n = grid.size();
   auto* spectrum = reinterpret_cast<fftwf_complex*>(grid.data());
   fftwf_execute_dft_r2c(plans.forward, grid.data(), spectrum);

@@ -12,7 +12,13 @@ class InputError : public std::runtime_error {
   /// `thing` names the input and what is wrong with it, `mend` says what the user can do.
   /// what() is "thing. mend." in one line.
   InputError(const std::string& thing, const std::string& mend)
-      : std::runtime_error(thing + ". " + mend + ".") {}
+      : std::runtime_error(thing + ". " + mend + "."), problem_(thing) {}
+
+  /// Without the mend.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  std::string problem_;
 };
 
 }  // namespace prehend::text

@@ -51,10 +51,13 @@ TEST_F(SimulatedTime, TimersKeepToTheClockThroughPausesAndJumps) {
 }
 
 TEST_F(SimulatedTime, StampsBeyondReasonAreThrownAway) {
-  std::atomic<int> ticks = 0;
+  std::atomic<int> ticks = 0, begun = 0;
   auto timer = node.create_timer(1e9, [&] { ++ticks; });
+  auto beginning = node.create_one_shot_timer(1, [&] { ++begun; });
   node.spin_in_background();
   set(1);
+  set(2 * kSecond);
+  ASSERT_TRUE(eventually([&] { return begun == 1; }));  // timers count from now on
   for (const std::int64_t stamp :
        {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     clock.publish(clock_message(stamp));

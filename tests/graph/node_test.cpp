@@ -96,7 +96,7 @@ TEST_F(Parameters, FileOfParameters) {
                     ("prehend_parameters_" + std::to_string(::getpid()) + ".yaml");
   std::ofstream(file) << "count: 0.5\n";
   Child wrong({"talk", "--registry", endpoint, "--params", file});
-  EXPECT_EQ(wrong.wait(), 1);
+  EXPECT_EQ(wrong.wait(), 2);
   std::ofstream(file) << "count: 3\n";
   Child overridden({"talk", "--registry", endpoint, "--params", file, "--param", "count:=4"});
   Introspection look(endpoint);

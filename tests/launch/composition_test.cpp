@@ -66,7 +66,7 @@ TEST_F(Composition, NodesOfOneProcessStopOnceAndTogether) {
 TEST_F(Composition, TheFirstFailureNamesItsNodeAndEndsAll) {
   const auto program = container({"--", "shape_completion", "--", "cloud_source", "--name",
                                   "source", "--param", "file:=/no/such.pcd"});
-  EXPECT_EQ(program->wait(seconds(30)), 1);
+  EXPECT_EQ(program->wait(seconds(30)), 2);
   EXPECT_THAT(program->output(), AllOf(HasSubstr("source: "), HasSubstr("/no/such.pcd")));
 }
 

@@ -159,7 +159,7 @@ TEST_F(KnownObjects, TakeTheirPlaceAndTheirGraspsAreRemembered) {
 TEST_F(KnownObjects, AFolderWithoutMeshesIsRefused) {
   ChildProgram program("known_objects", {"--param", "models:=" + scratch_.path()},
                        scratch_.path("output.txt"), registry_.endpoint());
-  EXPECT_EQ(program.wait(seconds(30)), 1);
+  EXPECT_EQ(program.wait(seconds(30)), 2);
   EXPECT_THAT(program.output(), HasSubstr("no meshes"));
 }
 

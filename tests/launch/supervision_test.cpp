@@ -31,9 +31,9 @@ TEST_F(SupervisionTest, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
 }
 
 TEST_F(SupervisionTest, ARequiredNodesSignalIsNamed) {
-  const auto program = launch(node("vital", "after: 0.1, signal: 11", "required: true"));
+  const auto program = launch(node("vital", "after: 0.1, signal: 6", "required: true"));
   EXPECT_EQ(program->wait(seconds(10)), 1);
-  EXPECT_THAT(program->output(), HasSubstr("required node vital: signal SIGSEGV"));
+  EXPECT_THAT(program->output(), HasSubstr("required node vital: signal SIGABRT"));
 }
 
 TEST_F(SupervisionTest, ARequiredNodeThatFinishesEndsTheLaunchWell) {

@@ -152,7 +152,7 @@ TEST_F(GraspPlanningNode, APlatformTakesGenerators) {
 TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   const auto refusal = [this](const std::vector<std::string>& parameters) {
     start(parameters);
-    EXPECT_EQ(planning_->wait(seconds(20)), 1);
+    EXPECT_EQ(planning_->wait(seconds(20)), 2);
     return planning_->output();
   };
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),

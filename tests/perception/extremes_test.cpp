@@ -199,9 +199,7 @@ TEST(PerceptionExtremes, FiveMillionPoints) {
       many.points.push_back(p + Eigen::Vector3f(noise(), noise(), noise()));
     }
   }
-  SegmentationOptions options;  // counts of points grow with the density
-  options.min_points *= static_cast<int>(many.size() / once.size());
-  const SegmentedScene scene = segment(many, view.camera, view.X_WC, options);
+  const SegmentedScene scene = segment(many, view.camera, view.X_WC);
   ASSERT_EQ(scene.objects.size(), 2U);
   EXPECT_NEAR(scene.table_W.offset, 0, 0.002);
   const SegmentedScene few = segment(once, view.camera, view.X_WC);

@@ -172,7 +172,7 @@ TEST(InterpretRecordedCloud, OfAModelSeenFromAllSidesOneSideIsKept) {
 
 TEST(InterpretRecordedCloud, SingleObjectCanBeForced) {
   RecordedCloudOptions options;
-  options.single_object = true;
+  options.table.kind = TableChoice::Kind::kNone;
   const RecordedCloud recorded = interpret_recorded_cloud(file_of(render(scene_view())), options);
   EXPECT_TRUE(recorded.hypothetical_table_C);
   EXPECT_EQ(segment_recorded_cloud(recorded).objects.size(), 1U);
@@ -214,7 +214,7 @@ TEST(InterpretRecordedCloud, SaysWhatIsWrong) {
 TEST(InterpretRecordedCloud, Millimetres) {
   geometry::PointCloud cloud = render(scene_view());
   for (Eigen::Vector3f& p : cloud.points) p *= 1000.0F;
-  EXPECT_THAT(error_of(cloud), AllOf(HasSubstr("millimetres"), HasSubstr("scale:=0.001")));
+  EXPECT_THAT(error_of(cloud), AllOf(HasSubstr("1.03 m if in millimetres"), HasSubstr("0.001")));
   RecordedCloudOptions options;
   options.scale = 0.001;
   expect_scene(interpret_recorded_cloud(file_of(cloud), options));

@@ -200,7 +200,8 @@ std::vector<Eigen::Vector3f> wall(double from, double to, double radius, double 
 
 class Parts : public ::testing::Test {
  protected:
-  std::size_t count(const std::vector<std::vector<Eigen::Vector3f>>& parts) {
+  std::size_t count(const std::vector<std::vector<Eigen::Vector3f>>& parts,
+                    std::vector<char> is_cut = {}) {
     std::vector<Eigen::Vector3f> points;
     std::vector<std::vector<int>> clusters;
     for (const auto& part : parts) {
@@ -210,9 +211,14 @@ class Parts : public ::testing::Test {
         points.push_back(p);
       }
     }
-    return joined_parts(points, clusters, {-Eigen::Vector3d::UnitY(), -0.3}, {}).size();
+    is_cut.resize(parts.size(), 0);
+    const JoinedParts joined =
+        joined_parts(points, clusters, is_cut, {-Eigen::Vector3d::UnitY(), -0.3}, {});
+    hanging_ = joined.hanging.size();
+    return joined.objects.size();
   }
   static constexpr double kPi = 3.14159265358979;
+  std::size_t hanging_ = 0;
 };
 
 TEST_F(Parts, NearAndFarWallOfABowlAreOneObject) {
@@ -226,11 +232,27 @@ TEST_F(Parts, TwoCansOneBehindTheOtherAreTwo) {
   EXPECT_EQ(count({wall(-kPi + 0.3, -0.3, 0.05, 0.01, 0.1), behind}), 2U);
 }
 
-TEST_F(Parts, FloatingHandleJoinsAndHangingLampIsDropped) {
+TEST_F(Parts, FloatingHandleJoinsAndHangingLampIsNoObject) {
   const auto can = wall(-kPi, 0, 0.05, 0.01, 0.15);
   EXPECT_EQ(count({can, wall(0, 0.3, 0.06, 0.06, 0.08)}), 1U);
-  EXPECT_EQ(count({can, wall(-kPi, 0, 0.2, 0.3, 0.4)}), 1U);
-  EXPECT_EQ(count({wall(-kPi, 0, 0.2, 0.3, 0.4)}), 0U);
+  const auto lamp = wall(-kPi, 0, 0.2, 0.3, 0.4);  // goes on above
+  EXPECT_EQ(count({can, lamp}, {0, 1}), 1U);
+  EXPECT_EQ(hanging_, 1U);
+  EXPECT_EQ(count({lamp}, {1}), 0U);
+}
+
+TEST_F(Parts, CrumbsWithinAnOutlineBelongToItAndThingsBesideItDoNot) {
+  const auto can = wall(-kPi, 0, 0.045, 0.01, 0.15);
+  auto crumb = wall(-kPi, 0, 0.01, 0.01, 0.06);
+  EXPECT_EQ(count({can, crumb}), 1U);
+  for (Eigen::Vector3f& p : crumb) p.x() += 0.08F;
+  EXPECT_EQ(count({can, crumb}), 2U) << "a small thing of its own";
+}
+
+// A pitcher on its handle, which is hidden: "the table is empty" was said of it.
+TEST_F(Parts, WhatFloatsWholeStandsOnSomethingHidden) {
+  EXPECT_EQ(count({wall(-kPi, 0, 0.06, 0.06, 0.15)}), 1U);
+  EXPECT_EQ(hanging_, 0U);
 }
 
 }  // namespace

@@ -246,13 +246,13 @@ TEST_F(RigidPads, OfferNoTouch) {
   EXPECT_EQ(frames, 0);
 }
 
-TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeOne) {
+TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeTwo) {
   const graph::Registry registry({.endpoint = "tcp://127.0.0.1:*"});
   const std::string output = std::filesystem::temp_directory_path() /
                              ("prehend_simulation_bad_" + std::to_string(getpid()) + ".log");
   const pid_t pid = start_simulation(
       {"--registry", registry.endpoint(), "--param", "scene:=config/robots/pg70_dsa.yaml"}, output);
-  EXPECT_EQ(exit_code(pid), 1);
+  EXPECT_EQ(exit_code(pid), 2);
   FILE* file = fopen(output.c_str(), "r");
   ASSERT_NE(file, nullptr);
   char text[4096];

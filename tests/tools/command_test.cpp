@@ -92,7 +92,7 @@ TEST_F(Command, RecoversARecordingWithoutItsEnd) {
     for (std::uint64_t i = 1; i <= 100; ++i) writer.write(channel, 1, i, i, "hello");
     writer.close();
   }
-  const auto& first = recording::McapReader(file).chunks().at(0);
+  const auto first = recording::McapReader(file).chunks().at(0);
   std::filesystem::resize_file(file, first.chunk_start_offset + first.chunk_length);
   EXPECT_THAT(run({"bag", "info", file}).output, HasSubstr("NOT CLOSED PROPERLY"));
   EXPECT_EQ(run({"bag", "recover", file, scratch_.path("b.mcap")}).exit_code, 0);

@@ -241,7 +241,7 @@ TEST_F(ReplayControl, LoopsUntilItIsStopped) {
 TEST_F(ReplayControl, SaysWhatMakesNoSense) {
   const auto error_of = [&](const std::vector<std::string>& parameters) {
     const auto replay = start(parameters);
-    EXPECT_EQ(replay->wait(seconds(10)), 1);
+    EXPECT_EQ(replay->wait(seconds(10)), 2);
     return replay->output();
   };
   EXPECT_THAT(error_of({"start:=5"}), HasSubstr("beyond the end"));

@@ -21,6 +21,19 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--scale", choices.scale, "metres per unit of the file")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command.add_option("--viewpoint", choices.viewpoint,
+                     "of a cloud: pose of the sensor in the file's frame, \"x y z qw qx qy qz\"; "
+                     "default: found out from the file");
+  command.add_option("--up", choices.up,
+                     "of a cloud: direction up in the file's frame, \"x y z\"; default: unknown");
+  command.add_option(
+      "--table", choices.table,
+      "of a cloud: auto (default), find: there is one, none: the cloud is one object, "
+      "\"a b c d\": the plane a x + b y + c z = d of the file's frame [m], normal "
+      "towards the objects");
+  command.add_flag(
+      "--split", choices.split,
+      "of an organized cloud: split objects that touch where surface and colour say so");
   command.add_flag("--in-place", choices.in_place,
                    "leave a mesh where its file has it, on the table z = 0; else it is put on the "
                    "table, at the origin");
@@ -74,6 +87,10 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--config", choices.config, "folder with robots/ and fidelity/")
       ->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");
+  command.add_option(
+      "--save", choices.save,
+      "folder for the object's mesh (object.ply, .obj, .stl; metres, world frame) and "
+      "what --json prints (plan.json)");
   command.add_flag("--json", choices.json, "print JSON for programs");
 }
 

@@ -15,6 +15,8 @@ std::string own_config();
 struct PlanChoices {
   std::string file;
   double scale = 1;
+  std::string viewpoint, up, table;  // of a cloud, see perception/recorded_cloud.h
+  bool split = false;
   bool in_place = false;
   int object = 0;
   int alternatives = 2;
@@ -32,6 +34,7 @@ struct PlanChoices {
   std::string database;
   std::string known;
   std::string out;
+  std::string save;
   bool json = false;
 };
 

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     const PlanTarget target = read_target(choices);
     const Planned planned = make_plan(choices, target);
     print_plan(choices, target, planned);
+    if (!choices.save.empty()) save_plan(choices, target, planned);
     if (!choices.out.empty()) {
       write_plan_page(choices, target, planned);
       if (!choices.json) std::printf("%s/index.html\n", choices.out.c_str());

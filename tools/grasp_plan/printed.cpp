@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "prehend/geometry/mesh_files.h"
 #include "prehend/grasp/uncertainty.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/robot_meshes.h"
+#include "prehend/surface/size_on_table.h"
 #include "tools/json.h"
 #include "tools/table.h"
 
@@ -148,7 +152,7 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
   return notes;
 }
 
-void print_json(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
+Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
   for (const PlannedGrasp& g : planned.grasps) {
     const Eigen::Quaterniond q(g.pose.X_WG.linear());
@@ -183,7 +187,9 @@ void print_json(const PlanChoices& choices, const PlanTarget& target, const Plan
   Json notes = Json::array();
   for (const auto& note : notes_of(choices, target, planned)) notes.add(note);
   Json result = Json::object();
-  result.set("candidates", planned.candidates)
+  const Eigen::Vector3d size = surface::size_on_table(target.object.mesh_W, target.table_W);
+  result.set("size_m", Json::array().add(size.x()).add(size.y()).add(size.z()))
+      .set("candidates", planned.candidates)
       .set("notes", notes)
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
       .set("grasps", grasps)
@@ -208,7 +214,7 @@ void print_json(const PlanChoices& choices, const PlanTarget& target, const Plan
         "arm",
         arm.set("grasp", planned.arm->grasp).set("segments", segments).set("ledger", missed));
   }
-  tools::print(result);
+  return result;
 }
 
 // Object, hand and, where the arm reaches the grasp, the arm.
@@ -259,7 +265,7 @@ geometry::ColorImage picture(const std::vector<report::ColoredMesh>& meshes, dou
 }  // namespace
 
 void print_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
-  if (choices.json) return print_json(choices, target, planned);
+  if (choices.json) return tools::print(json_of(choices, target, planned));
   for (const auto& note : notes_of(choices, target, planned))
     std::printf("note: %s\n", note.c_str());
   print_rows(kGraspHeader, grasp_rows(choices, planned));
@@ -306,6 +312,20 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   page.add_heading("Time");
   page.add_table(kTimeHeader, time_rows(target, planned));
   page.write(std::filesystem::path(choices.out) / "index.html");
+}
+
+void save_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
+  const std::filesystem::path folder = choices.save;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  for (const char* name : {"object.ply", "object.obj", "object.stl"}) {
+    geometry::write_mesh_file(folder / name, target.object.mesh_W);
+  }
+  const std::filesystem::path file = folder / "plan.json";
+  std::ofstream stream(file);
+  stream << json_of(choices, target, planned).pretty();
+  stream.close();
+  if (!stream) throw std::runtime_error("'" + file.string() + "' cannot be written");
 }
 
 }  // namespace prehend::tools

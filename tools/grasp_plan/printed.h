@@ -13,4 +13,8 @@ void print_plan(const PlanChoices& choices, const PlanTarget& target, const Plan
 /// @throws std::runtime_error naming a file that cannot be written.
 void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const Planned& planned);
 
+/// Writes the object's mesh and the plan into choices.save, made where it is not there.
+/// @throws geometry::InputError, std::runtime_error naming a file that cannot be written.
+void save_plan(const PlanChoices& choices, const PlanTarget& target, const Planned& planned);
+
 }  // namespace prehend::tools

@@ -15,6 +15,7 @@
 #include "prehend/planning/known_models.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/model.h"
+#include "prehend/surface/size_on_table.h"
 
 namespace prehend::tools {
 namespace {
@@ -88,13 +89,27 @@ bool take_known(const PlanChoices& choices, const perception::SegmentedScene& sc
 PlanTarget of_cloud(const PlanChoices& choices) {
   PlanTarget target;
   auto start = steady_clock::now();
-  perception::RecordedCloudOptions cloud_options;
-  cloud_options.scale = choices.scale;
-  const auto recorded =
-      perception::interpret_recorded_cloud(geometry::read_cloud_file(choices.file), cloud_options);
+  const auto recorded = perception::interpret_recorded_cloud(
+      geometry::read_cloud_file(choices.file),
+      perception::read_recorded_cloud_options(choices.scale, choices.viewpoint, choices.up,
+                                              choices.table));
   target.notes = recorded.notes;
-  const perception::SegmentedScene scene = perception::segment_recorded_cloud(recorded);
+  if (choices.split && !recorded.cloud_C.organized()) {
+    throw geometry::InputError("--split needs an organized cloud, '" + choices.file + "' is none",
+                               "Leave --split away");
+  }
+  perception::SegmentationOptions segmentation;
+  segmentation.split = choices.split;
+  const perception::SegmentedScene scene =
+      perception::segment_recorded_cloud(recorded, segmentation);
   target.times.emplace_back("segmentation", since(start));
+  for (const std::string& dropped : scene.dropped) {
+    target.notes.push_back("not an object: " + dropped);
+  }
+  if (scene.objects.empty()) {
+    throw geometry::InputError(fmt::format("'{}': {}", choices.file, why_no_objects(scene)),
+                               "docs/recorded_data.md says what is looked for");
+  }
   if (choices.object >= static_cast<int>(scene.objects.size())) {
     throw geometry::InputError(fmt::format("'{}' shows {} objects: there is no object {}",
                                            choices.file, scene.objects.size(), choices.object),
@@ -124,6 +139,7 @@ PlanTarget of_cloud(const PlanChoices& choices) {
       start = steady_clock::now();
       target.object = surface::make_object_model(shape, scene.table_W);
       target.times.emplace_back("mesh and convex pieces", since(start));
+      if (!target.object.substitute.empty()) target.notes.push_back(target.object.substitute);
       if (!target.object.alternatives_W.empty()) {
         target.notes.push_back(
             fmt::format("{} other shapes, by other planes of symmetry, are tried",
@@ -137,13 +153,37 @@ PlanTarget of_cloud(const PlanChoices& choices) {
   return target;
 }
 
+void refuse_what_does_not_apply(const PlanChoices& choices, bool is_mesh) {
+  const auto refuse = [&](bool is_given, const std::string& option, const char* what) {
+    if (!is_given) return;
+    throw geometry::InputError(option + " is for " + what + ", and '" + choices.file + "' is none",
+                               "Leave " + option + " away");
+  };
+  if (is_mesh) {
+    refuse(!choices.viewpoint.empty(), "--viewpoint", "clouds");
+    refuse(!choices.up.empty(), "--up", "clouds");
+    refuse(!choices.table.empty(), "--table", "clouds");
+    refuse(choices.split, "--split", "clouds");
+    refuse(choices.object != 0, "--object", "clouds");
+    refuse(!choices.known.empty(), "--known", "clouds");
+  } else {
+    refuse(choices.in_place, "--in-place", "meshes");
+  }
+}
+
 }  // namespace
 
 PlanTarget read_target(const PlanChoices& choices) {
   if (!fs::exists(choices.file)) {
     throw geometry::InputError("There is no file '" + choices.file + "'", "Name a mesh or cloud");
   }
-  return is_mesh(choices.file) ? of_mesh(choices) : of_cloud(choices);
+  const bool mesh = is_mesh(choices.file);
+  refuse_what_does_not_apply(choices, mesh);
+  PlanTarget target = mesh ? of_mesh(choices) : of_cloud(choices);
+  target.notes.push_back(
+      "length, width and height of the object: " +
+      surface::size_text(surface::size_on_table(target.object.mesh_W, target.table_W)));
+  return target;
 }
 
 }  // namespace prehend::tools
