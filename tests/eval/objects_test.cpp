@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -5,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "eval/data_sets.h"
+#include "eval/hard_objects.h"
 #include "eval/household_objects.h"
 #include "eval/implicit_mesh.h"
+#include "eval/structured_light.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "tests/eval/temporary_folder.h"
@@ -46,6 +49,72 @@ TEST(ImplicitMesh, RefusesWhatHasNoInsideOrReachesOut) {
   EXPECT_THROW(mesh_of(constant(std::nan("")), box, 0.5), geometry::InputError);
   EXPECT_THROW(mesh_of(constant(1), box, 0), std::invalid_argument);
   EXPECT_THROW(mesh_of(constant(1), box, 1e-9), std::invalid_argument);
+}
+
+TEST(HardObjects, AreClosedRestOnTheTableAndHaveNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const auto& objects : {hard_objects(), held_out_objects()}) {
+    EXPECT_EQ(objects.size(), 18U);
+    for (const EvaluationObject& object : objects) {
+      SCOPED_TRACE(object.name);
+      EXPECT_TRUE(names.insert(object.name).second);
+      double lowest = geometry::bounds(*object.mesh_B).min().z();
+      EXPECT_TRUE(geometry::find_defects(*object.mesh_B).watertight());
+      EXPECT_GT(geometry::mass_properties(*object.mesh_B).volume, 0);
+      for (const auto& other : object.viewing.others_B) {
+        EXPECT_TRUE(geometry::find_defects(*other).watertight());
+        lowest = std::min(lowest, geometry::bounds(*other).min().z());
+      }
+      EXPECT_NEAR(lowest, 0, 0.003);
+    }
+  }
+}
+
+TEST(DataSets, ResultsAreOfTheMeshAndTheViewingNotOfTheName) {
+  EvaluationObject object = household_objects().front();
+  const auto name_of = [](const EvaluationObject& one) {
+    const std::vector<DataSet> sets = make_data_sets("household", {one});
+    return make_cases(sets, 1, 1).front().result_name();
+  };
+  const std::string before = name_of(object);
+  EXPECT_EQ(name_of(object), before);
+  EvaluationObject larger = object;
+  geometry::TriangleMesh mesh = *object.mesh_B;
+  mesh.vertices.front().x() += 1e-6;
+  larger.mesh_B = std::make_shared<geometry::TriangleMesh>(std::move(mesh));
+  EXPECT_NE(name_of(larger), before);
+  EvaluationObject lower = object;
+  lower.viewing.elevation = 20;
+  EXPECT_NE(name_of(lower), before);
+}
+
+// Depth as Khoshelham and Oude Elberink measured it: deviation and steps grow with its square.
+TEST(StructuredLight, NoiseGrowsWithTheSquareOfDepthAndDarkThingsGiveNone) {
+  const geometry::PinholeCamera camera{320, 240, 280, 280, 159.5, 119.5};
+  const auto deviation_at = [&](float depth) {
+    const geometry::DepthImage wall(camera.width, camera.height, depth);
+    const geometry::Image<std::int16_t> labels(camera.width, camera.height, -1);
+    const geometry::DepthImage seen = structured_light(wall, labels, camera, {});
+    double sum = 0, squares = 0, count = 0;
+    for (const float z : seen.data) {
+      if (!std::isfinite(z)) continue;
+      sum += z;
+      squares += static_cast<double>(z) * z;
+      ++count;
+    }
+    EXPECT_GT(count, 0.9 * static_cast<double>(seen.data.size()));
+    EXPECT_NEAR(sum / count, depth, 1e-3);
+    return std::sqrt(squares / count - sum / count * sum / count);
+  };
+  EXPECT_NEAR(deviation_at(2) / deviation_at(1), 4, 0.4);
+  const geometry::DepthImage wall(camera.width, camera.height, 1);
+  const geometry::Image<std::int16_t> dark(camera.width, camera.height, 0);
+  StructuredLightNoise noise;
+  noise.missing = 0.4;
+  const geometry::DepthImage seen = structured_light(wall, dark, camera, noise);
+  const auto lost =
+      std::count_if(seen.data.begin(), seen.data.end(), [](float z) { return !std::isfinite(z); });
+  EXPECT_NEAR(static_cast<double>(lost) / static_cast<double>(seen.data.size()), 0.4, 0.05);
 }
 
 TEST(HouseholdObjects, AreTwelveClosedSolidsOnTheTable) {

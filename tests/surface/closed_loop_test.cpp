@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include <algorithm>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
@@ -111,6 +114,25 @@ TEST(ClosedLoop, SameInputGivesTheSameBits) {
   for (std::size_t i = 0; i < first.model.convex_pieces_W.size(); ++i) {
     EXPECT_EQ(first.model.convex_pieces_W[i].vertices, second.model.convex_pieces_W[i].vertices);
   }
+}
+
+// "Their normals point inward, turn the normals round" was said of a pot that somebody recorded.
+TEST(ClosedLoop, PointsThatGiveNoMeshAreStoodInForWithTheReason) {
+  const auto truth = shape::standing(geometry::make_box({0.06, 0.09, 0.12}), 0.4);
+  const shape::SyntheticView view = shape::synthetic_view(truth, {.width = 320});
+  shape::CompletedShape shape = shape::complete_by_symmetry(view.view());
+  const double volume = make_object_model(shape, view.table_W).mass_properties.volume;
+  ASSERT_EQ(make_object_model(shape, view.table_W).substitute, "");
+  // Seen from the middle of the box, every normal points inward.
+  shape.alternatives.clear();
+  shape.viewpoint_W = shape.mirrored_viewpoint_W = geometry::centroid(shape.cloud_W);
+  if (shape.second_symmetry) shape.second_symmetry.reset();
+  std::fill(shape.origin.begin(), shape.origin.end(), shape::PointOrigin::kSeen);
+  const ObjectModel model = make_object_model(shape, view.table_W);
+  EXPECT_THAT(model.substitute, ::testing::HasSubstr("convex hull"));
+  EXPECT_TRUE(model.defects.watertight());
+  EXPECT_NEAR(model.mass_properties.volume, volume, 0.1 * volume);
+  EXPECT_FALSE(model.convex_pieces_W.empty());
 }
 
 TEST(ClosedLoop, ShapesWithoutVolumeOrPointsAreRefused) {

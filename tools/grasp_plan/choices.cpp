@@ -18,9 +18,11 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
           "mesh (.ply, .obj, .stl: planned on as it is) or cloud (.pcd, .ply: segmented and "
           "completed first)")
       ->required();
-  command.add_option("--scale", choices.scale, "metres per unit of the file")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command
+      .add_option("--scale", choices.scale,
+                  "metres per unit of the file; default: 1, for a mesh that would be "
+                  "larger than 3 m 0.001")
+      ->check(CLI::PositiveNumber);
   command.add_option("--viewpoint", choices.viewpoint,
                      "of a cloud: pose of the sensor in the file's frame, \"x y z qw qx qy qz\"; "
                      "default: found out from the file");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ std::string own_config();
 /// What `prehend plan` is asked for.
 struct PlanChoices {
   std::string file;
-  double scale = 1;
+  std::optional<double> scale;       // m per unit of the file
   std::string viewpoint, up, table;  // of a cloud, see perception/recorded_cloud.h
   bool split = false;
   bool in_place = false;

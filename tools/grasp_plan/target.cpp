@@ -15,6 +15,7 @@
 #include "prehend/planning/known_models.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/model.h"
+#include "prehend/surface/simplify.h"
 #include "prehend/surface/size_on_table.h"
 
 namespace prehend::tools {
@@ -42,10 +43,36 @@ bool is_mesh(const fs::path& file) {
   return false;
 }
 
+constexpr std::size_t kMostTriangles = 100'000;  // more are worked on as half of that
+
+// The mesh by --scale, else in metres, or in millimetres where metres would make it enormous.
+geometry::TriangleMesh in_metres(const PlanChoices& choices, std::vector<std::string>& notes) {
+  constexpr double kLargest = 3;    // m, of what is grasped
+  constexpr double kLeastMm = 30;   // units, from which nothing but millimetres is plausible
+  constexpr double kMostMm = 3000;  // units
+  if (choices.scale) return geometry::read_mesh_file(choices.file, *choices.scale);
+  geometry::TriangleMesh mesh = geometry::read_mesh_file(choices.file);
+  const double extent = geometry::bounds(mesh).sizes().maxCoeff();
+  if (!(extent > kLargest)) return mesh;
+  if (extent < kLeastMm || extent > kMostMm) {
+    throw geometry::InputError(
+        fmt::format("'{}' would be {:.3g} m large, so its unit is not the metre; it is {:.3g} m in "
+                    "inches, {:.3g} m in centimetres, {:.3g} m in millimetres",
+                    choices.file, extent, 0.0254 * extent, 0.01 * extent, 0.001 * extent),
+        "Give --scale 0.0254, 0.01 or 0.001");
+  }
+  notes.push_back(
+      fmt::format("the file's unit is taken for the millimetre: the mesh is {:.3g} m "
+                  "large; --scale says otherwise",
+                  1e-3 * extent));
+  for (Eigen::Vector3d& p : mesh.vertices) p *= 1e-3;
+  return mesh;
+}
+
 PlanTarget of_mesh(const PlanChoices& choices) {
   PlanTarget target;
   auto start = steady_clock::now();
-  geometry::TriangleMesh mesh = geometry::read_mesh_file(choices.file, choices.scale);
+  geometry::TriangleMesh mesh = in_metres(choices, target.notes);
   grasp::PlacedObject known{"", fs::path(choices.file).stem().string(),
                             geometry::RigidTransform::Identity()};
   if (!choices.database.empty()) known.hash = grasp::content_hash(mesh);
@@ -58,6 +85,15 @@ PlanTarget of_mesh(const PlanChoices& choices) {
   target.known = known;
   target.times.emplace_back("read", since(start));
   start = steady_clock::now();
+  if (mesh.triangles.size() > kMostTriangles) {
+    surface::SimplifiedMesh fewer = surface::simplified(mesh, kMostTriangles / 2);
+    target.notes.push_back(fmt::format("of the mesh's {} triangles {} are worked on, {:.2g} mm off",
+                                       mesh.triangles.size(), fewer.mesh.triangles.size(),
+                                       1e3 * fewer.error));
+    mesh = std::move(fewer.mesh);
+    target.times.emplace_back("fewer triangles", since(start));
+    start = steady_clock::now();
+  }
   target.object = surface::model_of_mesh(std::move(mesh));
   if (!target.object.defects.watertight()) {
     target.notes.push_back("the mesh is not closed (" + target.object.defects.to_string() +
@@ -91,8 +127,8 @@ PlanTarget of_cloud(const PlanChoices& choices) {
   auto start = steady_clock::now();
   const auto recorded = perception::interpret_recorded_cloud(
       geometry::read_cloud_file(choices.file),
-      perception::read_recorded_cloud_options(choices.scale, choices.viewpoint, choices.up,
-                                              choices.table));
+      perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
+                                              choices.up, choices.table));
   target.notes = recorded.notes;
   if (choices.split && !recorded.cloud_C.organized()) {
     throw geometry::InputError("--split needs an organized cloud, '" + choices.file + "' is none",
