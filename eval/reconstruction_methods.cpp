@@ -19,7 +19,7 @@ using perception::SegmentedScene;
 shape::CompletedShape completed(const SegmentedScene& scene, const ObjectHypothesis& object,
                                 const shape::CompletionOptions& options) {
   return shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W}, options);
+      {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)}, options);
 }
 
 Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& object) {
@@ -72,7 +72,7 @@ Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object)
   result.vote = shape.symmetry.vote;
   result.confidence = shape.confidence;
   result.evidence = shape.evidence;
-  surface::ObjectModel model = surface::make_object_model(shape, scene.table_W);
+  surface::ObjectModel model = surface::make_object_model(shape, support_of(scene, object));
   if (!model.substitute.empty()) {
     result.confidence = std::min(result.confidence, surface::kSubstituteConfidence);
   }

@@ -71,10 +71,11 @@ std::optional<Seen> seen_by(const Case& one, const RenderedScene& rendered,
 
 geometry::TriangleMesh mesh_by(const Seen& seen, const fidelity::ShapeOptions& options) {
   const perception::ObjectHypothesis& object = seen.scene.objects[seen.object];
-  const shape::CompletedShape shape = shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, seen.scene.camera, seen.scene.X_WC, seen.scene.table_W},
-      options.completion);
-  return surface::mesh_of(shape, seen.scene.table_W, options.model);
+  const shape::CompletedShape shape =
+      shape::complete_by_symmetry({object.cloud_W, object.mask, seen.scene.camera, seen.scene.X_WC,
+                                   support_of(seen.scene, object)},
+                                  options.completion);
+  return surface::mesh_of(shape, support_of(seen.scene, object), options.model);
 }
 
 Measured measured_by(const Setting& setting, const std::vector<Seen>& objects, int repetitions) {

@@ -40,8 +40,8 @@ surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_o
   shape::CompletionOptions options;
   options.alternatives = alternatives;
   const shape::CompletedShape shape = shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W}, options);
-  return surface::make_object_model(shape, scene.table_W);
+      {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)}, options);
+  return surface::make_object_model(shape, support_of(scene, object));
 }
 
 }  // namespace prehend::eval

@@ -307,6 +307,7 @@ msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene) {
     write_mask(object.mask, out);
     out.set_touches_image_border(object.touches_image_border);
     out.set_occluded_share(object.occluded_share);
+    if (object.support_W) *out.mutable_support() = to_message(*object.support_W);
   }
   for (const std::string& dropped : scene.dropped) message.add_notes("not an object: " + dropped);
   message.set_depth(pack_depth(scene.depth));
@@ -324,7 +325,10 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
   for (const auto& object : message.objects()) {
     scene.objects.push_back({static_cast<int>(object.id()), from_message(object.cloud()),
                              read_mask(object, scene.camera.width, scene.camera.height),
-                             object.touches_image_border(), object.occluded_share()});
+                             object.touches_image_border(), object.occluded_share(),
+                             object.has_support()
+                                 ? std::optional<geometry::Plane>(from_message(object.support()))
+                                 : std::nullopt});
   }
   return scene;
 }

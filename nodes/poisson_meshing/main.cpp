@@ -153,7 +153,8 @@ class PoissonMeshing {
       const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       surface::ModelTimes times;
       message = convert::to_message(surface::make_object_model(
-          convert::from_message(shape), convert::from_message(shape.table()),
+          convert::from_message(shape),
+          convert::from_message(shape.has_standing_on() ? shape.standing_on() : shape.table()),
           model_options(node_, chosen), &times));
       message.set_valid(true);
       if (chosen) *message.mutable_fidelity() = chosen->choice;

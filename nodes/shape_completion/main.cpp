@@ -165,7 +165,7 @@ class ShapeCompletion {
     const std::string problem = node_.shield(fmt::format("object {}", object.id), [&] {
       const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       message = convert::to_message(shape::complete_by_symmetry(
-          {object.cloud_W, object.mask, scene.camera, scene.X_WC, scene.table_W},
+          {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)},
           completion_options(node_, chosen), confidence_model_));
       if (chosen) *message.mutable_fidelity() = chosen->choice;
     });
@@ -178,6 +178,9 @@ class ShapeCompletion {
     }
     message.set_id(static_cast<std::uint32_t>(object.id));
     *message.mutable_table() = convert::to_message(scene.table_W);
+    if (object.support_W) {
+      *message.mutable_standing_on() = convert::to_message(*object.support_W);
+    }
     message.set_touches_image_border(object.touches_image_border);
     message.set_occluded_share(object.occluded_share);
     msgs::StageTime* time = message.add_times();

@@ -11,6 +11,7 @@
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
 #include "prehend/perception/organized_components.h"
+#include "prehend/perception/supports.h"
 #include "prehend/text/require.h"
 
 namespace prehend::perception {
@@ -333,6 +334,14 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin);
     scene.objects.push_back(std::move(object));
+  }
+  std::vector<const PointCloud*> clouds_W;
+  for (const ObjectHypothesis& object : scene.objects) clouds_W.push_back(&object.cloud_W);
+  const std::vector<double> supports = support_heights(clouds_W, scene.table_W);
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    if (supports[k] <= 0) continue;
+    scene.objects[k].support_W = scene.table_W;
+    scene.objects[k].support_W->offset += supports[k];
   }
   for (const FoundObjects::Dropped& dropped : found.dropped) {
     Eigen::Vector3d center_C = Eigen::Vector3d::Zero();

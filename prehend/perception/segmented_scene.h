@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct ObjectHypothesis {
   /// Share of the mask's outline along which another object stands right before this one, 0..1: it
   /// goes on behind that.
   double occluded_share = 0;
+  /// What it stands on where that is not the table but the top of another object; world.
+  std::optional<geometry::Plane> support_W;
 };
 
 /// What segmentation makes of one view: a table and the objects on it.
@@ -33,6 +36,12 @@ struct SegmentedScene {
   /// and the option that decides.
   std::vector<std::string> dropped;
 };
+
+/// The plane that the object stands on.
+inline const geometry::Plane& support_of(const SegmentedScene& scene,
+                                         const ObjectHypothesis& object) {
+  return object.support_W ? *object.support_W : scene.table_W;
+}
 
 /// What to say of a scene without objects: that, and what was dropped.
 std::string why_no_objects(const SegmentedScene& scene);

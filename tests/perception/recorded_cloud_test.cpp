@@ -178,6 +178,79 @@ TEST(InterpretRecordedCloud, SingleObjectCanBeForced) {
   EXPECT_EQ(segment_recorded_cloud(recorded).objects.size(), 1U);
 }
 
+TEST(InterpretRecordedCloud, TheTableCanBeGiven) {
+  // In the camera's frame, which is the file's: 0.6 m under the camera, as the scene has it.
+  const geometry::PointCloud cloud = render(scene_view());
+  const Table found = find_table(cloud);
+  RecordedCloudOptions options;
+  options.table = {TableChoice::Kind::kPlane, found.plane_C};
+  const RecordedCloud recorded = interpret_recorded_cloud(file_of(cloud), options);
+  ASSERT_TRUE(recorded.given_table_C);
+  expect_scene(recorded);
+  options.table.plane_F.offset += 100;
+  EXPECT_THROW(segment_recorded_cloud(interpret_recorded_cloud(file_of(cloud), options)),
+               InputError);
+}
+
+// Nothing else is in view: "no table" was said, or a face was taken for one and the body was gone.
+TEST(InterpretRecordedCloud, AnOrganizedCloudOfOneBodyIsOneBody) {
+  SyntheticView view;
+  view.boxes = {standing_box(0, 0, {0.07, 0.16, 0.2})};
+  const geometry::PointCloud cloud = render(view);
+  ASSERT_TRUE(cloud.organized());
+  const RecordedCloud recorded = interpret_recorded_cloud(file_of(cloud));
+  EXPECT_TRUE(recorded.hypothetical_table_C);
+  const SegmentedScene scene = segment_recorded_cloud(recorded);
+  ASSERT_EQ(scene.objects.size(), 1U);
+  std::size_t finite = 0;
+  for (const Eigen::Vector3f& p : cloud.points) finite += geometry::is_finite(p);
+  EXPECT_EQ(scene.objects[0].cloud_W.size(), finite);
+  RecordedCloudOptions options;
+  options.table.kind = TableChoice::Kind::kFind;
+  EXPECT_FALSE(interpret_recorded_cloud(file_of(cloud), options).hypothetical_table_C);
+}
+
+TEST(InterpretRecordedCloud, ZerosAreInvalid) {
+  geometry::PointCloud cloud = render(scene_view());
+  for (Eigen::Vector3f& p : cloud.points) {
+    if (!geometry::is_finite(p)) p.setZero();
+  }
+  expect_scene(interpret_recorded_cloud(file_of(cloud)));
+}
+
+TEST(InterpretRecordedCloud, OneWildPointIsNothing) {
+  geometry::PointCloud cloud = geometry::without_invalid(render(scene_view()));
+  cloud.points.emplace_back(0.0F, 0.0F, 900.0F);
+  expect_scene(interpret_recorded_cloud(file_of(cloud)));
+}
+
+TEST(ReadRecordedCloudOptions, TakesWordsAndNamesWhatIsWrong) {
+  const RecordedCloudOptions none = read_recorded_cloud_options(1, "", "", "");
+  EXPECT_EQ(none.table.kind, TableChoice::Kind::kAuto);
+  EXPECT_FALSE(none.viewpoint || none.up);
+  const RecordedCloudOptions all =
+      read_recorded_cloud_options(0.001, "1 2 3 1 0 0 0", "0 0 1", "0 0 2 1");
+  EXPECT_EQ(all.table.kind, TableChoice::Kind::kPlane);
+  EXPECT_EQ(all.table.plane_F.normal, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(all.table.plane_F.offset, 0.5);
+  EXPECT_EQ(all.viewpoint->translation(), Eigen::Vector3d(1, 2, 3));
+  const auto error = [](const std::string& viewpoint, const std::string& up,
+                        const std::string& table) {
+    try {
+      read_recorded_cloud_options(1, viewpoint, up, table);
+    } catch (const InputError& wrong) {
+      return std::string(wrong.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(error("", "", "no"), HasSubstr("auto, find, none"));
+  EXPECT_THAT(error("", "", "0 0 0 1"), HasSubstr("without a direction"));
+  EXPECT_THAT(error("", "", "0 0 1"), HasSubstr("a b c d"));
+  EXPECT_THAT(error("1 2 3", "", ""), HasSubstr("viewpoint"));
+  EXPECT_THAT(error("1 2 3 0 0 0 0", "", ""), HasSubstr("quaternion"));
+  EXPECT_THAT(error("", "0 0 nan", ""), HasSubstr("up"));
+}
+
 std::string error_of(const geometry::PointCloud& cloud, const RecordedCloudOptions& options = {}) {
   try {
     interpret_recorded_cloud(file_of(cloud), options);
@@ -218,7 +291,13 @@ TEST(InterpretRecordedCloud, Millimetres) {
   RecordedCloudOptions options;
   options.scale = 0.001;
   expect_scene(interpret_recorded_cloud(file_of(cloud), options));
-  for (Eigen::Vector3f& p : cloud.points) p *= 1e-6F;
+  // Centimetres were told to be millimetres, and that was obeyed.
+  for (Eigen::Vector3f& p : cloud.points) p *= 0.1F;
+  EXPECT_THAT(error_of(cloud), HasSubstr("1.03 m if in centimetres"));
+  options.scale = 0.001;
+  EXPECT_THAT(all_notes(interpret_recorded_cloud(file_of(cloud), options)),
+              HasSubstr("is the scale right?"));
+  for (Eigen::Vector3f& p : cloud.points) p *= 1e-5F;
   EXPECT_THAT(error_of(cloud), HasSubstr("scale"));
 }
 

@@ -1,5 +1,6 @@
 #include "prehend/perception/segmentation.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
@@ -93,6 +94,33 @@ TEST(Segment, UnorganizedCloudGivesMasksWithoutHoles) {
   ASSERT_EQ(scene.objects.size(), 3U);
   EXPECT_GT(box_overlap(scene.objects[0].mask, owner, 2), 0.85);
   EXPECT_EQ(scene.depth.width, view.camera.width);
+}
+
+// Nothing vanishes in silence.
+TEST(Segment, WhatIsNoObjectIsToldWithTheOption) {
+  SyntheticView view;
+  view.boxes = {table_top(), standing_box(-0.1, 0, {0.1, 0.1, 0.15}),
+                standing_box(0.1, 0.0, {0.06, 0.06, 0.02})};
+  SegmentationOptions options;
+  options.min_object_height = 0.03;
+  const SegmentedScene low = segment(render(view), view.camera, view.X_WC, options);
+  ASSERT_EQ(low.objects.size(), 1U);
+  ASSERT_EQ(low.dropped.size(), 1U);
+  EXPECT_THAT(low.dropped[0], ::testing::HasSubstr("(min_object_height)"));
+  EXPECT_THAT(low.dropped[0], ::testing::HasSubstr("(0.10 "));
+  options = {};
+  options.min_area = 0.5;
+  const SegmentedScene small = segment(render(view), view.camera, view.X_WC, options);
+  EXPECT_TRUE(small.objects.empty());
+  EXPECT_EQ(small.dropped.size(), 2U);
+  EXPECT_THAT(why_no_objects(small), ::testing::HasSubstr("(min_area)"));
+  options = {};
+  options.max_objects = 1;
+  const SegmentedScene one = segment(render(view), view.camera, view.X_WC, options);
+  EXPECT_EQ(one.objects.size(), 1U);
+  ASSERT_EQ(one.dropped.size(), 1U);
+  EXPECT_THAT(one.dropped[0], ::testing::HasSubstr("(max_objects)"));
+  EXPECT_EQ(segment(render(view), view.camera, view.X_WC).objects.size(), 2U);
 }
 
 TEST(Segment, TableOnlyHasNoObjects) {

@@ -154,6 +154,7 @@ PlanTarget of_cloud(const PlanChoices& choices) {
   target.table_W = scene.table_W;
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
+    const geometry::Plane& support = support_of(scene, seen);
     start = steady_clock::now();
     try {
       if (i == choices.object && !choices.known.empty()) {
@@ -165,15 +166,18 @@ PlanTarget of_cloud(const PlanChoices& choices) {
       shape::CompletionOptions completion;
       if (i == choices.object) completion.alternatives = choices.alternatives;
       const shape::CompletedShape shape = shape::complete_by_symmetry(
-          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, scene.table_W}, completion);
+          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, support}, completion);
       if (i != choices.object) {
-        target.neighbours_W.push_back(
-            surface::make_object_model(shape, scene.table_W).convex_pieces_W);
+        target.neighbours_W.push_back(surface::make_object_model(shape, support).convex_pieces_W);
         continue;
       }
       target.times.emplace_back("completion", since(start));
       start = steady_clock::now();
-      target.object = surface::make_object_model(shape, scene.table_W);
+      target.object = surface::make_object_model(shape, support);
+      if (seen.support_W) {
+        target.notes.push_back(fmt::format("it stands on another object, {:.0f} mm over the table",
+                                           1e3 * (support.offset - scene.table_W.offset)));
+      }
       target.times.emplace_back("mesh and convex pieces", since(start));
       if (!target.object.substitute.empty()) target.notes.push_back(target.object.substitute);
       if (!target.object.alternatives_W.empty()) {
