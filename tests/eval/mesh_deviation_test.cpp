@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/case_runner.h"
+#include "eval/household_objects.h"
 #include "tests/eval/temporary_folder.h"
 
 namespace prehend::eval {
@@ -36,7 +37,11 @@ TEST(Measured, DistancesOfShiftedAndScaledBoxes) {
 
 TEST(RunCase, BallOnATableIsSeenAndMeasured) {
   const std::vector<EvaluationObject> objects = {
-      {"ball", std::make_shared<geometry::TriangleMesh>(standing(geometry::make_sphere(0.04)))}};
+      {"ball",
+       std::make_shared<geometry::TriangleMesh>(standing(geometry::make_sphere(0.04))),
+       true,
+       false,
+       {}}};
   const std::vector<DataSet> sets = make_data_sets("test", objects);
   Method hull = compared_methods().front();
   Method failing{"None", "fails", [](const auto&, const auto&) -> Reconstruction {

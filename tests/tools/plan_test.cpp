@@ -111,6 +111,49 @@ TEST_F(Plan, RemembersGraspsOfAMeshAndListsThem) {
   EXPECT_EQ(exit_code_, 0);
 }
 
+TEST_F(Plan, AMeshInMillimetresIsRecognised) {
+  EXPECT_THAT(run({box({40, 50, 100}), "--approach", "down"}),
+              AllOf(HasSubstr("taken for the millimetre"), HasSubstr("50 x 40 x 100 mm")));
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(run({box({4, 5, 10}), "--approach", "down"}),
+              AllOf(HasSubstr("0.1 m in centimetres"), HasSubstr("--scale")));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({box({4, 5, 10}), "--approach", "down", "--scale", "0.01"}),
+              HasSubstr("50 x 40 x 100 mm"));
+  EXPECT_EQ(exit_code_, 0);
+}
+
+TEST_F(Plan, SavesTheMeshAndThePlan) {
+  const std::string saved = folder_.path("saved/here");
+  const std::string output = run({box({0.04, 0.05, 0.1}), "--approach", "down", "--save", saved});
+  EXPECT_EQ(exit_code_, 0) << output;
+  for (const char* name : {"/object.ply", "/object.obj", "/object.stl"}) {
+    const Eigen::AlignedBox3d bounds = geometry::bounds(geometry::read_mesh_file(saved + name));
+    EXPECT_LT((bounds.sizes() - Eigen::Vector3d(0.04, 0.05, 0.1)).norm(), 1e-6) << name;
+  }
+  std::ifstream file(saved + "/plan.json");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(text, &parsed).ok()) << text;
+  EXPECT_GT(parsed.fields().at("grasps").list_value().values_size(), 0);
+  EXPECT_NEAR(parsed.fields().at("size_m").list_value().values(0).number_value(), 0.05, 1e-6);
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--save", folder_.write("file", "")}),
+              HasSubstr("file"));
+  EXPECT_EQ(exit_code_, 1);
+}
+
+// They were taken and meant nothing.
+TEST_F(Plan, OptionsThatDoNotApplyAreRefused) {
+  const std::string mesh = box({0.04, 0.05, 0.1});
+  for (const auto& option : std::vector<std::vector<std::string>>{
+           {"--table", "none"}, {"--up", "0 0 1"}, {"--split"}, {"--object", "1"}}) {
+    std::vector<std::string> words{mesh};
+    words.insert(words.end(), option.begin(), option.end());
+    EXPECT_THAT(run(words), AllOf(HasSubstr(option[0]), HasSubstr("for clouds")));
+    EXPECT_EQ(exit_code_, 1);
+  }
+}
+
 TEST_F(Plan, NamesWhatIsWrong) {
   EXPECT_THAT(run({"no_such.ply"}), HasSubstr("no_such.ply"));
   EXPECT_EQ(exit_code_, 1);

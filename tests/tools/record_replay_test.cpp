@@ -270,7 +270,7 @@ TEST(Replay, SaysWhatIsWrongWithFileTopicAndRate) {
   const graph::Registry registry(any_port());
   const auto error_of = [&](const std::vector<std::string>& arguments) {
     ChildProgram replay("replay", arguments, scratch.path("out.txt"), registry.endpoint());
-    EXPECT_THAT(replay.wait(seconds(10)), testing::AnyOf(1, 2));
+    EXPECT_THAT(replay.wait(seconds(10)), ::testing::AnyOf(1, 2));
     return replay.output();
   };
   const std::string file = "file:=" + scratch.path("a.mcap");
