@@ -31,8 +31,8 @@ namespace {
 // What a client's socket tells of the keys at the other end.
 class KeyWatch {
  public:
-  KeyWatch(zmq::context_t& context, zmq::socket_ref socket)
-      : socket_(socket), events_(context, zmq::socket_type::pair) {
+  KeyWatch(zmq::context_t& context, zmq::socket_ref socket, bool has_keys)
+      : socket_(socket), events_(context, zmq::socket_type::pair), trouble_(has_keys) {
     const std::string name = fmt::format("inproc://keys-{}", socket.handle());
     if (zmq_socket_monitor(socket.handle(), name.c_str(), key_events()) != 0) throw zmq::error_t();
     // No bound: ZeroMQ's thread would wait for ever to tell a monitor that nobody reads.
@@ -45,20 +45,20 @@ class KeyWatch {
   KeyWatch& operator=(const KeyWatch&) = delete;
 
   // "" when there is none.
-  std::string trouble(bool has_keys) {
+  std::string trouble() {
     for (Frames frames = receive(events_); !frames.empty(); frames = receive(events_)) {
       std::uint16_t event = 0;
       if (frames[0].size() < sizeof event) continue;
       std::memcpy(&event, frames[0].data(), sizeof event);
-      if (auto words = key_trouble(event, has_keys)) trouble_ = std::move(*words);
+      trouble_.take(event);
     }
-    return trouble_;
+    return trouble_.words();
   }
 
  private:
   zmq::socket_ref socket_;
   zmq::socket_t events_;
-  std::string trouble_;
+  KeyTrouble trouble_;
 };
 
 // Nobody answered in time.
@@ -127,7 +127,7 @@ void Introspection::Impl::exchange(zmq::socket_t& to, const std::string& who, Fr
 RegistryReply Introspection::Impl::ask(RegistryRequest request) {
   if (!socket) {
     socket = open(registry);
-    key_watch.emplace(context, socket);
+    key_watch.emplace(context, socket, keys.has_value());
   }
   request.set_id(next_id++);
   Frames frames(1);
@@ -143,7 +143,7 @@ RegistryReply Introspection::Impl::ask(RegistryRequest request) {
                       reply.id() == id;
              });
   } catch (const NoAnswer&) {
-    const std::string trouble = key_watch->trouble(keys.has_value());
+    const std::string trouble = key_watch->trouble();
     if (trouble.empty()) throw;
     throw KeyError("the registry at " + registry + " cannot be asked: " + trouble);
   }

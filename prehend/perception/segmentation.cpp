@@ -52,6 +52,9 @@ double least_height(const Table& table, const SegmentationOptions& options) {
   return std::clamp(kDeviations * table.rms, 0.004, 0.008);
 }
 
+// Of the noise at a depth [m], to that at 1 m and nearer.
+double noise_growth(double depth) { return std::clamp(depth * depth, 1.0, 4.0); }
+
 std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table,
                                    const SegmentationOptions& options) {
   std::vector<Eigen::Vector3f> corners;
@@ -63,8 +66,7 @@ std::vector<int> points_over_table(const PointCloud& cloud_C, const Table& table
     if (!geometry::is_finite(cloud_C.points[i])) continue;
     const Eigen::Vector3d p = cloud_C.points[i].cast<double>();
     const double height = table.plane_C.signed_distance(p);
-    const double noise_growth = std::clamp(p.z() * p.z(), 1.0, 4.0);
-    if (height >= min_height * noise_growth && height <= options.max_height &&
+    if (height >= min_height * noise_growth(p.z()) && height <= options.max_height &&
         p.norm() <= options.max_distance && outline.contains(p, options.hull_margin)) {
       indices.push_back(static_cast<int>(i));
     }
@@ -225,12 +227,25 @@ class ObjectFinder {
     } else if (area < options_.min_area) {
       drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area)",
                                      1e4 * area, 1e4 * options_.min_area));
-    } else if (height < options_.min_object_height) {
-      drop(std::move(members), words("%.1f mm high, less than %.1f mm (min_object_height)",
-                                     1e3 * height, 1e3 * options_.min_object_height));
+    } else if (const double least = least_object_height(members); height < least) {
+      drop(
+          std::move(members),
+          words("%.1f mm high, less than %.1f mm (min_object_height, or 1.5 times what the table's "
+                "noise reaches)",
+                1e3 * height, 1e3 * least));
     } else {
       found_.objects.push_back(std::move(members));
     }
+  }
+
+  // What the table's noise reaches may look like a thing.
+  double least_object_height(const std::vector<int>& members) const {
+    constexpr double kOverNoise = 1.5;
+    double depth = 0;
+    for (const int i : members) depth += static_cast<double>(cloud_C_.points[i].z());
+    depth /= static_cast<double>(members.size());
+    return std::max(options_.min_object_height,
+                    kOverNoise * least_height(table_, options_) * noise_growth(depth));
   }
 
   void drop(std::vector<int> members, std::string reason) {

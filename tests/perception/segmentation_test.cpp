@@ -106,7 +106,7 @@ TEST(Segment, WhatIsNoObjectIsToldWithTheOption) {
   const SegmentedScene low = segment(render(view), view.camera, view.X_WC, options);
   ASSERT_EQ(low.objects.size(), 1U);
   ASSERT_EQ(low.dropped.size(), 1U);
-  EXPECT_THAT(low.dropped[0], ::testing::HasSubstr("(min_object_height)"));
+  EXPECT_THAT(low.dropped[0], ::testing::HasSubstr("min_object_height"));
   EXPECT_THAT(low.dropped[0], ::testing::HasSubstr("(0.10 "));
   options = {};
   options.min_area = 0.5;

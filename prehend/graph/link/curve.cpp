@@ -45,14 +45,26 @@ void secure_client(zmq::socket_ref socket, const std::string& endpoint,
 
 int key_events() { return ZMQ_EVENT_HANDSHAKE_SUCCEEDED | kRefusals | kBrokenOff; }
 
-std::optional<std::string> key_trouble(std::uint16_t event, bool has_keys) {
-  if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return "";
-  if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
-    return has_keys ? "what listens there uses no keys"
-                    : "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
+void KeyTrouble::take(std::uint16_t event) {
+  if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+    other_protocol_ = broken_off_ = false;
+  } else if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
+    other_protocol_ = true;
+  } else if ((event & key_events()) != 0) {
+    broken_off_ = true;
   }
-  if (has_keys && (event & key_events()) != 0) return "the registry there has other keys";
-  return std::nullopt;
+}
+
+std::string KeyTrouble::words() const {
+  if (other_protocol_ && has_keys_) return "what listens there uses no keys";
+  if (other_protocol_) {
+    return "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
+  }
+  if (!broken_off_) return "";
+  return has_keys_
+             ? "the registry there has other keys"
+             : "what listens there breaks off: if it uses keys, give them with --keys FILE or "
+               "PREHEND_KEYS";
 }
 
 CurveGate::CurveGate(IoLoop& loop, std::optional<GraphKeys> keys, Log log)

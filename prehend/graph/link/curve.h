@@ -25,9 +25,20 @@ void secure_client(zmq::socket_ref socket, const std::string& endpoint,
 /// Events of a client's socket (ZMQ_EVENT_...) that tell of its keys.
 int key_events();
 
-/// What such an event says of the keys of who listens there, as the end of a sentence; "" when the
-/// connection stands, nothing where it says nothing.
-std::optional<std::string> key_trouble(std::uint16_t event, bool has_keys);
+/// What such events say of the keys of who listens at the other end. Both ends find out that they
+/// do not fit, and who is first hangs up: the same mistake shows as a refusal that says why, or as
+/// a connection that is broken off, now so, now so.
+class KeyTrouble {
+ public:
+  explicit KeyTrouble(bool has_keys) : has_keys_(has_keys) {}
+  void take(std::uint16_t event);
+  /// As the end of a sentence; "" when the connection stands, or nothing is known.
+  std::string words() const;
+
+ private:
+  bool has_keys_;
+  bool other_protocol_ = false, broken_off_ = false;
+};
 
 /// Guards the sockets of one ZeroMQ context. Every member of a graph is CURVE server and client
 /// with the same key pair. A peer proves as client that it has the secret key, as the gate answers

@@ -26,7 +26,7 @@ RegistryLink::RegistryLink(IoLoop& loop, const CurveGate& gate, const std::strin
                            Events events)
     : loop_(loop),
       events_(std::move(events)),
-      has_keys_(gate.has_keys()),
+      key_trouble_(gate.has_keys()),
       socket_(loop.context(), zmq::socket_type::dealer),
       last_answer_(now()),
       last_beat_(now()),
@@ -57,7 +57,7 @@ bool RegistryLink::send(RegistryRequest& request) {
 }
 
 void RegistryLink::connection_event(std::uint16_t event) {
-  if (const auto trouble = graph::key_trouble(event, has_keys_)) key_trouble_ = *trouble;
+  key_trouble_.take(event);
   if (event != ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return;
   last_beat_ = now() - kBeat;  // it may be a new registry, or have taken this node for dead
   tick();

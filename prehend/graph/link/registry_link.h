@@ -51,7 +51,7 @@ class RegistryLink {
 
   bool answers() const { return answers_; }
   /// What is wrong with the keys when that is why nothing answers; else empty.
-  const std::string& key_trouble() const { return key_trouble_; }
+  std::string key_trouble() const { return key_trouble_.words(); }
   /// The other nodes and this one, by instance.
   const std::map<std::string, msgs::graph::NodeRecord>& nodes() const { return nodes_; }
 
@@ -73,10 +73,9 @@ class RegistryLink {
 
   IoLoop& loop_;
   Events events_;
-  const bool has_keys_;
+  KeyTrouble key_trouble_;
   zmq::socket_t socket_;
   std::optional<SocketMonitor> monitor_;
-  std::string key_trouble_;
   msgs::graph::NodeRecord record_;
   std::map<std::string, msgs::graph::NodeRecord> nodes_;
   std::map<std::uint64_t, std::shared_ptr<const Schema>> schemas_;
