@@ -228,11 +228,10 @@ class ObjectFinder {
       drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area)",
                                      1e4 * area, 1e4 * options_.min_area));
     } else if (const double least = least_object_height(members); height < least) {
-      drop(
-          std::move(members),
-          words("%.1f mm high, less than %.1f mm (min_object_height, or 1.5 times what the table's "
-                "noise reaches)",
-                1e3 * height, 1e3 * least));
+      drop(std::move(members), words("%.1f mm high, less than %.1f mm (min_object_height, or 2.5 "
+                                     "times min_height: what the "
+                                     "table's noise reaches)",
+                                     1e3 * height, 1e3 * least));
     } else {
       found_.objects.push_back(std::move(members));
     }
@@ -240,7 +239,7 @@ class ObjectFinder {
 
   // What the table's noise reaches may look like a thing.
   double least_object_height(const std::vector<int>& members) const {
-    constexpr double kOverNoise = 1.5;
+    constexpr double kOverNoise = 2.5;
     double depth = 0;
     for (const int i : members) depth += static_cast<double>(cloud_C_.points[i].z());
     depth /= static_cast<double>(members.size());

@@ -29,7 +29,8 @@ struct SegmentationOptions {
   double leaf_size = 0.005;         // m, voxels that are clustered; 0 clusters every point
   int pixel_reach = 4;     // kOrganized: pixels without a point that do not separate, 1..20
   double min_area = 5e-5;  // m^2 that is seen of the smallest object
-  double min_object_height = 0.006;  // m, lower clusters are dropped (paper)
+  double min_object_height = 0.006;  // m, lower clusters are dropped (paper), and those under 2.5
+                                     // times min_height
   double hull_margin = 0.02;         // m, the table's outline is widened by this much
   int close_radius = 2;              // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;

@@ -212,7 +212,7 @@ TEST_F(DriversDoctor, StatesThatDoNotFitTheLineAreRefusedAtTheStart) {
   const auto outcome = testing::run_program(
       "pg70", {"--registry", registry_.endpoint(), "--param", "can:=serial:/dev/ttyS9"},
       std::chrono::seconds(20));
-  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("a state every 0.02 s is too much for 9600 baud"),
                                     HasSubstr("Set state_period to at least 0.030")));
 }
