@@ -47,24 +47,28 @@ int key_events() { return ZMQ_EVENT_HANDSHAKE_SUCCEEDED | kRefusals | kBrokenOff
 
 void KeyTrouble::take(std::uint16_t event) {
   if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
-    other_protocol_ = broken_off_ = false;
+    other_protocol_ = refused_ = broken_off_ = false;
   } else if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
     other_protocol_ = true;
+  } else if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+    refused_ = true;
   } else if ((event & key_events()) != 0) {
     broken_off_ = true;
   }
 }
 
 std::string KeyTrouble::words() const {
-  if (other_protocol_ && has_keys_) return "what listens there uses no keys";
+  if (has_keys_) {
+    if (other_protocol_) return "what listens there uses no keys";
+    if (refused_) return "the registry there has other keys";
+    return broken_off_ ? "the registry there has other keys, or uses no keys" : "";
+  }
   if (other_protocol_) {
     return "what listens there uses keys, give them with --keys FILE or PREHEND_KEYS";
   }
-  if (!broken_off_) return "";
-  return has_keys_
-             ? "the registry there has other keys"
-             : "what listens there breaks off: if it uses keys, give them with --keys FILE or "
-               "PREHEND_KEYS";
+  if (!broken_off_ && !refused_) return "";
+  return "what listens there breaks off: if it uses keys, give them with --keys FILE or "
+         "PREHEND_KEYS";
 }
 
 CurveGate::CurveGate(IoLoop& loop, std::optional<GraphKeys> keys, Log log)

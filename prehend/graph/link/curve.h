@@ -37,7 +37,7 @@ class KeyTrouble {
 
  private:
   bool has_keys_;
-  bool other_protocol_ = false, broken_off_ = false;
+  bool other_protocol_ = false, refused_ = false, broken_off_ = false;
 };
 
 /// Guards the sockets of one ZeroMQ context. Every member of a graph is CURVE server and client
