@@ -23,6 +23,7 @@ using geometry::RigidTransform;
 
 constexpr int kMinClusterVoxels = 3;     // smaller ones are noise
 constexpr int kLeastPoints = 30;         // of an object: fewer have no shape
+constexpr double kSliver = 0.005;        // m: what shows less for its height is a rim of a thing
 constexpr int kLeastTold = 30;           // points of a dropped cluster that is worth a word
 constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
 
@@ -224,9 +225,11 @@ class ObjectFinder {
     const double height = height_of(cloud_C_, members, table_);
     if (members.size() < kLeastPoints) {
       drop(std::move(members), words("fewer than %.0f points have no shape", kLeastPoints));
-    } else if (area < options_.min_area) {
-      drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area)",
-                                     1e4 * area, 1e4 * options_.min_area));
+    } else if (const double least_area = std::max(options_.min_area, kSliver * height);
+               area < least_area) {
+      drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area, and "
+                                     "5 mm for its height)",
+                                     1e4 * area, 1e4 * least_area));
     } else if (const double least = least_object_height(members); height < least) {
       drop(std::move(members), words("%.1f mm high, less than %.1f mm (min_object_height, or 2.5 "
                                      "times min_height: what the "

@@ -113,7 +113,7 @@ TEST(Segment, WhatIsNoObjectIsToldWithTheOption) {
   const SegmentedScene small = segment(render(view), view.camera, view.X_WC, options);
   EXPECT_TRUE(small.objects.empty());
   EXPECT_EQ(small.dropped.size(), 2U);
-  EXPECT_THAT(why_no_objects(small), ::testing::HasSubstr("(min_area)"));
+  EXPECT_THAT(why_no_objects(small), ::testing::HasSubstr("(min_area"));
   options = {};
   options.max_objects = 1;
   const SegmentedScene one = segment(render(view), view.camera, view.X_WC, options);
