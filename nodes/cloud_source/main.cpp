@@ -93,6 +93,11 @@ void run(graph::Node& node) {
     clock.end_stage(times, "read");
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
+    if (node.parameter<bool>("split_touching") && !recorded.cloud_C.organized()) {
+      throw geometry::InputError(
+          "Parameter split_touching needs a cloud that is an image, '" + file + "' is none",
+          "Leave it away (split:= of the launch files)");
+    }
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
     message = segment(
         node, recorded,

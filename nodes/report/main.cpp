@@ -97,12 +97,11 @@ void run(graph::Node& node) {
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
 
-  if (!save.empty()) nodes::save_predictions(collected, save);
-
   const std::string summary = summary_text(title, collected, verdict, file);
   std::ofstream(std::filesystem::path(out) / "summary.txt") << summary;
   std::fputs(summary.c_str(), stdout);
   std::fflush(stdout);
+  if (!save.empty()) nodes::save_predictions(collected, save);
   if (!verdict.success) throw std::runtime_error(verdict.text);
 }
 

@@ -22,7 +22,7 @@ using geometry::PointCloud;
 using geometry::RigidTransform;
 
 constexpr int kMinClusterVoxels = 3;     // smaller ones are noise
-constexpr int kLeastPoints = 30;         // of an object: fewer have no shape
+constexpr int kLeastObjectPoints = 30;   // of an object: fewer have no shape
 constexpr double kSliver = 0.005;        // m: what shows less for its height is a rim of a thing
 constexpr int kLeastTold = 30;           // points of a dropped cluster that is worth a word
 constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
@@ -223,8 +223,8 @@ class ObjectFinder {
   void take_piece(std::vector<int> members) {
     const double area = seen_area(cloud_C_, camera_, members, options_);
     const double height = height_of(cloud_C_, members, table_);
-    if (members.size() < kLeastPoints) {
-      drop(std::move(members), words("fewer than %.0f points have no shape", kLeastPoints));
+    if (members.size() < kLeastObjectPoints) {
+      drop(std::move(members), words("fewer than %.0f points have no shape", kLeastObjectPoints));
     } else if (const double least_area = std::max(options_.min_area, kSliver * height);
                area < least_area) {
       drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area, and "
