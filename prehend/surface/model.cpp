@@ -12,6 +12,7 @@
 #include "prehend/surface/point_order.h"
 #include "prehend/surface/solid_hull.h"
 #include "prehend/surface/vertex_origin.h"
+#include "prehend/surface/vessel.h"
 
 namespace prehend::surface {
 namespace {
@@ -69,6 +70,21 @@ std::optional<geometry::TriangleMesh> standing_hull(const shape::CompletedShape&
   return solid_hull(points, kMostVertices);
 }
 
+/// The points of both sides of a vessel's wall.
+geometry::PointCloud vessel_cloud(const shape::CompletedShape& shape,
+                                  const geometry::Plane& table_W, const ModelOptions& options,
+                                  double spacing) {
+  constexpr double kNodesOfWall = 1.8;  // of the surface's grid, about one spacing apart
+  OrientedCloudOptions apart = options.cloud;
+  apart.separate_origins = true;
+  std::vector<bool> seen;
+  geometry::PointCloud cloud = oriented_cloud(shape, apart, &seen);
+  if (const auto basin = find_basin(cloud, table_W, spacing)) {
+    add_vessel_walls(cloud, seen, *basin, spacing, kNodesOfWall * spacing);
+  }
+  return cloud;
+}
+
 /// mesh_of() or what stands in for it; `substitute` says what and why.
 geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
                                         const geometry::Plane& table_W, const ModelOptions& options,
@@ -105,9 +121,11 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
                                const ModelOptions& options, double* normals_seconds) {
   Stopwatch stopwatch;
   geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
-  if (options.close_sides) {
-    const geometry::PointCloud sides =
-        side_points(shape, table_W, cloud_extent(cloud) / kPointsAcross);
+  const double spacing = cloud_extent(cloud) / kPointsAcross;
+  if (options.hollow_vessels && find_basin(cloud, table_W, spacing)) {
+    cloud = vessel_cloud(shape, table_W, options, spacing);
+  } else if (options.close_sides) {
+    const geometry::PointCloud sides = side_points(shape, table_W, spacing);
     cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
   }

@@ -11,7 +11,8 @@ namespace prehend::surface {
 
 struct ModelOptions {
   OrientedCloudOptions cloud;
-  bool close_sides = true;  // see closing.h
+  bool close_sides = true;     // see closing.h
+  bool hollow_vessels = true;  // see vessel.h: their sides are not closed, they have walls
   SurfaceOptions surface;
   ConvexPiecesOptions convex_pieces;
 };

@@ -241,8 +241,39 @@ std::vector<Eigen::Vector3f> estimate_normals(const Points& points,
   return normals;
 }
 
+namespace {
+
+/// Points of one or several origins, and what their normals look at.
+struct ThinnedPoints {
+  Points points;
+  std::vector<Eigen::Vector3d> viewpoints;
+  std::vector<bool> seen;
+};
+
+/// Appends the inliers of `thinned` with their normals. One search serves the filter and the
+/// planes.
+void append_oriented(const ThinnedPoints& thinned, const OrientedCloudOptions& options,
+                     geometry::PointCloud& cloud, std::vector<bool>& seen) {
+  const Points& points = thinned.points;
+  const int count = options.normals.neighbors + 1;
+  const int searched =
+      std::max(count, std::min(options.outliers.neighbors + 1, static_cast<int>(points.size())));
+  const Neighbors nearest = nearest_neighbors(points, searched);
+  std::vector<bool> kept(points.size(), true);
+  if (searched > options.outliers.neighbors) kept = inliers(nearest, options.outliers);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!kept[i]) continue;
+    const Eigen::Vector3d normal = plane_normal(points, nearest, i, count, kept);
+    cloud.points.push_back(points[i]);
+    cloud.normals.push_back(towards(normal, points[i], thinned.viewpoints[i]));
+    seen.push_back(thinned.seen[i]);
+  }
+}
+
+}  // namespace
+
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
-                                    const OrientedCloudOptions& options) {
+                                    const OrientedCloudOptions& options, std::vector<bool>* seen) {
   if (!(options.spacing >= 0) || !std::isfinite(options.spacing)) {
     throw std::invalid_argument("OrientedCloudOptions.spacing must be >= 0");
   }
@@ -261,8 +292,9 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
     throw InputError("all points of the completed shape coincide", "segment the object again");
   }
 
-  Points thinned;
-  std::vector<Eigen::Vector3d> viewpoints;
+  geometry::PointCloud cloud;
+  std::vector<bool> is_seen;
+  ThinnedPoints thinned;
   for (const auto origin :
        {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored,
         shape::PointOrigin::kMirroredSecond, shape::PointOrigin::kMirroredBoth}) {
@@ -271,25 +303,20 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
       if (shape.origin[i] == origin) of_origin.push_back(points[i]);
     }
     of_origin = voxel_means(std::move(of_origin), spacing);
-    thinned.insert(thinned.end(), of_origin.begin(), of_origin.end());
-    viewpoints.resize(thinned.size(), shape.viewpoint_of(origin));
+    thinned.points.insert(thinned.points.end(), of_origin.begin(), of_origin.end());
+    thinned.viewpoints.resize(thinned.points.size(), shape.viewpoint_of(origin));
+    thinned.seen.resize(thinned.points.size(), origin == shape::PointOrigin::kSeen);
+    const bool enough = thinned.points.size() > static_cast<std::size_t>(options.normals.neighbors);
+    if (options.separate_origins && enough) {
+      append_oriented(thinned, options, cloud, is_seen);
+      thinned = {};
+    }
   }
-
-  // One search serves the filter and the planes.
-  check_enough(thinned.size(), options.normals.neighbors);
-  const int count = options.normals.neighbors + 1;
-  const int searched =
-      std::max(count, std::min(options.outliers.neighbors + 1, static_cast<int>(thinned.size())));
-  const Neighbors nearest = nearest_neighbors(thinned, searched);
-  std::vector<bool> kept(thinned.size(), true);
-  if (searched > options.outliers.neighbors) kept = inliers(nearest, options.outliers);
-  geometry::PointCloud cloud;
-  for (std::size_t i = 0; i < thinned.size(); ++i) {
-    if (!kept[i]) continue;
-    const Eigen::Vector3d normal = plane_normal(thinned, nearest, i, count, kept);
-    cloud.points.push_back(thinned[i]);
-    cloud.normals.push_back(towards(normal, thinned[i], viewpoints[i]));
+  if (!options.separate_origins) {
+    check_enough(thinned.points.size(), options.normals.neighbors);
+    append_oriented(thinned, options, cloud, is_seen);
   }
+  if (seen) *seen = std::move(is_seen);
   return cloud;
 }
 

@@ -43,12 +43,17 @@ struct OrientedCloudOptions {
   double spacing = 0;
   OutlierOptions outliers;
   NormalOptions normals;
+  /// Neighbours are of the same origin only. The two sides of a thin wall are of different ones, as
+  /// near to each other as neighbours are.
+  bool separate_origins = false;
 };
 
 /// The points of `shape`, averaged in voxels (each origin by itself), without outliers, with
 /// normals towards the viewpoint of their origin: mirrored points towards the mirrored viewpoint.
+/// @param seen if given, is filled with one per point: it was seen, not predicted.
 /// @throws geometry::InputError for a shape with too few or non-finite points.
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
-                                    const OrientedCloudOptions& options = {});
+                                    const OrientedCloudOptions& options = {},
+                                    std::vector<bool>* seen = nullptr);
 
 }  // namespace prehend::surface
