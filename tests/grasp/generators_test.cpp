@@ -176,6 +176,8 @@ TEST(Ledger, KeepsTheNearestMiss) {
   EXPECT_EQ(ledger.count("too wide"), 4);
   EXPECT_EQ(ledger.total(), 5);
   EXPECT_EQ(to_text({Miss::Quantity::kLength, -0.0032, 0.004}), "-3.2 mm < 4.0 mm");
+  // It was "30.0 mm > 30.0 mm".
+  EXPECT_EQ(to_text({Miss::Quantity::kLength, 0.03002, 0.03}), "30.02 mm > 30.00 mm");
 }
 
 }  // namespace
