@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "nodes/report/gripper_meshes.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
+#include "prehend/report/rejections.h"
 
 namespace prehend::nodes {
 namespace {
@@ -47,14 +49,13 @@ std::string join(const std::vector<std::string>& parts, const std::string& separ
   return out;
 }
 
-std::string rejections_text(const msgs::GraspPlan& plan) {
-  std::vector<std::string> parts;
-  for (const auto& rejection : plan.rejections()) {
-    parts.push_back(fmt::format(
-        "{} {}{}", rejection.count(), rejection.reason(),
-        rejection.nearest_miss().empty() ? "" : " (at best " + rejection.nearest_miss() + ")"));
+std::vector<report::Rejected> rejections_of(const msgs::GraspPlan& plan) {
+  std::vector<report::Rejected> rejections;
+  for (const auto& one : plan.rejections()) {
+    rejections.push_back(
+        {one.reason(), one.generator(), static_cast<int>(one.count()), one.nearest_miss()});
   }
-  return join(parts, "; ");
+  return rejections;
 }
 
 // The object of the cycle, or else the first.
@@ -65,15 +66,27 @@ std::uint32_t shown_object(const Collected& collected) {
   return collected.shapes.empty() ? 0 : collected.shapes.begin()->first;
 }
 
-void add_view(Page& page, const Collected& collected) {
-  std::vector<ColorImage> pictures;
-  std::vector<std::string> captions;
-  ColorImage left;
-  if (collected.stereo) {
-    left = convert::from_message(*collected.stereo).left;
-    pictures.push_back(left);
-    captions.push_back("Left image");
+// What cameras saw in colour.
+std::vector<ColorImage> seen_colors(const Collected& collected) {
+  if (collected.stereo) return {convert::from_message(*collected.stereo).left};
+  std::vector<ColorImage> images;
+  for (const auto& message : collected.clouds) {
+    geometry::PointCloud cloud = convert::from_message(message);
+    if (!cloud.organized() || cloud.colors.empty()) continue;
+    ColorImage& image = images.emplace_back();
+    image.width = cloud.width;
+    image.height = cloud.height;
+    image.data = std::move(cloud.colors);
   }
+  return images;
+}
+
+void add_view(Page& page, const Collected& collected) {
+  std::vector<ColorImage> pictures = seen_colors(collected);
+  std::vector<std::string> captions(
+      pictures.size(), collected.stereo ? "Left image" : "Colours of the recorded cloud");
+  // Of several views nobody says which one the masks are of.
+  ColorImage seen = pictures.size() == 1 ? pictures.front() : ColorImage();
   if (!collected.objects) {
     page.add_paragraph("No object hypotheses came.");
   } else {
@@ -89,13 +102,14 @@ void add_view(Page& page, const Collected& collected) {
         geometry::Image<float> inverse = scene.depth;
         for (float& z : inverse.data) z = 1 / z;
         pictures.push_back(report::color_values(inverse));
-        captions.push_back("Disparity (red near, blue far, black unknown)");
+        captions.push_back(std::string(collected.stereo ? "Disparity" : "Depth") +
+                           " (red near, blue far, black unknown)");
       }
-      if (left.empty()) left = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
-      if (left.width == scene.camera.width && left.height == scene.camera.height) {
+      if (seen.empty()) seen = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
+      if (seen.width == scene.camera.width && seen.height == scene.camera.height) {
         std::vector<geometry::MaskImage> masks;
         for (const auto& object : scene.objects) masks.push_back(object.mask);
-        pictures.push_back(report::overlay_masks(left, masks));
+        pictures.push_back(report::overlay_masks(seen, masks));
         captions.push_back(fmt::format("Segmentation: {} object(s)", masks.size()));
       }
     }
@@ -217,10 +231,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
        report::draw_meshes(scene, camera, grasp_views[1])},
       {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N, score {:.2f}, {}",
                    index + 1, plan->second.grasps_size(), 1000 * opening, grasp.grasp_force(),
-                   grasp.score(),
-                   grasp.has_robustness() ? fmt::format("held in {:.0f} % of the disturbed trials",
-                                                        100 * grasp.robustness())
-                                          : std::string("robustness not assessed")),
+                   grasp.score(), trust_text(grasp)),
        "The same from the other side"});
 }
 
@@ -233,10 +244,15 @@ void add_object(Page& page, const Collected& collected, const msgs::CompletedSha
     }
     const auto plan = collected.plans.find(shape.id());
     if (plan == collected.plans.end()) return;
-    if (!plan->second.problem().empty()) page.add_verdict(plan->second.problem(), false);
-    page.add_paragraph(fmt::format("{} of {} grasp candidates kept. Rejected: {}.",
-                                   plan->second.grasps_size(), plan->second.candidates(),
-                                   rejections_text(plan->second)));
+    if (const auto why = why_not_graspable(plan->second.problem())) {
+      page.add_answer("Not graspable: " + *why);
+    } else if (!plan->second.problem().empty()) {
+      page.add_verdict(plan->second.problem(), false);
+    }
+    page.add_paragraph(fmt::format("{} of {} grasp candidates kept.", plan->second.grasps_size(),
+                                   plan->second.candidates()));
+    report::add_rejections(page, rejections_of(plan->second),
+                           static_cast<int>(plan->second.candidates()), "candidates");
   });
 }
 
@@ -392,8 +408,12 @@ std::vector<Row> summarize(const Collected& collected) {
   if (collected.result && collected.result->attempts() > 0) {
     rows.push_back(
         {"grasped",
-         fmt::format("object {}, grasp {}, {} attempt(s)", collected.result->object_id(),
-                     collected.result->grasp_index() + 1, collected.result->attempts())});
+         fmt::format("object {}, grasp {}, {} attempt(s){}", collected.result->object_id(),
+                     collected.result->grasp_index() + 1, collected.result->attempts(),
+                     collected.on_prediction ? ", executed on the predicted mesh" : "")});
+    if (const auto* grasp = executed_grasp(collected)) {
+      rows.push_back({"the grasp", trust_text(*grasp)});
+    }
     const auto surprising = std::count_if(collected.surprises.begin(), collected.surprises.end(),
                                           [](const auto& s) { return s.surprising(); });
     rows.push_back(
@@ -426,10 +446,10 @@ std::vector<Row> stage_times(const Collected& collected) {
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
                   const robot::GripperModel& gripper, const std::vector<Process>& processes) {
   Page page(title);
-  if (verdict.success && verdict.ungraspable) {
-    page.add_answer("Nothing was grasped: " + verdict.text);
+  if (verdict.kind == Verdict::Kind::kNotGraspable) {
+    page.add_answer("Not graspable: " + verdict.text);
   } else {
-    page.add_verdict(verdict.text, verdict.success);
+    page.add_verdict(verdict.text, verdict.kind == Verdict::Kind::kSuccess);
   }
   section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
   section(page, "What was seen", [&] { add_view(page, collected); });

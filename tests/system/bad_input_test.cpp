@@ -94,16 +94,22 @@ TEST_F(BadInput, TableWithoutObjects) {
   expect_cloud_failure(write("table.pcd", pcd(points, 40000)), {"object"});
 }
 
-TEST_F(BadInput, BudgetThatNoSettingKeeps) {
-  std::string box;
-  int count = 0;
-  for (int i = 0; i <= 40; ++i) {
-    for (int k = 0; k <= 40; ++k) {
-      box += std::to_string(i * 1e-3) + " " + std::to_string(k * 1e-3) + " 0.8\n" +     // front
-             std::to_string(i * 1e-3) + " 0 " + std::to_string(0.8 + k * 1e-3) + "\n";  // top
-      count += 2;
+// Front and top of a box, 0.8 m before the camera; `side` in millimetres.
+std::string two_sides_of_a_box(int side, int* count) {
+  std::string points;
+  for (int i = 0; i <= side; i += side / 40) {
+    for (int k = 0; k <= side; k += side / 40) {
+      const std::string x = std::to_string(i * 1e-3), other = std::to_string(k * 1e-3);
+      points += x + " " + other + " 0.8\n" + x + " 0 " + std::to_string(0.8 + k * 1e-3) + "\n";
+      *count += 2;
     }
   }
+  return points;
+}
+
+TEST_F(BadInput, BudgetThatNoSettingKeeps) {
+  int count = 0;
+  const std::string box = two_sides_of_a_box(40, &count);
   // Every object gets the reason, so the launch ends with an answer.
   const auto answer = [&](const std::vector<std::string>& asked) {
     std::vector<std::string> arguments = {"launch",
@@ -119,6 +125,25 @@ TEST_F(BadInput, BudgetThatNoSettingKeeps) {
   };
   EXPECT_NE(answer({"budget:=1e-6"}).find("Allow as much as the fastest one"), std::string::npos);
   EXPECT_NE(answer({"budget:=1", "tolerance:=1"}).find("budget and tolerance are both given"),
+            std::string::npos);
+}
+
+// It ended with 0, as if something had been lifted, or with 1, as if something had gone wrong.
+TEST_F(BadInput, AnObjectTooWideForTheGripperHasAnExitCodeOfItsOwn) {
+  int count = 0;
+  const std::string box = two_sides_of_a_box(160, &count);
+  const auto out = scratch_.path() / "out";
+  const Outcome outcome = run_program(
+      "prehend",
+      {"launch", "launch/replay_cloud.yaml", "cloud:=" + write("wide.pcd", pcd(box, count)),
+       "out:=" + out.string(), "--log-dir", (scratch_.path() / "log").string()},
+      seconds(60));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_NE(outcome.output.find("not graspable: narrowest width"), std::string::npos)
+      << outcome.output;
+  std::ifstream in(out / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_NE(page.find("<p class=\"verdict answer\">Not graspable: narrowest width"),
             std::string::npos);
 }
 
