@@ -11,9 +11,11 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "nodes/report/gripper_meshes.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
+#include "prehend/surface/size_on_table.h"
 
 namespace prehend::nodes {
 namespace {
@@ -128,6 +130,15 @@ double azimuth_of(const Eigen::Vector3d& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
+// Length, width and height over the table, and how far they can be relied on where they were
+// predicted; a known object has those of its mesh.
+std::string size_text(const surface::ObjectModel& model, const msgs::ObjectModel& message) {
+  if (model.mesh_W.vertices.empty()) return "no size";
+  const auto table_W = convert::from_message(message.table());
+  return message.has_known() ? surface::size_text(surface::size_on_table(model.mesh_W, table_W))
+                             : surface::size_text(surface::estimated_size(model, table_W));
+}
+
 std::string completion_text(const msgs::CompletedShape& message) {
   std::string text = fmt::format("Completed by {}, {:.0f} % sure to be within 5 mm.",
                                  message.method(), 100 * message.confidence());
@@ -208,6 +219,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
                    "grey on none; {:.0f} % of the area is guessed",
                    model.mesh_W.triangles.size(), message.mesh_defects(), 100 * model.guessed_area),
        "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
+  page.add_paragraph("Length, width and height: " + size_text(model, message) + ".");
 
   const auto plan = collected.plans.find(message.id());
   if (plan == collected.plans.end() || plan->second.grasps().empty()) return;
@@ -376,6 +388,18 @@ void add_tables(Page& page, const Collected& collected, const std::vector<Proces
   });
 }
 
+std::string mesh_text(const msgs::ObjectModel& message) {
+  std::string size;
+  try {
+    size = size_text(convert::from_message(message), message);
+  } catch (const geometry::InputError& error) {
+    size = error.what();  // the run is told in any case
+  }
+  return fmt::format("{}, mesh {}, {:.0f} cm^3, {:.1f} mm from seen points", size,
+                     message.mesh_defects(), 1e6 * message.volume(),
+                     1e3 * message.seen_deviation());
+}
+
 }  // namespace
 
 std::vector<Row> summarize(const Collected& collected) {
@@ -391,11 +415,8 @@ std::vector<Row> summarize(const Collected& collected) {
                                                     shape.vote(), 100 * shape.confidence())
                                       : "not completed: " + shape.problem());
     if (const auto model = collected.models.find(id); model != collected.models.end()) {
-      parts.push_back(model->second.valid()
-                          ? fmt::format("mesh {}, {:.0f} cm^3, {:.1f} mm from seen points",
-                                        model->second.mesh_defects(), 1e6 * model->second.volume(),
-                                        1e3 * model->second.seen_deviation())
-                          : "no mesh: " + model->second.problem());
+      parts.push_back(model->second.valid() ? mesh_text(model->second)
+                                            : "no mesh: " + model->second.problem());
     }
     if (const auto plan = collected.plans.find(id); plan != collected.plans.end()) {
       parts.push_back(plan->second.grasps().empty()

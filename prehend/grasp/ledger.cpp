@@ -66,12 +66,18 @@ int Ledger::total() const {
   return sum;
 }
 
-std::vector<Rejection> Ledger::rejections() const {
+std::vector<Rejection> Ledger::rejections(std::span<const char* const> stages) const {
   std::vector<Rejection> result;
   for (const Entry& entry : entries_) {
     result.push_back({entry.reason, entry.generator, entry.count,
                       entry.nearest ? to_text(*entry.nearest) : std::string()});
   }
+  const auto stage_of = [&](const Rejection& rejection) {
+    return std::find(stages.begin(), stages.end(), rejection.reason) - stages.begin();
+  };
+  std::stable_sort(result.begin(), result.end(), [&](const Rejection& a, const Rejection& b) {
+    return stage_of(a) < stage_of(b);
+  });
   return result;
 }
 

@@ -252,7 +252,7 @@ GraspPlanResult Planner::plan() {
     if (listed.grasp().robustness < 0) add_remark(kNotAssessed, &listed.grasp().remark);
     result.grasps.push_back(std::move(listed.grasp()));
   }
-  result.rejections = ledger.rejections();
+  result.rejections = ledger.rejections(kStages);
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
 }

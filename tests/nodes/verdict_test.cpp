@@ -166,6 +166,34 @@ TEST(Page, ShowsARecordedCloudAsACloud) {
             std::string::npos);
 }
 
+TEST(Page, SaysHowLargeAnObjectIsAndHowSureThatIs) {
+  surface::ObjectModel model;
+  model.mesh_W = geometry::make_box({0.12, 0.05, 0.03});
+  for (auto& p : model.mesh_W.vertices) p.z() += 0.015;
+  const std::size_t count = model.mesh_W.vertices.size();
+  model.vertex_origin.assign(count, surface::SurfaceOrigin::kPredicted);
+  model.vertex_confidence.assign(count, 0.6826895f);  // one standard deviation is 5 mm
+  Collected collected;
+  collected.shapes[0].set_completed(true);
+  msgs::ObjectModel& message = collected.models[0] = convert::to_message(model);
+  message.set_valid(true);
+  *message.mutable_table() = convert::to_message(geometry::Plane{Eigen::Vector3d::UnitZ(), 0});
+  const std::string size = "120 +- 7 x 50 +- 7 x 30 +- 5 mm";
+  const auto summary = [&] { return summarize(collected)[0][1]; };
+  EXPECT_NE(summary().find(size), std::string::npos) << summary();
+  const auto page = [&] {
+    return compose_page("t", collected, judge(collected, ""), robot::GripperModel{}, {}).html();
+  };
+  EXPECT_NE(page().find("Length, width and height: " + size), std::string::npos);
+  // What is known has the size of its mesh.
+  message.mutable_known()->set_name("box");
+  EXPECT_NE(summary().find("120 x 50 x 30 mm"), std::string::npos) << summary();
+  // A mesh that makes no sense is told, and the page is written.
+  message.mutable_mesh()->set_vertex_count(1000000);
+  EXPECT_NE(summary().find("mesh"), std::string::npos);
+  EXPECT_NE(page().find("could not be drawn"), std::string::npos);
+}
+
 TEST(Page, IsWrittenForEveryStageOfFailure) {
   Collected collected;
   const robot::GripperModel gripper;
