@@ -136,7 +136,7 @@ std::string size_text(const surface::ObjectModel& model, const msgs::ObjectModel
   if (model.mesh_W.vertices.empty()) return "no size";
   const auto table_W = convert::from_message(message.table());
   return message.has_known() ? surface::size_text(surface::size_on_table(model.mesh_W, table_W))
-                             : surface::size_text(surface::estimated_size(model, table_W));
+                             : surface::size_text(surface::predicted_size(model, table_W));
 }
 
 std::string completion_text(const msgs::CompletedShape& message) {

@@ -117,11 +117,11 @@ Eigen::Vector3d size_on_table(const geometry::TriangleMesh& mesh_W,
   return box_on_table(mesh_W, table_W).size;
 }
 
-EstimatedSize estimated_size(const ObjectModel& model, const geometry::Plane& table_W) {
+PredictedSize predicted_size(const ObjectModel& model, const geometry::Plane& table_W) {
   constexpr double kEnd = 0.02;  // of the extent
   const TableBox box = box_on_table(model.mesh_W, table_W);
   const std::vector<double> variances = end_variances(model);
-  EstimatedSize estimated{box.size, Eigen::Vector3d::Zero()};
+  PredictedSize predicted{box.size, Eigen::Vector3d::Zero()};
   for (int axis = 0; axis < 3; ++axis) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Eigen::Vector3d& p : model.mesh_W.vertices) {
@@ -137,10 +137,10 @@ EstimatedSize estimated_size(const ObjectModel& model, const geometry::Plane& ta
       if (at >= high - reach) high_sum += variances[i], ++high_count;
     }
     const double low_variance = axis == 2 ? seen_variance(model) : low_sum / low_count;
-    estimated.deviation[axis] =
+    predicted.deviation[axis] =
         std::min(std::sqrt(low_variance + high_sum / high_count), box.size[axis] / 2);
   }
-  return estimated;
+  return predicted;
 }
 
 std::string size_text(const Eigen::Vector3d& size) {
@@ -150,8 +150,8 @@ std::string size_text(const Eigen::Vector3d& size) {
   return text;
 }
 
-std::string size_text(const EstimatedSize& estimated) {
-  const Eigen::Vector3d size = 1e3 * estimated.size, deviation = 1e3 * estimated.deviation;
+std::string size_text(const PredictedSize& predicted) {
+  const Eigen::Vector3d size = 1e3 * predicted.size, deviation = 1e3 * predicted.deviation;
   char text[120];
   std::snprintf(text, sizeof text, "%.0f +- %.0f x %.0f +- %.0f x %.0f +- %.0f mm", size.x(),
                 deviation.x(), size.y(), deviation.y(), size.z(), deviation.z());

@@ -19,7 +19,7 @@ Eigen::Vector3d size_on_table(const geometry::TriangleMesh& mesh_W, const geomet
 std::string size_text(const Eigen::Vector3d& size);
 
 /// Length, width and height [m] with their standard deviations.
-struct EstimatedSize {
+struct PredictedSize {
   Eigen::Vector3d size;
   Eigen::Vector3d deviation;
 };
@@ -42,9 +42,9 @@ struct EstimatedSize {
 /// noise of 0 to 2 mm, 79 % were within one deviation of the truth and 96 % within two (normal
 /// errors would be in 68 and 95 %). What is far off is the cone on its tip: it hides its own foot.
 /// @pre the mesh has vertices; a confidence for each origin.
-EstimatedSize estimated_size(const ObjectModel& model, const geometry::Plane& table_W);
+PredictedSize predicted_size(const ObjectModel& model, const geometry::Plane& table_W);
 
 /// "105 +- 3 x 80 +- 2 x 70 +- 1 mm".
-std::string size_text(const EstimatedSize& estimated);
+std::string size_text(const PredictedSize& predicted);
 
 }  // namespace prehend::surface

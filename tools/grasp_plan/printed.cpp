@@ -204,7 +204,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
   Json notes = Json::array();
   for (const auto& note : notes_of(choices, target, planned)) notes.add(note);
   Json result = Json::object();
-  const auto [size, deviation] = surface::estimated_size(target.object, target.table_W);
+  const auto [size, deviation] = surface::predicted_size(target.object, target.table_W);
   result.set("size_m", Json::array().add(size.x()).add(size.y()).add(size.z()))
       .set("size_deviation_m",
            Json::array().add(deviation.x()).add(deviation.y()).add(deviation.z()))

@@ -220,7 +220,7 @@ PlanTarget read_target(const PlanChoices& choices) {
   const bool mesh = is_mesh(choices.file);
   refuse_what_does_not_apply(choices, mesh);
   PlanTarget target = mesh ? of_mesh(choices) : of_cloud(choices);
-  const surface::EstimatedSize size = surface::estimated_size(target.object, target.table_W);
+  const surface::PredictedSize size = surface::predicted_size(target.object, target.table_W);
   target.notes.push_back(
       "length, width and height of the object: " +
       (size.deviation.isZero() ? surface::size_text(size.size) : surface::size_text(size)));

@@ -34,35 +34,35 @@ ObjectModel half_seen(float confidence, double seen_deviation) {
   return model;
 }
 
-TEST(EstimatedSize, OfWhatWasSeenIsTheNoise) {
+TEST(PredictedSize, OfWhatWasSeenIsTheNoise) {
   ObjectModel model = half_seen(1, 0.001);
   model.vertex_origin.assign(model.vertex_origin.size(), SurfaceOrigin::kSeen);
-  const EstimatedSize estimated = estimated_size(model, kTable);
-  EXPECT_LT((estimated.size - Vector3d(0.12, 0.05, 0.03)).norm(), 1e-9);
+  const PredictedSize predicted = predicted_size(model, kTable);
+  EXPECT_LT((predicted.size - Vector3d(0.12, 0.05, 0.03)).norm(), 1e-9);
   const double n = std::sqrt(std::numbers::pi / 2) * 0.001;
-  EXPECT_LT((estimated.deviation - n * Vector3d(std::sqrt(8), std::sqrt(8), std::sqrt(5))).norm(),
+  EXPECT_LT((predicted.deviation - n * Vector3d(std::sqrt(8), std::sqrt(8), std::sqrt(5))).norm(),
             1e-9);
   model.vertex_origin.clear();  // a mesh that is known
   model.seen_deviation = 0;
-  EXPECT_EQ(estimated_size(model, kTable).deviation, Vector3d::Zero());
+  EXPECT_EQ(predicted_size(model, kTable).deviation, Vector3d::Zero());
 }
 
-TEST(EstimatedSize, OfAGuessIsWhatItsConfidenceSays) {
-  const EstimatedSize one = estimated_size(half_seen(kOneDeviation, 0), kTable);
+TEST(PredictedSize, OfAGuessIsWhatItsConfidenceSays) {
+  const PredictedSize one = predicted_size(half_seen(kOneDeviation, 0), kTable);
   EXPECT_NEAR(one.deviation.x(), 0.005, 1e-6);  // one end was guessed, the other seen
   EXPECT_NEAR(one.deviation.y(), 0.005, 1e-6);  // half of either end
   EXPECT_NEAR(one.deviation.z(), 0.005 / std::sqrt(2), 1e-6);
   EXPECT_EQ(size_text(one), "120 +- 5 x 50 +- 5 x 30 +- 4 mm");
   double last = 0;
   for (const float confidence : {1.0f, 0.9f, 0.5f, 0.2f, 0.05f, 0.0f}) {
-    const EstimatedSize size = estimated_size(half_seen(confidence, 0), kTable);
+    const PredictedSize size = predicted_size(half_seen(confidence, 0), kTable);
     EXPECT_GE(size.deviation.x(), last) << confidence;
     last = size.deviation.x();
     EXPECT_TRUE((size.deviation.array() <= size.size.array() / 2 + 1e-12).all()) << confidence;
   }
 }
 
-TEST(EstimatedSize, HoldsForSimulatedShapes) {
+TEST(PredictedSize, HoldsForSimulatedShapes) {
   const std::vector<geometry::TriangleMesh> solids{
       geometry::make_box({0.06, 0.09, 0.12}),
       geometry::make_box({0.05, 0.16, 0.04}),
@@ -80,14 +80,14 @@ TEST(EstimatedSize, HoldsForSimulatedShapes) {
             shape::synthetic_view(truth, {.depth_noise = noise, .width = 320, .seed = 3});
         const ObjectModel model =
             make_object_model(shape::complete_by_symmetry(view.view()), view.table_W);
-        const EstimatedSize estimated = estimated_size(model, view.table_W);
-        const Vector3d error = estimated.size - size_on_table(truth, view.table_W);
+        const PredictedSize predicted = predicted_size(model, view.table_W);
+        const Vector3d error = predicted.size - size_on_table(truth, view.table_W);
         for (int axis = 0; axis < 3; ++axis) {
-          const double deviations = std::abs(error[axis]) / estimated.deviation[axis];
+          const double deviations = std::abs(error[axis]) / predicted.deviation[axis];
           ++all;
           within_one += deviations <= 1;
           within_two += deviations <= 2;
-          sum += estimated.deviation[axis];
+          sum += predicted.deviation[axis];
         }
       }
     }
