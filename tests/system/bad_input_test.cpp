@@ -1,5 +1,6 @@
 // What a user gets who gives a launch something it cannot use: one clear line and a non-zero exit.
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 
@@ -94,22 +95,16 @@ TEST_F(BadInput, TableWithoutObjects) {
   expect_cloud_failure(write("table.pcd", pcd(points, 40000)), {"object"});
 }
 
-// Front and top of a box, 0.8 m before the camera; `side` in millimetres.
-std::string two_sides_of_a_box(int side, int* count) {
-  std::string points;
-  for (int i = 0; i <= side; i += side / 40) {
-    for (int k = 0; k <= side; k += side / 40) {
-      const std::string x = std::to_string(i * 1e-3), other = std::to_string(k * 1e-3);
-      points += x + " " + other + " 0.8\n" + x + " 0 " + std::to_string(0.8 + k * 1e-3) + "\n";
-      *count += 2;
+TEST_F(BadInput, BudgetThatNoSettingKeeps) {
+  std::string box;
+  int count = 0;
+  for (int i = 0; i <= 40; ++i) {
+    for (int k = 0; k <= 40; ++k) {
+      box += std::to_string(i * 1e-3) + " " + std::to_string(k * 1e-3) + " 0.8\n" +     // front
+             std::to_string(i * 1e-3) + " 0 " + std::to_string(0.8 + k * 1e-3) + "\n";  // top
+      count += 2;
     }
   }
-  return points;
-}
-
-TEST_F(BadInput, BudgetThatNoSettingKeeps) {
-  int count = 0;
-  const std::string box = two_sides_of_a_box(40, &count);
   // Every object gets the reason, so the launch ends with an answer.
   const auto answer = [&](const std::vector<std::string>& asked) {
     std::vector<std::string> arguments = {"launch",
@@ -128,14 +123,33 @@ TEST_F(BadInput, BudgetThatNoSettingKeeps) {
             std::string::npos);
 }
 
+// What a camera 30 mm over a red cube with sides of 160 mm sees of it, 0.8 m away: front and top.
+std::string image_of_a_cube() {
+  constexpr int kWidth = 160, kHeight = 120;
+  constexpr double kFocal = 300, kMiddle = 80, kHorizon = 30;  // pixels
+  std::string text =
+      "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+      "WIDTH 160\nHEIGHT 120\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 19200\nDATA ascii\n";
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double down = (v - kHorizon) / kFocal, right = (u - kMiddle) / kFocal;
+      const double z = down * 0.8 < 0.03 ? 0.03 / down : 0.8;
+      const bool is_hit = down > 0 && z <= 0.96 && down * z <= 0.19 && std::abs(right * z) <= 0.08;
+      text += is_hit ? std::to_string(right * z) + " " + std::to_string(down * z) + " " +
+                           std::to_string(z)
+                     : "nan nan nan";
+      text += " 16711680\n";
+    }
+  }
+  return text;
+}
+
 // It ended with 0, as if something had been lifted, or with 1, as if something had gone wrong.
 TEST_F(BadInput, AnObjectTooWideForTheGripperHasAnExitCodeOfItsOwn) {
-  int count = 0;
-  const std::string box = two_sides_of_a_box(160, &count);
   const auto out = scratch_.path() / "out";
   const Outcome outcome = run_program(
       "prehend",
-      {"launch", "launch/replay_cloud.yaml", "cloud:=" + write("wide.pcd", pcd(box, count)),
+      {"launch", "launch/replay_cloud.yaml", "cloud:=" + write("wide.pcd", image_of_a_cube()),
        "out:=" + out.string(), "--log-dir", (scratch_.path() / "log").string()},
       seconds(60));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
@@ -145,6 +159,7 @@ TEST_F(BadInput, AnObjectTooWideForTheGripperHasAnExitCodeOfItsOwn) {
   const std::string page((std::istreambuf_iterator<char>(in)), {});
   EXPECT_NE(page.find("<p class=\"verdict answer\">Not graspable: narrowest width"),
             std::string::npos);
+  EXPECT_NE(page.find("Colours of the recorded cloud"), std::string::npos);
 }
 
 TEST_F(BadInput, CloudWithoutATable) {
