@@ -284,7 +284,8 @@ void add_launch_command(CLI::App& app, Outcome& outcome) {
   command->footer(
       "Ends when a required node ends, or at Ctrl-C. A second Ctrl-C kills what still runs 2 s "
       "after the first; recorder and report have the time they need to write. Exit code 1 when "
-      "any node ended badly, which the last lines say of each, or had to be killed; else 0.\n"
+      "any node ended badly, which the last lines say of each, or had to be killed; 3 when nothing "
+      "can be grasped; else 0.\n"
       "Nodes of other projects: name them by their path, or set PREHEND_NODE_PATH to folders with "
       "their programs, separated by ':'.\n\n"
       "Examples:\n"

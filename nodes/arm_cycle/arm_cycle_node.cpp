@@ -10,6 +10,7 @@
 #include "msgs/sensors.pb.h"
 #include "nodes/arm_cycle/arm_grasps.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/graph/node_program.h"
 
 namespace prehend::nodes {
 namespace {
@@ -299,7 +300,7 @@ void ArmCycleNode::finish(const control::CycleResult& result, bool ungraspable) 
   } else {
     node_.report(graph::Health::kError, result.reason);
   }
-  exit_code_ = result.success ? 0 : (ungraspable ? 3 : 2);
+  exit_code_ = result.success ? 0 : (ungraspable ? graph::kAnswerIsNo : 2);
   if (exits_) exit_time_ = steady_clock::now() + kExitDelay;
 }
 

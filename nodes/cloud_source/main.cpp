@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
@@ -76,6 +77,7 @@ void run(graph::Node& node) {
        .read_only = true});
   nodes::declare_segmentation_parameters(node, true);
   const auto publisher = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
+  const auto seen = node.advertise<msgs::PointCloud>("/camera/cloud", graph::QoS::latched());
   const auto publish = [&node, &publisher](msgs::ObjectHypotheses message) {
     message.mutable_header()->set_frame_id("world");
     message.mutable_header()->set_stamp(node.clock().now());
@@ -99,6 +101,9 @@ void run(graph::Node& node) {
           "Leave it away (split:= of the launch files)");
     }
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);
+    // Its colours are what the camera saw; a cloud that is no image has none to look at.
+    const geometry::PointCloud& cloud_C = recorded.cloud_C;
+    if (cloud_C.organized() && !cloud_C.colors.empty()) seen.publish(convert::to_message(cloud_C));
     message = segment(
         node, recorded,
         world == "file" ? perception::RecordedWorld::kFile : perception::RecordedWorld::kTable,
@@ -121,8 +126,10 @@ void run(graph::Node& node) {
 const prehend::graph::RegisteredNodeProgram registered(
     {"cloud_source",
      "Reads a recorded point cloud, works out from where it was seen, finds the table and the "
-     "objects on it, and publishes them once on /objects (latched). A file that cannot be used "
-     "ends the node with the reason."},
+     "objects on it, and publishes them once on /objects (latched); a cloud that is an image with "
+     "colours also on /camera/cloud, in the camera's optical frame. A file that cannot be used "
+     "ends "
+     "the node with the reason."},
     run);
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "msgs/convert/geometry.h"
 #include "prehend/control/moved_grasps.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/graph/node_program.h"
 
 namespace prehend::nodes {
 namespace {
@@ -261,7 +263,7 @@ void CycleNode::start(const View& view) {
   control::CycleResult failure;
   failure.reason = node_.shield("plan", [&] {
     gripper_patience_.reset();
-    target_ = choose_target(view, object_);
+    take_target(choose_target(view, object_));
     if (target_.grasps.empty()) {
       control::CycleResult nothing;
       nothing.reason = target_.problem;
@@ -285,6 +287,16 @@ void CycleNode::start(const View& view) {
     begin();
   });
   if (!failure.reason.empty()) finish(failure, false);
+}
+
+void CycleNode::take_target(Target target) {
+  target_ = std::move(target);
+  plan_index_.resize(target_.grasps.size());
+  std::iota(plan_index_.begin(), plan_index_.end(), 0u);
+}
+
+std::uint32_t CycleNode::plan_index(int grasp_index) const {
+  return plan_index_.empty() ? 0 : plan_index_.at(static_cast<std::size_t>(grasp_index));
 }
 
 void CycleNode::begin() {
@@ -314,6 +326,8 @@ void CycleNode::follow_spawned(double since) {
   }
   const geometry::RigidTransform X_moved = *X_SB * spawned_.X_SB->inverse();
   target_.grasps.erase(target_.grasps.begin() + cycle_->grasp_index());
+  std::vector<std::uint32_t> plan_index = plan_index_;
+  plan_index.erase(plan_index.begin() + cycle_->grasp_index());
   control::MovedGraspLimits limits;
   limits.workspace_W = {Eigen::Vector3d(-workspace_, -workspace_, -kAnyHeight),
                         Eigen::Vector3d(workspace_, workspace_, kAnyHeight)};
@@ -321,6 +335,8 @@ void CycleNode::follow_spawned(double since) {
   if (!moved.grasps.empty()) {
     const double distance = (X_SB->translation() - spawned_.X_SB->translation()).norm();
     target_.grasps = moved.grasps;
+    plan_index_.clear();
+    for (const std::size_t i : moved.indices) plan_index_.push_back(plan_index[i]);
     spawned_.X_SB = X_SB;
     spawned_.X_moved = X_moved * spawned_.X_moved;
     move_W_ = choose_move(spawned_.view, target_, spawned_.X_SW, spawned_.X_moved);
@@ -344,7 +360,7 @@ void CycleNode::look_again(double since) {
       if (const auto other = gripper_.differs_from(*view->plans.at(target.id)); !other.empty()) {
         throw std::runtime_error(other);
       }
-      target_ = std::move(target);
+      take_target(std::move(target));
       centroid_W_ = convert::from_message(view->plans.at(target_.id)->centroid());
       move_W_ = choose_move(*view, target_, geometry::RigidTransform::Identity());
       node_.log_info("seen again: grasping object {}, {} grasps", target_.id,
@@ -384,6 +400,8 @@ void CycleNode::spawn_next() {
   if (to_spawn_.empty()) {
     preparing_ = false;
     control::CycleResult failure;
+    publish_state("spawn", 0,
+                  fmt::format("object {} is in the simulation as it was predicted", target_.id));
     failure.reason = node_.shield("plan", [this] { begin(); });
     if (!failure.reason.empty()) finish(failure, false);
     return;
@@ -482,12 +500,17 @@ void CycleNode::publish_progress() {
   }
   if (cycle_->detail() == last_detail_) return;
   last_detail_ = cycle_->detail();
+  publish_state(control::to_string(cycle_->phase()), cycle_->grasp_index(), last_detail_);
+}
+
+void CycleNode::publish_state(const std::string& phase, int grasp_index,
+                              const std::string& detail) {
   msgs::CycleState state;
   state.mutable_header()->set_stamp(node_.clock().now());
-  state.set_phase(control::to_string(cycle_->phase()));
+  state.set_phase(phase);
   state.set_object_id(target_.id);
-  state.set_grasp_index(static_cast<std::uint32_t>(cycle_->grasp_index()));
-  state.set_detail(last_detail_);
+  state.set_grasp_index(plan_index(grasp_index));
+  state.set_detail(detail);
   states_.publish(state);
   node_.log_info("{}: {}", state.phase(), state.detail());
 }
@@ -498,7 +521,7 @@ void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
   message.set_success(result.success);
   message.set_reason(result.reason);
   message.set_object_id(target_.id);
-  message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
+  message.set_grasp_index(plan_index(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
   if (running_) {
     for (const auto& surprise : cycle_->surprises())
@@ -518,7 +541,8 @@ void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
   } else {
     node_.report(graph::Health::kError, result.reason);
   }
-  exit_code_ = result.success ? 0 : (ungraspable ? (ungraspable_is_ok_ ? 0 : 3) : 2);
+  exit_code_ =
+      result.success ? 0 : (ungraspable ? (ungraspable_is_ok_ ? 0 : graph::kAnswerIsNo) : 2);
   if (exits_) exit_time_ = steady_clock::now() + kExitDelay;
 }
 

@@ -50,6 +50,11 @@ class CycleNode {
       const geometry::RigidTransform& X_moved = geometry::RigidTransform::Identity()) const;
   control::Percepts percepts() const;
   void publish_progress();
+  /// `grasp_index`: among the target's grasps.
+  void publish_state(const std::string& phase, int grasp_index, const std::string& detail);
+  /// Takes the grasps of a target that was just chosen as those of its plan.
+  void take_target(Target target);
+  std::uint32_t plan_index(int grasp_index) const;
   void finish(const control::CycleResult& result, bool ungraspable);
   msgs::Surprise to_message(const control::Surprise& surprise) const;
 
@@ -89,6 +94,7 @@ class CycleNode {
 
   std::optional<control::GraspCycle> cycle_;
   Target target_;
+  std::vector<std::uint32_t> plan_index_;  // in the plan, of each of the target's grasps
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   bool armed_ = true;                                     // waits for plans to start on
   bool preparing_ = false;  // objects are being put into the simulation

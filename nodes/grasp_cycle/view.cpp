@@ -39,8 +39,9 @@ double promise(const View& view, const msgs::GraspPlan& plan) {
   return in_part ? weighted - 1 : weighted;
 }
 
-// "cannot be grasped: object 0: too wide; object 1: too heavy".
-std::string all_problems(const View& view) {
+// "cannot be grasped: object 0: too wide; object 1: too heavy". Where an object could not be
+// planned on, nobody knows whether it can be grasped: "no grasp: ...".
+std::string all_problems(const View& view, bool ungraspable) {
   const std::string start = std::string(kUngraspable) + ": ";
   std::string text;
   for (const auto& [id, plan] : view.plans) {
@@ -48,7 +49,7 @@ std::string all_problems(const View& view) {
     if (problem.rfind(start, 0) == 0) problem.erase(0, start.size());
     text += (text.empty() ? "" : "; ") + ("object " + std::to_string(id) + ": " + problem);
   }
-  return start + text;
+  return (ungraspable ? start : "no grasp: ") + text;
 }
 
 }  // namespace
@@ -114,12 +115,12 @@ Target choose_target(const View& view, int object) {
     return target;
   }
   if (!best && view.plans.size() == 1) best = view.plans.begin()->second.get();
-  target.problem = best ? best->problem() : all_problems(view);
-  target.id = best ? best->id() : view.plans.begin()->first;
   target.ungraspable = best ? says_ungraspable(*best)
                             : std::all_of(view.plans.begin(), view.plans.end(), [](const auto& e) {
                                 return says_ungraspable(*e.second);
                               });
+  target.problem = best ? best->problem() : all_problems(view, target.ungraspable);
+  target.id = best ? best->id() : view.plans.begin()->first;
   return target;
 }
 

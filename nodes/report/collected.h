@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "msgs/geometry.pb.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
@@ -34,6 +35,7 @@ struct TactileSnapshot {
 /// What went over the graph, as far as the report shows it.
 struct Collected {
   std::optional<msgs::StereoPair> stereo;
+  std::vector<msgs::PointCloud> clouds;  // recorded, images with colours; one of each view
   std::optional<msgs::CameraInfo> camera;
   std::optional<msgs::ObjectHypotheses> objects;
   std::map<std::uint32_t, msgs::CompletedShape> shapes;  // by object
@@ -43,7 +45,8 @@ struct Collected {
   std::optional<msgs::CycleResult> result;
 
   std::vector<std::pair<double, std::string>> phases;  // when each began
-  std::optional<msgs::TactileFrame> left;              // newest
+  bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation
+  std::optional<msgs::TactileFrame> left;  // newest
   std::optional<msgs::TactileFrame> right;
   std::vector<TactileSnapshot> snapshots;
   History left_sum;   // N

@@ -34,6 +34,8 @@ Collector::Collector(graph::Node& node) : node_(node) {
   listen<msgs::StereoPair>("/camera/stereo", QoS::queue(2), [&c](const auto& m) {
     if (!c.stereo) c.stereo = m;  // the one that was segmented, before the gripper is in the way
   });
+  listen<msgs::PointCloud>("/camera/cloud", QoS::queue(8),
+                           [&c](const auto& m) { c.clouds.push_back(m); });
   listen<msgs::ObjectHypotheses>("/objects", QoS::queue(2), [this, &c](const auto& m) {
     c.objects = m;
     without_objects_since_.reset();
@@ -72,6 +74,7 @@ Collector::Collector(graph::Node& node) : node_(node) {
 
 void Collector::on_phase(const msgs::CycleState& state) {
   auto& phases = collected_.phases;
+  if (state.phase() == "spawn") collected_.on_prediction = true;
   if (!phases.empty() && phases.back().second == state.phase()) return;
   if (!phases.empty() && collected_.left && collected_.right &&
       collected_.left->sum() + collected_.right->sum() > 0) {

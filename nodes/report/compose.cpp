@@ -4,14 +4,18 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "nodes/report/gripper_meshes.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
+#include "prehend/report/rejections.h"
+#include "prehend/surface/size_on_table.h"
 
 namespace prehend::nodes {
 namespace {
@@ -47,14 +51,13 @@ std::string join(const std::vector<std::string>& parts, const std::string& separ
   return out;
 }
 
-std::string rejections_text(const msgs::GraspPlan& plan) {
-  std::vector<std::string> parts;
-  for (const auto& rejection : plan.rejections()) {
-    parts.push_back(fmt::format(
-        "{} {}{}", rejection.count(), rejection.reason(),
-        rejection.nearest_miss().empty() ? "" : " (at best " + rejection.nearest_miss() + ")"));
+std::vector<report::Rejected> rejections_of(const msgs::GraspPlan& plan) {
+  std::vector<report::Rejected> rejections;
+  for (const auto& one : plan.rejections()) {
+    rejections.push_back(
+        {one.reason(), one.generator(), static_cast<int>(one.count()), one.nearest_miss()});
   }
-  return join(parts, "; ");
+  return rejections;
 }
 
 // The object of the cycle, or else the first.
@@ -65,15 +68,27 @@ std::uint32_t shown_object(const Collected& collected) {
   return collected.shapes.empty() ? 0 : collected.shapes.begin()->first;
 }
 
-void add_view(Page& page, const Collected& collected) {
-  std::vector<ColorImage> pictures;
-  std::vector<std::string> captions;
-  ColorImage left;
-  if (collected.stereo) {
-    left = convert::from_message(*collected.stereo).left;
-    pictures.push_back(left);
-    captions.push_back("Left image");
+// What cameras saw in colour.
+std::vector<ColorImage> seen_colors(const Collected& collected) {
+  if (collected.stereo) return {convert::from_message(*collected.stereo).left};
+  std::vector<ColorImage> images;
+  for (const auto& message : collected.clouds) {
+    geometry::PointCloud cloud = convert::from_message(message);
+    if (!cloud.organized() || cloud.colors.empty()) continue;
+    ColorImage& image = images.emplace_back();
+    image.width = cloud.width;
+    image.height = cloud.height;
+    image.data = std::move(cloud.colors);
   }
+  return images;
+}
+
+void add_view(Page& page, const Collected& collected) {
+  std::vector<ColorImage> pictures = seen_colors(collected);
+  std::vector<std::string> captions(
+      pictures.size(), collected.stereo ? "Left image" : "Colours of the recorded cloud");
+  // Of several views nobody says which one the masks are of.
+  ColorImage seen = pictures.size() == 1 ? pictures.front() : ColorImage();
   if (!collected.objects) {
     page.add_paragraph("No object hypotheses came.");
   } else {
@@ -89,13 +104,14 @@ void add_view(Page& page, const Collected& collected) {
         geometry::Image<float> inverse = scene.depth;
         for (float& z : inverse.data) z = 1 / z;
         pictures.push_back(report::color_values(inverse));
-        captions.push_back("Disparity (red near, blue far, black unknown)");
+        captions.push_back(std::string(collected.stereo ? "Disparity" : "Depth") +
+                           " (red near, blue far, black unknown)");
       }
-      if (left.empty()) left = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
-      if (left.width == scene.camera.width && left.height == scene.camera.height) {
+      if (seen.empty()) seen = ColorImage(scene.camera.width, scene.camera.height, {230, 230, 230});
+      if (seen.width == scene.camera.width && seen.height == scene.camera.height) {
         std::vector<geometry::MaskImage> masks;
         for (const auto& object : scene.objects) masks.push_back(object.mask);
-        pictures.push_back(report::overlay_masks(left, masks));
+        pictures.push_back(report::overlay_masks(seen, masks));
         captions.push_back(fmt::format("Segmentation: {} object(s)", masks.size()));
       }
     }
@@ -112,6 +128,15 @@ std::vector<geometry::RigidTransform> two_views(const Eigen::AlignedBox3d& box, 
 
 double azimuth_of(const Eigen::Vector3d& direction) {
   return std::atan2(direction.y(), direction.x());
+}
+
+// Length, width and height over the table, and how far they can be relied on where they were
+// predicted; a known object has those of its mesh.
+std::string size_text(const surface::ObjectModel& model, const msgs::ObjectModel& message) {
+  if (model.mesh_W.vertices.empty()) return "no size";
+  const auto table_W = convert::from_message(message.table());
+  return message.has_known() ? surface::size_text(surface::size_on_table(model.mesh_W, table_W))
+                             : surface::size_text(surface::predicted_size(model, table_W));
 }
 
 std::string completion_text(const msgs::CompletedShape& message) {
@@ -194,6 +219,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
                    "grey on none; {:.0f} % of the area is guessed",
                    model.mesh_W.triangles.size(), message.mesh_defects(), 100 * model.guessed_area),
        "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
+  page.add_paragraph("Length, width and height: " + size_text(model, message) + ".");
 
   const auto plan = collected.plans.find(message.id());
   if (plan == collected.plans.end() || plan->second.grasps().empty()) return;
@@ -217,10 +243,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
        report::draw_meshes(scene, camera, grasp_views[1])},
       {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N, score {:.2f}, {}",
                    index + 1, plan->second.grasps_size(), 1000 * opening, grasp.grasp_force(),
-                   grasp.score(),
-                   grasp.has_robustness() ? fmt::format("held in {:.0f} % of the disturbed trials",
-                                                        100 * grasp.robustness())
-                                          : std::string("robustness not assessed")),
+                   grasp.score(), trust_text(grasp)),
        "The same from the other side"});
 }
 
@@ -233,10 +256,15 @@ void add_object(Page& page, const Collected& collected, const msgs::CompletedSha
     }
     const auto plan = collected.plans.find(shape.id());
     if (plan == collected.plans.end()) return;
-    if (!plan->second.problem().empty()) page.add_verdict(plan->second.problem(), false);
-    page.add_paragraph(fmt::format("{} of {} grasp candidates kept. Rejected: {}.",
-                                   plan->second.grasps_size(), plan->second.candidates(),
-                                   rejections_text(plan->second)));
+    if (const auto why = why_not_graspable(plan->second.problem())) {
+      page.add_answer("Not graspable: " + *why);
+    } else if (!plan->second.problem().empty()) {
+      page.add_verdict(plan->second.problem(), false);
+    }
+    page.add_paragraph(fmt::format("{} of {} grasp candidates kept.", plan->second.grasps_size(),
+                                   plan->second.candidates()));
+    report::add_rejections(page, rejections_of(plan->second),
+                           static_cast<int>(plan->second.candidates()), "candidates");
   });
 }
 
@@ -360,6 +388,18 @@ void add_tables(Page& page, const Collected& collected, const std::vector<Proces
   });
 }
 
+std::string mesh_text(const msgs::ObjectModel& message) {
+  std::string size;
+  try {
+    size = size_text(convert::from_message(message), message);
+  } catch (const geometry::InputError& error) {
+    size = error.what();  // the run is told in any case
+  }
+  return fmt::format("{}, mesh {}, {:.0f} cm^3, {:.1f} mm from seen points", size,
+                     message.mesh_defects(), 1e6 * message.volume(),
+                     1e3 * message.seen_deviation());
+}
+
 }  // namespace
 
 std::vector<Row> summarize(const Collected& collected) {
@@ -375,11 +415,8 @@ std::vector<Row> summarize(const Collected& collected) {
                                                     shape.vote(), 100 * shape.confidence())
                                       : "not completed: " + shape.problem());
     if (const auto model = collected.models.find(id); model != collected.models.end()) {
-      parts.push_back(model->second.valid()
-                          ? fmt::format("mesh {}, {:.0f} cm^3, {:.1f} mm from seen points",
-                                        model->second.mesh_defects(), 1e6 * model->second.volume(),
-                                        1e3 * model->second.seen_deviation())
-                          : "no mesh: " + model->second.problem());
+      parts.push_back(model->second.valid() ? mesh_text(model->second)
+                                            : "no mesh: " + model->second.problem());
     }
     if (const auto plan = collected.plans.find(id); plan != collected.plans.end()) {
       parts.push_back(plan->second.grasps().empty()
@@ -392,8 +429,12 @@ std::vector<Row> summarize(const Collected& collected) {
   if (collected.result && collected.result->attempts() > 0) {
     rows.push_back(
         {"grasped",
-         fmt::format("object {}, grasp {}, {} attempt(s)", collected.result->object_id(),
-                     collected.result->grasp_index() + 1, collected.result->attempts())});
+         fmt::format("object {}, grasp {}, {} attempt(s){}", collected.result->object_id(),
+                     collected.result->grasp_index() + 1, collected.result->attempts(),
+                     collected.on_prediction ? ", executed on the predicted mesh" : "")});
+    if (const auto* grasp = executed_grasp(collected)) {
+      rows.push_back({"the grasp", trust_text(*grasp)});
+    }
     const auto surprising = std::count_if(collected.surprises.begin(), collected.surprises.end(),
                                           [](const auto& s) { return s.surprising(); });
     rows.push_back(
@@ -426,10 +467,10 @@ std::vector<Row> stage_times(const Collected& collected) {
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
                   const robot::GripperModel& gripper, const std::vector<Process>& processes) {
   Page page(title);
-  if (verdict.success && verdict.ungraspable) {
-    page.add_answer("Nothing was grasped: " + verdict.text);
+  if (verdict.kind == Verdict::Kind::kNotGraspable) {
+    page.add_answer("Not graspable: " + verdict.text);
   } else {
-    page.add_verdict(verdict.text, verdict.success);
+    page.add_verdict(verdict.text, verdict.kind == Verdict::Kind::kSuccess);
   }
   section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
   section(page, "What was seen", [&] { add_view(page, collected); });

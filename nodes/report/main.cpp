@@ -30,15 +30,26 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-std::string summary_text(const std::string& title, const nodes::Collected& collected,
-                         const nodes::Verdict& verdict, const std::filesystem::path& page) {
-  const char* kind = verdict.ungraspable ? "answer" : (verdict.success ? "success" : "failed");
-  return "\n" + title + "\n" + aligned(nodes::summarize(collected)) + "\n" +
-         aligned(nodes::stage_times(collected)) + "\n  " + kind + ": " + verdict.text +
-         "\n  report: " + page.string() + "\n";
+const char* kind_name(nodes::Verdict::Kind kind) {
+  switch (kind) {
+    case nodes::Verdict::Kind::kSuccess:
+      return "success";
+    case nodes::Verdict::Kind::kNotGraspable:
+      return "not graspable";
+    case nodes::Verdict::Kind::kFailure:
+      return "failed";
+  }
+  return "";
 }
 
-void run(graph::Node& node) {
+std::string summary_text(const std::string& title, const nodes::Collected& collected,
+                         const nodes::Verdict& verdict, const std::filesystem::path& page) {
+  return "\n" + title + "\n" + aligned(nodes::summarize(collected)) + "\n" +
+         aligned(nodes::stage_times(collected)) + "\n  report: " + page.string() + "\n  " +
+         kind_name(verdict.kind) + ": " + verdict.text + "\n";
+}
+
+int run(graph::Node& node) {
   const auto out =
       node.declare_parameter<std::string>({.name = "out",
                                            .default_value = "out/report",
@@ -54,11 +65,6 @@ void run(graph::Node& node) {
                       "frame) and their grasps (object_K_grasps.json); empty: none",
        .read_only = true});
   nodes::GripperSource gripper(node);
-  const bool require_lift =
-      node.declare_parameter<bool>({.name = "require_lift",
-                                    .default_value = false,
-                                    .description = "also \"cannot be grasped\" is a failure",
-                                    .read_only = true});
   const double timeout = node.declare_parameter<double>(
       {.name = "timeout",
        .default_value = 180.0,
@@ -89,7 +95,7 @@ void run(graph::Node& node) {
 
   const auto processes = nodes::list_processes();
   const nodes::Collected collected = collector.snapshot();
-  const nodes::Verdict verdict = nodes::judge(collected, require_lift, timeout_reason);
+  const nodes::Verdict verdict = nodes::judge(collected, timeout_reason);
   // Pictures do not need it to the millimetre: without a word the default one is drawn.
   if (!gripper.model()) node.log_warning("the gripper is drawn as a PG70: {}", gripper.missing());
   const auto page = nodes::compose_page(title, collected, verdict,
@@ -102,13 +108,15 @@ void run(graph::Node& node) {
   std::fputs(summary.c_str(), stdout);
   std::fflush(stdout);
   if (!save.empty()) nodes::save_predictions(collected, save);
-  if (!verdict.success) throw std::runtime_error(verdict.text);
+  if (verdict.kind == nodes::Verdict::Kind::kFailure) throw std::runtime_error(verdict.text);
+  return verdict.kind == nodes::Verdict::Kind::kSuccess ? 0 : graph::kAnswerIsNo;
 }
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"report",
      "Listens to a whole run and writes a page with pictures, charts and times when the grasp "
-     "cycle has ended. Exits 0 on success, 1 with the reason otherwise.",
+     "cycle has ended. Exits 0 on success, 3 when nothing can be grasped, 1 with the reason "
+     "otherwise.",
      kStopTime},
     run);
 

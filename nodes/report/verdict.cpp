@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "prehend/grasp/uncertainty.h"
+
 namespace prehend::nodes {
 namespace {
 
@@ -38,7 +40,35 @@ Lift measure_lift(const Collected& collected) {
   return best;
 }
 
-Verdict judge(const Collected& collected, bool require_lift, const std::string& timeout_reason) {
+const msgs::Grasp* executed_grasp(const Collected& collected) {
+  if (!collected.result || collected.result->attempts() == 0) return nullptr;
+  const auto plan = collected.plans.find(collected.result->object_id());
+  const auto index = static_cast<int>(collected.result->grasp_index());
+  if (plan == collected.plans.end() || index >= plan->second.grasps_size()) return nullptr;
+  return &plan->second.grasps(index);
+}
+
+std::string trust_text(const msgs::Grasp& grasp) {
+  // The remark of a grasp that was planned beside better ones may say already that it was not
+  // tried.
+  const bool says_so = grasp.remark().find(grasp::kNotAssessed) != std::string::npos;
+  std::string text;
+  if (grasp.has_robustness()) {
+    text = fmt::format("held in {:.0f} % of the disturbed trials", 100 * grasp.robustness());
+  } else if (!says_so) {
+    text = grasp::kNotAssessed;
+  }
+  if (!grasp.remark().empty()) text += (text.empty() ? "" : "; ") + grasp.remark();
+  return text;
+}
+
+std::optional<std::string> why_not_graspable(const std::string& problem) {
+  static const std::string kStart = "cannot be grasped: ";
+  if (!problem.starts_with(kStart)) return std::nullopt;
+  return problem.substr(kStart.size());
+}
+
+Verdict judge(const Collected& collected, const std::string& timeout_reason) {
   Verdict verdict;
   if (!collected.result) {
     const std::string reason = missing_stage(collected);
@@ -47,29 +77,33 @@ Verdict judge(const Collected& collected, bool require_lift, const std::string& 
   }
   const auto& result = *collected.result;
   if (!result.success()) {
-    verdict.ungraspable = result.reason().rfind("cannot be grasped", 0) == 0;
-    verdict.success = verdict.ungraspable && !require_lift;
     verdict.text = result.reason();
+    if (const auto why = why_not_graspable(result.reason()); why && result.attempts() == 0) {
+      verdict = {Verdict::Kind::kNotGraspable, *why};
+    }
     return verdict;
   }
   const Lift lift = measure_lift(collected);
-  verdict.success = true;
+  verdict.kind = Verdict::Kind::kSuccess;
   if (collected.bodies.empty()) {  // real hardware: only the cycle's own word
     verdict.text = result.reason();
     return verdict;
   }
-  const std::string measured = fmt::format(
+  std::string measured = fmt::format(
       "'{}' was raised by {:.0f} mm, moved by {:.0f} mm and ended {:.1f} mm over the table",
       lift.body, 1000 * lift.raised, 1000 * lift.moved, std::max(0.0, 1000 * lift.end_height));
+  if (collected.on_prediction) measured += ", executed on the predicted mesh";
   if (lift.raised < kRequiredRaise) {
-    verdict.success = false;
+    verdict.kind = Verdict::Kind::kFailure;
     verdict.text = lift.body.empty() ? "the cycle says it succeeded, but nothing was raised"
                                      : "the cycle says it succeeded, but " + measured;
   } else if (lift.moved < kRequiredMove || lift.end_height > kPutDownHeight) {
-    verdict.success = false;
+    verdict.kind = Verdict::Kind::kFailure;
     verdict.text = "the object was lifted but not moved and put down: " + measured;
   } else {
     verdict.text = measured;
+    if (const auto* grasp = executed_grasp(collected))
+      verdict.text += ". The grasp: " + trust_text(*grasp);
   }
   return verdict;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "nodes/report/collected.h"
@@ -15,15 +16,29 @@ struct Lift {
 };
 Lift measure_lift(const Collected& collected);
 
+/// The grasp that the cycle executed last; nullptr when it executed none, or its plan is not known.
+const msgs::Grasp* executed_grasp(const Collected& collected);
+
+/// How far a grasp can be relied on: in how many disturbed trials it held, and what is to know of
+/// it, e.g. that it touches surface that nobody saw.
+std::string trust_text(const msgs::Grasp& grasp);
+
+/// Why an object cannot be grasped, when that is what the problem of its plan, or the reason of the
+/// cycle's result, says; else nothing.
+std::optional<std::string> why_not_graspable(const std::string& problem);
+
 /// How the run ended.
 struct Verdict {
-  bool success = false;      // the object was lifted, or lifting was not required
-  bool ungraspable = false;  // no object fits the gripper: an answer, not a failure
-  std::string text;          // one sentence for people
+  enum class Kind {
+    kSuccess,       // an object was raised by 100 mm, moved and put down
+    kNotGraspable,  // nothing could be tried, as no grasp was found: an answer, not a failure
+    kFailure
+  };
+  Kind kind = Kind::kFailure;
+  std::string text;  // one sentence for people
 };
 
-/// `require_lift`: only an object that was raised by 100 mm, moved and put down is a success.
 /// `timeout_reason`: not empty when the run did not end by itself.
-Verdict judge(const Collected& collected, bool require_lift, const std::string& timeout_reason);
+Verdict judge(const Collected& collected, const std::string& timeout_reason);
 
 }  // namespace prehend::nodes

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "prehend/text/require.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::control {
 namespace {
@@ -75,9 +76,9 @@ Holding::Verdict Holding::held(std::optional<double> closure) {
   if (force_decides()) {
     const double felt = borne(), least = noise();
     if (!(felt > least)) {
-      return {false,
-              fmt::format("the wrist bears {:.2f} N, no more than its sensor's noise, {:.2f} N",
-                          felt, least)};
+      const auto [borne, noise] = text::told_apart(felt, least, 2);
+      return {false, fmt::format("the wrist bears {} N, no more than its sensor's noise, {} N",
+                                 borne, noise)};
     }
     weight_ = felt;
     return {true, fmt::format("the wrist bears {:.2f} N", felt)};
@@ -116,8 +117,8 @@ std::string Holding::lost(double time, const std::optional<Eigen::Vector3d>& for
   }
   if (!light_since_) light_since_ = time;
   if (time - *light_since_ < options_.lost_time) return {};
-  return fmt::format("the wrist bears {:.2f} N of the {:.2f} N that were lifted", *filtered_,
-                     *weight_);
+  const auto [borne, lifted] = text::told_apart(*filtered_, *weight_, 2);
+  return fmt::format("the wrist bears {} N of the {} N that were lifted", borne, lifted);
 }
 
 }  // namespace prehend::control

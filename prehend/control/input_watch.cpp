@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "prehend/text/told_apart.h"
+
 namespace prehend::control {
 namespace {
 
@@ -23,7 +25,8 @@ std::string describe_one(const InputAge& input) {
                        -*input.age);
   }
   if (*input.age == std::numeric_limits<double>::infinity()) return input.name + " (ended)";
-  return fmt::format("{} ({:.2f} s old, at most {:.2f} s)", input.name, *input.age, input.limit);
+  const auto [age, limit] = text::told_apart(*input.age, input.limit, 2);
+  return fmt::format("{} ({} s old, at most {} s)", input.name, age, limit);
 }
 
 }  // namespace

@@ -77,13 +77,16 @@ MovedGrasps moved_grasps(const std::vector<grasp::Grasp>& grasps, const RigidTra
         fmt::format("the object lies {:.0f} mm lower than where it was planned on", 1e3 * drop);
     return result;
   }
-  for (const grasp::Grasp& grasp : grasps) {
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    const grasp::Grasp& grasp = grasps[i];
     grasp::Grasp now = moved(grasp, X_moved);
     // A turn about the vertical turns approaches from the side along: the carrier cannot.
     const double cosine = std::clamp(now.approach_W.dot(grasp.approach_W), -1.0, 1.0);
     if (std::acos(cosine) > limits.largest_tilt) continue;
     now = straightened(now, grasp.approach_W);
-    if (within(limits.workspace_W, now)) result.grasps.push_back(std::move(now));
+    if (!within(limits.workspace_W, now)) continue;
+    result.grasps.push_back(std::move(now));
+    result.indices.push_back(i);
   }
   if (result.grasps.empty()) {
     result.problem = "no grasp of the plan is within the carrier's reach where the object is now";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct MovedGraspLimits {
 
 struct MovedGrasps {
   std::vector<grasp::Grasp> grasps;  // in their order, where the object is now
+  std::vector<std::size_t> indices;  // of each among those given
   std::string problem;               // why there are none, in words, else empty
 };
 

@@ -52,6 +52,10 @@ class RegisteredNodeProgram {
 /// mends nothing.
 inline constexpr int kWrongInput = 2;
 
+/// Exit code of a node that has done its work and whose answer is no, e.g. that nothing can be
+/// grasped: no success, and no failure either. It is that of the launch which such a node ends.
+inline constexpr int kAnswerIsNo = 3;
+
 /// Prints a node's last words, one line, and returns its exit code: kWrongInput for
 /// text::InputError and std::invalid_argument, else 1.
 int report_end(const std::string& node, const std::exception& error);

@@ -9,6 +9,7 @@
 #include "prehend/geometry/gravity.h"
 #include "prehend/geometry/rotation_between.h"
 #include "prehend/grasp/force_closure.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::grasp {
 namespace {
@@ -251,9 +252,10 @@ std::optional<Refusal> GraspEvaluator::evaluate(Candidate candidate, EvaluatedGr
   grasp.score = score(*result);
   const double excess = section_width - room();
   if (excess > 0) {
+    const auto [width, fits] = text::told_apart(section_width * 1e3, room() * 1e3, 1);
     grasp.remark = fmt::format(
-        "{:.1f} mm wide by the prediction where {:.1f} mm would fit: tried in case it is narrower",
-        section_width * 1e3, room() * 1e3);
+        "{} mm wide by the prediction where {} mm would fit: tried in case it is narrower", width,
+        fits);
   }
   return std::nullopt;
 }

@@ -316,7 +316,7 @@ HandPlan HandPlanner::plan() {
     if (one.grasp.robustness < 0) add_remark(kNotAssessed, &one.grasp.remark);
     result.grasps.push_back(std::move(one.grasp));
   }
-  result.rejections = ledger.rejections();
+  result.rejections = ledger.rejections(kHandStages);
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
 }

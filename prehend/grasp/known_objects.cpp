@@ -13,6 +13,7 @@
 #include "prehend/grasp/grasp_database.h"
 #include "prehend/grasp/registration.h"
 #include "prehend/grasp/size_estimate.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::grasp {
 namespace {
@@ -134,18 +135,21 @@ Violation violation_of(const RegisteredModel& model, const SeenObject& seen,
 std::string reason_against(const Recognition& recognition, const Violation& violation,
                            const RecognitionOptions& options) {
   if (recognition.explained < options.least_explained) {
-    return fmt::format("explains {:.0f} % of the seen points, not {:.0f} %",
-                       100 * recognition.explained, 100 * options.least_explained);
+    const auto [share, least] =
+        text::told_apart(100 * recognition.explained, 100 * options.least_explained, 0);
+    return fmt::format("explains {} % of the seen points, not {} %", share, least);
   }
   if (violation.judged < kLeastJudged) {
-    return fmt::format("only {:.0f} % of what should be seen of it can be compared, not {:.0f} %",
-                       100 * violation.judged, 100 * kLeastJudged);
+    const auto [share, least] = text::told_apart(100 * violation.judged, 100 * kLeastJudged, 0);
+    return fmt::format("only {} % of what should be seen of it can be compared, not {} %", share,
+                       least);
   }
   if (recognition.violated > options.most_violated) {
+    const auto [share, most] =
+        text::told_apart(100 * recognition.violated, 100 * options.most_violated, 0);
     return fmt::format(
-        "{:.0f} % of what should be seen of it is free space or below the table, "
-        "more than {:.0f} %",
-        100 * recognition.violated, 100 * options.most_violated);
+        "{} % of what should be seen of it is free space or below the table, more than {} %", share,
+        most);
   }
   return {};
 }

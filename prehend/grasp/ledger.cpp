@@ -5,28 +5,40 @@
 
 #include <fmt/format.h>
 
+#include "prehend/text/told_apart.h"
+
 namespace prehend::grasp {
 namespace {
 
-std::string amount(Miss::Quantity quantity, double value) {
+// How an amount is written: its factor to the unit, digits after the point, and the unit.
+struct Writing {
+  double factor;
+  int digits;
+  const char* unit;
+};
+
+Writing writing_of(Miss::Quantity quantity) {
   switch (quantity) {
     case Miss::Quantity::kLength:
-      return fmt::format("{:.1f} mm", value * 1e3);
+      return {1e3, 1, " mm"};
     case Miss::Quantity::kAngle:
-      return fmt::format("{:.1f} deg", value * 180 / std::numbers::pi);
+      return {180 / std::numbers::pi, 1, " deg"};
     case Miss::Quantity::kForce:
-      return fmt::format("{:.1f} N", value);
+      return {1, 1, " N"};
     case Miss::Quantity::kQuality:
-      return fmt::format("{:.4f}", value);
+      return {1, 4, ""};
   }
-  return {};
+  return {1, 1, ""};
 }
 
 }  // namespace
 
 std::string to_text(const Miss& miss) {
-  return fmt::format("{} {} {}", amount(miss.quantity, miss.value),
-                     miss.value > miss.limit ? ">" : "<", amount(miss.quantity, miss.limit));
+  const Writing writing = writing_of(miss.quantity);
+  const auto [value, limit] =
+      text::told_apart(writing.factor * miss.value, writing.factor * miss.limit, writing.digits);
+  return fmt::format("{}{} {} {}{}", value, writing.unit, miss.value > miss.limit ? ">" : "<",
+                     limit, writing.unit);
 }
 
 void Ledger::reject(std::string_view reason, std::string_view generator,
@@ -54,12 +66,18 @@ int Ledger::total() const {
   return sum;
 }
 
-std::vector<Rejection> Ledger::rejections() const {
+std::vector<Rejection> Ledger::rejections(std::span<const char* const> stages) const {
   std::vector<Rejection> result;
   for (const Entry& entry : entries_) {
     result.push_back({entry.reason, entry.generator, entry.count,
                       entry.nearest ? to_text(*entry.nearest) : std::string()});
   }
+  const auto stage_of = [&](const Rejection& rejection) {
+    return std::find(stages.begin(), stages.end(), rejection.reason) - stages.begin();
+  };
+  std::stable_sort(result.begin(), result.end(), [&](const Rejection& a, const Rejection& b) {
+    return stage_of(a) < stage_of(b);
+  });
   return result;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,8 +38,9 @@ class Ledger {
   /// Of all generators.
   int count(std::string_view reason) const;
   int total() const;
-  /// In the order in which they came up first.
-  std::vector<Rejection> rejections() const;
+  /// In the order of `stages`, the reasons in the order in which they are tested; what is not among
+  /// them after these, in the order in which it came up first.
+  std::vector<Rejection> rejections(std::span<const char* const> stages = {}) const;
 
  private:
   struct Entry {

@@ -16,6 +16,7 @@
 #include "prehend/grasp/parallel.h"
 #include "prehend/grasp/surface_trust.h"
 #include "prehend/text/require.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::grasp {
 namespace {
@@ -211,8 +212,9 @@ std::string Planner::problem(const GraspPlanResult& result, const Ledger& ledger
   if (reachable == 0) return start + "no approach to it is within the robot's reach";
   if (std::isfinite(narrowest_) && narrowest_ > gripper_.max_opening + options_.width_tolerance -
                                                     2 * options_.collision.object_margin) {
-    return start + fmt::format("narrowest width {:.0f} mm exceeds the gripper's {:.0f} mm{}",
-                               narrowest_ * 1e3, gripper_.max_opening * 1e3,
+    const auto [width, opening] = text::told_apart(narrowest_ * 1e3, gripper_.max_opening * 1e3, 0);
+    return start + fmt::format("narrowest width {} mm exceeds the gripper's {} mm{}", width,
+                               opening,
                                narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
   }
   const char* last = reason::kNoTime;
@@ -250,7 +252,7 @@ GraspPlanResult Planner::plan() {
     if (listed.grasp().robustness < 0) add_remark(kNotAssessed, &listed.grasp().remark);
     result.grasps.push_back(std::move(listed.grasp()));
   }
-  result.rejections = ledger.rejections();
+  result.rejections = ledger.rejections(kStages);
   if (result.grasps.empty()) result.problem = problem(result, ledger);
   return result;
 }

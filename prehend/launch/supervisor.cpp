@@ -34,9 +34,15 @@ constexpr int kMostFailedStarts = 5;
 
 double seconds_since(Clock::time_point start) { return Seconds(Clock::now() - start).count(); }
 
-// A program that has no handler for SIGINT and ends by it did what it was asked to.
+bool answers_no(int status) {
+  return WIFEXITED(status) && WEXITSTATUS(status) == graph::kAnswerIsNo;
+}
+
+// A program that has no handler for SIGINT and ends by it did what it was asked to, and one that
+// has found a no has found it.
 bool ended_as_asked(int status) {
-  return is_success(status) || (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+  return is_success(status) || answers_no(status) ||
+         (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
 }
 
 std::vector<std::string> names_of(const std::vector<LaunchProcess>& processes) {
@@ -168,7 +174,8 @@ class Supervisor {
     SupervisedProcess& process = member.process;
     const std::string words = process.name() + ": " + describe_status(status);
     if (exit_code_) return ended_while_stopping(member, status);
-    if (is_success(status)) {
+    const bool is_answer = member.plan->required && answers_no(status);
+    if (is_success(status) || is_answer) {
       deaths_.forgive(process.name());
     } else {
       deaths_.add(process.name(), describe_status(status), Clock::now() - begun_);
@@ -179,6 +186,9 @@ class Supervisor {
       if (is_success(status)) {
         output_.success(process.name() + " finished");
         exit_code_ = 0;
+      } else if (is_answer) {
+        output_.warning(process.name() + " finished, and its answer is no" + last);
+        exit_code_ = graph::kAnswerIsNo;
       } else {
         output_.error("required node " + words + last);
         exit_code_ = 1;

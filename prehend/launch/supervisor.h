@@ -30,15 +30,16 @@ struct SupervisorOptions {
 /// they name are ready or have ended with exit code 0; shows and logs what they write, says when
 /// they are ready, and keeps them running until
 /// - SIGINT, SIGTERM or SIGHUP comes;
-/// - a required process ends, and says why unless its exit code was 0;
+/// - a required process ends, and says why unless its exit code was 0. graph::kAnswerIsNo is an
+///   answer, and becomes the launch's exit code;
 /// - one that is not required fails before it was ever ready, if respawned five times in a row;
 /// - all have ended.
 /// Then all others are stopped: SIGINT, later SIGTERM, later SIGKILL. A second signal shortens that
 /// to SIGKILL 2 s after the SIGINT; but a node that says how long it may take to end (stop_time: it
 /// has something to write) has that time in any case. The last lines name every process that did
 /// not end well, whenever that was.
-/// Returns 0 when all that ran last ended well: with exit code 0, or, when asked to stop, by SIGINT
-/// itself. Else, and when one had to be killed, 1.
+/// Returns 0, or graph::kAnswerIsNo, when all that ran last ended well: with exit code 0, or, when
+/// asked to stop, with an answer or by SIGINT itself. Else, and when one had to be killed, 1.
 /// No child outlives the call, nor this process, however it ends.
 /// Blocks those signals in the calling thread; call it before making threads.
 /// Throws std::runtime_error when the registry or a program cannot be started.

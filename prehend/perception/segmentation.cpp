@@ -13,6 +13,7 @@
 #include "prehend/perception/organized_components.h"
 #include "prehend/perception/supports.h"
 #include "prehend/text/require.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::perception {
 namespace {
@@ -227,14 +228,14 @@ class ObjectFinder {
       drop(std::move(members), words("fewer than %.0f points have no shape", kLeastObjectPoints));
     } else if (const double least_area = std::max(options_.min_area, kSliver * height);
                area < least_area) {
-      drop(std::move(members), words("%.2g cm^2 of it are seen, less than %.2g cm^2 (min_area, and "
-                                     "5 mm for its height)",
-                                     1e4 * area, 1e4 * least_area));
+      const auto [seen, least] = text::told_apart(1e4 * area, 1e4 * least_area, 1);
+      drop(std::move(members), seen + " cm^2 of it are seen, less than " + least +
+                                   " cm^2 (min_area, and 5 mm for its height)");
     } else if (const double least = least_object_height(members); height < least) {
-      drop(std::move(members), words("%.1f mm high, less than %.1f mm (min_object_height, or 2.5 "
-                                     "times min_height: what the "
-                                     "table's noise reaches)",
-                                     1e3 * height, 1e3 * least));
+      const auto [high, enough] = text::told_apart(1e3 * height, 1e3 * least, 1);
+      drop(std::move(members), high + " mm high, less than " + enough +
+                                   " mm (min_object_height, or 2.5 times min_height: what the "
+                                   "table's noise reaches)");
     } else {
       found_.objects.push_back(std::move(members));
     }

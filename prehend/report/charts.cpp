@@ -40,8 +40,9 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-void write_head(const std::string& title, std::ostream& out) {
-  out << "set terminal svg size 900,360 dynamic noenhanced font 'DejaVu Sans,11' background "
+void write_head(const std::string& title, std::ostream& out, int height = 360) {
+  out << "set terminal svg size 900," << height
+      << " dynamic noenhanced font 'DejaVu Sans,11' background "
          "'#ffffff'\n"
       << "set output 'chart.svg'\n"
       << "set title " << quoted(title) << "\nset grid\nset key outside right top\n"
@@ -112,6 +113,46 @@ void write_bar_script(const BarChart& chart, const std::filesystem::path& folder
   out << '\n';
 }
 
+void write_stacked_script(const BarChart& chart, const std::filesystem::path& folder,
+                          std::ostream& out) {
+  constexpr int kFrame = 130, kBar = 28;  // pixels: title and axis, one bar
+  constexpr double kHalf = 0.38;          // of the distance between two bars
+  const std::size_t count = chart.categories.size();
+  write_head(chart.title, out, kFrame + kBar * static_cast<int>(count));
+  out << "set xlabel " << quoted(chart.y_label)
+      << "\nset xrange [0:*]\nset offsets 0,graph 0.08,0,0\n"
+      << "set yrange [" << static_cast<double>(count) - 0.5
+      << ":-0.5]\nunset grid\nset grid xtics\n"
+      << "set style fill solid 0.8\nset ytics (";
+  for (std::size_t k = 0; k < count; ++k) {
+    out << (k == 0 ? "" : ", ") << quoted(chart.categories[k]) << ' ' << k;
+  }
+  out << ") scale 0\nplot ";
+  std::vector<double> ends(count, 0);
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const std::string file = "series" + std::to_string(i) + ".txt";
+    std::ofstream data(folder / file);
+    data.precision(9);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double value = chart.series[i].values[k], begin = ends[k];
+      if (!(value > 0)) continue;
+      ends[k] += value;
+      const auto at = static_cast<double>(k);
+      data << begin + value / 2 << ' ' << k << ' ' << begin << ' ' << ends[k] << ' ' << at - kHalf
+           << ' ' << at + kHalf << '\n';
+    }
+    if (!data) throw std::runtime_error("cannot write a chart's data");
+    out << quoted(file) << " with boxxyerror "
+        << (chart.series[i].name.empty() ? "notitle" : "title " + quoted(chart.series[i].name))
+        << ", ";
+  }
+  std::ofstream sums(folder / "sums.txt");
+  sums.precision(9);
+  for (std::size_t k = 0; k < count; ++k) sums << ends[k] << ' ' << k << ' ' << ends[k] << '\n';
+  if (!sums) throw std::runtime_error("cannot write a chart's data");
+  out << "'sums.txt' using 1:2:3 with labels left offset 0.5,0 notitle\n";
+}
+
 // Runs gnuplot on the script that `write` puts into a folder.
 template <typename Write>
 std::string draw(const std::string& title, const Write& write) {
@@ -137,6 +178,20 @@ std::string draw(const std::string& title, const Write& write) {
   return text.str().substr(text.str().find("<svg"));
 }
 
+void check_bars(const BarChart& chart) {
+  bool any = false;
+  for (const auto& series : chart.series) {
+    if (series.values.size() != chart.categories.size()) {
+      throw std::runtime_error("the chart '" + chart.title + "' has " +
+                               std::to_string(chart.categories.size()) + " categories but '" +
+                               series.name + "' has " + std::to_string(series.values.size()) +
+                               " values");
+    }
+    for (const double value : series.values) any = any || std::isfinite(value);
+  }
+  if (!any) throw std::runtime_error("the chart '" + chart.title + "' has no finite value");
+}
+
 }  // namespace
 
 std::string draw_line_chart(const LineChart& chart) {
@@ -151,19 +206,16 @@ std::string draw_line_chart(const LineChart& chart) {
 }
 
 std::string draw_bar_chart(const BarChart& chart) {
-  bool any = false;
-  for (const auto& series : chart.series) {
-    if (series.values.size() != chart.categories.size()) {
-      throw std::runtime_error("the chart '" + chart.title + "' has " +
-                               std::to_string(chart.categories.size()) + " categories but '" +
-                               series.name + "' has " + std::to_string(series.values.size()) +
-                               " values");
-    }
-    for (const double value : series.values) any = any || std::isfinite(value);
-  }
-  if (!any) throw std::runtime_error("the chart '" + chart.title + "' has no finite value");
+  check_bars(chart);
   return draw(chart.title, [&](const std::filesystem::path& folder, std::ostream& script) {
     write_bar_script(chart, folder, script);
+  });
+}
+
+std::string draw_stacked_bars(const BarChart& chart) {
+  check_bars(chart);
+  return draw(chart.title, [&](const std::filesystem::path& folder, std::ostream& script) {
+    write_stacked_script(chart, folder, script);
   });
 }
 

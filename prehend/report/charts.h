@@ -45,6 +45,11 @@ struct BarChart {
 /// one value a category.
 std::string draw_bar_chart(const BarChart& chart);
 
+/// One bar a category, lying beside the category's name, the first on top; the series' values are
+/// put end to end, and their sum is written behind. Deviations are not drawn; y_label is the axis
+/// that lies. For few categories with long names. The same throws.
+std::string draw_stacked_bars(const BarChart& chart);
+
 /// The chart as an SVG element, drawn by gnuplot.
 /// @throws std::runtime_error when gnuplot is missing or refuses the data.
 std::string draw_line_chart(const LineChart& chart);

@@ -8,6 +8,7 @@
 
 #include "prehend/contact/require.h"
 #include "prehend/text/nearest_match.h"
+#include "prehend/text/told_apart.h"
 
 namespace prehend::simulation {
 namespace {
@@ -160,8 +161,9 @@ ArmTrajectory check_trajectory(const robot::KinematicChain& chain, const Traject
         speed = std::abs(p - before.position[i]) / (point.time - before.time);
       }
       if (speed > kSpeedSlack * joint.max_velocity) {
-        refuse(fmt::format("point {}: joint '{}' at {:.3f} /s is faster than {:.3f} /s", k,
-                           joint.name, speed, joint.max_velocity));
+        const auto [given, most] = text::told_apart(speed, joint.max_velocity, 3);
+        refuse(fmt::format("point {}: joint '{}' at {} /s is faster than {} /s", k, joint.name,
+                           given, most));
       }
     }
     trajectory.points.push_back(std::move(point));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -83,6 +84,10 @@ TEST(MovedGrasps, FromTheSideCannotTurnWithTheObject) {
   const auto turned =
       moved_grasps(grasps, turned_by(Eigen::Vector3d::UnitZ(), 1.2, {0, 0, 0}, {0, 0, 0}));
   EXPECT_EQ(turned.grasps.size(), 1u);
+  std::swap(grasps[0], grasps[1]);
+  EXPECT_THAT(
+      moved_grasps(grasps, turned_by(Eigen::Vector3d::UnitZ(), 1.2, {0, 0, 0}, {0, 0, 0})).indices,
+      ::testing::ElementsAre(1));
   const auto shifted =
       moved_grasps(grasps, turned_by(Eigen::Vector3d::UnitZ(), 0, {0, 0, 0}, {0.1, 0, 0}));
   EXPECT_EQ(shifted.grasps.size(), 2u);

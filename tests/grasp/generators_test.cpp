@@ -173,9 +173,19 @@ TEST(Ledger, KeepsTheNearestMiss) {
   EXPECT_EQ(rejections[0].count, 3);
   EXPECT_EQ(rejections[1].nearest_miss, "");
   EXPECT_EQ(rejections[2].nearest_miss, "11.5 deg > 5.7 deg");
+  constexpr std::array kTested{"turns", "too wide"};
+  ledger.reject("no time", "circles");
+  const auto ordered = ledger.rejections(kTested);
+  ASSERT_EQ(ordered.size(), 4u);
+  EXPECT_EQ(ordered[0].reason, "turns");
+  EXPECT_EQ(ordered[1].generator, "circles");
+  EXPECT_EQ(ordered[2].generator, "boxes");
+  EXPECT_EQ(ordered[3].reason, "no time");
   EXPECT_EQ(ledger.count("too wide"), 4);
-  EXPECT_EQ(ledger.total(), 5);
+  EXPECT_EQ(ledger.total(), 6);
   EXPECT_EQ(to_text({Miss::Quantity::kLength, -0.0032, 0.004}), "-3.2 mm < 4.0 mm");
+  // It was "30.0 mm > 30.0 mm".
+  EXPECT_EQ(to_text({Miss::Quantity::kLength, 0.03002, 0.03}), "30.02 mm > 30.00 mm");
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST_F(StoppingTest, AMissingFileIsNamedBeforeAnythingIsOverwritten) {
 // What is only found out while the nodes run costs nothing either.
 TEST_F(StoppingTest, TheRecordingBeforeIsKept) {
   scratch_.write("a.mcap", "the recording before");
-  const auto program = launch(recorder("a.mcap") + node("vital", "after: 0.2, exit: 3",
+  const auto program = launch(recorder("a.mcap") + node("vital", "after: 0.2, exit: 4",
                                                         "required: true, after: [recorder]"));
   EXPECT_EQ(program->wait(seconds(60)), 1);
   EXPECT_EQ(text_of_file(scratch_.path("a.mcap.1")), "the recording before");
@@ -154,11 +154,11 @@ TEST_F(StoppingTest, TheRecordingBeforeIsKept) {
 }
 
 TEST_F(StoppingTest, AFailureWhileStoppingIsTheLaunchsExitCode) {
-  const auto program = launch(node("a", "after: 50, linger: 0.1, exit: 3"));
+  const auto program = launch(node("a", "after: 50, linger: 0.1, exit: 4"));
   ASSERT_TRUE(wait_for_pids(1));
   ::kill(program->pid(), SIGINT);
   EXPECT_EQ(program->wait(seconds(10)), 1);
-  EXPECT_THAT(last_lines(*program), HasSubstr("exit code 3 when asked to stop"));
+  EXPECT_THAT(last_lines(*program), HasSubstr("exit code 4 when asked to stop"));
 }
 
 // A dead recorder was told in one line that scrolled away; the launch ended with 0.

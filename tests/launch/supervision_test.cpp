@@ -22,10 +22,10 @@ using ::testing::Not;
 TEST_F(SupervisionTest, ARequiredNodesFailureEndsTheLaunchWithItsReason) {
   const auto program =
       launch(node("idle", "after: 50") +
-             node("vital", "say: no camera, after: 0.2, exit: 3", "required: true"));
+             node("vital", "say: no camera, after: 0.2, exit: 4", "required: true"));
   EXPECT_EQ(program->wait(seconds(10)), 1);
   EXPECT_THAT(program->output(),
-              HasSubstr("required node vital: exit code 3; it said last: no camera"));
+              HasSubstr("required node vital: exit code 4; it said last: no camera"));
   EXPECT_EQ(pids().size(), 2u);
   expect_none_running();
 }
@@ -42,6 +42,26 @@ TEST_F(SupervisionTest, ARequiredNodeThatFinishesEndsTheLaunchWell) {
   EXPECT_EQ(program->wait(seconds(10)), 0);
   EXPECT_THAT(program->output(), HasSubstr("vital finished"));
   expect_none_running();
+}
+
+// It was a failure: who ran launches could not tell what cannot be grasped from what went wrong.
+TEST_F(SupervisionTest, ARequiredNodesNoIsTheLaunchsAnswer) {
+  // The other has found the same, and says so when it is asked to stop.
+  const auto program =
+      launch(node("other", "linger: 0, after: 50, exit: 3") +
+             node("vital", "say: too wide, after: 0.5, exit: 3", "required: true"));
+  EXPECT_EQ(program->wait(seconds(10)), 3);
+  EXPECT_THAT(program->output(),
+              HasSubstr("vital finished, and its answer is no; it said last: too wide"));
+  EXPECT_THAT(program->output(), Not(HasSubstr("ended badly")));
+  expect_none_running();
+}
+
+TEST_F(SupervisionTest, ANoDoesNotHideAFailure) {
+  const auto program = launch(node("other", "linger: 0, after: 50, exit: 4") +
+                              node("vital", "after: 0.5, exit: 3", "required: true"));
+  EXPECT_EQ(program->wait(seconds(10)), 1);
+  EXPECT_THAT(program->output(), HasSubstr("other ended badly"));
 }
 
 TEST_F(SupervisionTest, TheLaunchEndsWithItsLastNode) {

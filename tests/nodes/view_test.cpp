@@ -114,6 +114,14 @@ TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   EXPECT_TRUE(all.ungraspable);
   EXPECT_TRUE(all.grasps.empty());
   EXPECT_EQ(all.problem, "cannot be grasped: object 0: too wide; object 3: too wide");
+  // Nobody knows whether what could not be planned on can be grasped.
+  auto unplanned = plan(3, 0);
+  unplanned->set_problem("planning failed: the mesh has a hole");
+  view.plans[3] = unplanned;
+  const Target some = choose_target(view, -1);
+  EXPECT_FALSE(some.ungraspable);
+  EXPECT_EQ(some.problem,
+            "no grasp: object 0: too wide; object 3: planning failed: the mesh has a hole");
   const Target missing = choose_target(view, 9);
   EXPECT_FALSE(missing.ungraspable);
   EXPECT_NE(missing.problem.find("no object 9"), std::string::npos);

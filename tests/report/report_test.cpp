@@ -9,6 +9,7 @@
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
+#include "prehend/report/rejections.h"
 
 namespace prehend::report {
 namespace {
@@ -70,6 +71,39 @@ TEST(Charts, DrawErrorBarsMarksAndBars) {
   EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
   bars.series = {{"nothing", {NAN, NAN}}};
   EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
+}
+
+TEST(Charts, StackedBarsNameEachCategoryAndItsSum) {
+  const BarChart chart{"where they fell",
+                       "candidates",
+                       {"wider than the gripper opens", "it's in the table"},
+                       {{"circles", {340, 12}}, {"boxes", {17, 0}}}};
+  const std::string svg = draw_stacked_bars(chart);
+  for (const char* text : {"wider than the gripper opens", "it's in the table", ">357<", ">12<",
+                           "circles", "boxes", "candidates"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  BarChart wrong = chart;
+  wrong.series[0].values.pop_back();
+  EXPECT_THROW(draw_stacked_bars(wrong), std::runtime_error);
+}
+
+// They stood in one sentence, up to a dozen of them.
+TEST(Rejections, AreBarsAndATable) {
+  Page page("t");
+  add_rejections(page, {}, 5, "candidates");
+  EXPECT_THAT(page.html(), Not(HasSubstr("<table>")));
+  add_rejections(page,
+                 {{"too wide", "circles", 340, "74.0 mm > 69.0 mm"},
+                  {"turns", "circles", 2, ""},
+                  {"too wide", "boxes", 17, "80.0 mm > 69.0 mm"}},
+                 400, "candidates");
+  const std::string html = page.html();
+  EXPECT_THAT(html, HasSubstr("359 of 400 candidates fell."));
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  EXPECT_THAT(html, HasSubstr(">357<"));  // of both generators
+  EXPECT_THAT(html, HasSubstr("<td>340</td><td>too wide</td><td>circles</td>"
+                              "<td>74.0 mm &gt; 69.0 mm</td>"));
 }
 
 TEST(Pictures, NearPointsHideFarOnes) {

@@ -1,5 +1,6 @@
 // What a user gets who gives a launch something it cannot use: one clear line and a non-zero exit.
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 
@@ -120,6 +121,45 @@ TEST_F(BadInput, BudgetThatNoSettingKeeps) {
   EXPECT_NE(answer({"budget:=1e-6"}).find("Allow as much as the fastest one"), std::string::npos);
   EXPECT_NE(answer({"budget:=1", "tolerance:=1"}).find("budget and tolerance are both given"),
             std::string::npos);
+}
+
+// What a camera 30 mm over a red cube with sides of 160 mm sees of it, 0.8 m away: front and top.
+std::string image_of_a_cube() {
+  constexpr int kWidth = 160, kHeight = 120;
+  constexpr double kFocal = 300, kMiddle = 80, kHorizon = 30;  // pixels
+  std::string text =
+      "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+      "WIDTH 160\nHEIGHT 120\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 19200\nDATA ascii\n";
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const double down = (v - kHorizon) / kFocal, right = (u - kMiddle) / kFocal;
+      const double z = down * 0.8 < 0.03 ? 0.03 / down : 0.8;
+      const bool is_hit = down > 0 && z <= 0.96 && down * z <= 0.19 && std::abs(right * z) <= 0.08;
+      text += is_hit ? std::to_string(right * z) + " " + std::to_string(down * z) + " " +
+                           std::to_string(z)
+                     : "nan nan nan";
+      text += " 16711680\n";
+    }
+  }
+  return text;
+}
+
+// It ended with 0, as if something had been lifted, or with 1, as if something had gone wrong.
+TEST_F(BadInput, AnObjectTooWideForTheGripperHasAnExitCodeOfItsOwn) {
+  const auto out = scratch_.path() / "out";
+  const Outcome outcome = run_program(
+      "prehend",
+      {"launch", "launch/replay_cloud.yaml", "cloud:=" + write("wide.pcd", image_of_a_cube()),
+       "out:=" + out.string(), "--log-dir", (scratch_.path() / "log").string()},
+      seconds(60));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_NE(outcome.output.find("not graspable: narrowest width"), std::string::npos)
+      << outcome.output;
+  std::ifstream in(out / "report.html");
+  const std::string page((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_NE(page.find("<p class=\"verdict answer\">Not graspable: narrowest width"),
+            std::string::npos);
+  EXPECT_NE(page.find("Colours of the recorded cloud"), std::string::npos);
 }
 
 TEST_F(BadInput, CloudWithoutATable) {

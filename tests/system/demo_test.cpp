@@ -96,6 +96,7 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
     const auto exit_code = demo.wait(kRunTimeout);
     ASSERT_EQ(exit_code, 0) << demo.output();
     EXPECT_TRUE(descendants(demo.pid(), "simulation").empty());
+    EXPECT_EQ(demo.output().find("predicted mesh"), std::string::npos) << "it is the scene's own";
   }
   const Recording live = read_recording(live_out / "recording.mcap");
   expect_pick_and_place(live);
@@ -110,6 +111,9 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
                    (replay_out / "log").string()},
                   scratch.path() / "replay.txt");
   ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
+  EXPECT_NE(replay.output().find("over the table, executed on the predicted mesh. The grasp: "),
+            std::string::npos)
+      << replay.output();
   const auto live_plans = plans_by_object(live);
   const auto replayed_plans = plans_by_object(read_recording(replay_out / "recording.mcap"));
   ASSERT_FALSE(live_plans.empty());

@@ -13,6 +13,7 @@
 #include "prehend/grasp/uncertainty.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
+#include "prehend/report/rejections.h"
 #include "prehend/report/robot_meshes.h"
 #include "prehend/surface/size_on_table.h"
 #include "tools/json.h"
@@ -74,6 +75,22 @@ Rows arm_ledger_rows(const Planned& planned) {
                     motion::to_string(r.filter), r.nearest_miss.empty() ? "-" : r.nearest_miss});
   }
   return rows;
+}
+
+std::vector<report::Rejected> fallen_candidates(const Planned& planned) {
+  std::vector<report::Rejected> fallen;
+  for (const auto& r : planned.rejections) {
+    fallen.push_back({r.reason, r.generator, r.count, r.nearest_miss});
+  }
+  return fallen;
+}
+
+std::vector<report::Rejected> fallen_grasps(const Planned& planned) {
+  std::vector<report::Rejected> fallen;
+  for (const auto& r : planned.arm->motion.rejections) {
+    fallen.push_back({motion::to_string(r.filter), "", r.count, r.nearest_miss});
+  }
+  return fallen;
 }
 
 const std::vector<std::string> kSegmentHeader{"SEGMENT", "WAYPOINTS", "DURATION [s]"};
@@ -187,8 +204,10 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
   Json notes = Json::array();
   for (const auto& note : notes_of(choices, target, planned)) notes.add(note);
   Json result = Json::object();
-  const Eigen::Vector3d size = surface::size_on_table(target.object.mesh_W, target.table_W);
+  const auto [size, deviation] = surface::predicted_size(target.object, target.table_W);
   result.set("size_m", Json::array().add(size.x()).add(size.y()).add(size.z()))
+      .set("size_deviation_m",
+           Json::array().add(deviation.x()).add(deviation.y()).add(deviation.z()))
       .set("candidates", planned.candidates)
       .set("notes", notes)
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
@@ -280,7 +299,11 @@ void print_plan(const PlanChoices& choices, const PlanTarget& target, const Plan
 
 void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   report::Page page("Grasps of " + std::filesystem::path(choices.file).filename().string());
-  page.add_verdict(verdict(planned), succeeded(planned));
+  if (succeeded(planned)) {
+    page.add_verdict(verdict(planned), true);
+  } else {
+    page.add_answer(verdict(planned));
+  }
   for (const auto& note : notes_of(choices, target, planned)) page.add_paragraph(note);
   if (planned.arm && planned.arm->motion.found()) {
     std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}},
@@ -303,10 +326,11 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   page.add_heading("Grasps");
   page.add_table(kGraspHeader, grasp_rows(choices, planned));
   page.add_heading("Where the other candidates fell");
-  page.add_table(kLedgerHeader, ledger_rows(planned));
+  report::add_rejections(page, fallen_candidates(planned), planned.candidates, "candidates");
   if (planned.arm) {
     page.add_heading("Arm");
-    page.add_table(kArmLedgerHeader, arm_ledger_rows(planned));
+    report::add_rejections(page, fallen_grasps(planned), static_cast<int>(planned.grasps.size()),
+                           "grasps");
     page.add_table(kSegmentHeader, segment_rows(planned));
   }
   page.add_heading("Time");

@@ -220,9 +220,10 @@ PlanTarget read_target(const PlanChoices& choices) {
   const bool mesh = is_mesh(choices.file);
   refuse_what_does_not_apply(choices, mesh);
   PlanTarget target = mesh ? of_mesh(choices) : of_cloud(choices);
+  const surface::PredictedSize size = surface::predicted_size(target.object, target.table_W);
   target.notes.push_back(
       "length, width and height of the object: " +
-      surface::size_text(surface::size_on_table(target.object.mesh_W, target.table_W)));
+      (size.deviation.isZero() ? surface::size_text(size.size) : surface::size_text(size)));
   return target;
 }
 
