@@ -5,6 +5,7 @@
 #include "prehend/grasp/planner.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
+#include "prehend/shape/object_view.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/simulation/stereo_renderer.h"
@@ -42,8 +43,7 @@ struct Chain {
   }
   shape::CompletedShape complete() const {
     const auto& object = segmented.objects.at(target);
-    return shape::complete_by_symmetry(
-        {object.cloud_W, object.mask, segmented.camera, segmented.X_WC, segmented.table_W});
+    return shape::complete_by_symmetry(shape::view_of(segmented, object));
   }
   grasp::GraspPlanResult plan() const {
     return grasp::plan_grasps(model, segmented.table_W, {}, scene.gripper, {});

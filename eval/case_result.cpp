@@ -39,7 +39,10 @@ constexpr EvidenceFigure kEvidence[] = {{"contradiction", &shape::Evidence::cont
                                         {"unseen", &shape::Evidence::unseen},
                                         {"margin", &shape::Evidence::margin},
                                         {"concavity", &shape::Evidence::concavity},
-                                        {"open_top", &shape::Evidence::open_top}};
+                                        {"open_top", &shape::Evidence::open_top},
+                                        {"occluded", &shape::Evidence::occluded},
+                                        {"disagreement", &shape::Evidence::disagreement},
+                                        {"guessed_depth", &shape::Evidence::guessed_depth}};
 
 void write_evidence(YAML::Emitter& out, const shape::Evidence& evidence) {
   out << YAML::Key << "evidence" << YAML::Value << YAML::BeginMap << YAML::Key << "method"
@@ -47,7 +50,8 @@ void write_evidence(YAML::Emitter& out, const shape::Evidence& evidence) {
   for (const EvidenceFigure& figure : kEvidence) {
     out << YAML::Key << figure.name << YAML::Value << evidence.*figure.value;
   }
-  out << YAML::Key << "cut_by_image" << YAML::Value << evidence.cut_by_image << YAML::EndMap;
+  out << YAML::Key << "cut_by_image" << YAML::Value << evidence.cut_by_image << YAML::Key
+      << "on_another" << YAML::Value << evidence.on_another << YAML::EndMap;
 }
 
 shape::Evidence read_evidence(const YAML::Node& node) {
@@ -57,6 +61,7 @@ shape::Evidence read_evidence(const YAML::Node& node) {
     evidence.*figure.value = node[figure.name].as<double>();
   }
   evidence.cut_by_image = node["cut_by_image"].as<bool>();
+  evidence.on_another = node["on_another"].as<bool>();
   return evidence;
 }
 

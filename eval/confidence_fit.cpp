@@ -16,7 +16,7 @@ using shape::ConfidenceModel;
 using shape::Evidence;
 
 constexpr int kMethods = 5;
-constexpr int kCoefficients = 13;
+constexpr int kCoefficients = 17;
 constexpr int kMostSteps = 5000;
 
 // In the order of shape::CompletionMethod, then the others; features() has the same order.
@@ -33,7 +33,11 @@ constexpr std::array<std::pair<const char*, double ConfidenceModel::*>, kCoeffic
      {"ambiguous", &ConfidenceModel::ambiguous},
      {"concavity", &ConfidenceModel::concavity},
      {"open_vessel", &ConfidenceModel::open_vessel},
-     {"cut_by_image", &ConfidenceModel::cut_by_image}}};
+     {"cut_by_image", &ConfidenceModel::cut_by_image},
+     {"occluded", &ConfidenceModel::occluded},
+     {"on_another", &ConfidenceModel::on_another},
+     {"disagreement", &ConfidenceModel::disagreement},
+     {"guessed_depth", &ConfidenceModel::guessed_depth}}};
 
 using Vector = Eigen::Matrix<double, kCoefficients, 1>;
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "prehend/shape/object_view.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
@@ -18,8 +19,7 @@ using perception::SegmentedScene;
 
 shape::CompletedShape completed(const SegmentedScene& scene, const ObjectHypothesis& object,
                                 const shape::CompletionOptions& options) {
-  return shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)}, options);
+  return shape::complete_by_symmetry(shape::view_of(scene, object), options);
 }
 
 Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& object) {

@@ -5,6 +5,7 @@
 
 #include "eval/case_runner.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/shape/object_view.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
@@ -39,8 +40,8 @@ surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_o
   }
   shape::CompletionOptions options;
   options.alternatives = alternatives;
-  const shape::CompletedShape shape = shape::complete_by_symmetry(
-      {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)}, options);
+  const shape::CompletedShape shape =
+      shape::complete_by_symmetry(shape::view_of(scene, object), options);
   return surface::make_object_model(shape, support_of(scene, object));
 }
 

@@ -129,6 +129,10 @@ msgs::CompletionEvidence evidence_message(const shape::Evidence& evidence) {
   message.set_open_top(evidence.open_top);
   message.set_cut_by_image(evidence.cut_by_image);
   message.set_open_vessel(evidence.open_vessel());
+  message.set_occluded(evidence.occluded);
+  message.set_on_another(evidence.on_another);
+  message.set_disagreement(evidence.disagreement);
+  message.set_guessed_depth(evidence.guessed_depth);
   return message;
 }
 
@@ -143,7 +147,11 @@ shape::Evidence read_evidence(const msgs::CompletionEvidence& message,
           message.margin(),
           message.concavity(),
           message.open_top(),
-          message.cut_by_image()};
+          message.cut_by_image(),
+          message.occluded(),
+          message.on_another(),
+          message.disagreement(),
+          message.guessed_depth()};
 }
 
 /// Numbers in 0..1 as bytes.

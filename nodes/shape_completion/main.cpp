@@ -8,6 +8,8 @@
 #include "msgs/objects.pb.h"
 #include "nodes/shape_fidelity/shape_fidelity.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/perception/masks.h"
+#include "prehend/shape/object_view.h"
 #include "prehend/shape/symmetry.h"
 
 namespace {
@@ -129,8 +131,10 @@ class ShapeCompletion {
       return;
     }
     perception::SegmentedScene scene;
-    const std::string damage =
-        node_.shield("objects", [&] { scene = convert::from_message(message); });
+    const std::string damage = node_.shield("objects", [&] {
+      scene = convert::from_message(message);
+      perception::find_occlusions(scene);
+    });
     if (!damage.empty()) {
       node_.report(graph::Health::kError, "objects are damaged: " + damage);
       return;
@@ -165,8 +169,7 @@ class ShapeCompletion {
     const std::string problem = node_.shield(fmt::format("object {}", object.id), [&] {
       const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
       message = convert::to_message(shape::complete_by_symmetry(
-          {object.cloud_W, object.mask, scene.camera, scene.X_WC, support_of(scene, object)},
-          completion_options(node_, chosen), confidence_model_));
+          shape::view_of(scene, object), completion_options(node_, chosen), confidence_model_));
       if (chosen) *message.mutable_fidelity() = chosen->choice;
     });
     if (!problem.empty()) {

@@ -116,38 +116,75 @@ bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area,
   return false;
 }
 
-std::vector<double> occluded_shares(const std::vector<geometry::MaskImage>& masks,
-                                    const geometry::DepthImage& depth, int reach, double step) {
-  geometry::Image<int> owner(depth.width, depth.height, -1);
-  for (std::size_t k = 0; k < masks.size(); ++k) {
+namespace {
+
+/// Which object each pixel belongs to, by index; -1: none.
+geometry::Image<int> owners(const SegmentedScene& scene) {
+  geometry::Image<int> owner(scene.camera.width, scene.camera.height, -1);
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const geometry::MaskImage& mask = scene.objects[k].mask;
     for (std::size_t i = 0; i < owner.data.size(); ++i) {
-      if (masks[k].data[i] != 0) owner.data[i] = static_cast<int>(k);
+      if (mask.data[i] != 0) owner.data[i] = static_cast<int>(k);
     }
   }
-  std::vector<double> outline(masks.size(), 0), hidden(masks.size(), 0);
-  for (int v = 0; v < depth.height; ++v) {
-    for (int u = 0; u < depth.width; ++u) {
+  return owner;
+}
+
+}  // namespace
+
+void find_occlusions(SegmentedScene& scene) {
+  constexpr int kReach = 4;          // pixels
+  constexpr float kStep = 0.01f;     // m by which what hides an object is nearer
+  constexpr int kLeastContacts = 5;  // pixels
+  const geometry::DepthImage& depth = scene.depth;
+  const std::size_t pixels =
+      static_cast<std::size_t>(scene.camera.width) * static_cast<std::size_t>(scene.camera.height);
+  const std::size_t n = scene.objects.size();
+  if (n < 2 || depth.data.size() != pixels) return;
+  const geometry::Image<int> owner = owners(scene);
+  std::vector<double> outline(n, 0), hidden(n, 0);
+  std::vector<std::vector<int>> contacts(n, std::vector<int>(n, 0));  // object x what is before it
+  std::vector<float> farthest(n, 0);                                  // m
+  for (int v = 0; v < owner.height; ++v) {
+    for (int u = 0; u < owner.width; ++u) {
       const int own = owner.at(u, v);
       if (own < 0) continue;
+      farthest[own] = std::max(farthest[own], depth.at(u, v));
       const auto is_other = [&](int du, int dv) {
         return !owner.contains(u + du, v + dv) || owner.at(u + du, v + dv) != own;
       };
       if (!is_other(1, 0) && !is_other(-1, 0) && !is_other(0, 1) && !is_other(0, -1)) continue;
       outline[own] += 1;
-      bool behind = false;
-      for (int dv = -reach; dv <= reach && !behind; ++dv) {
-        for (int du = -reach; du <= reach && !behind; ++du) {
+      int before = -1;
+      for (int dv = -kReach; dv <= kReach && before < 0; ++dv) {
+        for (int du = -kReach; du <= kReach && before < 0; ++du) {
           if (!owner.contains(u + du, v + dv)) continue;
           const int other = owner.at(u + du, v + dv);
-          behind = other >= 0 && other != own &&
-                   static_cast<double>(depth.at(u, v) - depth.at(u + du, v + dv)) > step;
+          const float at = depth.at(u + du, v + dv);
+          if (other >= 0 && other != own && at > 0 && depth.at(u, v) - at > kStep) before = other;
         }
       }
-      hidden[own] += behind;
+      if (before < 0) continue;
+      hidden[own] += 1;
+      ++contacts[own][before];
     }
   }
-  for (std::size_t k = 0; k < hidden.size(); ++k) hidden[k] /= std::max(outline[k], 1.0);
-  return hidden;
+  for (std::size_t k = 0; k < n; ++k) {
+    ObjectHypothesis& object = scene.objects[k];
+    object.occluded_share = hidden[k] / std::max(outline[k], 1.0);
+    object.nearer = {};
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const int other = owner.data[i];
+      if (other < 0 || contacts[k][other] < kLeastContacts || !(depth.data[i] > 0) ||
+          depth.data[i] > farthest[k]) {
+        continue;
+      }
+      if (object.nearer.data.empty()) {
+        object.nearer = geometry::DepthImage(owner.width, owner.height, 0.f);
+      }
+      object.nearer.data[i] = depth.data[i];
+    }
+  }
 }
 
 }  // namespace prehend::perception

@@ -5,6 +5,7 @@
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/image.h"
 #include "prehend/geometry/point_cloud.h"
+#include "prehend/perception/segmented_scene.h"
 
 // From clusters of points to images of them.
 namespace prehend::perception {
@@ -37,9 +38,9 @@ PixelRectangle measured_area(const geometry::DepthImage& depth);
 /// Whether any of the mask's pixels is within `margin` pixels of the area's border or beyond it.
 bool touches_border(const geometry::MaskImage& mask, const PixelRectangle& area, int margin);
 
-/// Of each mask's outline pixels the share that has, within `reach` pixels, a pixel of another mask
-/// whose depth is smaller by more than `step` [m]: there the object goes on behind the other.
-std::vector<double> occluded_shares(const std::vector<geometry::MaskImage>& masks,
-                                    const geometry::DepthImage& depth, int reach, double step);
+/// Fills in `occluded_share` and `nearer` of the scene's objects by their masks and its depth: of
+/// the mask's outline pixels the share that has, within 4 pixels, a pixel of another mask that is
+/// nearer by more than 10 mm. There the object goes on behind the other. O(pixels * objects).
+void find_occlusions(SegmentedScene& scene);
 
 }  // namespace prehend::perception

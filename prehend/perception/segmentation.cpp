@@ -22,11 +22,10 @@ using geometry::Plane;
 using geometry::PointCloud;
 using geometry::RigidTransform;
 
-constexpr int kMinClusterVoxels = 3;     // smaller ones are noise
-constexpr int kLeastObjectPoints = 30;   // of an object: fewer have no shape
-constexpr double kSliver = 0.005;        // m: what shows less for its height is a rim of a thing
-constexpr int kLeastTold = 30;           // points of a dropped cluster that is worth a word
-constexpr double kOccludingStep = 0.01;  // m by which what hides an object is nearer
+constexpr int kMinClusterVoxels = 3;    // smaller ones are noise
+constexpr int kLeastObjectPoints = 30;  // of an object: fewer have no shape
+constexpr double kSliver = 0.005;       // m: what shows less for its height is a rim of a thing
+constexpr int kLeastTold = 30;          // points of a dropped cluster that is worth a word
 
 void check_options(const SegmentationOptions& o) {
   const text::Require require{"SegmentationOptions: "};
@@ -342,17 +341,15 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
                                   ? measured_area(scene.depth)
                                   : PixelRectangle{0, 0, camera.width - 1, camera.height - 1};
   const int margin = cloud_C.organized() ? options.close_radius + 1 : 0;
-  const std::vector<double> occluded =
-      occluded_shares(images.masks, scene.depth, options.close_radius + 2, kOccludingStep);
   for (std::size_t k = 0; k < members.size(); ++k) {
     ObjectHypothesis object;
     object.id = static_cast<int>(k);
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
-    object.occluded_share = occluded[k];
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin);
     scene.objects.push_back(std::move(object));
   }
+  find_occlusions(scene);
   std::vector<const PointCloud*> clouds_W;
   for (const ObjectHypothesis& object : scene.objects) clouds_W.push_back(&object.cloud_W);
   const std::vector<double> supports = support_heights(clouds_W, scene.table_W);

@@ -23,6 +23,9 @@ struct ObjectHypothesis {
   double occluded_share = 0;
   /// What it stands on where that is not the table but the top of another object; world.
   std::optional<geometry::Plane> support_W;
+  /// Depth [m] of the objects that stand right before this one, 0 elsewhere: what they hide nobody
+  /// saw. Empty without any.
+  geometry::DepthImage nearer;
 };
 
 /// What segmentation makes of one view: a table and the objects on it.

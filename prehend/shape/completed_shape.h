@@ -22,6 +22,10 @@ struct ObjectView {
   const geometry::PinholeCamera& camera;
   const geometry::RigidTransform& X_WC;  // optical frame in W
   const geometry::Plane& table_W;        // normal towards the object
+  /// Depth [m] of what stands before the object, of the whole image, 0 elsewhere; what it hides
+  /// nobody saw. Null or empty: nothing does.
+  const geometry::DepthImage* nearer = nullptr;
+  bool on_another = false;  // the plane is no table but another object's top
 };
 
 /// Whose viewpoint a point was "seen" from (CompletedShape::viewpoint_of). Points that a fall-back

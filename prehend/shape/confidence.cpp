@@ -36,6 +36,10 @@ constexpr std::array kCoefficients{
     Coefficient{"concavity", &ConfidenceModel::concavity, false},
     Coefficient{"open_vessel", &ConfidenceModel::open_vessel, false},
     Coefficient{"cut_by_image", &ConfidenceModel::cut_by_image, false},
+    Coefficient{"occluded", &ConfidenceModel::occluded, false},
+    Coefficient{"on_another", &ConfidenceModel::on_another, false},
+    Coefficient{"disagreement", &ConfidenceModel::disagreement, false},
+    Coefficient{"guessed_depth", &ConfidenceModel::guessed_depth, false},
 };
 
 }  // namespace
@@ -65,6 +69,12 @@ double confidence(const Evidence& e, const ConfidenceModel& model) {
        model.ambiguous * (1 - e.margin) + model.concavity * e.concavity;
   if (e.open_vessel()) x -= model.open_vessel;
   if (e.cut_by_image) x -= model.cut_by_image;
+  constexpr double kRight = 0.005;  // m
+  constexpr double kDeep = 0.1;     // m
+  x -= model.occluded * std::sqrt(std::clamp(e.occluded, 0.0, 1.0)) +
+       model.disagreement * std::clamp(e.disagreement / kRight, 0.0, 1.0) +
+       model.guessed_depth * std::max(0.0, e.guessed_depth) / kDeep;
+  if (e.on_another) x -= model.on_another;
   return 1 / (1 + std::exp(-x));
 }
 

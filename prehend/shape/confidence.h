@@ -53,9 +53,14 @@ struct Evidence {
   /// Fraction of the seen points that lie in a hollow open to above: a vessel's inside.
   double open_top = 0;
   bool cut_by_image = false;  // the mask reaches the image's border
+  double occluded = 0;        // share of the mask's outline where something nearer cuts it off
+  bool on_another = false;    // it stands on another object, of which less is known than of a table
+  /// Mean distance of the prediction by the next plane that faces the viewer and votes nearly as
+  /// well to this one's [m]; 0 without one.
+  double disagreement = 0;
+  double guessed_depth = 0;  // mean depth of the predicted points behind the seen surface [m]
 
-  /// The solid that encloses the completed points is not the object: an open vessel, whose inside
-  /// is air. Volume and mass from a closed mesh are then several times too large.
+  /// Much of what was seen is the inside of a vessel, whose outside and floor are mostly guessed.
   bool open_vessel() const { return open_top > 0.08; }
 };
 
@@ -77,6 +82,10 @@ struct ConfidenceModel {
   double concavity = 26.0;     // times Evidence::concavity
   double open_vessel = 1.0;    // when the object is an open vessel
   double cut_by_image = 3.0;   // when it is
+  double occluded = 2.0;       // times the root of Evidence::occluded
+  double on_another = 0.5;     // when it is
+  double disagreement = 0.5;   // times Evidence::disagreement / 5 mm, at most 1
+  double guessed_depth = 0.0;  // times Evidence::guessed_depth / 0.1 m
 
   bool operator==(const ConfidenceModel&) const = default;
 };
@@ -89,6 +98,8 @@ struct ConfidenceModel {
 ///         - contradicted sqrt(e.contradicted) - unsupported (1 - e.support) - unseen e.unseen
 ///         - ambiguous (1 - e.margin) - concavity e.concavity
 ///         - open_vessel [e.open_vessel()] - cut_by_image [e.cut_by_image]
+///         - occluded sqrt(e.occluded) - on_another [e.on_another]
+///         - disagreement min(1, e.disagreement / 5 mm) - guessed_depth e.guessed_depth / 0.1 m
 ///
 /// Roots, because the step from nothing to 1 % that speaks against it says more than from 10 to 11
 /// %. In (0, 1); never rises when evidence gets worse.

@@ -43,6 +43,11 @@ void check_camera(const ObjectView& view) {
                          std::to_string(camera.width) + " x " + std::to_string(camera.height),
                      "give a mask of the whole image");
   }
+  if (view.nearer && !view.nearer->data.empty() &&
+      (view.nearer->width != camera.width || view.nearer->height != camera.height)) {
+    throw InputError("the depth of what is nearer is not of the camera's size",
+                     "give it for the whole image, or none");
+  }
   if (std::all_of(view.mask.data.begin(), view.mask.data.end(),
                   [](std::uint8_t pixel) { return pixel == 0; })) {
     throw InputError("the object's mask is empty", "segment the object again");
@@ -250,10 +255,15 @@ SeenMap make_seen_map(const ObjectView& view, const PixelWindow& window) {
   const geometry::Image<float> depth = depth_in_window(view, window, kNone);
   const ColumnNearest columns = nearest_in_columns(depth, kNone);
 
+  const auto nearer = [&](int u, int v) {
+    return view.nearer && !view.nearer->data.empty() ? view.nearer->at(u + window.u0, v + window.v0)
+                                                     : 0.f;
+  };
   cv::Mat outside(height, width, CV_8U);
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
-      outside.at<std::uint8_t>(v, u) = view.mask.at(u + window.u0, v + window.v0) ? 0 : 255;
+      const bool inside = view.mask.at(u + window.u0, v + window.v0) || nearer(u, v) > 0;
+      outside.at<std::uint8_t>(v, u) = inside ? 0 : 255;
     }
   }
   cv::Mat distance;
@@ -264,6 +274,7 @@ SeenMap make_seen_map(const ObjectView& view, const PixelWindow& window) {
   const auto value = [&](int u, int v) {
     const float away = distance.at<float>(v, u);
     if (away > 0) return 0.5f - away;
+    if (!view.mask.at(u + window.u0, v + window.v0)) return nearer(u, v);
     const float seen =
         depth.at(u, v) != kNone ? depth.at(u, v) : nearest_depth(columns, width, u, v);
     return seen == kNone ? 0.f : seen;

@@ -25,7 +25,8 @@ struct PixelWindow {
 /// What the camera saw, packed for one look-up per mirrored point: one float per pixel of a window,
 /// with a ring of one pixel round it.
 ///
-///     value > 0   within the mask: depth of the seen surface [m]
+///     value > 0   within the mask: depth of the seen surface [m]; where something stands before
+///                 the object, its depth: what is behind may be there
 ///     value < 0   outside: minus (distance to the mask - 1/2) [pixels]
 ///     value = 0   beside the image, or no depth known: nobody looked there
 ///

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -180,6 +181,63 @@ class Completion {
     e.concavity = std::min(1.0, hollow.depth / voting_.extent);
     e.open_top = hollow.open_top;
     e.cut_by_image = mask_reaches_border();
+    e.occluded = occluded_share();
+    e.on_another = view_.on_another;
+    e.disagreement = disagreement(ballot, best, planes);
+  }
+
+  /// How far the prediction by the next plane is from that by `best`, see Evidence.
+  double disagreement(const Ballot& ballot, const Candidate& best,
+                      const std::vector<Candidate>& planes) const {
+    constexpr double kOtherTurn = 0.1;    // rad
+    constexpr double kOtherShift = 0.03;  // of the extent
+    const auto other = std::find_if(planes.begin(), planes.end(), [&](const Candidate& c) {
+      return c.facing() && acceptable(ballot, c, options_.max_contradicted) &&
+             c.hypothesis.vote <= best.hypothesis.vote + options_.alternative_vote &&
+             (std::abs(c.turn - best.turn) >= kOtherTurn ||
+              std::abs(c.plane.shift - best.plane.shift) >= kOtherShift * voting_.extent);
+    });
+    if (other == planes.end()) return 0;
+    const auto at = [&](const Candidate& candidate, const Eigen::Vector3d& p_T) {
+      return Eigen::Vector3d(voting_.X_WT.inverse() *
+                             mirrored(candidate.hypothesis, voting_.X_WT * p_T));
+    };
+    std::vector<Eigen::Vector3d> surface = voting_.points_T;
+    for (const Eigen::Vector3d& p_T : voting_.points_T) surface.push_back(at(best, p_T));
+    double sum = 0;
+    for (const Eigen::Vector3d& p_T : voting_.coarse_points_T) {
+      const Eigen::Vector3d q_T = at(*other, p_T);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const Eigen::Vector3d& s : surface) nearest = std::min(nearest, (s - q_T).squaredNorm());
+      sum += std::sqrt(nearest);
+    }
+    return sum / static_cast<double>(voting_.coarse_points_T.size());
+  }
+
+  /// Share of the mask's outline that what is nearer cuts off.
+  double occluded_share() const {
+    constexpr int kReach = 3;  // pixels
+    if (!view_.nearer || view_.nearer->data.empty()) return 0;
+    const auto& mask = view_.mask;
+    const auto outside = [&](int u, int v) { return !mask.contains(u, v) || !mask.at(u, v); };
+    double outline = 0, occluded = 0;
+    for (int v = 0; v < mask.height; ++v) {
+      for (int u = 0; u < mask.width; ++u) {
+        if (!mask.at(u, v) || (!outside(u - 1, v) && !outside(u + 1, v) && !outside(u, v - 1) &&
+                               !outside(u, v + 1))) {
+          continue;
+        }
+        outline += 1;
+        bool is_cut = false;
+        for (int y = std::max(0, v - kReach); y <= std::min(mask.height - 1, v + kReach); ++y) {
+          for (int x = std::max(0, u - kReach); x <= std::min(mask.width - 1, u + kReach); ++x) {
+            is_cut = is_cut || view_.nearer->at(x, y) > 0;
+          }
+        }
+        occluded += is_cut;
+      }
+    }
+    return outline > 0 ? occluded / outline : 0;
   }
 
   bool mask_reaches_border() const {
@@ -362,6 +420,13 @@ class Completion {
 
   void set_confidence() {
     constexpr double kSeen = 0.95;  // of a seen point; noise and bad matches are the rest
+    double behind = 0, predicted = 0;
+    for (std::size_t i = 0; i < behind_.size(); ++i) {
+      if (shape_.support[i] == PointSupport::kSeen) continue;
+      behind += static_cast<double>(behind_[i]);
+      predicted += 1;
+    }
+    shape_.evidence.guessed_depth = predicted > 0 ? behind / predicted : 0;
     shape_.confidence = confidence(shape_.evidence, model_);
     std::array<double, 4> sums{}, counts{};
     shape_.point_confidence.reserve(shape_.cloud_W.size());
@@ -432,7 +497,8 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
   check_view(view);
   if (options.fill_holes == 0) return Completion(view, std::move(voting), options, model).run();
   const geometry::MaskImage mask = with_holes_filled(view.mask, options.fill_holes);
-  const ObjectView filled{view.cloud_W, mask, view.camera, view.X_WC, view.table_W};
+  const ObjectView filled{view.cloud_W, mask,        view.camera,    view.X_WC,
+                          view.table_W, view.nearer, view.on_another};
   return Completion(filled, std::move(voting), options, model).run();
 }
 

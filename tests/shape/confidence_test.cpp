@@ -29,7 +29,11 @@ TEST(Confidence, NeverRisesWhenEvidenceGetsWorse) {
       [](Evidence& e, double by) { e.margin -= by; },
       [](Evidence& e, double by) { e.concavity += by; },
       [](Evidence& e, double by) { e.open_top += by; },
-      [](Evidence& e, double) { e.cut_by_image = true; }};
+      [](Evidence& e, double) { e.cut_by_image = true; },
+      [](Evidence& e, double by) { e.occluded += by; },
+      [](Evidence& e, double) { e.on_another = true; },
+      [](Evidence& e, double by) { e.disagreement += 0.01 * by; },
+      [](Evidence& e, double by) { e.guessed_depth += 0.1 * by; }};
   for (int i = 0; i < 2000; ++i) {
     const Evidence before{static_cast<CompletionMethod>(random() % 5),
                           unit(),
@@ -40,7 +44,11 @@ TEST(Confidence, NeverRisesWhenEvidenceGetsWorse) {
                           unit(),
                           0.3 * unit(),
                           unit(),
-                          false};
+                          false,
+                          unit(),
+                          false,
+                          0.01 * unit(),
+                          0.1 * unit()};
     for (const auto& change : worsen) {
       Evidence after = before;
       change(after, unit());

@@ -13,6 +13,7 @@
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/planning/known_models.h"
+#include "prehend/shape/object_view.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/model.h"
 #include "prehend/surface/simplify.h"
@@ -165,8 +166,8 @@ PlanTarget of_cloud(const PlanChoices& choices) {
       }
       shape::CompletionOptions completion;
       if (i == choices.object) completion.alternatives = choices.alternatives;
-      const shape::CompletedShape shape = shape::complete_by_symmetry(
-          {seen.cloud_W, seen.mask, scene.camera, scene.X_WC, support}, completion);
+      const shape::CompletedShape shape =
+          shape::complete_by_symmetry(shape::view_of(scene, seen), completion);
       if (i != choices.object) {
         target.neighbours_W.push_back(surface::make_object_model(shape, support).convex_pieces_W);
         continue;
