@@ -16,8 +16,6 @@ namespace prehend::surface {
 
 namespace {
 
-constexpr int kSamples = 50'000;  // on each mesh, of which the error is measured
-
 // The simplifier's input, made once.
 struct Arrays {
   std::vector<float> positions;
@@ -63,7 +61,7 @@ geometry::TriangleMesh collapsed(const geometry::TriangleMesh& mesh, std::size_t
 /// What the deviation from another mesh takes of a mesh.
 struct Measured {
   explicit Measured(const geometry::TriangleMesh& mesh)
-      : surface(mesh), points(sample_surface(mesh, kSamples, 1)) {}
+      : surface(mesh), points(sample_surface(mesh, kErrorPoints, 1)) {}
   geometry::MeshQuery surface;
   std::vector<Eigen::Vector3d> points;
 };

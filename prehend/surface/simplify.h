@@ -6,10 +6,13 @@
 
 namespace prehend::surface {
 
+/// Points of either mesh of which the error is measured.
+inline constexpr int kErrorPoints = 50'000;
+
 /// A mesh with fewer triangles, and how far it is from the one it stands for.
 struct SimplifiedMesh {
   geometry::TriangleMesh mesh;
-  /// m, measured: the farthest of 50,000 points, spread uniformly over either mesh, from the other.
+  /// m, measured: the farthest of kErrorPoints, spread uniformly over either mesh, from the other.
   double error = 0;
 };
 
