@@ -82,7 +82,7 @@ class PartMaker {
 };
 
 // About `triangles` of the mesh's, collapsed in parts that fit the processor's cache and keep their
-// borders: half the time of the whole at once, when the parts are not asked for the last.
+// borders: half the time of the whole at once.
 Indices thinned(const Arrays& whole, std::size_t triangles) {
   constexpr std::size_t kPart = 3 * 32'768;  // indices
   Indices sorted(whole.indices.size());
