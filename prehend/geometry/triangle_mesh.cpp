@@ -57,19 +57,21 @@ Edges sorted_edges(const TriangleMesh& mesh) {
 class MergedPoints {
  public:
   MergedPoints(std::size_t most, double tolerance)
-      : tolerance_(tolerance), newest_(std::bit_ceil(2 * most + 1), -1) {
+      : tolerance_(tolerance), newest_(std::bit_ceil(most + 1), -1) {
     older_.reserve(most);
   }
 
   /// The index in `points` of one within the tolerance of `p`, which is appended if there is none.
   int index_of(const Eigen::Vector3d& p, std::vector<Eigen::Vector3d>& points) {
     const Eigen::Array3d low = cell_of(p.array() - tolerance_);
-    const Eigen::Array3d high = cell_of(p.array() + tolerance_);
-    for (int n = 0; n < 8; ++n) {
-      const Eigen::Array3d cell = low + Eigen::Array3d(n & 1, n >> 1 & 1, n >> 2);
-      if ((cell > high).any()) continue;
-      for (int i = newest_[slot(cell)]; i >= 0; i = older_[i]) {
-        if ((points[i] - p).norm() <= tolerance_) return i;
+    const Eigen::Array3i more = (cell_of(p.array() + tolerance_) > low).cast<int>();
+    for (int x = 0; x <= more.x(); ++x) {
+      for (int y = 0; y <= more.y(); ++y) {
+        for (int z = 0; z <= more.z(); ++z) {
+          for (int i = newest_[slot(low + Eigen::Array3d(x, y, z))]; i >= 0; i = older_[i]) {
+            if ((points[i] - p).squaredNorm() <= tolerance_ * tolerance_) return i;
+          }
+        }
       }
     }
     int& newest = newest_[slot(cell_of(p.array()))];
@@ -80,7 +82,7 @@ class MergedPoints {
   }
 
  private:
-  static constexpr double kTolerancesAcross = 16;
+  static constexpr double kTolerancesAcross = 64;
 
   Eigen::Array3d cell_of(const Eigen::Array3d& p) const {
     return (p / (kTolerancesAcross * tolerance_)).floor();
