@@ -28,16 +28,28 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
       ->capture_default_str();
   app.add_option("--json", choice.json, "file for the goals and totals");
   app.add_option(
+         "--groups", choice.groups,
+         "of bodies: household; scanned (with PREHEND_SHARED_DATA); hard: vessels, stacks, hidden, "
+         "cut, tiny and dark things; held: the same in other shapes, for closing tables only; "
+         "default: household and scanned")
+      ->check(CLI::IsMember(known_groups()));
+  app.add_option(
          "--meshes", choice.meshes,
          "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
-      ->check(CLI::ExistingDirectory);
+      ->check(CLI::ExistingDirectory)
+      ->excludes("--groups");
   app.add_option("--only", choice.only, "names of the data sets to evaluate; default: all");
   app.add_flag("--quick", choice.quick, "two orientations instead of eight");
+  app.add_flag("--list", choice.list, "print the names of the chosen cases and evaluate nothing");
   app.add_flag("--fresh", choice.fresh, "forget the results of earlier runs");
   app.add_option("--seed", choice.seed, "of texture, noise and sampling")->capture_default_str();
   app.add_option("--processes", choice.processes, "how many work at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+}
+
+std::vector<DataSet> chosen_data_sets(const CaseChoice& choice) {
+  return data_sets_to_evaluate(choice.meshes, choice.groups);
 }
 
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice) {
@@ -55,6 +67,11 @@ std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoic
     throw geometry::InputError("No data set has a name given by --only", "There are " + known);
   }
   return cases;
+}
+
+int list_cases(const std::vector<Case>& cases) {
+  for (const Case& one : cases) std::printf("%s\n", one.name().c_str());
+  return EXIT_SUCCESS;
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {

@@ -23,6 +23,7 @@ struct CaseChoice {
   std::vector<std::string> only;
   bool quick = false;
   bool fresh = false;
+  bool list = false;
   std::uint64_t seed = 1;
   int processes = 1;
 
@@ -32,12 +33,18 @@ struct CaseChoice {
 
 /// @param out the folder, unless --out names another one.
 CaseChoice default_choice(const std::filesystem::path& out);
-/// --out, --json, --meshes, --only, --quick, --fresh, --seed, --processes.
+/// --out, --json, --groups, --meshes, --only, --quick, --list, --fresh, --seed, --processes.
 void add_case_options(CLI::App& app, CaseChoice& choice);
+
+/// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate().
+std::vector<DataSet> chosen_data_sets(const CaseChoice& choice);
 
 /// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick.
 /// @throws geometry::InputError when there is none.
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice);
+
+/// Prints the names of the cases, for --list. Returns main()'s exit code.
+int list_cases(const std::vector<Case>& cases);
 
 /// Reads what is given and runs `work`; what it throws is printed. Returns main()'s exit code.
 int parse_and_run(CLI::App& app, int argc, char** argv, const std::function<int()>& work);

@@ -73,19 +73,28 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
   return result;
 }
 
-perception::SegmentedScene seen_scene(const RenderedScene& rendered,
-                                      const simulation::StereoImages& images) {
+geometry::DepthImage seen_depth(const RenderedScene& rendered,
+                                const simulation::StereoImages& images) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
-  geometry::DepthImage depth;
   if (rendered.sensor == DepthSensor::kStructuredLight) {
-    depth = structured_light(images.depth, images.labels, camera.left,
-                             {.missing = rendered.missing, .seed = rendered.scene.camera.seed});
-  } else {
-    depth = perception::depth_from_disparity(
-        perception::disparity_by_sgbm(images.left, images.right, camera), camera);
+    return structured_light(images.depth, images.labels, camera.left,
+                            {.missing = rendered.missing, .seed = rendered.scene.camera.seed});
   }
+  return perception::depth_from_disparity(
+      perception::disparity_by_sgbm(images.left, images.right, camera), camera);
+}
+
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images,
+                                      const geometry::DepthImage& depth) {
+  const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   return perception::segment(perception::cloud_from_depth(depth, camera.left, images.left),
                              camera.left, rendered.scene.camera.X_WC());
+}
+
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images) {
+  return seen_scene(rendered, images, seen_depth(rendered, images));
 }
 
 CaseResult run_case(const Case& one, const std::vector<Method>& methods) {

@@ -20,8 +20,15 @@ double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int1
 std::optional<std::size_t> object_of(const perception::SegmentedScene& scene,
                                      const geometry::Image<std::int16_t>& labels);
 
-/// What stereo matching and segmentation make of a rendered pair.
-/// @throws geometry::InputError when they find no table.
+/// What the scene's sensor measures: stereo matching of the rendered pair, or structured light.
+geometry::DepthImage seen_depth(const RenderedScene& rendered,
+                                const simulation::StereoImages& images);
+
+/// What segmentation makes of that depth.
+/// @throws geometry::InputError when it finds no table.
+perception::SegmentedScene seen_scene(const RenderedScene& rendered,
+                                      const simulation::StereoImages& images,
+                                      const geometry::DepthImage& depth);
 perception::SegmentedScene seen_scene(const RenderedScene& rendered,
                                       const simulation::StereoImages& images);
 

@@ -90,9 +90,9 @@ void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path
 }
 
 int run(const Options& options) {
-  const std::vector<eval::DataSet> sets =
-      eval::data_sets_to_evaluate(options.choice.meshes, options.choice.groups);
+  const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
+  if (options.choice.list) return eval::list_cases(cases);
   const std::vector<eval::Method> methods = methods_of(options);
   const eval::CaseRunOptions runs = options.choice.runs();
   std::vector<std::string> case_names;
@@ -141,13 +141,6 @@ int main(int argc, char** argv) {
       "also lying; with PREHEND_SHARED_DATA as many scanned ones) in 8 orientations. A run that "
       "was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
-  app.add_option(
-         "--groups", options.choice.groups,
-         "household, scanned (with PREHEND_SHARED_DATA), hard: vessels, stacks, hidden, cut, "
-         "tiny and dark things, held: the same in other shapes, for closing tables only; "
-         "default: household and scanned")
-      ->check(CLI::IsMember(eval::known_groups()))
-      ->excludes("--meshes");
   std::vector<std::string> names;
   for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
   app.add_option("--methods", options.methods, "the methods to compare; default: all")

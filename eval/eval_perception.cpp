@@ -1,12 +1,12 @@
 // Perception against the truth: disparities of a real pair, rendered crowds of objects, labelled
-// recordings.
+// recordings, views of single bodies.
 
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +14,11 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
+#include "eval/case_choice.h"
 #include "eval/segmentation_accuracy.h"
 #include "eval/stereo_accuracy.h"
 #include "eval/text_files.h"
+#include "eval/view_segmentation.h"
 #include "prehend/report/page.h"
 #include "prehend/text/json.h"
 
@@ -116,49 +118,105 @@ void add_table(report::Page& page, prehend::text::Json& json, const fs::path& fo
   std::fflush(stdout);
 }
 
+struct Options {
+  eval::CaseChoice choice = eval::default_choice("out/perception");
+  int scenes = 8;
+};
+
+// The tables of one run, in each of their forms.
+struct Tables {
+  report::Page page{"Perception against the truth"};
+  prehend::text::Json json = prehend::text::Json::object();
+  fs::path folder;
+
+  void add(const std::string& name, const std::string& title,
+           const std::vector<std::string>& header, const Rows& rows) {
+    add_table(page, json, folder, name, title, header, rows);
+  }
+};
+
+void add_recordings(Tables& tables) {
+  const char* shared = std::getenv("PREHEND_SHARED_DATA");
+  if (shared == nullptr || *shared == '\0') {
+    std::printf("Without real recordings: PREHEND_SHARED_DATA does not name a folder.\n");
+    return;
+  }
+  const fs::path data = shared;
+  if (fs::exists(data / "stereo" / "cones")) {
+    tables.add("stereo", "Real pair with known disparity (Middlebury cones)", kStereoHeader,
+               stereo_rows(eval::compare_stereo_methods(
+                   eval::read_middlebury_2003(data / "stereo" / "cones"))));
+  }
+  tables.add("labelled", "Labelled recordings (OSD)", kSegmentationHeader,
+             segmentation_rows(eval::labelled_segmentation(data / "clouds" / "osd")));
+}
+
+// The file's result, if it has one.
+std::optional<eval::ViewSegmentation> known_view(const fs::path& file) {
+  if (!fs::exists(file)) return std::nullopt;
+  try {
+    return eval::read_view(file);
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return std::nullopt;
+  }
+}
+
+// False when a case has no result.
+bool add_views(const std::vector<eval::Case>& cases, const eval::CaseRunOptions& runs,
+               Tables& tables) {
+  std::vector<std::string> names;
+  for (const eval::Case& one : cases) names.push_back(one.result_name());
+  const auto crashed = eval::run_cases(
+      runs, names, [](int, const fs::path& file) { return known_view(file).has_value(); },
+      [&](int i, const fs::path& file) { eval::write_view(file, eval::segment_view(cases[i])); });
+  std::vector<eval::ViewSegmentation> views;
+  for (const std::string& name : names) {
+    if (auto view = known_view(eval::case_file(runs, name))) views.push_back(std::move(*view));
+  }
+  for (const auto& [index, how] : crashed) {
+    std::printf("%s: the process ended: %s\n", names[index].c_str(), how.c_str());
+  }
+  tables.add("groups", "Rendered views of one object and what is beside it, by group",
+             kSegmentationHeader, segmentation_rows(eval::by_group(views)));
+  tables.add("objects", "The same, by object", kSegmentationHeader,
+             segmentation_rows(eval::by_data_set(views)));
+  return views.size() == cases.size();
+}
+
+int run(const Options& options) {
+  const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
+  const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
+  if (options.choice.list) return eval::list_cases(cases);
+  cv::setNumThreads(1);
+  Tables tables;
+  tables.folder = options.choice.out;
+  if (options.choice.groups.empty() && options.choice.meshes.empty()) {
+    add_recordings(tables);
+    tables.add("rendered", "Rendered tables, four objects each", kSegmentationHeader,
+               segmentation_rows(eval::rendered_segmentation(options.scenes, options.choice.seed)));
+  }
+  const bool complete = add_views(cases, options.choice.runs(), tables);
+  tables.page.write(tables.folder / "index.html");
+  if (!options.choice.json.empty()) eval::write_text(options.choice.json, tables.json.pretty());
+  std::printf("\n%s\n", (tables.folder / "index.html").c_str());
+  return complete ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  fs::path out = "out/perception";
-  fs::path json_file;
-  int scenes = 8;
-  std::uint64_t seed = 1;
+  Options options;
   CLI::App app(
       "Perception against the truth: disparities and labels of real recordings where "
-      "PREHEND_SHARED_DATA names their folder, and rendered tables with four objects each.");
-  app.add_option("--out", out, "folder of the page and its tables")->capture_default_str();
-  app.add_option("--json", json_file, "file for the tables as JSON");
-  app.add_option("--scenes", scenes, "rendered for each condition")
+      "PREHEND_SHARED_DATA names their folder, rendered tables with four objects each, and views "
+      "of single bodies with all that is beside them. With --groups or --meshes only the views. "
+      "A run that was interrupted goes on with the views that are missing.");
+  eval::add_case_options(app, options.choice);
+  app.add_option("--scenes", options.scenes, "tables rendered for each condition")
       ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--seed", seed, "of the rendered scenes")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    cv::setNumThreads(1);
-    report::Page page("Perception against the truth");
-    prehend::text::Json json = prehend::text::Json::object();
-    const char* shared = std::getenv("PREHEND_SHARED_DATA");
-    if (shared != nullptr && *shared != '\0') {
-      const fs::path data = shared;
-      if (fs::exists(data / "stereo" / "cones")) {
-        add_table(page, json, out, "stereo", "Real pair with known disparity (Middlebury cones)",
-                  kStereoHeader,
-                  stereo_rows(eval::compare_stereo_methods(
-                      eval::read_middlebury_2003(data / "stereo" / "cones"))));
-      }
-      add_table(page, json, out, "labelled", "Labelled recordings (OSD)", kSegmentationHeader,
-                segmentation_rows(eval::labelled_segmentation(data / "clouds" / "osd")));
-    } else {
-      std::printf("Without real recordings: PREHEND_SHARED_DATA does not name a folder.\n");
-    }
-    add_table(page, json, out, "rendered", "Rendered tables, four objects each",
-              kSegmentationHeader, segmentation_rows(eval::rendered_segmentation(scenes, seed)));
-    page.write(out / "index.html");
-    if (!json_file.empty()) eval::write_text(json_file, json.pretty());
-    std::printf("\n%s\n", (out / "index.html").c_str());
-    return EXIT_SUCCESS;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return EXIT_FAILURE;
-  }
+      ->capture_default_str()
+      ->excludes("--groups")
+      ->excludes("--meshes");
+  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

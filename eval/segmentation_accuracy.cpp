@@ -25,12 +25,6 @@ namespace {
 using geometry::MaskImage;
 using perception::SegmentedScene;
 
-std::vector<MaskImage> masks_of(const SegmentedScene& scene) {
-  std::vector<MaskImage> masks;
-  for (const auto& object : scene.objects) masks.push_back(object.mask);
-  return masks;
-}
-
 // Four household objects on a table, two of them close together.
 RenderedScene crowd(const std::vector<DataSet>& sets, const Appearance& appearance,
                     std::mt19937_64& random) {
@@ -57,8 +51,7 @@ struct Knobs {
 
 // Adds one scene to a run.
 void add_scene(const RenderedScene& rendered, const simulation::StereoImages& images,
-               const Knobs& knobs, SegmentationRun& run, std::vector<double>& depth_errors,
-               double& missing, double& pixels) {
+               const Knobs& knobs, SegmentationRun& run, DepthErrors& depth) {
   const geometry::StereoCamera& camera = rendered.scene.camera.camera;
   const auto start = std::chrono::steady_clock::now();
   SegmentedScene scene;
@@ -74,16 +67,7 @@ void add_scene(const RenderedScene& rendered, const simulation::StereoImages& im
   }
   run.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run.errors = run.errors + segmentation_errors(masks_of(scene), images.labels);
-  const geometry::DepthImage depth = perception::depth_from_disparity(match.disparity, camera);
-  for (std::size_t i = 0; i < depth.data.size(); ++i) {
-    if (images.labels.data[i] < 0) continue;
-    pixels += 1;
-    if (std::isnan(depth.data[i])) {
-      missing += 1;
-    } else {
-      depth_errors.push_back(std::abs(static_cast<double>(depth.data[i] - images.depth.data[i])));
-    }
-  }
+  depth.add(perception::depth_from_disparity(match.disparity, camera), images);
 }
 
 SegmentationRun run_scenes(const std::string& condition, const std::vector<DataSet>& sets,
@@ -92,25 +76,45 @@ SegmentationRun run_scenes(const std::string& condition, const std::vector<DataS
   SegmentationRun run;
   run.condition = condition;
   std::mt19937_64 random(seed);  // the same scenes for every condition
-  std::vector<double> depth_errors;
-  double missing = 0, pixels = 0;
+  DepthErrors depth;
   for (int s = 0; s < scenes; ++s) {
     const RenderedScene rendered = crowd(sets, appearance, random);
     add_scene(rendered, simulation::render_stereo(rendered.scene, rendered.bodies), knobs, run,
-              depth_errors, missing, pixels);
+              depth);
   }
   run.seconds /= scenes;
-  run.depth_missing = missing / std::max(pixels, 1.0);
-  run.depth_error = std::numeric_limits<double>::quiet_NaN();
-  if (!depth_errors.empty()) {
-    const auto middle = depth_errors.begin() + static_cast<std::ptrdiff_t>(depth_errors.size() / 2);
-    std::nth_element(depth_errors.begin(), middle, depth_errors.end());
-    run.depth_error = *middle;
-  }
+  run.depth_missing = depth.missing_share();
+  run.depth_error = depth.median();
   return run;
 }
 
 }  // namespace
+
+std::vector<MaskImage> masks_of(const SegmentedScene& scene) {
+  std::vector<MaskImage> masks;
+  for (const auto& object : scene.objects) masks.push_back(object.mask);
+  return masks;
+}
+
+void DepthErrors::add(const geometry::DepthImage& depth, const simulation::StereoImages& truth) {
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    if (truth.labels.data[i] < 0) continue;
+    pixels += 1;
+    if (std::isnan(depth.data[i])) {
+      missing += 1;
+    } else {
+      off.push_back(std::abs(static_cast<double>(depth.data[i] - truth.depth.data[i])));
+    }
+  }
+}
+
+double DepthErrors::median() const {
+  if (off.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> sorted = off;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
 
 SegmentationErrors segmentation_errors(const std::vector<MaskImage>& masks,
                                        const geometry::Image<std::int16_t>& labels, int least) {

@@ -7,6 +7,7 @@
 
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/segmented_scene.h"
+#include "prehend/simulation/stereo_renderer.h"
 
 namespace prehend::eval {
 
@@ -29,6 +30,20 @@ SegmentationErrors segmentation_errors(const std::vector<geometry::MaskImage>& m
 
 /// Adds counts; the overlap is averaged over all truths.
 SegmentationErrors operator+(const SegmentationErrors& a, const SegmentationErrors& b);
+
+/// The masks of the objects that were found.
+std::vector<geometry::MaskImage> masks_of(const perception::SegmentedScene& scene);
+
+/// How far measured depth is from the truth, on the pixels of true objects.
+struct DepthErrors {
+  std::vector<double> off;  // m, |depth - truth|, of pixels that have a depth
+  double missing = 0;       // pixels without
+  double pixels = 0;        // all
+
+  void add(const geometry::DepthImage& depth, const simulation::StereoImages& truth);
+  double median() const;  // m; NaN: there is no depth
+  double missing_share() const { return pixels > 0 ? missing / pixels : 0; }
+};
 
 /// One condition (texture, light, stereo or segmentation method) over several scenes.
 struct SegmentationRun {

@@ -61,8 +61,9 @@ int run(const Options& options) {
                                      : eval::fingered_hand(options.robots, name));
   }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
-  const std::vector<eval::DataSet> sets = eval::data_sets_to_evaluate(options.choice.meshes);
+  const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> views = eval::chosen_cases(sets, options.choice);
+  if (options.choice.list) return eval::list_cases(views);
   std::vector<HandCase> cases;
   for (const eval::HandUnderTest& hand : hands) {
     for (const eval::Case& one : views) cases.push_back({one, &hand});
@@ -102,7 +103,9 @@ int main(int argc, char** argv) {
       "Sees known bodies once, by a rendered stereo pair, plans grasps on the predicted shape, on "
       "the truth and on the Delaunay baseline, and executes them in simulation on the truth. 12 "
       "household objects made by code (with PREHEND_SHARED_DATA scanned ones as well), some also "
-      "lying, in 8 orientations. A run that was interrupted goes on where it was.");
+      "lying, in 8 orientations, or the groups that are named; what an object stands on, leans on "
+      "or is hidden by is rendered, is an obstacle, and does not move. A run that was interrupted "
+      "goes on where it was.");
   eval::add_case_options(app, options.choice);
   std::vector<std::string> names{kGripper};
   names.insert(names.end(), std::begin(kHands), std::end(kHands));

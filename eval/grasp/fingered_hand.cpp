@@ -37,12 +37,13 @@ void record_plan(const grasp::HandPlan& plan, GraspTrial* trial) {
   }
 }
 
-GraspTrial try_hand(const Hand& hand, const surface::ObjectModel& believed, const TrueObject& truth,
+GraspTrial try_hand(const Hand& hand, const Belief& believed, const TrueObject& truth,
                     const PlannerSetting& setting) {
   GraspTrial trial;
   const double start = processor_time();
-  const grasp::HandPlan plan = grasp::plan_hand_grasps(believed, geometry::Plane{}, {},
-                                                       hand.to_close, {}, setting.hand_options);
+  const grasp::HandPlan plan =
+      grasp::plan_hand_grasps(believed.object, geometry::Plane{}, believed.obstacles, hand.to_close,
+                              {}, setting.hand_options);
   trial.plan_seconds = processor_time() - start;
   record_plan(plan, &trial);
   simulation::HandGraspOptions execution;
@@ -55,7 +56,7 @@ GraspTrial try_hand(const Hand& hand, const surface::ObjectModel& believed, cons
         simulation::execute_hand_grasp(hand.model,
                                        {grasp.X_WG, grasp.preshape, grasp.open, grasp.closed,
                                         grasp.approach_W, grasp.pregrasp_distance, contacts},
-                                       truth.mesh_W, execution);
+                                       truth.mesh_W, execution, truth.others_W);
     trial.lifted = outcome.held;
     if (trial.attempts == 1) trial.outcome = outcome.reason;
     trial.slip = outcome.slip;
@@ -70,9 +71,9 @@ GraspTrial try_hand(const Hand& hand, const surface::ObjectModel& believed, cons
 
 HandUnderTest fingered_hand(const std::filesystem::path& robots, const std::string& name) {
   const auto hand = std::make_shared<const Hand>(robots, name);
-  return {name, [hand](const surface::ObjectModel& believed, const TrueObject& truth,
-                       const PlannerSetting& setting,
-                       const BelieveAgain&) { return try_hand(*hand, believed, truth, setting); }};
+  return {name,
+          [hand](const Belief& believed, const TrueObject& truth, const PlannerSetting& setting,
+                 const BelieveAgain&) { return try_hand(*hand, believed, truth, setting); }};
 }
 
 }  // namespace prehend::eval

@@ -74,6 +74,7 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
   put_text(out, "data_set", result.data_set);
   put_text(out, "hand", result.hand);
   put(out, "orientation", result.orientation);
+  put(out, "others", result.others);
   put_text(out, "problem", result.problem);
   put(out, "predict_seconds", result.predict_seconds);
   out << YAML::Key << "trials" << YAML::Value << YAML::BeginSeq;
@@ -100,6 +101,7 @@ GraspCase read_grasp_case(const std::filesystem::path& file) {
     result.data_set = node["data_set"].as<std::string>();
     result.hand = node["hand"].as<std::string>();
     result.orientation = node["orientation"].as<int>();
+    result.others = node["others"].as<int>();
     result.problem = node["problem"].as<std::string>();
     result.predict_seconds = node["predict_seconds"].as<double>();
     for (const YAML::Node& one : node["trials"]) {

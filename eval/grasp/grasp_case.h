@@ -40,6 +40,7 @@ struct GraspCase {
   std::string data_set;
   std::string hand;
   int orientation = 0;                // degrees
+  int others = 0;                     // bodies beside the object, which do not move
   std::string problem;                // nothing was segmented or completed, or the process crashed
   double predict_seconds = kUnknown;  // processor time from segmented cloud to mesh
   std::vector<GraspTrial> trials;

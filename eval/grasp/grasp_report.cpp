@@ -37,6 +37,10 @@ std::vector<std::string> hands_of(const std::vector<GraspCase>& cases) {
   return distinct(cases, [](const GraspCase& one) { return one.hand; });
 }
 
+std::vector<std::string> groups_of(const std::vector<GraspCase>& cases) {
+  return distinct(cases, [](const GraspCase& one) { return one.group; });
+}
+
 std::vector<std::string> settings_of(const std::vector<GraspCase>& cases) {
   std::vector<std::string> names;
   for (const GraspCase& one : cases) {
@@ -91,23 +95,23 @@ std::string millimetres(double metres) {
 
 using Rows = std::vector<std::vector<std::string>>;
 const std::vector<std::string> kTotalsHeader{
-    "hand",      "planned on",         "at first",           "within three", "no grasp",
-    "slip [mm]", "contact error [mm]", "opening error [mm]", "plan [ms]"};
+    "hand",     "group",     "planned on",         "at first",           "within three",
+    "no grasp", "slip [mm]", "contact error [mm]", "opening error [mm]", "plan [ms]"};
 
 Rows totals_rows(const std::vector<GraspCase>& cases) {
   Rows rows;
   for (const GraspTotals& t : grasp_totals(cases)) {
     rows.push_back(
-        {t.hand, t.setting, share_text(t.first, t.cases), share_text(t.within_three, t.cases),
-         fmt::format("{}", t.unplanned), millimetres(t.slip), millimetres(t.contact_error),
-         millimetres(t.opening_error),
+        {t.hand, t.group, t.setting, share_text(t.first, t.cases),
+         share_text(t.within_three, t.cases), fmt::format("{}", t.unplanned), millimetres(t.slip),
+         millimetres(t.contact_error), millimetres(t.opening_error),
          std::isnan(t.plan_seconds) ? "-" : fmt::format("{:.1f}", t.plan_seconds * 1e3)});
   }
   return rows;
 }
 
 std::vector<std::string> objects_header(const std::vector<GraspCase>& cases) {
-  std::vector<std::string> header{"hand", "object", "fits"};
+  std::vector<std::string> header{"hand", "group", "object", "others", "fits"};
   for (const auto& setting : settings_of(cases)) header.push_back(setting);
   return header;
 }
@@ -117,12 +121,16 @@ Rows objects_rows(const std::vector<GraspCase>& cases) {
   Rows rows;
   for (const auto& hand : hands_of(cases)) {
     const auto of_hand = selected(cases, [&](const GraspCase& c) { return c.hand == hand; });
-    for (const auto& object : distinct(of_hand, [](const GraspCase& c) { return c.data_set; })) {
+    const auto name_of = [](const GraspCase& c) { return c.group + "/" + c.data_set; };
+    for (const auto& object : distinct(of_hand, name_of)) {
       const auto views =
-          selected(of_hand, [&](const GraspCase& c) { return c.data_set == object; });
+          selected(of_hand, [&](const GraspCase& c) { return name_of(c) == object; });
       const auto fitting =
           std::count_if(views.begin(), views.end(), [](const GraspCase& c) { return c.fits(); });
-      rows.push_back({hand, object, fmt::format("{} of {}", fitting, views.size())});
+      const GraspCase& first = views.front();
+      rows.push_back({hand, first.group, first.data_set,
+                      first.others == 0 ? "-" : fmt::format("{} fixed", first.others),
+                      fmt::format("{} of {}", fitting, views.size())});
       for (const auto& setting : settings_of(cases)) {
         const GraspTotals t = totals_of(views, hand, setting);
         rows.back().push_back(t.cases > 0 ? fmt::format("{} / {}", t.first, t.within_three) : "-");
@@ -241,16 +249,17 @@ std::string success_chart(const std::vector<GraspCase>& cases, const std::string
 
 std::string cases_csv(const std::vector<GraspCase>& cases) {
   std::string csv =
-      "hand,case,object,orientation_deg,setting,grasps,attempts,lifted,slip_m,contact_error_m,"
+      "hand,group,case,object,others,orientation_deg,setting,grasps,attempts,lifted,slip_m,contact_"
+      "error_m,"
       "opening_error_m,robustness,guessed_contact,plan_s,why\n";
   for (const GraspCase& one : cases) {
     for (const GraspTrial& t : one.trials) {
       std::string why = t.outcome.empty() ? t.problem : t.outcome;
       std::replace(why.begin(), why.end(), '"', '\'');
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
-                         one.case_name, one.data_set, one.orientation, t.setting, t.grasps,
-                         t.attempts, t.lifted, t.slip, t.contact_error, t.opening_error,
-                         t.robustness, t.guessed_contact, t.plan_seconds, why);
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
+                         one.group, one.case_name, one.data_set, one.others, one.orientation,
+                         t.setting, t.grasps, t.attempts, t.lifted, t.slip, t.contact_error,
+                         t.opening_error, t.robustness, t.guessed_contact, t.plan_seconds, why);
     }
   }
   return csv;
@@ -260,10 +269,19 @@ std::string cases_csv(const std::vector<GraspCase>& cases) {
 
 std::vector<GraspTotals> grasp_totals(const std::vector<GraspCase>& cases) {
   std::vector<GraspTotals> totals;
+  const auto groups = groups_of(cases);
   for (const auto& hand : hands_of(cases)) {
-    for (const auto& setting : settings_of(cases)) {
-      totals.push_back(totals_of(cases, hand, setting));
+    const auto add = [&](const std::string& group, const std::vector<GraspCase>& of_group) {
+      for (const auto& setting : settings_of(of_group)) {
+        totals.push_back(totals_of(of_group, hand, setting));
+        totals.back().group = group;
+      }
+    };
+    for (const auto& group : groups) {
+      add(group,
+          selected(cases, [&](const GraspCase& c) { return c.hand == hand && c.group == group; }));
     }
+    if (groups.size() > 1) add("all", cases);
   }
   return totals;
 }
@@ -283,6 +301,7 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
   for (const GraspTotals& t : grasp_totals(cases)) {
     totals.add(text::Json::object()
                    .set("hand", t.hand)
+                   .set("group", t.group)
                    .set("setting", t.setting)
                    .set("cases", t.cases)
                    .set("no_grasp", t.unplanned)
@@ -304,7 +323,8 @@ void write_grasp_report(const std::filesystem::path& folder, const std::vector<G
   page.add_paragraph(
       "Each object is seen once, by a rendered stereo pair; grasps are planned on the predicted "
       "shape, on the true one and on the Delaunay surface of what was seen, and executed in "
-      "simulation on the true one. Counted are views of objects that fit the hand: knowing the "
+      "simulation on the true one. What else is in the scene is rendered and in the way, and does "
+      "not move. Counted are views of objects that fit the hand: knowing the "
       "truth, the planner finds a grasp that holds in at least half of its disturbed trials.");
   for (const Goal& goal : goals_of(cases)) page.add_verdict(goal.text, goal.met);
   page.add_table(kTotalsHeader, totals_rows(cases));

@@ -18,10 +18,12 @@ namespace {
 // kg, of a household thing of that volume [m^3].
 double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
 
-surface::ObjectModel known_object(geometry::TriangleMesh mesh_W) {
-  surface::ObjectModel model;
-  model.mesh_W = std::move(mesh_W);
-  return model;
+Belief known_truth(geometry::TriangleMesh mesh_W,
+                   const std::vector<geometry::TriangleMesh>& others_W) {
+  Belief belief;
+  belief.object.mesh_W = std::move(mesh_W);
+  belief.obstacles.meshes_W = others_W;
+  return belief;
 }
 
 }  // namespace
@@ -47,15 +49,20 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
 
   const geometry::TriangleMesh& mesh_B = *one.data_set->mesh_B;
   const double mass = household_mass(geometry::mass_properties(mesh_B).volume);
-  const geometry::RigidTransform X_WB = resting_pose(mesh_B, one.X_WB(), mass);
-  const TrueObject truth{geometry::transformed(mesh_B, X_WB), mass};
+  std::vector<geometry::TriangleMesh> others_W;
+  for (const auto& other_B : one.data_set->viewing.others_B) {
+    others_W.push_back(geometry::transformed(*other_B, one.X_WB()));
+  }
+  const geometry::RigidTransform X_WB = resting_pose(mesh_B, one.X_WB(), mass, others_W);
+  const TrueObject truth{geometry::transformed(mesh_B, X_WB), mass, others_W};
+  result.others = static_cast<int>(others_W.size());
   std::optional<SeenObject> seen;
   try {
     seen = see_object(one, X_WB, 0);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
-  std::map<std::pair<PlannedOn, int>, surface::ObjectModel> first_look;
+  std::map<std::pair<PlannedOn, int>, Belief> first_look;
   for (const PlannerSetting& setting : settings) {
     const PlannedOn on = setting.planned_on;
     GraspTrial trial;
@@ -67,18 +74,19 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
       if (!first_look.contains(key)) {
         const double start = processor_time();
         first_look[key] = on == PlannedOn::kTruth
-                              ? known_object(truth.mesh_W)
-                              : believed_object(*seen, on, setting.alternatives);
+                              ? known_truth(truth.mesh_W, others_W)
+                              : believed_object(one, *seen, on, setting.alternatives);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
       int look = 0;
-      trial = hand.grasp(first_look.at(key), truth, setting,
-                         [&](const geometry::RigidTransform& X_moved) {
-                           return on == PlannedOn::kTruth
-                                      ? known_object(geometry::transformed(truth.mesh_W, X_moved))
-                                      : believed_object(see_object(one, X_moved * X_WB, ++look), on,
-                                                        setting.alternatives);
-                         });
+      trial = hand.grasp(
+          first_look.at(key), truth, setting, [&](const geometry::RigidTransform& X_moved) {
+            if (on == PlannedOn::kTruth) {
+              return known_truth(geometry::transformed(truth.mesh_W, X_moved), others_W);
+            }
+            return believed_object(one, see_object(one, X_moved * X_WB, ++look), on,
+                                   setting.alternatives);
+          });
     } catch (const std::exception& error) {
       trial.problem = error.what();
     }

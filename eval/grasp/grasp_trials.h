@@ -10,9 +10,9 @@ namespace prehend::eval {
 /// The planner's defaults on the prediction, on the truth and on the Delaunay surface.
 std::vector<PlannerSetting> compared_settings();
 
-/// Lets the case's object come to rest (resting_pose), renders its stereo pair, segments it,
-/// predicts the object and tries each setting.
-/// What fails is in the result's problems; only a bug throws.
+/// Lets the case's object come to rest (resting_pose) among the other bodies of the case, renders
+/// its stereo pair, segments it, predicts the object and tries each setting. What fails is in the
+/// result's problems; only a bug throws.
 GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
                          const std::vector<PlannerSetting>& settings);
 

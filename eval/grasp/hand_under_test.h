@@ -27,17 +27,25 @@ struct PlannerSetting {
 struct TrueObject {
   geometry::TriangleMesh mesh_W;
   double mass = 0;  // kg
+  /// What it stands on, leans on, is hidden by. They do not move.
+  std::vector<geometry::TriangleMesh> others_W;
+};
+
+/// What grasps are planned on.
+struct Belief {
+  surface::ObjectModel object;
+  grasp::Obstacles obstacles;
 };
 
 /// What is believed of the object after a new look at it: what was at p_W is at X_moved * p_W now.
 /// @throws geometry::InputError or std::exception in words when nothing is made of the view.
-using BelieveAgain = std::function<surface::ObjectModel(const geometry::RigidTransform& X_moved)>;
+using BelieveAgain = std::function<Belief(const geometry::RigidTransform& X_moved)>;
 
 /// A hand under test: plans on what is believed by `setting`, executes on what is there, and may
 /// look again after a failed attempt.
 struct HandUnderTest {
   std::string name;
-  std::function<GraspTrial(const surface::ObjectModel& believed, const TrueObject& truth,
+  std::function<GraspTrial(const Belief& believed, const TrueObject& truth,
                            const PlannerSetting& setting, const BelieveAgain& believe_again)>
       grasp;
 };

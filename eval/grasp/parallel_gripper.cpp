@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <string>
 
 #include "eval/grasp/grasp_execution.h"
 #include "eval/processor_time.h"
@@ -13,7 +14,7 @@ namespace {
 constexpr double kLeastLift = 0.1;  // m
 constexpr double kTimeLimit = 180;  // s, simulated, of three attempts
 
-GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& truth,
+GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
                        const PlannerSetting& setting, const BelieveAgain& believe_again) {
   simulation::Scene scene;
   grasp::Reachability reachability;
@@ -23,8 +24,9 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
   const double start = processor_time();
   grasp::PlannerOptions options = setting.options;
   options.threads = 1;  // processes share the cores, and times are of one
-  const auto plan_on = [&](const surface::ObjectModel& model) {
-    return grasp::plan_grasps(model, geometry::Plane{}, {}, scene.gripper, reachability, options);
+  const auto plan_on = [&](const Belief& belief) {
+    return grasp::plan_grasps(belief.object, geometry::Plane{}, belief.obstacles, scene.gripper,
+                              reachability, options);
   };
   const auto plan = plan_on(believed);
   trial.plan_seconds = processor_time() - start;
@@ -38,6 +40,9 @@ GraspTrial try_gripper(const surface::ObjectModel& believed, const TrueObject& t
 
   simulation::World world(scene);
   world.add_object("object", truth.mesh_W, truth.mass);
+  for (const geometry::TriangleMesh& other_W : truth.others_W) {
+    world.add_object("other " + std::to_string(world.body_count()), other_W, truth.mass, true);
+  }
   const GraspExecution execution =
       execute_grasps(world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
         try {

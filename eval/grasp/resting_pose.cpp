@@ -26,11 +26,15 @@ bool is_near(const RigidTransform& a, const RigidTransform& b) {
 }  // namespace
 
 RigidTransform resting_pose(const geometry::TriangleMesh& mesh_B, const RigidTransform& X_WB,
-                            double mass, double time_limit) {
+                            double mass, const std::vector<geometry::TriangleMesh>& others_W,
+                            double time_limit) {
   const std::string name = "object";
   simulation::World world{simulation::Scene{}};
   const geometry::TriangleMesh mesh_W = geometry::transformed(mesh_B, X_WB);
   world.add_object(name, mesh_W, mass);
+  for (const geometry::TriangleMesh& other_W : others_W) {
+    world.add_object("other " + std::to_string(world.body_count()), other_W, mass, true);
+  }
   const RigidTransform X_WO = world.body(0).X_WB;  // of the world's own frame of it
   const Eigen::AlignedBox3d box = geometry::bounds(mesh_W);
   RigidTransform X_OW = RigidTransform::Identity();
@@ -47,6 +51,7 @@ RigidTransform resting_pose(const geometry::TriangleMesh& mesh_B, const RigidTra
     window = 0;
   }
   RigidTransform X_rest = world.body(0).X_WB * X_OW * X_WB;
+  if (!others_W.empty()) return X_rest;
   const Eigen::AlignedBox3d rest = geometry::bounds(geometry::transformed(mesh_B, X_rest));
   X_rest.translation() -= Eigen::Vector3d(rest.center().x(), rest.center().y(), rest.min().z());
   return X_rest;

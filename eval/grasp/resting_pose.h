@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
 
@@ -8,11 +10,12 @@ namespace prehend::eval {
 /// Where a body that is set down gently at X_WB comes to rest on the table z = 0. It rolls and
 /// tilts as weight and contact tell (simulation::World), but never gathers speed: scanned meshes
 /// have uneven feet, and what stands on the scan's z = 0 need not stand on its feet. The middle of
-/// its bounds is over the origin.
+/// its bounds is over the origin; but among `others_W`, which do not move, it rests where it is.
 /// @param mass kg, > 0; @param time_limit s, simulated, after which it counts as resting
 /// @throws geometry::InputError for a mesh that encloses no volume.
 geometry::RigidTransform resting_pose(const geometry::TriangleMesh& mesh_B,
                                       const geometry::RigidTransform& X_WB, double mass,
+                                      const std::vector<geometry::TriangleMesh>& others_W = {},
                                       double time_limit = 60);
 
 }  // namespace prehend::eval

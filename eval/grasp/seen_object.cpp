@@ -11,6 +11,33 @@
 #include "prehend/surface/model.h"
 
 namespace prehend::eval {
+namespace {
+
+surface::ObjectModel predicted(const perception::SegmentedScene& scene,
+                               const perception::ObjectHypothesis& object, int alternatives) {
+  shape::CompletionOptions options;
+  options.alternatives = alternatives;
+  const shape::CompletedShape shape =
+      shape::complete_by_symmetry(shape::view_of(scene, object), options);
+  return surface::make_object_model(shape, support_of(scene, object));
+}
+
+// As the node that plans takes them: what has no shape is no obstacle.
+grasp::Obstacles neighbours_of(const SeenObject& seen) {
+  grasp::Obstacles obstacles;
+  for (std::size_t i = 0; i < seen.scene.objects.size(); ++i) {
+    if (i == seen.index) continue;
+    try {
+      const auto pieces = predicted(seen.scene, seen.scene.objects[i], 0).convex_pieces_W;
+      obstacles.meshes_W.insert(obstacles.meshes_W.end(), pieces.begin(), pieces.end());
+    } catch (const geometry::InputError&) {
+      continue;
+    }
+  }
+  return obstacles;
+}
+
+}  // namespace
 
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look) {
   RenderedScene rendered = scene_of(one);
@@ -29,20 +56,18 @@ SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int
   return seen;
 }
 
-surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on,
-                                     int alternatives) {
+Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planned_on,
+                       int alternatives) {
   const perception::SegmentedScene& scene = seen.scene;
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
+  Belief belief;
   if (planned_on == PlannedOn::kDelaunay) {
-    surface::ObjectModel model;
-    model.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
-    return model;
+    belief.object.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
+  } else {
+    belief.object = predicted(scene, object, alternatives);
   }
-  shape::CompletionOptions options;
-  options.alternatives = alternatives;
-  const shape::CompletedShape shape =
-      shape::complete_by_symmetry(shape::view_of(scene, object), options);
-  return surface::make_object_model(shape, support_of(scene, object));
+  if (!one.data_set->viewing.others_B.empty()) belief.obstacles = neighbours_of(seen);
+  return belief;
 }
 
 }  // namespace prehend::eval

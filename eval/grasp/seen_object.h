@@ -2,9 +2,9 @@
 
 #include "eval/data_sets.h"
 #include "eval/grasp/grasp_case.h"
+#include "eval/grasp/hand_under_test.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/perception/segmented_scene.h"
-#include "prehend/surface/object_model.h"
 
 namespace prehend::eval {
 
@@ -18,10 +18,11 @@ struct SeenObject {
 /// @throws geometry::InputError when it is not found on the table.
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look);
 
-/// What that gives to plan on, a prediction with up to `alternatives` other shapes.
+/// What that gives to plan on, a prediction with up to `alternatives` other shapes. Of a case with
+/// other bodies, whatever else was seen is predicted, too, and is an obstacle.
 /// @pre not kTruth, which nobody sees
-/// @throws geometry::InputError when no shape is predicted.
-surface::ObjectModel believed_object(const SeenObject& seen, PlannedOn planned_on,
-                                     int alternatives = 0);
+/// @throws geometry::InputError when no shape of the object is predicted.
+Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planned_on,
+                       int alternatives = 0);
 
 }  // namespace prehend::eval

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -16,6 +15,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/file_headers.h"
 #include "prehend/geometry/ply_mesh.h"
+#include "prehend/geometry/stl_mesh.h"
 
 namespace prehend::geometry {
 namespace {
@@ -23,29 +23,6 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what,
                        const std::string& mend = "Copy or export the file again") {
   throw InputError('\'' + path.string() + "' " + what, mend);
-}
-
-// Assimp takes a text STL that stops in the middle for a whole one, and reads counts of a binary
-// one that the file cannot hold.
-void check_stl(const std::filesystem::path& path, std::size_t size) {
-  std::ifstream stream(path, std::ios::binary);
-  std::array<char, 84> head{};
-  stream.read(head.data(), head.size());
-  if (stream.gcount() == static_cast<std::streamsize>(head.size())) {
-    std::uint32_t triangles = 0;
-    std::memcpy(&triangles, head.data() + 80, 4);
-    if (84 + 50ULL * triangles == size) return;
-  }
-  if (std::strncmp(head.data(), "solid", 5) != 0) {
-    fail(path, "is not an STL file or is truncated: its triangle count does not fit its size");
-  }
-  std::string tail(std::min<std::size_t>(size, 512), '\0');
-  stream.clear();
-  stream.seekg(-static_cast<std::streamoff>(tail.size()), std::ios::end);
-  stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
-  if (tail.find("endsolid") == std::string::npos) {
-    fail(path, "is truncated: a text STL ends with 'endsolid'");
-  }
 }
 
 TriangleMesh from_assimp(const aiScene& scene, double scale) {
@@ -80,6 +57,17 @@ void check_mesh(const TriangleMesh& mesh, const std::filesystem::path& path) {
       fail(path, "has a triangle with a vertex that does not exist");
     }
   }
+}
+
+// The format repeats shared vertices, as rounded as the program that wrote them left them.
+TriangleMesh joined_stl(const std::filesystem::path& path, double scale) {
+  constexpr double kRounding = 1e-6;  // of the mesh's extent
+  TriangleMesh mesh = read_binary_stl(path, scale);
+  check_mesh(mesh, path);
+  const double tolerance = kRounding * bounds(mesh).sizes().maxCoeff();
+  if (tolerance > 0) mesh = with_merged_vertices(mesh, tolerance);
+  check_mesh(mesh, path);
+  return mesh;
 }
 
 template <typename T>
@@ -149,7 +137,8 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
     return mesh;
   }
   if (extension == ".stl") {
-    check_stl(path, size);
+    // Assimp takes a text STL that stops in the middle for a whole one.
+    if (is_binary_stl(path, size)) return joined_stl(path, scale);
   } else if (extension != ".obj") {
     fail(path, "is neither an .obj, .ply nor .stl file", "Convert it, e.g. with MeshLab");
   }

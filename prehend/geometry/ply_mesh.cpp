@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <string>
+#include <vector>
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/file_headers.h"
@@ -22,7 +22,9 @@ class PlyBody {
       : path_(path), ascii_(header.format == "ascii"), swap_(header.format == "binary_big_endian") {
     std::ifstream stream(path, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(header.body_offset));
-    bytes_.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    bytes_.resize(checked_file_size(path) - header.body_offset);
+    stream.read(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
+    bytes_.resize(static_cast<std::size_t>(stream.gcount()));
   }
 
   double next(PlyNumber type) {
@@ -111,7 +113,9 @@ void read_vertex(PlyBody& body, const PlyElement& element, double scale, Triangl
   mesh.vertices.push_back(scale * vertex);
 }
 
-void read_face(PlyBody& body, const PlyElement& element, TriangleMesh& mesh) {
+// `polygon` is room to work in.
+void read_face(PlyBody& body, const PlyElement& element, std::vector<int>& polygon,
+               TriangleMesh& mesh) {
   for (const PlyProperty& property : element.properties) {
     const bool corners = property.list_length &&
                          (property.name == "vertex_indices" || property.name == "vertex_index");
@@ -120,7 +124,7 @@ void read_face(PlyBody& body, const PlyElement& element, TriangleMesh& mesh) {
       for (std::size_t k = 0; k < count; ++k) body.next(property.type);
       continue;
     }
-    std::vector<int> polygon;
+    polygon.clear();
     for (std::size_t k = 0; k < count; ++k) polygon.push_back(body.next_index(property.type));
     for (std::size_t k = 2; k < count; ++k) {
       mesh.triangles.emplace_back(polygon[0], polygon[k - 1], polygon[k]);
@@ -141,12 +145,15 @@ TriangleMesh read_ply_mesh(const std::filesystem::path& path, double scale) {
   const PlyHeader header = read_ply_header(path);
   PlyBody body(path, header);
   TriangleMesh mesh;
+  mesh.vertices.reserve(header.vertices);
+  mesh.triangles.reserve(header.faces);
+  std::vector<int> polygon;
   for (const PlyElement& element : header.elements) {
     for (std::size_t row = 0; row < element.count; ++row) {
       if (element.name == "vertex") {
         read_vertex(body, element, scale, mesh);
       } else if (element.name == "face") {
-        read_face(body, element, mesh);
+        read_face(body, element, polygon, mesh);
       } else {
         skip_row(body, element);
       }

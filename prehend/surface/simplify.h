@@ -6,16 +6,21 @@
 
 namespace prehend::surface {
 
+/// Points of either mesh of which the error is measured.
+inline constexpr int kErrorPoints = 50'000;
+
 /// A mesh with fewer triangles, and how far it is from the one it stands for.
 struct SimplifiedMesh {
   geometry::TriangleMesh mesh;
-  double error = 0;  // m, by the quadrics of the collapsed edges (Garland and Heckbert 1997)
+  /// m, measured: the farthest of kErrorPoints, spread uniformly over either mesh, from the other.
+  double error = 0;
 };
 
-/// About `most_triangles` of `mesh`, by collapsing the edges that change it least; its vertices are
-/// some of the mesh's, merged where they coincide. A mesh that has no more comes back with its
-/// vertices merged. A watertight mesh stays so: it keeps two or four times as many triangles where
-/// that takes it, all where that does not. O(n log n).
+/// About `most_triangles` of `mesh`, by collapsing the edges that change it least (meshoptimizer,
+/// by the quadrics of Garland and Heckbert, 1997); its vertices are some of the mesh's, merged
+/// where they coincide, and with_cut_edges() keeps a watertight mesh so. A mesh that has no more
+/// triangles comes back with its vertices merged. Cost: O(n log n), 2 million triangles about 1.5 s
+/// of processor time in two threads, a third of it for the error.
 SimplifiedMesh simplified(const geometry::TriangleMesh& mesh, std::size_t most_triangles);
 
 }  // namespace prehend::surface

@@ -22,7 +22,7 @@ constexpr double kLeastDepthShare = 0.1;     // of the height
 constexpr double kLeastAreaShare = 0.1;      // of the footprint
 constexpr double kThickest = 0.015;          // m: what is thicker is no wall
 constexpr double kAssumedThickness = 0.004;  // m
-constexpr std::size_t kMostMeasured = 8000;  // points, whose distances are measured
+constexpr std::size_t kMostWallPoints = 8000;  // points, whose distances are measured
 constexpr double kLooksUp = 0.7;             // cosine
 constexpr double kLeastPaired = 0.2;         // of the points that line the hollow's upper half
 
@@ -311,7 +311,7 @@ VesselWall add_vessel_walls(geometry::PointCloud& cloud, std::vector<bool>& seen
   VesselWall wall;
   std::vector<double> distances;
   double upper = 0;
-  const std::size_t step = 1 + cloud.size() / kMostMeasured;
+  const std::size_t step = 1 + cloud.size() / kMostWallPoints;
   for (std::size_t i = 0; i < cloud.size(); i += step) {
     if (!basin.lines[i]) continue;
     if (basin.grid.height_of(cloud.points[i]) < basin.rim - 0.5 * basin.depth) continue;

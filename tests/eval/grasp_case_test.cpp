@@ -36,11 +36,13 @@ GraspCase case_of(const std::string& object, std::vector<GraspTrial> trials) {
 TEST(GraspCase, IsReadAsItWasWritten) {
   const testing::TemporaryFolder folder;
   GraspCase written = case_of("can", {trial_of("predicted", 3, 2, true)});
+  written.others = 2;
   written.trials[0].slip = 0.0012345678901234;
   write_grasp_case(folder.path / "a.yaml", written);
   const GraspCase read = read_grasp_case(folder.path / "a.yaml");
   EXPECT_EQ(read.case_name, written.case_name);
   EXPECT_EQ(read.hand, "pg70");
+  EXPECT_EQ(read.others, 2);
   ASSERT_EQ(read.trials.size(), 1u);
   EXPECT_EQ(read.trials[0].outcome, written.trials[0].outcome);
   EXPECT_EQ(read.trials[0].slip, written.trials[0].slip);
@@ -70,6 +72,24 @@ TEST(GraspTotals, CountOnlyObjectsThatFit) {
   write_grasp_report(folder.path, cases);
   EXPECT_TRUE(std::filesystem::exists(folder.path / "index.html"));
   EXPECT_TRUE(std::filesystem::exists(folder.path / "cases.csv"));
+}
+
+TEST(GraspTotals, AreOfEachGroupAndOfAll) {
+  std::vector<GraspCase> cases{
+      case_of("can", {trial_of("predicted", 3, 1, true), trial_of("truth", 5, 1, true)}),
+      case_of("can", {trial_of("predicted", 3, 3, false), trial_of("truth", 5, 1, true)})};
+  cases[1].group = "hard";
+  cases[1].others = 1;
+  const auto totals = grasp_totals(cases);
+  ASSERT_EQ(totals.size(), 6u);  // two settings of each
+  EXPECT_EQ(totals[0].group, "household");
+  EXPECT_EQ(totals[0].first, 1);
+  EXPECT_EQ(totals[2].group, "hard");
+  EXPECT_EQ(totals[2].first, 0);
+  EXPECT_EQ(totals[2].cases, 1);
+  EXPECT_EQ(totals[4].group, "all");
+  EXPECT_EQ(totals[4].cases, 2);
+  EXPECT_NE(grasp_text(cases).find("1 fixed"), std::string::npos) << grasp_text(cases);
 }
 
 }  // namespace

@@ -55,6 +55,27 @@ TEST(RestingPose, WhatLeansALittleSitsDown) {
   EXPECT_LT(tilt(resting_pose(box({0.06, 0.06, 0.1}), X_WB, 0.2)), 0.005);
 }
 
+// It would fall on the table without them.
+TEST(RestingPose, WhatStandsOnAnotherStaysThere) {
+  const TriangleMesh support = box({0.1, 0.1, 0.05});
+  const RigidTransform X_WB =
+      geometry::make_transform(Eigen::Quaterniond::Identity(), {0.01, 0, 0.05});
+  const RigidTransform X = resting_pose(box({0.06, 0.06, 0.08}), X_WB, 0.2, {support});
+  EXPECT_LT((X.matrix() - X_WB.matrix()).norm(), 1e-3);
+}
+
+TEST(RestingPose, WhatLeansOnAnotherDoesNotFallOver) {
+  // 20 x 20 x 200 mm leaning by 10 degrees against a wall.
+  const double lean = 10 * std::numbers::pi / 180;
+  const RigidTransform X_WB = geometry::make_transform(
+      Eigen::Quaterniond(Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitY())), {0, 0, 0});
+  const TriangleMesh mesh_B = box({0.02, 0.02, 0.2});
+  TriangleMesh wall = box({0.02, 0.2, 0.15});
+  const double reach = std::cos(lean) * 0.01 + std::tan(lean) * 0.15;  // of the rod at its top
+  for (Eigen::Vector3d& p : wall.vertices) p.x() += reach + 0.012;
+  EXPECT_LT(tilt(resting_pose(mesh_B, X_WB, 0.1, {wall})), 25 * std::numbers::pi / 180);
+}
+
 TEST(RestingPose, RefusesWhatHasNoVolume) {
   EXPECT_THROW(resting_pose(TriangleMesh{}, RigidTransform::Identity(), 0.1), geometry::InputError);
 }

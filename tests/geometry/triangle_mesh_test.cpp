@@ -115,6 +115,25 @@ TEST(MergedVertices, ClosesASoupOfTrianglesAlsoAcrossCellBorders) {
   EXPECT_THROW(with_merged_vertices(box, 0), std::invalid_argument);
 }
 
+// Partners are found in the cell and beyond its borders, wherever the mesh is.
+TEST(MergedVertices, RandomPointsAndTheirCopiesBecomeOne) {
+  constexpr double kTolerance = 1e-6;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-0.05, 0.05), jitter(-0.25, 0.25);
+  for (const double far : {0.0, 3.0}) {
+    TriangleMesh points;
+    for (int i = 0; i < 2000; ++i) {
+      const Eigen::Vector3d p(place(random), far + place(random), place(random));
+      for (int copy = 0; copy < 3; ++copy) {
+        points.vertices.push_back(
+            p + kTolerance * Eigen::Vector3d(jitter(random), jitter(random), jitter(random)));
+      }
+    }
+    EXPECT_EQ(with_merged_vertices(points, kTolerance).vertices.size(), 2000u);
+    EXPECT_EQ(with_merged_vertices(points, 1e-9 * kTolerance).vertices.size(), 6000u);
+  }
+}
+
 TEST(ConvexHull, OfABoxWithInnerPointsIsTheBoxAtEveryScale) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> inside(-0.49, 0.49);

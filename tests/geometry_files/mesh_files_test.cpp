@@ -1,6 +1,8 @@
 #include "prehend/geometry/mesh_files.h"
 
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -39,6 +41,42 @@ TEST_F(MeshFiles, RoundTripKeepsTheSolid) {
     EXPECT_TRUE(find_defects(mesh).watertight()) << name << ": " << find_defects(mesh).to_string();
     EXPECT_NEAR(mass_properties(mesh).volume, before.volume, 1e-5 * before.volume) << name;
   }
+}
+
+// Some programs begin the free text of binary files with the word of text files, and round the same
+// corner differently in each triangle.
+TEST_F(MeshFiles, BinaryStlIsClosedWhateverItsHeaderAndRounding) {
+  const TriangleMesh sphere = make_sphere(50, 24);
+  write_mesh_file(scratch_.path() / "a.stl", sphere);
+  std::string bytes = testing::ScratchFolder::read(scratch_.path() / "a.stl");
+  bytes.replace(0, 5, "solid");
+  for (std::size_t at = 84 + 12; at + 4 <= bytes.size(); at += 50) {
+    float x = 0;
+    std::memcpy(&x, bytes.data() + at, sizeof x);
+    x = std::nextafter(x, 1e9F);
+    std::memcpy(bytes.data() + at, &x, sizeof x);
+  }
+  const TriangleMesh mesh = read_mesh_file(scratch_.write("solid.stl", bytes), 1e-3);
+  EXPECT_EQ(mesh.vertices.size(), sphere.vertices.size());
+  EXPECT_TRUE(find_defects(mesh).watertight()) << find_defects(mesh).to_string();
+  EXPECT_NEAR(mass_properties(mesh).volume, 1e-9 * mass_properties(sphere).volume, 1e-9);
+}
+
+TEST_F(MeshFiles, ATextStlIsClosed) {
+  const TriangleMesh box = make_box({1, 2, 3});
+  std::string text = "solid box\n";
+  for (const Eigen::Vector3i& t : box.triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d& p = box.vertices[t[k]];
+      text += "vertex " + std::to_string(p.x()) + ' ' + std::to_string(p.y()) + ' ' +
+              std::to_string(p.z()) + '\n';
+    }
+    text += "endloop\nendfacet\n";
+  }
+  const TriangleMesh mesh = read_mesh_file(scratch_.write("a.stl", text + "endsolid box\n"));
+  EXPECT_EQ(mesh.vertices.size(), 8U);
+  EXPECT_TRUE(find_defects(mesh).watertight());
 }
 
 TEST_F(MeshFiles, ScaleAndOrientation) {

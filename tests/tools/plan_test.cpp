@@ -111,6 +111,18 @@ TEST_F(Plan, RemembersGraspsOfAMeshAndListsThem) {
   EXPECT_EQ(exit_code_, 0);
 }
 
+TEST_F(Plan, AMeshOfManyTrianglesIsReducedAndItsErrorSaid) {
+  const std::string file = folder_.path("fine.stl");
+  geometry::write_mesh_file(file, geometry::make_sphere(20, 400));  // mm
+  const std::string output = run({file, "--approach", "down"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("taken for the millimetre"),
+                            ::testing::ContainsRegex("of the mesh's 15[0-9],[0-9]{3} triangles "
+                                                     "(49|50),[0-9]{3} are worked on, off by at "
+                                                     "most 0.0[0-9]+ mm at 50,000 points"),
+                            ::testing::Not(HasSubstr("not closed")), HasSubstr("RANK")));
+}
+
 TEST_F(Plan, AMeshInMillimetresIsRecognised) {
   EXPECT_THAT(run({box({40, 50, 100}), "--approach", "down"}),
               AllOf(HasSubstr("taken for the millimetre"), HasSubstr("50 x 40 x 100 mm")));

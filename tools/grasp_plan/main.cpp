@@ -13,11 +13,14 @@ int main(int argc, char** argv) {
   add_plan_options(app, choices);
   CLI11_PARSE(app, argc, argv);
   try {
-    const PlanTarget target = read_target(choices);
-    const Planned planned = make_plan(choices, target);
+    Progress progress;
+    const PlanTarget target = read_target(choices, progress);
+    const Planned planned = make_plan(choices, target, progress);
+    progress.over();
     print_plan(choices, target, planned);
     if (!choices.save.empty()) save_plan(choices, target, planned);
     if (!choices.out.empty()) {
+      progress.stage("drawing the page");
       write_plan_page(choices, target, planned);
       if (!choices.json) std::printf("%s/index.html\n", choices.out.c_str());
     }

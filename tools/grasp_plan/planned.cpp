@@ -161,7 +161,7 @@ void plan_arm(const PlanChoices& choices, const PlanTarget& target, Planned* pla
 
 }  // namespace
 
-Planned make_plan(const PlanChoices& choices, const PlanTarget& target) {
+Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress& progress) {
   Planned planned;
   const fs::path robots = fs::path(choices.config) / "robots";
   if (choices.arm != "none") planned.platform = robot::read_platform(platform_file(choices));
@@ -173,6 +173,8 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target) {
                                std::chrono::duration<double>(steady_clock::now() - start).count());
     start = steady_clock::now();
   };
+  progress.stage("planning grasps on " + with_commas(target.object.mesh_W.triangles.size()) +
+                 " triangles");
   if (choices.hand == "pg70") {
     plan_gripper(choices, target, &planned);
   } else {
@@ -180,6 +182,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target) {
   }
   stage("grasps");
   if (planned.platform && !planned.grasps.empty()) {
+    progress.stage("planning the arm's motion");
     plan_arm(choices, target, &planned);
     stage("arm");
   }

@@ -35,8 +35,8 @@ struct Planned {
   StageTimes times;
 };
 
-/// Plans the grasps and, with an arm, its motion.
+/// Plans the grasps and, with an arm, its motion; `progress` is told the stages.
 /// @throws geometry::InputError naming what is wrong and the mend; std::invalid_argument.
-Planned make_plan(const PlanChoices& choices, const PlanTarget& target);
+Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress& progress);
 
 }  // namespace prehend::tools

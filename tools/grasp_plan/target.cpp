@@ -70,9 +70,11 @@ geometry::TriangleMesh in_metres(const PlanChoices& choices, std::vector<std::st
   return mesh;
 }
 
-PlanTarget of_mesh(const PlanChoices& choices) {
+PlanTarget of_mesh(const PlanChoices& choices, Progress& progress) {
   PlanTarget target;
   auto start = steady_clock::now();
+  progress.stage(fmt::format("reading '{}', {:.0f} MB", choices.file,
+                             1e-6 * static_cast<double>(fs::file_size(choices.file))));
   geometry::TriangleMesh mesh = in_metres(choices, target.notes);
   grasp::PlacedObject known{"", fs::path(choices.file).stem().string(),
                             geometry::RigidTransform::Identity()};
@@ -87,14 +89,20 @@ PlanTarget of_mesh(const PlanChoices& choices) {
   target.times.emplace_back("read", since(start));
   start = steady_clock::now();
   if (mesh.triangles.size() > kMostTriangles) {
+    const std::string all = with_commas(mesh.triangles.size());
+    progress.stage(
+        fmt::format("reducing {} triangles to {}", all, with_commas(kMostTriangles / 2)));
     surface::SimplifiedMesh fewer = surface::simplified(mesh, kMostTriangles / 2);
-    target.notes.push_back(fmt::format("of the mesh's {} triangles {} are worked on, {:.2g} mm off",
-                                       mesh.triangles.size(), fewer.mesh.triangles.size(),
-                                       1e3 * fewer.error));
+    target.notes.push_back(
+        fmt::format("of the mesh's {} triangles {} are worked on, off by at most {:.2g} mm at {} "
+                    "points of either mesh",
+                    all, with_commas(fewer.mesh.triangles.size()), 1e3 * fewer.error,
+                    with_commas(surface::kErrorPoints)));
     mesh = std::move(fewer.mesh);
     target.times.emplace_back("fewer triangles", since(start));
     start = steady_clock::now();
   }
+  progress.stage("cutting " + with_commas(mesh.triangles.size()) + " triangles into convex pieces");
   target.object = surface::model_of_mesh(std::move(mesh));
   if (!target.object.defects.watertight()) {
     target.notes.push_back("the mesh is not closed (" + target.object.defects.to_string() +
@@ -123,9 +131,10 @@ bool take_known(const PlanChoices& choices, const perception::SegmentedScene& sc
   return true;
 }
 
-PlanTarget of_cloud(const PlanChoices& choices) {
+PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   PlanTarget target;
   auto start = steady_clock::now();
+  progress.stage("segmenting '" + choices.file + "'");
   const auto recorded = perception::interpret_recorded_cloud(
       geometry::read_cloud_file(choices.file),
       perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
@@ -157,6 +166,7 @@ PlanTarget of_cloud(const PlanChoices& choices) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
     const geometry::Plane& support = support_of(scene, seen);
     start = steady_clock::now();
+    progress.stage(fmt::format("completing object {} of {}", i, scene.objects.size()));
     try {
       if (i == choices.object && !choices.known.empty()) {
         const bool known = take_known(choices, scene, seen, &target);
@@ -214,13 +224,13 @@ void refuse_what_does_not_apply(const PlanChoices& choices, bool is_mesh) {
 
 }  // namespace
 
-PlanTarget read_target(const PlanChoices& choices) {
+PlanTarget read_target(const PlanChoices& choices, Progress& progress) {
   if (!fs::exists(choices.file)) {
     throw geometry::InputError("There is no file '" + choices.file + "'", "Name a mesh or cloud");
   }
   const bool mesh = is_mesh(choices.file);
   refuse_what_does_not_apply(choices, mesh);
-  PlanTarget target = mesh ? of_mesh(choices) : of_cloud(choices);
+  PlanTarget target = mesh ? of_mesh(choices, progress) : of_cloud(choices, progress);
   const surface::PredictedSize size = surface::predicted_size(target.object, target.table_W);
   target.notes.push_back(
       "length, width and height of the object: " +

@@ -9,6 +9,7 @@
 #include "prehend/grasp/grasp_memory.h"
 #include "prehend/surface/object_model.h"
 #include "tools/grasp_plan/choices.h"
+#include "tools/grasp_plan/progress.h"
 
 namespace prehend::tools {
 
@@ -24,8 +25,8 @@ struct PlanTarget {
   StageTimes times;
 };
 
-/// Reads the mesh, or segments, completes and meshes the cloud.
+/// Reads the mesh, or segments, completes and meshes the cloud; `progress` is told its stages.
 /// @throws geometry::InputError naming the file and the mend.
-PlanTarget read_target(const PlanChoices& choices);
+PlanTarget read_target(const PlanChoices& choices, Progress& progress);
 
 }  // namespace prehend::tools

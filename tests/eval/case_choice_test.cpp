@@ -1,0 +1,133 @@
+// The one way of choosing cases of the programs that evaluate bodies in views.
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/view_segmentation.h"
+#include "prehend/geometry/errors.h"
+#include "tests/eval/temporary_folder.h"
+
+namespace prehend::eval {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kPrograms[] = {"eval_mesh_deviation", "eval_grasp", "eval_perception"};
+
+class CaseChoiceOf : public ::testing::TestWithParam<const char*> {
+ protected:
+  // What the program prints; its exit code in code_.
+  std::string run(const std::string& words) {
+    const char* programs = std::getenv("PREHEND_BIN");
+    if (programs == nullptr) return "PREHEND_BIN names the folder of the programs";
+    const std::filesystem::path printed = folder_.path / "printed.txt";
+    code_ = std::system(("PREHEND_SHARED_DATA= " + std::string(programs) + "/" + GetParam() + " " +
+                         words + " --out " + (folder_.path / "out").string() + " >" +
+                         printed.string() + " 2>&1")
+                            .c_str());
+    std::ifstream stream(printed);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+  testing::TemporaryFolder folder_;
+  int code_ = -1;
+};
+
+TEST_P(CaseChoiceOf, RefusesUnknownNamesWithTheList) {
+  EXPECT_THAT(run("--groups hrad"),
+              AllOf(HasSubstr("hrad"), HasSubstr("household"), HasSubstr("scanned"),
+                    HasSubstr("hard"), HasSubstr("held")));
+  EXPECT_NE(code_, 0);
+  EXPECT_THAT(run("--groups hard --only bottle"), AllOf(HasSubstr("--only"), HasSubstr("vase")));
+  EXPECT_NE(code_, 0);
+  EXPECT_THAT(run("--groups scanned --list"), HasSubstr("PREHEND_SHARED_DATA"));
+  EXPECT_NE(code_, 0);
+  EXPECT_THAT(run("--groups hard --meshes /"), HasSubstr("excludes"));
+  EXPECT_NE(code_, 0);
+}
+
+TEST_P(CaseChoiceOf, ListsTheCasesOfGroups) {
+  const std::string hard = run("--groups hard household --only vase can --quick --list");
+  EXPECT_EQ(code_, 0) << hard;
+  EXPECT_THAT(hard, AllOf(HasSubstr("hard-vase-000-seed1\nhard-vase-180-seed1\n"),
+                          HasSubstr("household-can-000-seed1\n"), Not(HasSubstr("bowl"))));
+  EXPECT_THAT(run("--groups held --quick --list"), HasSubstr("held-"));
+  EXPECT_EQ(code_, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path / "out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, CaseChoiceOf, ::testing::ValuesIn(kPrograms),
+                         [](const auto& one) { return std::string(one.param); });
+
+class EvalPerception : public CaseChoiceOf {};
+
+TEST_P(EvalPerception, SeesTheViewsOfAGroupAndGoesOnWhereItWas) {
+  const std::string command = "--groups hard --only upper_of_two --quick --processes 1";
+  const std::string first = run(command);
+  ASSERT_EQ(code_, 0) << first;
+  // Two bodies in each of two views.
+  EXPECT_THAT(first, AllOf(HasSubstr("\"hard\",\"4\""), HasSubstr("\"hard: upper_of_two\",\"4\""),
+                           HasSubstr("2 of 2 cases (0 known before)"),
+                           Not(HasSubstr("four objects each"))));
+  const std::string second = run(command);
+  EXPECT_THAT(second, AllOf(HasSubstr("\"hard\",\"4\""), Not(HasSubstr("2 of 2 cases"))));
+  EXPECT_THAT(run(command + " --scenes 2"), HasSubstr("excludes"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Program, EvalPerception, ::testing::Values("eval_perception"));
+
+ViewSegmentation view_of(const std::string& group, const std::string& name, int found,
+                         double depth_error) {
+  ViewSegmentation view{name + "-000", group, name, {}};
+  view.seen.errors = {2, found, 2 - found, 0, 0, 0.5 * found};
+  view.seen.depth_error = depth_error;
+  view.seen.depth_missing = 0.25;
+  view.seen.seconds = 0.1;
+  return view;
+}
+
+TEST(ViewSegmentation, IsReadAsItWasWritten) {
+  const testing::TemporaryFolder folder;
+  const ViewSegmentation written = view_of("hard", "bowl", 1, 0.00123456789);
+  write_view(folder.path / "a.yaml", written);
+  const ViewSegmentation read = read_view(folder.path / "a.yaml");
+  EXPECT_EQ(read.data_set, "bowl");
+  EXPECT_EQ(read.seen.errors.missed, 1);
+  EXPECT_EQ(read.seen.errors.iou, written.seen.errors.iou);
+  EXPECT_EQ(read.seen.depth_error, written.seen.depth_error);
+  std::ofstream(folder.path / "b.yaml") << "[1, 2]\n";
+  EXPECT_THROW(read_view(folder.path / "b.yaml"), geometry::InputError);
+}
+
+TEST(ViewSegmentation, AddsUpByGroupAndByObject) {
+  const auto unknown = std::nan("");
+  const std::vector<ViewSegmentation> views{
+      view_of("hard", "bowl", 1, 0.002), view_of("hard", "bowl", 2, unknown),
+      view_of("hard", "vase", 2, 0.004), view_of("household", "bowl", 2, unknown)};
+  const auto groups = by_group(views);
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].condition, "hard");
+  EXPECT_EQ(groups[0].errors.truths, 6);
+  EXPECT_EQ(groups[0].errors.found, 5);
+  EXPECT_NEAR(groups[0].errors.iou, (0.5 + 1 + 1) / 3, 1e-12);
+  EXPECT_NEAR(groups[0].depth_error, 0.003, 1e-12);
+  EXPECT_NEAR(groups[0].depth_missing, 0.25, 1e-12);
+  EXPECT_TRUE(std::isnan(groups[1].depth_error));
+  const auto objects = by_data_set(views);
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[2].condition, "household: bowl");
+}
+
+}  // namespace
+}  // namespace prehend::eval
