@@ -68,7 +68,10 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
            "parallel gripper, circles for a platform's hand, and antipodal where none of "
            "those holds",
        .read_only = true});
-  if (!generators.empty()) options.generators = generators;
+  if (!generators.empty()) {
+    options.generators = generators;
+    options.further_generators.clear();
+  }
   declare("budget", options.budget, "s", 0,
           "for the grasps of one object: the best setting of the front within it, which ends "
           "planning in any case; 0: as long as it takes. At the start only");

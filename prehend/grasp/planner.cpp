@@ -64,7 +64,7 @@ class Planner {
     std::string generator;
     Candidate candidate;
   };
-  std::vector<Tried> candidates() const;
+  std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
   void examine(const std::vector<Tried>& tried, const std::function<bool()>& time_is_up,
                Ledger* ledger);
   void assess_robustness(const std::function<bool()>& time_is_up);
@@ -83,14 +83,12 @@ class Planner {
   double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
 };
 
-std::vector<Planner::Tried> Planner::candidates() const {
+std::vector<Planner::Tried> Planner::candidates(const std::vector<std::string>& generators) const {
   const Solid& solid = evaluator_.solid();
   const GraspTarget target{evaluator_.query(), solid.center_of_mass_W, table_, hand_reach(gripper_),
                            reachability_};
   std::vector<Tried> all;
-  for (const Candidate& candidate : options_.given_W) all.push_back({kGiven, candidate});
-  if (!all.empty()) return all;
-  for (const std::string& name : options_.generators) {
+  for (const std::string& name : generators) {
     const auto generator = make_generator(name, options_.candidates);
     for (const Candidate& candidate : generator->generate(target)) all.push_back({name, candidate});
   }
@@ -238,11 +236,19 @@ GraspPlanResult Planner::plan() {
     return options_.budget > 0 &&
            std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
   };
-  const std::vector<Tried> tried = candidates();
+  std::vector<Tried> tried;
+  for (const Candidate& candidate : options_.given_W) tried.push_back({kGiven, candidate});
+  const bool given = !tried.empty();
+  if (!given) tried = candidates(options_.generators);
   GraspPlanResult result;
   result.candidates = static_cast<int>(tried.size());
   Ledger ledger;
   examine(tried, time_is_up, &ledger);
+  if (!given && listed_.empty() && !time_is_up()) {
+    const std::vector<Tried> further = candidates(options_.further_generators);
+    result.candidates += static_cast<int>(further.size());
+    examine(further, time_is_up, &ledger);
+  }
   keep_best(&ledger);
   if (options_.uncertainty.samples > 0 && !listed_.empty()) {
     assess_robustness(time_is_up);

@@ -30,6 +30,8 @@ struct ScoreWeights {
 
 struct PlannerOptions {
   std::vector<std::string> generators{"circles", "boxes"};  // of generator_names(), at least one
+  /// To try when nothing of those can be grasped: walls, rims and handles of what is too wide.
+  std::vector<std::string> further_generators{"antipodal"};
   GeneratorOptions candidates;
   /// Poses to try instead of what the generators make, if there are any; "given" is their
   /// generator's name then.

@@ -5,6 +5,7 @@
 #include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/perception/ledges.h"
 #include "prehend/perception/object_parts.h"
 #include "prehend/perception/segmented_scene.h"
 #include "prehend/perception/splitting.h"
@@ -36,6 +37,9 @@ struct SegmentationOptions {
   int close_radius = 2;              // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
   PartOptions parts;  // which clusters are one object
+  /// Split what stands on or beside something lower, by level tops; see ledges.h.
+  bool split_ledges = true;
+  LedgeOptions ledges;
   /// Split objects that touch each other, in organized clouds; see splitting.h.
   bool split = false;
   SplitOptions splitting;

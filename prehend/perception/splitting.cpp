@@ -7,8 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <opencv2/imgproc.hpp>
-
+#include "prehend/perception/mean_color.h"
 #include "prehend/perception/organized_components.h"
 
 namespace prehend::perception {
@@ -125,18 +124,6 @@ std::vector<int> off_creases(const PointCloud& cloud, const std::vector<int>& me
     if (!crease) kept.push_back(i);
   }
   return kept;
-}
-
-// Mean colour in OpenCV's 8-bit Lab.
-Eigen::Vector3d mean_color(const PointCloud& cloud, const std::vector<int>& members) {
-  cv::Mat colors(static_cast<int>(members.size()), 1, CV_8UC3);
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const geometry::Rgb& c = cloud.colors[members[k]];
-    colors.at<cv::Vec3b>(static_cast<int>(k), 0) = {c[0], c[1], c[2]};
-  }
-  cv::cvtColor(colors, colors, cv::COLOR_RGB2Lab);
-  const cv::Scalar mean = cv::mean(colors);
-  return {mean[0], mean[1], mean[2]};
 }
 
 // Parts grown over the cluster's pixels, and how they meet.

@@ -106,11 +106,26 @@ TEST(PlanGrasps, BottleWithAnArmThatReachesAll) {
 }
 
 TEST(PlanGrasps, WideCup) {
-  // A cup 90 mm wide. Its wall would fit, but no candidate is centred on the wall.
+  // A cup 90 mm wide: it is held by its wall.
   const TriangleMesh cup = geometry::make_revolution(
       {{0.045, 0}, {0.045, 0.09}, {0.039, 0.09}, {0.039, 0.01}, {0.0, 0.01}}, 64);
   surface::ObjectModel object = object_at(cup, {0.3, 0, 0});
   const auto result = plan("cup 90 mm", object);
+  ASSERT_FALSE(result.grasps.empty()) << result.problem;
+  for (const Grasp& grasp : result.grasps) {
+    EXPECT_EQ(grasp.generator, "antipodal");
+    EXPECT_LT(grasp.predicted.opening, 0.02);
+  }
+  EXPECT_GT(result.grasps.front().robustness, 0.5);
+}
+
+TEST(PlanGrasps, WideCupByTheGeneratorsThatAreAskedForAlone) {
+  const TriangleMesh cup = geometry::make_revolution(
+      {{0.045, 0}, {0.045, 0.09}, {0.039, 0.09}, {0.039, 0.01}, {0.0, 0.01}}, 64);
+  PlannerOptions options;
+  options.further_generators.clear();
+  const auto result =
+      plan_grasps(object_at(cup, {0.3, 0, 0}), {}, {}, kPlannerGripper, carrier(), options);
   EXPECT_EQ(result.problem, "cannot be grasped: narrowest width 90 mm exceeds the gripper's 69 mm");
 }
 

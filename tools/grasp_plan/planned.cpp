@@ -63,6 +63,7 @@ void plan_gripper(const PlanChoices& choices, const PlanTarget& target, Planned*
   options.budget = choices.budget;
   if (!choices.generators.empty()) {
     options.generators = choices.generators;
+    options.further_generators.clear();
   } else if (choices.budget > 0) {
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
     planned->chosen = fidelity::apply_plan_budget(front, choices.budget, &options);

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/point_cloud.h"
+
+namespace prehend::perception {
+
+/// Mean colour of `members` of a cloud with colours, in OpenCV's 8-bit Lab (0..255 each).
+Eigen::Vector3d mean_color(const geometry::PointCloud& cloud, const std::vector<int>& members);
+
+/// How much the mean colours of two parts differ [grey levels, Euclidean in Lab]; infinity where
+/// the cloud has no colours.
+double color_difference(const geometry::PointCloud& cloud, const std::vector<int>& a,
+                        const std::vector<int>& b);
+
+}  // namespace prehend::perception
