@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <set>
 #include <stdexcept>
 
 #include <Eigen/Dense>
@@ -18,6 +20,7 @@ using shape::Evidence;
 constexpr int kMethods = 5;
 constexpr int kCoefficients = 17;
 constexpr int kMostSteps = 5000;
+constexpr double kLeastStep = 0.1;  // between methods: fall-backs stay in their order
 
 // In the order of shape::CompletionMethod, then the others; features() has the same order.
 constexpr std::array<std::pair<const char*, double ConfidenceModel::*>, kCoefficients> kNames = {
@@ -89,6 +92,7 @@ ConfidenceModel fitted_confidence(const std::vector<JudgedEvidence>& judged,
     }
     Vector next = w - step * gradient;
     next.tail<kCoefficients - kMethods>() = next.tail<kCoefficients - kMethods>().cwiseMax(0);
+    for (int k = 1; k < kMethods; ++k) next[k] = std::min(next[k], next[k - 1] - kLeastStep);
     const double change = (next - w).norm();
     w = next;
     if (change < 1e-7) break;
@@ -107,15 +111,45 @@ std::string to_yaml(const ConfidenceModel& model) {
   return text;
 }
 
-Calibration calibration_of(const std::vector<JudgedEvidence>& judged, const ConfidenceModel& model,
-                           double least) {
+std::vector<double> cross_validated(const std::vector<JudgedEvidence>& judged,
+                                    const ConfidenceModel& start, double prior_width) {
+  std::vector<double> confidences(judged.size());
+  std::set<std::string> objects;
+  for (const JudgedEvidence& one : judged) objects.insert(one.object);
+  for (const std::string& object : objects) {
+    std::vector<JudgedEvidence> others;
+    std::copy_if(judged.begin(), judged.end(), std::back_inserter(others),
+                 [&](const JudgedEvidence& one) { return one.object != object; });
+    const ConfidenceModel model =
+        others.empty() ? start : fitted_confidence(others, start, prior_width);
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      if (judged[i].object == object) {
+        confidences[i] = shape::confidence(judged[i].evidence, model);
+      }
+    }
+  }
+  return confidences;
+}
+
+Calibration calibration_of(const std::vector<JudgedEvidence>& judged,
+                           const std::vector<double>& confidences, double least) {
   Calibration result;
-  for (const JudgedEvidence& one : judged) {
-    if (shape::confidence(one.evidence, model) < least) continue;
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    result.all_right += judged[i].right;
+    if (confidences[i] < least) continue;
     ++result.sure;
-    result.right += one.right;
+    result.right += judged[i].right;
   }
   return result;
+}
+
+Calibration calibration_of(const std::vector<JudgedEvidence>& judged, const ConfidenceModel& model,
+                           double least) {
+  std::vector<double> confidences;
+  for (const JudgedEvidence& one : judged) {
+    confidences.push_back(shape::confidence(one.evidence, model));
+  }
+  return calibration_of(judged, confidences, least);
 }
 
 }  // namespace prehend::eval

@@ -21,6 +21,11 @@ using FigureOf = std::function<double(const MethodResult&)>;
 
 /// [m], the mean distance to the truth.
 inline double deviation_of(const MethodResult& m) { return m.mean; }
+
+/// Whether the mesh is what a sure completion promises: within 5 mm of the truth on average, and
+/// the truth of it. What was merged with another covers the truth, but is not near it.
+bool is_right(const MethodResult& result);
+
 /// The row a case falls into, e.g. its orientation.
 using RowOf = std::function<std::string(const CaseResult&)>;
 

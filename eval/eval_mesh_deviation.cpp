@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -23,8 +23,6 @@ namespace {
 
 using namespace prehend;
 namespace fs = std::filesystem;
-
-constexpr double kRightDeviation = 0.005;  // m, of a completion that is right
 
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/mesh_deviation");
@@ -62,30 +60,42 @@ std::optional<eval::CaseResult> known_result(const fs::path& file,
   }
 }
 
-// Learns what the confidence is made of from one group and tries it on the others.
+// Learns what the confidence is made of from all results, and tells how such a model does on
+// objects that it was not learnt from.
 void fit_confidence(const std::vector<eval::CaseResult>& results, const fs::path& file) {
-  std::map<std::string, std::vector<eval::JudgedEvidence>> judged;
+  std::vector<eval::JudgedEvidence> judged;
+  std::vector<std::string> groups;  // one a judged completion
   for (const eval::CaseResult& result : results) {
     for (const eval::MethodResult& method : result.methods) {
       if (!method.evidence || std::isnan(method.mean)) continue;
-      judged[result.group].push_back({*method.evidence, method.mean <= kRightDeviation});
+      const std::string object = result.data_set.substr(0, result.data_set.find("_lying"));
+      judged.push_back({*method.evidence, eval::is_right(method), object});
+      groups.push_back(result.group);
     }
   }
-  if (judged["household"].empty()) {
-    throw geometry::InputError("There is no evidence on the household objects to learn from",
-                               "Evaluate them, by the method Ours");
+  if (judged.empty()) {
+    throw geometry::InputError("There is no evidence to learn from",
+                               "Evaluate some objects by the method Ours");
   }
-  const shape::ConfidenceModel model = eval::fitted_confidence(judged["household"]);
+  const shape::ConfidenceModel model = eval::fitted_confidence(judged);
   eval::write_text(file, eval::to_yaml(model));
-  std::printf("\nConfidence learnt on the household objects, to '%s':\n%s", file.c_str(),
-              eval::to_yaml(model).c_str());
-  for (const auto& [group, evidence] : judged) {
-    for (const auto& [name, tried] :
-         {std::pair{"present", shape::ConfidenceModel()}, std::pair{"learnt", model}}) {
-      const eval::Calibration c = eval::calibration_of(evidence, tried, 0.9);
-      std::printf("  %-10s %-8s >= 90 %% sure: %d of %zu, of which right: %d\n", group.c_str(),
-                  name, c.sure, evidence.size(), c.right);
+  std::printf("\nConfidence learnt, to '%s':\n%s", file.c_str(), eval::to_yaml(model).c_str());
+  const std::vector<double> left_out = eval::cross_validated(judged);
+  for (const std::string& group : std::set<std::string>(groups.begin(), groups.end())) {
+    std::vector<eval::JudgedEvidence> of_group;
+    std::vector<double> of_others;  // confidence when the object is left out
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      if (groups[i] != group) continue;
+      of_group.push_back(judged[i]);
+      of_others.push_back(left_out[i]);
     }
+    const auto tell = [&](const char* name, const eval::Calibration& c) {
+      std::printf("  %-10s %-24s >= 90 %% sure: %d of %zu, right: %d, of %d that are right\n",
+                  group.c_str(), name, c.sure, of_group.size(), c.right, c.all_right);
+    };
+    tell("present", eval::calibration_of(of_group, shape::ConfidenceModel(), 0.9));
+    tell("learnt from the others", eval::calibration_of(of_group, of_others, 0.9));
+    tell("learnt from all", eval::calibration_of(of_group, model, 0.9));
   }
 }
 
@@ -145,7 +155,9 @@ int main(int argc, char** argv) {
   for (const eval::Method& method : eval::compared_methods()) names.push_back(method.name);
   app.add_option("--methods", options.methods, "the methods to compare; default: all")
       ->check(CLI::IsMember(names));
-  app.add_option("--fit-confidence", options.fit_confidence,
-                 "learn the confidence model on the household objects and write it to this file");
+  app.add_option(
+      "--fit-confidence", options.fit_confidence,
+      "learn the confidence model from all results, write it to this file, and tell how it does "
+      "on each object when learnt from the others");
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -70,12 +70,9 @@ Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object)
   const shape::CompletedShape shape = completed(scene, object, {});
   Reconstruction result;
   result.vote = shape.symmetry.vote;
-  result.confidence = shape.confidence;
   result.evidence = shape.evidence;
   surface::ObjectModel model = surface::make_object_model(shape, support_of(scene, object));
-  if (!model.substitute.empty()) {
-    result.confidence = std::min(result.confidence, surface::kSubstituteConfidence);
-  }
+  result.confidence = surface::mesh_confidence(shape.confidence, model.substitute);
   result.mesh_W = std::move(model.mesh_W);
   return result;
 }

@@ -195,7 +195,10 @@ std::vector<SegmentationRun> rendered_segmentation(int scenes, std::uint64_t see
   add("medium: default", {}, {});
   add("medium: organized components", {},
       with([](Knobs& k) { k.segmentation.clustering = perception::Clustering::kOrganized; }));
-  add("medium: touching objects split", {}, with([](Knobs& k) { k.segmentation.split = true; }));
+  add("medium: not split", {},
+      with([](Knobs& k) { k.segmentation.split = perception::Splitting::kNone; }));
+  add("medium: touching objects split", {},
+      with([](Knobs& k) { k.segmentation.split = perception::Splitting::kTouching; }));
   add("medium: masks by graph cut", {}, with([](Knobs& k) { k.refine = true; }));
   add("medium: filtered stereo", {}, with([](Knobs& k) { k.stereo.filter = true; }));
   add("medium: block matching", {},
@@ -213,10 +216,14 @@ std::vector<SegmentationRun> labelled_segmentation(const std::filesystem::path& 
   std::vector<SegmentationRun> runs;
   if (files.empty()) return runs;
   for (const auto& [name, clustering, split] :
-       {std::tuple{"Euclidean clusters", perception::Clustering::kEuclidean, false},
-        std::tuple{"organized components", perception::Clustering::kOrganized, false},
+       {std::tuple{"Euclidean clusters, not split", perception::Clustering::kEuclidean,
+                   perception::Splitting::kNone},
+        std::tuple{"Euclidean clusters, split by level tops", perception::Clustering::kEuclidean,
+                   perception::Splitting::kTops},
+        std::tuple{"organized components, split by level tops", perception::Clustering::kOrganized,
+                   perception::Splitting::kTops},
         std::tuple{"organized components, touching objects split",
-                   perception::Clustering::kOrganized, true}}) {
+                   perception::Clustering::kOrganized, perception::Splitting::kTouching}}) {
     SegmentationRun run;
     run.condition = name;
     run.depth_error = std::numeric_limits<double>::quiet_NaN();

@@ -95,9 +95,9 @@ void run(graph::Node& node) {
     clock.end_stage(times, "read");
     const perception::RecordedCloud recorded = perception::interpret_recorded_cloud(cloud, options);
     clock.end_stage(times, "viewpoint");
-    if (node.parameter<bool>("split_touching") && !recorded.cloud_C.organized()) {
+    if (node.parameter<std::string>("split") == "touching" && !recorded.cloud_C.organized()) {
       throw geometry::InputError(
-          "Parameter split_touching needs a cloud that is an image, '" + file + "' is none",
+          "Parameter split=touching needs a cloud that is an image, '" + file + "' is none",
           "Leave it away (split:= of the launch files)");
     }
     for (const std::string& note : recorded.notes) node.log_info("{}: {}", file, note);

@@ -178,9 +178,7 @@ class PoissonMeshing {
     model.set_object_count(shape.object_count());
     model.set_touches_image_border(shape.touches_image_border());
     model.set_occluded_share(shape.occluded_share());
-    model.set_confidence(model.substitute().empty()
-                             ? shape.confidence()
-                             : std::min(shape.confidence(), surface::kSubstituteConfidence));
+    model.set_confidence(surface::mesh_confidence(shape.confidence(), model.substitute()));
     model.set_method(shape.method());
     model.set_vote(shape.vote());
     *model.mutable_table() = shape.table();

@@ -154,7 +154,8 @@ std::string completion_text(const msgs::CompletedShape& message) {
                     message.fidelity().knobs(), 1e3 * message.fidelity().seconds(),
                     1e3 * message.fidelity().error());
   }
-  if (message.evidence().open_vessel()) text += " It is an open vessel: the volume is too large.";
+  if (message.evidence().open_vessel())
+    text += " It is an open vessel: its walls are seen from one side each.";
   if (message.touches_image_border()) text += " The image's border cuts it.";
   if (message.occluded_share() > 0) {
     text += fmt::format(" Other objects hide it along {:.0f} % of its outline.",

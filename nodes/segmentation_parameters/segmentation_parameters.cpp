@@ -101,11 +101,13 @@ void declare_segmentation_parameters(graph::Node& node, bool at_start) {
        .choices = {"euclidean", "organized"},
        .description = "how points become objects; organized is faster, for clouds that are images",
        .read_only = at_start});
-  node.declare_parameter<bool>({.name = "split_touching",
-                                .default_value = o.split,
-                                .description = "split objects that touch where surface and colour "
-                                               "say so, in clouds that are images",
-                                .read_only = at_start});
+  node.declare_parameter<std::string>(
+      {.name = "split",
+       .default_value = "tops",
+       .choices = {"none", "tops", "touching"},
+       .description = "what takes things apart that touch: level tops at different heights; "
+                      "touching: creases between colours, too, in clouds that are images",
+       .read_only = at_start});
   declare_length(declarer, "join_gap", o.parts.join_gap,
                  "within which a floating part belongs to a larger object");
 }
@@ -140,7 +142,10 @@ perception::SegmentationOptions segmentation_options(const graph::Node& node) {
   if (node.parameter<std::string>("clustering") == "organized") {
     o.clustering = perception::Clustering::kOrganized;
   }
-  o.split = node.parameter<bool>("split_touching");
+  const auto split = node.parameter<std::string>("split");
+  o.split = split == "none"   ? perception::Splitting::kNone
+            : split == "tops" ? perception::Splitting::kTops
+                              : perception::Splitting::kTouching;
   return o;
 }
 

@@ -214,7 +214,7 @@ class ObjectFinder {
   }
 
   void take(std::vector<int> members) {
-    if (!options_.split_ledges) return take_part(std::move(members));
+    if (options_.split == Splitting::kNone) return take_part(std::move(members));
     for (auto& part : split_at_ledges(cloud_C_, table_.plane_C, members, options_.ledges)) {
       std::sort(part.begin(), part.end());
       take_part(std::move(part));
@@ -222,7 +222,8 @@ class ObjectFinder {
   }
 
   void take_part(std::vector<int> members) {
-    if (!options_.split || !cloud_C_.organized()) return take_piece(std::move(members));
+    if (options_.split != Splitting::kTouching || !cloud_C_.organized())
+      return take_piece(std::move(members));
     for (auto& piece : split_touching(cloud_C_, camera_, members, options_.splitting)) {
       take_piece(std::move(piece));
     }

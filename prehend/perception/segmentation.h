@@ -19,6 +19,13 @@ enum class Clustering {
   kOrganized,  // organized_components(), on pixels: organized clouds; others get kEuclidean
 };
 
+/// What takes apart clusters of things that touch each other.
+enum class Splitting {
+  kNone,
+  kTops,      // level tops at different heights, of any cloud: ledges.h
+  kTouching,  // that, and creases between colours in organized clouds: splitting.h
+};
+
 struct SegmentationOptions {
   Clustering clustering = Clustering::kEuclidean;
   /// Lower points belong to the table [m], up to 1 m depth; grows with depth squared beyond. 0: by
@@ -37,11 +44,8 @@ struct SegmentationOptions {
   int close_radius = 2;              // pixels, morphological closing of the masks; 0: none
   int max_objects = 20;
   PartOptions parts;  // which clusters are one object
-  /// Split what stands on or beside something lower, by level tops; see ledges.h.
-  bool split_ledges = true;
+  Splitting split = Splitting::kTops;
   LedgeOptions ledges;
-  /// Split objects that touch each other, in organized clouds; see splitting.h.
-  bool split = false;
   SplitOptions splitting;
 };
 

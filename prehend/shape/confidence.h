@@ -68,24 +68,24 @@ struct Evidence {
 /// in each feature. The one place where they live: these defaults, or a file that replaces them.
 struct ConfidenceModel {
   // To begin with, by method: log-odds of evidence that is perfect otherwise.
-  double mirror = 4.0;
-  double rotation = 3.8;
-  double extrusion = 3.7;
-  double convex_hull = 3.6;
-  double refused_mirror = 2.5;
+  double mirror = 4.33;
+  double rotation = 3.80;
+  double extrusion = 2.34;
+  double convex_hull = 2.24;
+  double refused_mirror = 2.14;
   // Taken off.
-  double contradiction = 2.9;  // times the root of Evidence::contradiction, at most 1
-  double contradicted = 3.4;   // times the root of Evidence::contradicted
-  double unsupported = 0.0;    // times 1 - support
-  double unseen = 1.0;         // times Evidence::unseen
-  double ambiguous = 0.0;      // times 1 - margin
-  double concavity = 26.0;     // times Evidence::concavity
-  double open_vessel = 1.0;    // when the object is an open vessel
-  double cut_by_image = 3.0;   // when it is
-  double occluded = 2.0;       // times the root of Evidence::occluded
-  double on_another = 0.5;     // when it is
-  double disagreement = 0.5;   // times Evidence::disagreement / 5 mm, at most 1
-  double guessed_depth = 0.0;  // times Evidence::guessed_depth / 0.1 m
+  double contradiction = 0.00;  // times the root of Evidence::contradiction, at most 1
+  double contradicted = 5.69;   // times the root of Evidence::contradicted
+  double unsupported = 2.32;    // times 1 - support
+  double unseen = 1.01;         // times Evidence::unseen
+  double ambiguous = 0.00;      // times 1 - margin
+  double concavity = 12.88;     // times Evidence::concavity
+  double open_vessel = 0.00;    // when the object is an open vessel
+  double cut_by_image = 1.93;   // when it is
+  double occluded = 3.11;       // times the root of Evidence::occluded
+  double on_another = 2.78;     // when it is
+  double disagreement = 0.00;   // times Evidence::disagreement / 5 mm, at most 1
+  double guessed_depth = 0.00;  // times Evidence::guessed_depth / 0.1 m
 
   bool operator==(const ConfidenceModel&) const = default;
 };

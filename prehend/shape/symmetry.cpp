@@ -189,11 +189,12 @@ class Completion {
   /// How far the prediction by the next plane is from that by `best`, see Evidence.
   double disagreement(const Ballot& ballot, const Candidate& best,
                       const std::vector<Candidate>& planes) const {
-    constexpr double kOtherTurn = 0.1;    // rad
-    constexpr double kOtherShift = 0.03;  // of the extent
+    constexpr double kOtherTurn = 0.1;     // rad
+    constexpr double kOtherShift = 0.03;   // of the extent
+    constexpr double kNearlyAsGood = 0.1;  // vote
     const auto other = std::find_if(planes.begin(), planes.end(), [&](const Candidate& c) {
       return c.facing() && acceptable(ballot, c, options_.max_contradicted) &&
-             c.hypothesis.vote <= best.hypothesis.vote + options_.alternative_vote &&
+             c.hypothesis.vote <= best.hypothesis.vote + kNearlyAsGood &&
              (std::abs(c.turn - best.turn) >= kOtherTurn ||
               std::abs(c.plane.shift - best.plane.shift) >= kOtherShift * voting_.extent);
     });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,8 +16,12 @@ enum class SurfaceOrigin : std::uint8_t {
   kAssumed = 2,    // no point is near: the bottom on the table, closed sides, bridged gaps
 };
 
-/// What a completion's confidence is at most where something stands in for its mesh.
-inline constexpr double kSubstituteConfidence = 0.25;
+/// The confidence in a mesh: that in its completion, and 0.25 at most where `substitute` (of
+/// ObjectModel) says that something stands in for it.
+inline double mesh_confidence(double completion_confidence, const std::string& substitute) {
+  constexpr double kSubstituted = 0.25;
+  return substitute.empty() ? completion_confidence : std::min(completion_confidence, kSubstituted);
+}
 
 /// The predicted solid.
 struct ObjectModel {

@@ -17,14 +17,14 @@ namespace prehend::surface {
 namespace {
 
 constexpr double kCellSpacings = 3;
-constexpr double kLeastDepth = 0.008;        // m, of water
-constexpr double kLeastDepthShare = 0.1;     // of the height
-constexpr double kLeastAreaShare = 0.1;      // of the footprint
-constexpr double kThickest = 0.015;          // m: what is thicker is no wall
-constexpr double kAssumedThickness = 0.004;  // m
+constexpr double kLeastDepth = 0.008;          // m, of water
+constexpr double kLeastDepthShare = 0.1;       // of the height
+constexpr double kLeastAreaShare = 0.1;        // of the footprint
+constexpr double kThickest = 0.015;            // m: what is thicker is no wall
+constexpr double kAssumedThickness = 0.004;    // m
 constexpr std::size_t kMostWallPoints = 8000;  // points, whose distances are measured
-constexpr double kLooksUp = 0.7;             // cosine
-constexpr double kLeastPaired = 0.2;         // of the points that line the hollow's upper half
+constexpr double kLooksUp = 0.7;               // cosine
+constexpr double kLeastPaired = 0.2;           // of the points that line the hollow's upper half
 
 constexpr float kEmpty = -1;  // height of a cell without points
 

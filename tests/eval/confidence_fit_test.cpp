@@ -51,6 +51,27 @@ TEST(ConfidenceFit, FindsTheModelThatDrewTheData) {
   EXPECT_GT(sure.right, 0.7 * sure.sure);
 }
 
+TEST(ConfidenceFit, CrossValidationLeavesOutAnObjectsOwnViews) {
+  // One object has evidence of its own kind, which only its own views could teach.
+  std::vector<JudgedEvidence> judged = drawn({}, 400, 5);
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    judged[i].object = i % 4 == 0 ? "odd" : "even" + std::to_string(i % 4);
+    judged[i].evidence.method = shape::CompletionMethod::kMirror;
+    judged[i].right = true;
+    if (judged[i].object != "odd") continue;
+    judged[i].evidence.method = shape::CompletionMethod::kRotation;
+    judged[i].right = false;
+  }
+  const shape::ConfidenceModel all = fitted_confidence(judged);
+  const std::vector<double> left_out = cross_validated(judged);
+  ASSERT_EQ(left_out.size(), judged.size());
+  EXPECT_LT(shape::confidence(judged[0].evidence, all), left_out[0] - 0.1);
+  const Calibration sure = calibration_of(judged, left_out, 0);
+  EXPECT_EQ(sure.sure, 400);
+  EXPECT_EQ(sure.right, 300);
+  EXPECT_EQ(sure.all_right, 300);
+}
+
 TEST(ConfidenceFit, CoefficientsAreNeverNegativeAndCanBeReadBack) {
   // The more support, the worse: no model says so.
   std::vector<JudgedEvidence> judged = drawn({}, 500, 3);

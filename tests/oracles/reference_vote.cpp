@@ -60,7 +60,10 @@ SeenImages reference_images(const ObjectView& view) {
   geometry::Image<bool> inside(camera.width, camera.height, false);
   geometry::Image<bool> has_point(camera.width, camera.height, false);
   geometry::Image<double> depth(camera.width, camera.height, 0);
-  for (std::size_t i = 0; i < inside.data.size(); ++i) inside.data[i] = view.mask.data[i] != 0;
+  const bool hidden = view.nearer && !view.nearer->data.empty();
+  for (std::size_t i = 0; i < inside.data.size(); ++i) {
+    inside.data[i] = view.mask.data[i] != 0 || (hidden && view.nearer->data[i] > 0);
+  }
   const geometry::RigidTransform X_CW = view.X_WC.inverse();
   for (const Eigen::Vector3f& p_W : view.cloud_W.points) {
     const Eigen::Vector3d p_C = X_CW * p_W.cast<double>();
@@ -73,6 +76,11 @@ SeenImages reference_images(const ObjectView& view) {
   }
   SeenImages images{nearest(inside, depth).squared, nearest(has_point, depth).value};
   for (double& squared : images.distance.data) squared = std::sqrt(squared);
+  for (std::size_t i = 0; hidden && i < inside.data.size(); ++i) {
+    if (view.mask.data[i] == 0 && view.nearer->data[i] > 0) {
+      images.depth.data[i] = static_cast<double>(view.nearer->data[i]);
+    }
+  }
   return images;
 }
 

@@ -46,7 +46,8 @@ struct SeenImages {
 
 /// The distance transform of the view's mask and the depth of its points. A pixel with several
 /// points takes the nearest one's depth; one without takes that of the nearest pixel that has one,
-/// and of equally near ones the least depth. O(width * height * (width + height)).
+/// and of equally near ones the least depth. What stands before the object counts as mask, with
+/// its own depth: what is behind it is hidden. O(width * height * (width + height)).
 /// @throws geometry::InputError as check_view (seen_map.h) does.
 SeenImages reference_images(const ObjectView& view);
 

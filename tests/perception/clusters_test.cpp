@@ -160,10 +160,12 @@ TEST(Segmentation, OrganizedClusteringAndSplittingFindTheBoxes) {
   const auto count = [&] {
     return segment(seen.cloud, seen.view.camera, seen.view.X_WC, options).objects.size();
   };
+  EXPECT_EQ(count(), 3U);
+  options.split = Splitting::kNone;
   EXPECT_EQ(count(), 2U);
   options.clustering = Clustering::kOrganized;
   EXPECT_EQ(count(), 2U);
-  options.split = true;
+  options.split = Splitting::kTouching;
   EXPECT_EQ(count(), 3U);
 }
 
@@ -178,8 +180,15 @@ TEST(Segmentation, ObjectsHiddenByOthersAreMarked) {
     const bool behind = geometry::centroid(object.cloud_W).y() > -0.05;
     if (behind) {
       EXPECT_GT(object.occluded_share, 0.1);
+      ASSERT_FALSE(object.nearer.data.empty());
+      // The other object's depths, where that is seen, and nothing else.
+      const ObjectHypothesis& other = scene.objects[object.id == 0 ? 1 : 0];
+      for (std::size_t i = 0; i < object.nearer.data.size(); ++i) {
+        EXPECT_EQ(object.nearer.data[i] > 0, other.mask.data[i] != 0 && scene.depth.data[i] > 0);
+      }
     } else {
       EXPECT_EQ(object.occluded_share, 0);
+      EXPECT_TRUE(object.nearer.data.empty());
     }
   }
 }

@@ -33,7 +33,7 @@ testing::SyntheticView two_boxes() {
 std::vector<SegmentationOptions> both_ways_of_clustering() {
   SegmentationOptions organized;
   organized.clustering = Clustering::kOrganized;
-  organized.split = true;
+  organized.split = Splitting::kTouching;
   return {SegmentationOptions(), organized};
 }
 

@@ -16,8 +16,9 @@ struct SyntheticView {
   geometry::PinholeCamera camera;
   geometry::RigidTransform X_WC;
   geometry::Plane table_W;
+  geometry::DepthImage nearer;
 
-  ObjectView view() const { return {cloud_W, mask, camera, X_WC, table_W}; }
+  ObjectView view() const { return {cloud_W, mask, camera, X_WC, table_W, &nearer}; }
 };
 
 struct ViewOptions {
@@ -65,6 +66,23 @@ inline SyntheticView synthetic_view(const geometry::TriangleMesh& mesh_W,
     }
   }
   return result;
+}
+
+/// Puts something half as far away as the camera's target before the columns from `first` to
+/// `last`: nothing is seen of the object there.
+inline void hide_columns(SyntheticView& view, int first, int last, double depth) {
+  const geometry::RigidTransform X_CW = view.X_WC.inverse();
+  std::erase_if(view.cloud_W.points, [&](const Eigen::Vector3f& p_W) {
+    const double u = view.camera.project(X_CW * p_W.cast<double>()).x();
+    return u > first - 0.5 && u < last + 0.5;
+  });
+  view.nearer = geometry::DepthImage(view.camera.width, view.camera.height, 0.f);
+  for (int v = 0; v < view.camera.height; ++v) {
+    for (int u = std::max(0, first); u <= std::min(last, view.camera.width - 1); ++u) {
+      view.mask.at(u, v) = 0;
+      view.nearer.at(u, v) = static_cast<float>(depth);
+    }
+  }
 }
 
 /// Everything of `view` moved by X_VW.

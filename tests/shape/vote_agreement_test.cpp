@@ -56,6 +56,11 @@ RandomCase random_case(unsigned seed, int points, int planes) {
     view.cloud_W.points.push_back((view.X_WC * view.camera.unproject(u, v, z)).cast<float>());
     view.mask.at(static_cast<int>(u + 0.5), static_cast<int>(v + 0.5)) = 255;
   }
+  // Of every second case something hides a part.
+  if (seed % 2 == 0) {
+    const int first = static_cast<int>(u0) + 40;
+    hide_columns(view, first, first + 15, 0.7 * distance);
+  }
   const Eigen::Vector3d center_C = view.camera.unproject(u0 + 30, v0 + 25, distance);
   for (int k = 0; k < planes; ++k) {
     const Eigen::Vector3d normal = direction(random);

@@ -158,7 +158,7 @@ TEST_F(Plan, SavesTheMeshAndThePlan) {
 TEST_F(Plan, OptionsThatDoNotApplyAreRefused) {
   const std::string mesh = box({0.04, 0.05, 0.1});
   for (const auto& option : std::vector<std::vector<std::string>>{
-           {"--table", "none"}, {"--up", "0 0 1"}, {"--split"}, {"--object", "1"}}) {
+           {"--table", "none"}, {"--up", "0 0 1"}, {"--split", "touching"}, {"--object", "1"}}) {
     std::vector<std::string> words{mesh};
     words.insert(words.end(), option.begin(), option.end());
     EXPECT_THAT(run(words), AllOf(HasSubstr(option[0]), HasSubstr("for clouds")));

@@ -33,9 +33,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       "of a cloud: auto (default), find: there is one, none: the cloud is one object, "
       "\"a b c d\": the plane a x + b y + c z = d of the file's frame [m], normal "
       "towards the objects");
-  command.add_flag(
-      "--split", choices.split,
-      "of an organized cloud: split objects that touch where surface and colour say so");
+  command
+      .add_option("--split", choices.split,
+                  "of a cloud: what takes things apart that touch: none, tops (default): level "
+                  "tops at different heights, touching: creases between colours, too, in "
+                  "organized clouds")
+      ->check(CLI::IsMember({"none", "tops", "touching"}));
   command.add_flag("--in-place", choices.in_place,
                    "leave a mesh where its file has it, on the table z = 0; else it is put on the "
                    "table, at the origin");

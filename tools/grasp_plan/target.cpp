@@ -140,12 +140,14 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       perception::read_recorded_cloud_options(choices.scale.value_or(1), choices.viewpoint,
                                               choices.up, choices.table));
   target.notes = recorded.notes;
-  if (choices.split && !recorded.cloud_C.organized()) {
-    throw geometry::InputError("--split needs an organized cloud, '" + choices.file + "' is none",
-                               "Leave --split away");
+  if (choices.split == "touching" && !recorded.cloud_C.organized()) {
+    throw geometry::InputError(
+        "--split touching needs an organized cloud, '" + choices.file + "' is none",
+        "Leave --split away");
   }
   perception::SegmentationOptions segmentation;
-  segmentation.split = choices.split;
+  if (choices.split == "none") segmentation.split = perception::Splitting::kNone;
+  if (choices.split == "touching") segmentation.split = perception::Splitting::kTouching;
   const perception::SegmentedScene scene =
       perception::segment_recorded_cloud(recorded, segmentation);
   target.times.emplace_back("segmentation", since(start));
@@ -214,7 +216,7 @@ void refuse_what_does_not_apply(const PlanChoices& choices, bool is_mesh) {
     refuse(!choices.viewpoint.empty(), "--viewpoint", "clouds");
     refuse(!choices.up.empty(), "--up", "clouds");
     refuse(!choices.table.empty(), "--table", "clouds");
-    refuse(choices.split, "--split", "clouds");
+    refuse(!choices.split.empty(), "--split", "clouds");
     refuse(choices.object != 0, "--object", "clouds");
     refuse(!choices.known.empty(), "--known", "clouds");
   } else {
