@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -241,8 +242,11 @@ TEST_F(RigidPads, OfferNoTouch) {
   const auto subscription = node_->subscribe<msgs::TactileFrame>(
       "/tactile/left", QoS::queue(10),
       [&](const graph::Received<msgs::TactileFrame>&) { ++frames; });
-  const int before = gripper_count_;
-  EXPECT_TRUE(wait_until([&] { return gripper_count_ > before + 50; }));
+  std::optional<int> before;
+  EXPECT_TRUE(wait_until([&] {
+    if (!before) before = gripper_count_;
+    return gripper_count_ > *before + 50;
+  }));
   EXPECT_EQ(frames, 0);
 }
 
