@@ -15,6 +15,7 @@
 
 #include "eval/case_choice.h"
 #include "eval/confidence_fit.h"
+#include "eval/deviation_summary.h"
 #include "eval/mesh_deviation_report.h"
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
