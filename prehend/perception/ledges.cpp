@@ -20,7 +20,7 @@ constexpr std::size_t kLeastPoints = 60;  // of a part
 constexpr double kOverLedge = 0.004;      // m: noise of the ledge
 constexpr int kReach = 4;                 // cells between a ledge and what rises beside it
 constexpr int kLeastContact = 8;          // cells of the ledge within that
-constexpr double kLeastLedgeShare = 0.1;  // of the area that rises
+constexpr double kLeastLedgeShare = 0.2;  // of the area that rises
 constexpr double kMostEnclosed = 0.4;     // of the ledge, by what rises: else it is a hollow
 constexpr double kWallGoesOn = 0.5;       // of the points per height above the ledge
 constexpr double kLeastWall = 0.012;      // m of height that shows a wall
@@ -123,8 +123,9 @@ class Tops {
         if (next.x < 0 || next.y < 0 || next.x >= top.cols || next.y >= top.rows) continue;
         if (level.at<std::uint8_t>(next) == 0 || plates.labels.at<int>(next) != 0) continue;
         if (std::abs(top.at<float>(next) - top.at<float>(at)) >
-            static_cast<float>(options_.flatness)) {
-          continue;
+                static_cast<float>(options_.flatness) ||
+            std::abs(static_cast<double>(top.at<float>(next)) - sum / count) > kOverLedge) {
+          continue;  // a slope is not level, however gentle
         }
         plates.labels.at<int>(next) = label;
         reached.push_back(next);

@@ -70,11 +70,15 @@ TEST(DeviationSummary, CalibrationCountsOnlySureResults) {
   std::vector<CaseResult> results;
   for (int i = 0; i < 10; ++i) {
     results.push_back(made("a", i, i < 8 ? 0.002 : 0.009, 0.004));
+    results.back().methods[0].back_mean = 0.002;
     results.back().methods[0].confidence = 0.95;
   }
   EXPECT_EQ(goal_named(judge(results), "sure").outcome, Goal::Outcome::kMissed);  // 80 %
   results[9].methods[0].confidence = 0.5;
   EXPECT_EQ(goal_named(judge(results), "sure").outcome, Goal::Outcome::kMet);  // 8 of 9
+  // What was merged with another covers the truth, and is not it.
+  results[0].methods[0].back_mean = 0.03;
+  EXPECT_EQ(goal_named(judge(results), "sure").outcome, Goal::Outcome::kMissed);
 }
 
 }  // namespace
