@@ -66,14 +66,16 @@ class Tops {
     cv::medianBlur(top, top, 3);  // single points that fly
   }
 
-  /// Level connected tops: 1, 2, ... in `labels`, their heights and numbers of cells.
+  /// Connected tops: 1, 2, ... in `labels`, their heights [m] and numbers of cells.
   struct Plates {
     cv::Mat labels;  // CV_32S
     std::vector<double> heights;
     std::vector<int> cells;
   };
-  Plates plates() const {
-    cv::Mat level(top.size(), CV_8U, cv::Scalar(0));
+  /// What something may stand on: `level`, without a slope. What rises may be round: all that is
+  /// about at one height.
+  Plates plates(bool level) const {
+    cv::Mat flat(top.size(), CV_8U, cv::Scalar(0));
     for (int v = 1; v + 1 < top.rows; ++v) {
       for (int u = 1; u + 1 < top.cols; ++u) {
         constexpr int kLeastAround = 6;  // of nine
@@ -85,15 +87,16 @@ class Tops {
                       std::abs(static_cast<double>(h - top.at<float>(v, u))) <= options_.flatness;
           }
         }
-        level.at<std::uint8_t>(v, u) = top.at<float>(v, u) > 0 && around >= kLeastAround ? 255 : 0;
+        const bool is_flat = top.at<float>(v, u) > 0 && around >= kLeastAround;
+        flat.at<std::uint8_t>(v, u) = is_flat && !(level && slopes(u, v)) ? 255 : 0;
       }
     }
     Plates plates;
     plates.labels = cv::Mat(top.size(), CV_32S, cv::Scalar(0));
     for (int v = 0; v < top.rows; ++v) {
       for (int u = 0; u < top.cols; ++u) {
-        if (level.at<std::uint8_t>(v, u) != 0 && plates.labels.at<int>(v, u) == 0) {
-          grow(level, {u, v}, plates);
+        if (flat.at<std::uint8_t>(v, u) != 0 && plates.labels.at<int>(v, u) == 0) {
+          grow(flat, {u, v}, plates);
         }
       }
     }
@@ -107,7 +110,24 @@ class Tops {
  private:
   static constexpr double kMostCells = 1000;
 
-  void grow(const cv::Mat& level, const cv::Point& from, Plates& plates) const {
+  /// Whether the top slopes by more than 10 degrees along an axis, to both sides alike: what falls
+  /// to one side only is an edge.
+  bool slopes(int u, int v) const {
+    constexpr int kRun = 2;          // cells
+    constexpr double kSteep = 0.18;  // tangent
+    const double least = kSteep * kRun * options_.cell;
+    for (const cv::Point& step : {cv::Point(kRun, 0), cv::Point(0, kRun)}) {
+      const cv::Point before = cv::Point(u, v) - step, after = cv::Point(u, v) + step;
+      if (before.x < 0 || before.y < 0 || after.x >= top.cols || after.y >= top.rows) continue;
+      if (top.at<float>(before) <= 0 || top.at<float>(after) <= 0) continue;
+      const auto rise = static_cast<double>(top.at<float>(v, u) - top.at<float>(before));
+      const auto next = static_cast<double>(top.at<float>(after) - top.at<float>(v, u));
+      if (rise * next > 0 && std::min(std::abs(rise), std::abs(next)) > least) return true;
+    }
+    return false;
+  }
+
+  void grow(const cv::Mat& flat, const cv::Point& from, Plates& plates) const {
     const int label = static_cast<int>(plates.heights.size()) + 1;
     double sum = 0;
     int count = 0;
@@ -121,11 +141,11 @@ class Tops {
       for (const cv::Point& step : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
         const cv::Point next = at + step;
         if (next.x < 0 || next.y < 0 || next.x >= top.cols || next.y >= top.rows) continue;
-        if (level.at<std::uint8_t>(next) == 0 || plates.labels.at<int>(next) != 0) continue;
+        if (flat.at<std::uint8_t>(next) == 0 || plates.labels.at<int>(next) != 0) continue;
         if (std::abs(top.at<float>(next) - top.at<float>(at)) >
                 static_cast<float>(options_.flatness) ||
             std::abs(static_cast<double>(top.at<float>(next)) - sum / count) > kOverLedge) {
-          continue;  // a slope is not level, however gentle
+          continue;
         }
         plates.labels.at<int>(next) = label;
         reached.push_back(next);
@@ -263,28 +283,28 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
   if (members.size() < 2 * kLeastPoints) return std::nullopt;
   const Tops tops(cloud_C, table_C, members, options);
   if (tops.top.empty()) return std::nullopt;
-  const Tops::Plates plates = tops.plates();
+  const Tops::Plates lows = tops.plates(true), highs = tops.plates(false);
   const double least_cells = options.least_plate / (options.cell * options.cell);
-  const int count = static_cast<int>(plates.heights.size());
-  for (int low = 0; low < count; ++low) {
-    if (plates.cells[low] < least_cells || plates.heights[low] < options.least_height) continue;
+  for (std::size_t low = 0; low < lows.heights.size(); ++low) {
+    const double height = lows.heights[low];
+    if (lows.cells[low] < least_cells || height < options.least_height) continue;
     // What stands in its middle may cut a ledge in two.
-    cv::Mat ledge(plates.labels.size(), CV_8U, cv::Scalar(0));
-    for (int k = 0; k < count; ++k) {
-      if (std::abs(plates.heights[k] - plates.heights[low]) <= kOverLedge) {
-        ledge |= plates.labels == k + 1;
+    cv::Mat ledge(lows.labels.size(), CV_8U, cv::Scalar(0));
+    for (std::size_t k = 0; k < lows.heights.size(); ++k) {
+      if (std::abs(lows.heights[k] - height) <= kOverLedge) {
+        ledge |= lows.labels == static_cast<int>(k) + 1;
       }
     }
-    for (int high = 0; high < count; ++high) {
-      const double step = plates.heights[high] - plates.heights[low];
-      if (plates.cells[high] < least_cells || step < options.least_step) continue;
-      const cv::Mat plate = plates.labels == high + 1;
-      const cv::Mat risen = risen_region(tops, plate, plates.heights[low] + 0.5 * step);
+    for (std::size_t high = 0; high < highs.heights.size(); ++high) {
+      const double step = highs.heights[high] - height;
+      if (highs.cells[high] < least_cells || step < options.least_step) continue;
+      const cv::Mat plate = highs.labels == static_cast<int>(high) + 1;
+      const cv::Mat risen = risen_region(tops, plate, height + 0.5 * step);
       if (!is_step(ledge, plate, risen, options)) continue;
-      if (!is_carried(tops, ledge, risen, plates.heights[low])) continue;
-      const bool beside = stands_beside(cloud_C, tops, members, ledge, risen, plates.heights[low],
-                                        plates.heights[high]);
-      Parts parts = divided(tops, members, ledge, risen, plates.heights[low], beside);
+      if (!is_carried(tops, ledge, risen, height)) continue;
+      const bool beside =
+          stands_beside(cloud_C, tops, members, ledge, risen, height, highs.heights[high]);
+      Parts parts = divided(tops, members, ledge, risen, height, beside);
       if (std::min(parts.first.size(), parts.second.size()) < kLeastPoints) continue;
       if (color_difference(cloud_C, parts.first, parts.second) < options.least_color_difference) {
         continue;

@@ -12,7 +12,9 @@ namespace prehend::surface {
 /// lowest points are often lost with the table's) gets points on the outline with outward normals;
 /// where it curves under, each of its points goes first to where an arc from it touches the table,
 /// which for a ball is right. An object stands on its table, so its bottom is there; without these
-/// points the surface bulges below it.
+/// points the surface bulges below it. No bottom is between the arms of what is not convex, where
+/// the cloud is over at least a third of the outline; less, as two sheets without a top, says
+/// nothing of what is between.
 /// @throws geometry::InputError when the cloud has no normals or does not rise above the table.
 geometry::PointCloud close_bottom(const geometry::PointCloud& cloud, const geometry::Plane& table,
                                   double slice, double spacing);

@@ -70,6 +70,12 @@ std::optional<geometry::TriangleMesh> standing_hull(const shape::CompletedShape&
   return solid_hull(points, kMostVertices);
 }
 
+/// Whether there may be nothing between front and back; the other methods make sides themselves.
+bool is_mirrored(shape::CompletionMethod method) {
+  return method == shape::CompletionMethod::kMirror ||
+         method == shape::CompletionMethod::kRefusedMirror;
+}
+
 /// The points of both sides of a vessel's wall.
 geometry::PointCloud vessel_cloud(const shape::CompletedShape& shape,
                                   const geometry::Plane& table_W, const ModelOptions& options,
@@ -124,7 +130,7 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
   const double spacing = cloud_extent(cloud) / kPointsAcross;
   if (options.hollow_vessels && find_basin(cloud, table_W, spacing)) {
     cloud = vessel_cloud(shape, table_W, options, spacing);
-  } else if (options.close_sides) {
+  } else if (options.close_sides && is_mirrored(shape.method)) {
     const geometry::PointCloud sides = side_points(shape, table_W, spacing);
     cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());

@@ -147,6 +147,17 @@ TEST(Ledges, AreNotTheFloorOfAHollowTheShoulderOfANeckNorABrim) {
   carton.cloud.colors.clear();
   EXPECT_EQ(carton.split().size(), 1u);
 
+  // A gable: its slopes are no tops, in no part.
+  Pile gable;
+  gable.box({-0.04, -0.04, 0}, {0.04, 0.04, 0.1}, 0);
+  for (double x = -0.04; x <= 0.04; x += 0.001) {
+    for (double y = -0.04; y <= 0.04; y += 0.002) {
+      gable.add(x, y, 0.11 + 0.6 * (0.04 - std::abs(x)), 0, kRed);
+    }
+  }
+  gable.cloud.colors.clear();
+  EXPECT_EQ(gable.split().size(), 1u);
+
   // Wings: nothing is seen under them.
   Pile wings;
   wings.box({-0.1, -0.03, 0.045}, {0.1, 0.03, 0.05}, 0);

@@ -44,6 +44,43 @@ TEST(CloseBottom, PutsAnUprightSolidsFootprintOnTheTable) {
   EXPECT_NEAR(area, 0.06 * 0.08, 0.06 * 0.08 * 0.1);
 }
 
+TEST(CloseBottom, IsNotBetweenTheArmsOfAnAngle) {
+  // Two bars at a right angle, tops and sides.
+  geometry::PointCloud cloud =
+      sampled(shifted(geometry::make_box({0.1, 0.02, 0.03}), {0.05, 0.01, 0.015}), 4000);
+  const auto other =
+      sampled(shifted(geometry::make_box({0.02, 0.1, 0.03}), {0.01, 0.05, 0.015}), 4000);
+  cloud.points.insert(cloud.points.end(), other.points.begin(), other.points.end());
+  cloud.normals.insert(cloud.normals.end(), other.normals.begin(), other.normals.end());
+  const auto closed = close_bottom(cloud, geometry::Plane{}, 0.2, 0.002);
+  int under_bars = 0;
+  for (std::size_t i = cloud.size(); i < closed.size(); ++i) {
+    const Eigen::Vector3f& p = closed.points[i];
+    EXPECT_FALSE(p.x() > 0.03f && p.y() > 0.03f) << p.transpose();
+    under_bars += p.z() < 1e-6f;
+  }
+  EXPECT_GT(under_bars, 0.8 * (0.1 * 0.02 + 0.08 * 0.02) / (0.002 * 0.002));
+}
+
+// Front and back of something whose top was not seen: they say nothing of what is between.
+TEST(CloseBottom, JoinsTwoSheets) {
+  geometry::PointCloud cloud;
+  for (double x = -0.05; x <= 0.05; x += 0.002) {
+    for (double z = 0.001; z < 0.2; z += 0.002) {
+      for (const double side : {-1.0, 1.0}) {
+        cloud.points.push_back(Eigen::Vector3d(x, side * 0.04, z).cast<float>());
+        cloud.normals.push_back(Eigen::Vector3d(0, side, 0).cast<float>());
+      }
+    }
+  }
+  const auto closed = close_bottom(cloud, geometry::Plane{}, 0.2, 0.002);
+  double area = 0;
+  for (std::size_t i = cloud.size(); i < closed.size(); ++i) {
+    area += closed.points[i].z() < 1e-6f ? 0.002 * 0.002 : 0;
+  }
+  EXPECT_NEAR(area, 0.1 * 0.08, 0.1 * 0.1 * 0.08);
+}
+
 TEST(CloseBottom, OfABallIsSmall) {
   // The lowest 10 mm of a ball of 40 mm radius are hidden.
   const auto ball = sampled(shifted(geometry::make_sphere(0.04, 128), {0, 0, 0.04}), 20000);
