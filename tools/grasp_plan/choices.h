@@ -17,7 +17,7 @@ struct PlanChoices {
   std::string file;
   std::optional<double> scale;       // m per unit of the file
   std::string viewpoint, up, table;  // of a cloud, see perception/recorded_cloud.h
-  std::string split;  // empty: tops
+  std::string split;                 // empty: tops
   bool in_place = false;
   int object = 0;
   int alternatives = 2;
