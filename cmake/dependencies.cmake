@@ -22,6 +22,12 @@ endif()
 
 pkg_check_modules(EIGEN REQUIRED IMPORTED_TARGET GLOBAL eigen3)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET GLOBAL libzmq)
+# "-isystem folder" among its flags: the first configuration makes it an include folder, later ones,
+# from the cache, an option, and a third of the tree would be compiled anew.
+set_target_properties(PkgConfig::ZMQ PROPERTIES INTERFACE_COMPILE_OPTIONS "")
+get_target_property(ZMQ_FOLDERS PkgConfig::ZMQ INTERFACE_INCLUDE_DIRECTORIES)
+list(FILTER ZMQ_FOLDERS EXCLUDE REGEX "mit-krb5|NOTFOUND")
+set_target_properties(PkgConfig::ZMQ PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${ZMQ_FOLDERS}")
 pkg_check_modules(FLANN REQUIRED IMPORTED_TARGET GLOBAL flann)
 pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET GLOBAL fftw3f)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET GLOBAL liblz4)
