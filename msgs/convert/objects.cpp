@@ -341,6 +341,17 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
   return scene;
 }
 
+namespace {
+
+shape::SeenSpace read_seen_space(const msgs::CompletedShape& message) {
+  const geometry::PinholeCamera camera = from_message(message.seen_camera()).left;
+  const auto X_WC = camera_pose(message.seen_camera());
+  if (!X_WC) throw InputError("A completed shape whose camera has no pose", kSenderMend);
+  return {camera, *X_WC, unpack_depth(message.seen_depth(), camera.width, camera.height)};
+}
+
+}  // namespace
+
 msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   msgs::CompletedShape message;
   message.set_completed(true);
@@ -368,6 +379,12 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   }
   message.set_point_confidence(pack_shares(shape.point_confidence));
   for (const auto& other : shape.alternatives) *message.add_alternatives() = to_message(other);
+  const shape::SeenSpace& space = shape.seen_space;
+  if (!space.empty_until.empty()) {
+    *message.mutable_seen_camera() =
+        to_message(geometry::StereoCamera{space.camera, 0}, space.X_WC);
+    message.set_seen_depth(pack_depth(space.empty_until));
+  }
   return message;
 }
 
@@ -410,6 +427,7 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
     }
     shape.alternatives.push_back(from_message(other));
   }
+  if (message.has_seen_camera()) shape.seen_space = read_seen_space(message);
   return shape;
 }
 

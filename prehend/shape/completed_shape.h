@@ -12,6 +12,7 @@
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/shape/confidence.h"
+#include "prehend/shape/seen_space.h"
 
 namespace prehend::shape {
 
@@ -26,6 +27,9 @@ struct ObjectView {
   /// nobody saw. Null or empty: nothing does.
   const geometry::DepthImage* nearer = nullptr;
   bool on_another = false;  // the plane is no table but another object's top
+  /// Depth [m] of everything that was seen, of the whole image, NaN where unknown. Null or empty:
+  /// not given, and the shape's `seen_space` is empty.
+  const geometry::DepthImage* depth = nullptr;
 };
 
 /// Whose viewpoint a point was "seen" from (CompletedShape::viewpoint_of). Points that a fall-back
@@ -86,6 +90,10 @@ struct CompletedShape {
   /// speaks for nearly as well (CompletionOptions::alternatives). They have none themselves, and
   /// no `planes` and `hypotheses`.
   std::vector<CompletedShape> alternatives;
+  /// Where the view looked through, round the points of this shape and of its alternatives (which
+  /// have none themselves): no surface between the points may go there. Without size where the view
+  /// had no depth.
+  SeenSpace seen_space;
 
   /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].
   Eigen::Vector3d viewpoint_of(PointOrigin point_origin) const {

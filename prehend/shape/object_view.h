@@ -14,7 +14,8 @@ inline ObjectView view_of(const perception::SegmentedScene& scene,
           scene.X_WC,
           perception::support_of(scene, object),
           &object.nearer,
-          object.support_W.has_value()};
+          object.support_W.has_value(),
+          &scene.depth};
 }
 
 }  // namespace prehend::shape

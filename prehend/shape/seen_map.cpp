@@ -48,6 +48,11 @@ void check_camera(const ObjectView& view) {
     throw InputError("the depth of what is nearer is not of the camera's size",
                      "give it for the whole image, or none");
   }
+  if (view.depth && !view.depth->empty() &&
+      (view.depth->width != camera.width || view.depth->height != camera.height)) {
+    throw InputError("the depth of the view is not of the camera's size",
+                     "give it for the whole image, or none");
+  }
   if (std::all_of(view.mask.data.begin(), view.mask.data.end(),
                   [](std::uint8_t pixel) { return pixel == 0; })) {
     throw InputError("the object's mask is empty", "segment the object again");

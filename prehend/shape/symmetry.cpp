@@ -74,6 +74,7 @@ class Completion {
             : search_planes(Ballot(voting_, voting_.coarse_points_T, map, view_, options_), fine,
                             options_);
     map_ = std::move(map);
+    drop_beside_image(found.planes);
     const Candidate chosen = primary(fine, found.planes);
     CompletedShape best = completed_by(fine, chosen, found.planes);
     if (best.method == CompletionMethod::kMirror) {
@@ -84,10 +85,29 @@ class Completion {
     best.hypotheses = std::move(found.tried);
     best.hypotheses.insert(best.hypotheses.begin(), best.symmetry);
     for (const Candidate& plane : found.planes) best.planes.push_back(plane.hypothesis);
+    if (view_.depth && !view_.depth->empty()) best.seen_space = seen_space_round(best);
     return best;
   }
 
  private:
+  /// What is seen whole has no other half beside the image, where nothing contradicts it.
+  void drop_beside_image(std::vector<Candidate>& planes) const {
+    constexpr double kMostUnseen = 0.2;
+    if (mask_reaches_border()) return;
+    const auto is_beside = [](const Candidate& c) { return c.hypothesis.unseen > kMostUnseen; };
+    if (!std::all_of(planes.begin(), planes.end(), is_beside)) std::erase_if(planes, is_beside);
+  }
+
+  /// With room for a surface that bulges between the points.
+  SeenSpace seen_space_round(const CompletedShape& shape) const {
+    constexpr int kMargin = 8;  // pixels
+    std::vector<Eigen::Vector3f> points = shape.cloud_W.points;
+    for (const CompletedShape& other : shape.alternatives) {
+      points.insert(points.end(), other.cloud_W.points.begin(), other.cloud_W.points.end());
+    }
+    return make_seen_space(*view_.depth, view_.camera, view_.X_WC, view_.table_W, points, kMargin);
+  }
+
   CompletedShape completed_by(const Ballot& fine, Candidate best,
                               const std::vector<Candidate>& planes) {
     shape_ = {};
@@ -152,8 +172,10 @@ class Completion {
     if (serves && facing->hypothesis.vote <= planes.front().hypothesis.vote + kFarWorse) {
       return *facing;
     }
+    const double most =
+        std::max(options_.max_contradicted, found ? facing->hypothesis.contradicted : 0) / 3;
     const auto other = std::find_if(planes.begin(), planes.end(), [&](const Candidate& c) {
-      return acceptable(ballot, c, options_.max_contradicted / 3);
+      return acceptable(ballot, c, most);
     });
     if (other != planes.end() &&
         !(serves && facing->hypothesis.vote <= other->hypothesis.vote + kFarWorse)) {
@@ -498,8 +520,8 @@ CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOpti
   check_view(view);
   if (options.fill_holes == 0) return Completion(view, std::move(voting), options, model).run();
   const geometry::MaskImage mask = with_holes_filled(view.mask, options.fill_holes);
-  const ObjectView filled{view.cloud_W, mask,        view.camera,    view.X_WC,
-                          view.table_W, view.nearer, view.on_another};
+  const ObjectView filled{view.cloud_W, mask,        view.camera,     view.X_WC,
+                          view.table_W, view.nearer, view.on_another, view.depth};
   return Completion(filled, std::move(voting), options, model).run();
 }
 

@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/surface/empty_space.h"
 #include "prehend/surface/envelope.h"
 #include "prehend/surface/marching_cubes.h"
 #include "prehend/surface/object_frame.h"
@@ -309,7 +310,7 @@ void cut_at_table(ScalarGrid& field, float height, float level) {
 
 PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
                             const std::optional<geometry::Plane>& table,
-                            const FastPoissonOptions& options) {
+                            const FastPoissonOptions& options, const shape::SeenSpace* seen_space) {
   check(options);
   const std::vector<int> order = canonical_order(cloud.points, cloud.normals);
   std::vector<Eigen::Vector3f> ordered;
@@ -339,6 +340,12 @@ PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
   if (table) {
     const double height = table->offset - table->normal.dot(lattice.to_world({0, 0, 0}));
     cut_at_table(field, static_cast<float>(height / lattice.spacing), level);
+  }
+  if (seen_space) {
+    const geometry::RigidTransform X_CW = seen_space->X_WC.inverse();
+    Eigen::Affine3d X_C_nodes = X_CW * lattice.X_WF * Eigen::Translation3d(lattice.origin_F);
+    X_C_nodes.scale(lattice.spacing);
+    cut_at_empty_space(field, *seen_space, X_C_nodes, level, kCutSlope);
   }
 
   PoissonSurface surface;

@@ -91,18 +91,39 @@ geometry::PointCloud vessel_cloud(const shape::CompletedShape& shape,
   return cloud;
 }
 
-/// mesh_of() or what stands in for it; `substitute` says what and why.
+/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct().
+/// `normals_seconds` is filled when given. @throws geometry::InputError as reconstruct() does.
+geometry::TriangleMesh surface_of(const shape::CompletedShape& shape,
+                                  const geometry::Plane& table_W,
+                                  const shape::SeenSpace& seen_space, const ModelOptions& options,
+                                  double* normals_seconds = nullptr) {
+  Stopwatch stopwatch;
+  geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
+  const double spacing = cloud_extent(cloud) / kPointsAcross;
+  if (options.hollow_vessels && find_basin(cloud, table_W, spacing)) {
+    cloud = vessel_cloud(shape, table_W, options, spacing);
+  } else if (options.close_sides && is_mirrored(shape.method)) {
+    const geometry::PointCloud sides = side_points(shape, table_W, spacing);
+    cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
+    cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
+  }
+  if (normals_seconds) *normals_seconds = stopwatch.lap();
+  const bool cut = options.keep_out_of_empty_space && !seen_space.empty_until.empty();
+  return reconstruct(cloud, table_W, options.surface, cut ? &seen_space : nullptr);
+}
+
+/// That or what stands in for it; `substitute` says what and why.
 geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
                                         const geometry::Plane& table_W, const ModelOptions& options,
                                         double* normals_seconds, std::string& substitute) {
   try {
-    return mesh_of(shape, table_W, options, normals_seconds);
+    return surface_of(shape, table_W, shape.seen_space, options, normals_seconds);
   } catch (const geometry::InputError& error) {
     substitute = error.problem();
   }
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
-      geometry::TriangleMesh mesh = mesh_of(other, table_W, options);
+      geometry::TriangleMesh mesh = surface_of(other, table_W, shape.seen_space, options);
       substitute += "; an alternative plane of symmetry stands in";
       return mesh;
     } catch (const geometry::InputError&) {
@@ -125,18 +146,7 @@ geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
 
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                                const ModelOptions& options, double* normals_seconds) {
-  Stopwatch stopwatch;
-  geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
-  const double spacing = cloud_extent(cloud) / kPointsAcross;
-  if (options.hollow_vessels && find_basin(cloud, table_W, spacing)) {
-    cloud = vessel_cloud(shape, table_W, options, spacing);
-  } else if (options.close_sides && is_mirrored(shape.method)) {
-    const geometry::PointCloud sides = side_points(shape, table_W, spacing);
-    cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
-    cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
-  }
-  if (normals_seconds) *normals_seconds = stopwatch.lap();
-  return reconstruct(cloud, table_W, options.surface);
+  return surface_of(shape, table_W, shape.seen_space, options, normals_seconds);
 }
 
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -162,7 +172,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
 
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
-      model.alternatives_W.push_back(mesh_of(other, table_W, options));
+      model.alternatives_W.push_back(surface_of(other, table_W, shape.seen_space, options));
     } catch (const geometry::InputError&) {
       // A shape that gives no mesh is no alternative; that of the winner counts.
     }

@@ -11,8 +11,9 @@ namespace prehend::surface {
 
 struct ModelOptions {
   OrientedCloudOptions cloud;
-  bool close_sides = true;     // see closing.h
-  bool hollow_vessels = true;  // see vessel.h: their sides are not closed, they have walls
+  bool close_sides = true;              // see closing.h
+  bool hollow_vessels = true;           // see vessel.h: their sides are not closed, they have walls
+  bool keep_out_of_empty_space = true;  // see empty_space.h
   SurfaceOptions surface;
   ConvexPiecesOptions convex_pieces;
 };
@@ -27,8 +28,9 @@ struct ModelTimes {
 };
 
 /// The watertight mesh of a completed shape that stands on `table_W` (normal towards the object):
-/// oriented_cloud(), side_points() where asked for, reconstruct(). `normals_seconds` is filled when
-/// given. @throws geometry::InputError when the shape has too few points or gives no such mesh.
+/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct().
+/// `normals_seconds` is filled when given. @throws geometry::InputError when the shape has too few
+/// points or gives no such mesh.
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                                const ModelOptions& options = {}, double* normals_seconds = nullptr);
 

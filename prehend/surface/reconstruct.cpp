@@ -79,8 +79,9 @@ TriangleMesh by_pcl(const geometry::PointCloud& cloud, const std::optional<geome
 
 TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
                              const std::optional<geometry::Plane>& table,
-                             const FastPoissonOptions& options) {
-  PoissonSurface surface = fast_poisson(cloud, table, options);
+                             const FastPoissonOptions& options,
+                             const shape::SeenSpace* seen_space) {
+  PoissonSurface surface = fast_poisson(cloud, table, options, seen_space);
   if (surface.inside_out) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
                          " points: their normals point inward",
@@ -98,8 +99,8 @@ TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
 }  // namespace
 
 TriangleMesh reconstruct(const geometry::PointCloud& cloud,
-                         const std::optional<geometry::Plane>& table,
-                         const SurfaceOptions& options) {
+                         const std::optional<geometry::Plane>& table, const SurfaceOptions& options,
+                         const shape::SeenSpace* seen_space) {
   if (!(options.footprint_slice > 0 && options.footprint_slice <= 1)) {
     throw std::invalid_argument("SurfaceOptions.footprint_slice must be in (0, 1]");
   }
@@ -108,10 +109,11 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
   const geometry::PointCloud closed =
       table && options.close_bottom ? close_bottom(cloud, *table, options.footprint_slice, spacing)
                                     : cloud;
-  const TriangleMesh mesh = solid_parts(options.method == SurfaceMethod::kPclPoisson
-                                            ? by_pcl(closed, table, options.pcl_poisson)
-                                            : by_fast_poisson(closed, table, options.fast_poisson),
-                                        kLeastShare);
+  const TriangleMesh mesh =
+      solid_parts(options.method == SurfaceMethod::kPclPoisson
+                      ? by_pcl(closed, table, options.pcl_poisson)
+                      : by_fast_poisson(closed, table, options.fast_poisson, seen_space),
+                  kLeastShare);
   if (mesh.empty()) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
                          " points: their normals enclose nothing",

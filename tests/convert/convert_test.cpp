@@ -141,6 +141,9 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   shape.confidence = 0.6;
   shape.evidence.open_top = 0.3;
   shape.planes = {shape.symmetry};
+  shape.seen_space = {
+      {2, 1, 500, 500, -7, 3}, geometry::look_at({1, 0, 1}, {0, 0, 0}), {2, 1, 0.7f}};
+  shape.seen_space.empty_until.at(1, 0) = std::numeric_limits<float>::quiet_NaN();
   auto message = to_message(shape);
   EXPECT_EQ(from_message(message).origin, shape.origin);
   EXPECT_EQ(from_message(message).symmetry.vote, 0.25);
@@ -153,6 +156,10 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   EXPECT_EQ(received.confidence, 0.6);
   EXPECT_TRUE(received.evidence.open_vessel());
   EXPECT_EQ(received.planes.front().vote, 0.25);
+  EXPECT_EQ(received.seen_space.camera.cx, -7);
+  EXPECT_TRUE(received.seen_space.X_WC.isApprox(shape.seen_space.X_WC));
+  EXPECT_NEAR(received.seen_space.empty_until.at(0, 0), 0.7, 1e-4);
+  EXPECT_TRUE(std::isnan(received.seen_space.empty_until.at(1, 0)));
   auto odd = message;
   odd.clear_support();  // as from a sender that does not know it
   odd.clear_point_confidence();
@@ -161,6 +168,12 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   EXPECT_EQ(bare.point_confidence, (std::vector<float>{0, 0}));
   odd = message;
   odd.mutable_support()->pop_back();
+  EXPECT_THROW(from_message(odd), InputError);
+  odd = message;
+  odd.mutable_seen_depth()->pop_back();
+  EXPECT_THROW(from_message(odd), InputError);
+  odd = message;
+  odd.mutable_seen_camera()->clear_x_wc();
   EXPECT_THROW(from_message(odd), InputError);
   odd = message;
   odd.set_method("magic");

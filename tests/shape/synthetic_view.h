@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 
 #include "prehend/geometry/mesh_query.h"
@@ -17,8 +18,9 @@ struct SyntheticView {
   geometry::RigidTransform X_WC;
   geometry::Plane table_W;
   geometry::DepthImage nearer;
+  geometry::DepthImage depth;  // of the object and of the table
 
-  ObjectView view() const { return {cloud_W, mask, camera, X_WC, table_W, &nearer}; }
+  ObjectView view() const { return {cloud_W, mask, camera, X_WC, table_W, &nearer, false, &depth}; }
 };
 
 struct ViewOptions {
@@ -48,6 +50,8 @@ inline SyntheticView synthetic_view(const geometry::TriangleMesh& mesh_W,
   camera.cx = 0.5 * (camera.width - 1);
   camera.cy = 0.5 * (camera.height - 1);
   result.mask = geometry::MaskImage(camera.width, camera.height, 0);
+  result.depth =
+      geometry::DepthImage(camera.width, camera.height, std::numeric_limits<float>::quiet_NaN());
 
   const geometry::MeshQuery query(mesh_W);
   std::mt19937 random(options.seed);
@@ -55,14 +59,21 @@ inline SyntheticView synthetic_view(const geometry::TriangleMesh& mesh_W,
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d ray = (result.X_WC.linear() * camera.unproject(u, v, 1)).normalized();
+      const double cosine = ray.dot(result.X_WC.linear().col(2));
       const auto hit = query.cast_ray(eye, ray);
-      if (!hit) continue;
+      if (!hit) {
+        const double to_table =
+            -result.table_W.signed_distance(eye) / result.table_W.normal.dot(ray);
+        if (to_table > 0) result.depth.at(u, v) = static_cast<float>(to_table * cosine);
+        continue;
+      }
       // Sum of uniform numbers: the same on every standard library.
       double noise = -6;
       for (int i = 0; i < 12; ++i) noise += random() / 4294967296.0;
       const double along = hit->distance + options.depth_noise * noise;
       result.cloud_W.points.push_back((eye + along * ray).cast<float>());
       result.mask.at(u, v) = 255;
+      result.depth.at(u, v) = static_cast<float>(along * cosine);
     }
   }
   return result;
@@ -81,6 +92,7 @@ inline void hide_columns(SyntheticView& view, int first, int last, double depth)
     for (int u = std::max(0, first); u <= std::min(last, view.camera.width - 1); ++u) {
       view.mask.at(u, v) = 0;
       view.nearer.at(u, v) = static_cast<float>(depth);
+      view.depth.at(u, v) = static_cast<float>(depth);
     }
   }
 }

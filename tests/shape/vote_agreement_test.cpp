@@ -48,6 +48,7 @@ RandomCase random_case(unsigned seed, int points, int planes) {
       Eigen::Quaterniond(Eigen::AngleAxisd(uniform(random, 0, 3), direction(random))),
       {uniform(random, -2, 2), uniform(random, -2, 2), uniform(random, -2, 2)});
   view.mask = geometry::MaskImage(160, 120, 0);
+  view.depth = geometry::DepthImage(160, 120, 0.f);
   const double distance = uniform(random, 0.3, 2);
   const double u0 = uniform(random, 20, 60), v0 = uniform(random, 20, 40);
   for (int i = 0; i < points; ++i) {
