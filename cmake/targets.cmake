@@ -20,6 +20,10 @@ if(PREHEND_SANITIZE)
   target_link_options(prehend_compile_flags INTERFACE -fsanitize=${PREHEND_SANITIZE})
   # protobuf's headers give maps other members under ThreadSanitizer than the installed library has.
   target_compile_options(prehend_compile_flags INTERFACE -U__SANITIZE_THREAD__)
+  if(PREHEND_SANITIZE MATCHES thread)
+    # What libstdc++ derives from it: without, it counts references in a way that looks like a race.
+    target_compile_definitions(prehend_compile_flags INTERFACE _GLIBCXX_TSAN=1)
+  endif()
   # Eigen allocates differently under AddressSanitizer; memory that the installed PCL allocated
   # could not be freed here.
   target_compile_definitions(prehend_compile_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)

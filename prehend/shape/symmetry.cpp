@@ -286,7 +286,9 @@ class Completion {
   /// is little and enough of them come to lie on what was seen. A first plane along the line of
   /// sight leaves the far side open: then any plane that is not contradicted is better than none.
   std::optional<SymmetryHypothesis> second_plane(const Ballot& ballot, const Candidate& first) {
-    constexpr double kLeastCoincident = 0.1;
+    constexpr double kEnoughCoincident = 0.1;
+    constexpr double kLeastCoincident = 0.04;  // when next to nothing speaks against it
+    constexpr double kMoreThanContradicted = 3;
     constexpr double kAlongSight = 0.5;  // cosine between the first plane's normal and the sight
     const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
     const geometry::Plane plane_C = ballot.plane_C(first.plane);
@@ -323,14 +325,14 @@ class Completion {
     // Two symmetries of one solid are perpendicular, so only the shift is refined.
     const Candidate chosen = centered(both, refined(both, best, 0, step / 2, 0));
     const bool far_side_is_open = std::abs(std::cos(first.turn)) < kAlongSight;
-    const bool stands_out = both.contradiction(chosen.hypothesis) <= options_.max_second_vote &&
-                            chosen.hypothesis.coincident >= kLeastCoincident;
-    const bool serves =
-        far_side_is_open && chosen.hypothesis.contradicted <= options_.max_contradicted / 2;
-    if (!stands_out && !serves) {
-      return std::nullopt;
-    }
-    return chosen.hypothesis;
+    const SymmetryHypothesis& h = chosen.hypothesis;
+    const bool is_supported = h.coincident >= kEnoughCoincident ||
+                              (h.coincident >= kLeastCoincident &&
+                               h.coincident >= kMoreThanContradicted * h.contradicted);
+    const bool stands_out = both.contradiction(h) <= options_.max_second_vote && is_supported;
+    const bool serves = far_side_is_open && h.contradicted <= options_.max_contradicted / 2;
+    if (!stands_out && !serves) return std::nullopt;
+    return h;
   }
 
   /// Appends all points so far mirrored at `plane`.

@@ -24,26 +24,34 @@ constexpr double kUnitsAcross = 6.9e10;  // of the fixed point of sums, about 2^
 constexpr double kLeastExtent = 1e-30;   // m: a voxel may hold all points, and they coincide
 
 struct Neighbors {
-  int count = 0;                 // per point, the point itself first
+  int count = 0;                 // per query; of a point of the cloud, the point itself first
   std::vector<int> indices;      // n x count
   std::vector<float> distances;  // n x count, squared [m^2]
 };
 
-Neighbors nearest_neighbors(const Points& points, int count) {
+/// Of each of `queries` the `count` nearest ones of `points`, nearest first.
+Neighbors nearest_neighbors(const Points& points, const Points& queries, int count) {
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
   Neighbors result;
   result.count = count;
-  result.indices.resize(points.size() * count);
-  result.distances.resize(points.size() * count);
-  const flann::Matrix<float> data(const_cast<float*>(points.front().data()), points.size(), 3);
-  flann::Matrix<int> indices(result.indices.data(), points.size(), count);
-  flann::Matrix<float> distances(result.distances.data(), points.size(), count);
+  result.indices.resize(queries.size() * count);
+  result.distances.resize(queries.size() * count);
+  const auto matrix = [](const Points& p) {
+    return flann::Matrix<float>(const_cast<float*>(p.front().data()), p.size(), 3);
+  };
+  const flann::Matrix<float> data = matrix(points);
+  flann::Matrix<int> indices(result.indices.data(), queries.size(), count);
+  flann::Matrix<float> distances(result.distances.data(), queries.size(), count);
   flann::KDTreeSingleIndex<flann::L2_Simple<float>> index(data, flann::KDTreeSingleIndexParams(15));
   index.buildIndex();
   flann::SearchParams search(flann::FLANN_CHECKS_UNLIMITED, 0, true);
   search.cores = 1;
-  index.knnSearch(data, indices, distances, count, search);
+  index.knnSearch(matrix(queries), indices, distances, count, search);
   return result;
+}
+
+Neighbors nearest_neighbors(const Points& points, int count) {
+  return nearest_neighbors(points, points, count);
 }
 
 void check_finite(const Points& points) {
@@ -243,6 +251,92 @@ std::vector<Eigen::Vector3f> estimate_normals(const Points& points,
 
 namespace {
 
+/// A quadratic surface over a plane.
+struct LocalSurface {
+  Eigen::Vector3f origin, x, y, normal;                        // of the plane, unit axes
+  Eigen::Matrix<float, 6, 1> coefficients;                     // of 1, u, v, u^2, uv, v^2
+  static Eigen::Matrix<float, 6, 1> terms(float u, float v) {  // u along x, v along y [m]
+    return (Eigen::Matrix<float, 6, 1>() << 1, u, v, u * u, u * v, v * v).finished();
+  }
+  /// The height of the surface over `p`, along the normal [m].
+  float over(const Eigen::Vector3f& p) const {
+    const Eigen::Vector3f r = p - origin;
+    return coefficients.dot(terms(r.dot(x), r.dot(y))) - r.dot(normal);
+  }
+};
+
+/// The surface about point `i` that fits its nearest ones best; they count less with distance, and
+/// where they are turned away.
+LocalSurface fitted_about(std::size_t i, const Points& points, const Neighbors& nearest,
+                          const std::vector<Eigen::Vector3f>& normals) {
+  constexpr float kFalloff = 2;  // weight e^-2 at the farthest
+  const Eigen::Vector3f& n = normals[i];
+  LocalSurface surface{points[i], n.unitOrthogonal(), {}, n, {}};
+  surface.y = n.cross(surface.x);
+  const float radius = std::sqrt(nearest.distances[(i + 1) * nearest.count - 1]);
+  Eigen::Matrix<float, 6, 6> normal_matrix = Eigen::Matrix<float, 6, 6>::Zero();
+  Eigen::Matrix<float, 6, 1> right_side = Eigen::Matrix<float, 6, 1>::Zero();
+  for (int j = 0; j < nearest.count; ++j) {
+    const int neighbor = nearest.indices[i * nearest.count + j];
+    const Eigen::Vector3f r = (points[neighbor] - points[i]) / radius;
+    const float cosine = normals[neighbor].dot(n);
+    const float alike = cosine * cosine;
+    const float weight = std::exp(-kFalloff * r.squaredNorm()) * alike * alike;
+    const auto terms = LocalSurface::terms(r.dot(surface.x), r.dot(surface.y));
+    normal_matrix += weight * terms * terms.transpose();
+    right_side += weight * r.dot(n) * terms;
+  }
+  normal_matrix.diagonal().array() += 1e-5f;  // all neighbours on a line
+  surface.coefficients = normal_matrix.ldlt().solve(right_side);
+  // From units of the radius to metres.
+  surface.coefficients[0] *= radius;
+  surface.coefficients.tail<3>() /= radius;
+  return surface;
+}
+
+/// `points`, each moved onto the quadratic surfaces that fit best about it (moving least squares:
+/// Alexa et al., "Computing and rendering point set surfaces", IEEE TVCG 2003). Curved surfaces
+/// stay where they are; waves shorter than about ten spacings go, such as the steps of disparity
+/// leave. All stay when there are too few.
+Points smoothed(const Points& points, double spacing) {
+  constexpr double kCoarser =
+      2;  // voxels of what is fitted, in spacings: as smooth, a quarter of it
+  constexpr int kFitted = 36;
+  constexpr int kOfNormal = 12;
+  constexpr int kBlended = 3;
+  const Points coarse = voxel_means(points, kCoarser * spacing);
+  if (coarse.size() <= kFitted) return points;
+  const Neighbors among = nearest_neighbors(coarse, kFitted);
+  const std::vector<bool> all(coarse.size(), true);
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<LocalSurface> surfaces;
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    normals.push_back(plane_normal(coarse, among, i, kOfNormal, all).cast<float>());
+  }
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    surfaces.push_back(fitted_about(i, coarse, among, normals));
+  }
+  const auto farthest = static_cast<float>(kCoarser * spacing);
+  const Neighbors nearest = nearest_neighbors(coarse, points, kBlended);
+  Points result;
+  result.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Vector3f step = Eigen::Vector3f::Zero();
+    float sum = 0;
+    for (int j = 0; j < kBlended; ++j) {
+      const LocalSurface& surface = surfaces[nearest.indices[i * kBlended + j]];
+      const float height = surface.over(points[i]);
+      // A surface that is farther off is of another face.
+      if (!(std::abs(height) <= farthest)) continue;
+      const float weight = 1 / (nearest.distances[i * kBlended + j] + 0.01f * farthest * farthest);
+      step += weight * height * surface.normal;
+      sum += weight;
+    }
+    result.push_back(sum > 0 ? Eigen::Vector3f(points[i] + step / sum) : points[i]);
+  }
+  return result;
+}
+
 /// Points of one or several origins, and what their normals look at.
 struct ThinnedPoints {
   Points points;
@@ -303,6 +397,7 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
       if (shape.origin[i] == origin) of_origin.push_back(points[i]);
     }
     of_origin = voxel_means(std::move(of_origin), spacing);
+    if (options.smooth) of_origin = smoothed(of_origin, spacing);
     thinned.points.insert(thinned.points.end(), of_origin.begin(), of_origin.end());
     thinned.viewpoints.resize(thinned.points.size(), shape.viewpoint_of(origin));
     thinned.seen.resize(thinned.points.size(), origin == shape::PointOrigin::kSeen);

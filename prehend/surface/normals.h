@@ -46,10 +46,14 @@ struct OrientedCloudOptions {
   /// Neighbours are of the same origin only. The two sides of a thin wall are of different ones, as
   /// near to each other as neighbours are.
   bool separate_origins = false;
+  /// Voxels' means are moved onto quadratic surfaces fitted about them: what a sensor's noise makes
+  /// of a face is neither its normal nor where two fingers touch it.
+  bool smooth = true;
 };
 
-/// The points of `shape`, averaged in voxels (each origin by itself), without outliers, with
-/// normals towards the viewpoint of their origin: mirrored points towards the mirrored viewpoint.
+/// The points of `shape`, averaged in voxels and smoothed (each origin by itself), without
+/// outliers, with normals towards the viewpoint of their origin: mirrored points towards the
+/// mirrored viewpoint.
 /// @param seen if given, is filled with one per point: it was seen, not predicted.
 /// @throws geometry::InputError for a shape with too few or non-finite points.
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,

@@ -21,20 +21,64 @@ struct Slice {
   std::vector<bool> mirrored;  // one per point: on the mirror's far side
 };
 
+/// The points of the slices from `level` - `reach` to `level` + `reach`.
+Slice thicker(const std::map<int, Slice>& slices, int level, int reach) {
+  Slice merged;
+  for (auto it = slices.lower_bound(level - reach);
+       it != slices.end() && it->first <= level + reach; ++it) {
+    const Slice& slice = it->second;
+    merged.points.insert(merged.points.end(), slice.points.begin(), slice.points.end());
+    merged.mirrored.insert(merged.mirrored.end(), slice.mirrored.begin(), slice.mirrored.end());
+  }
+  return merged;
+}
+
 /// True when the outermost points on one side (sign of y) stand over one another from three slices
-/// below `level` to three above it, as far as there are any.
-bool is_upright(const std::map<int, Slice>& slices, int level, bool left, double spacing) {
+/// below `level` to three above it, as far as there are any; `reach` is that of thicker().
+bool is_upright(const std::map<int, Slice>& slices, int level, int reach, bool left,
+                double spacing) {
   const auto outermost = [&](const Slice& slice) {
     const auto [least, most] = std::minmax_element(
         slice.points.begin(), slice.points.end(),
         [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.y() < b.y(); });
     return left ? least->y() : most->y();
   };
-  const auto below = slices.lower_bound(level - 3);
-  const auto above = std::prev(slices.upper_bound(level + 3));
-  const int levels = above->first - below->first;
-  const double shift = outermost(above->second) - outermost(below->second);
+  const int below = slices.lower_bound(level - 3 - reach)->first;
+  const int above = std::prev(slices.upper_bound(level + 3 + reach))->first;
+  const int levels = above - below;
+  const double shift =
+      outermost(thicker(slices, above, reach)) - outermost(thicker(slices, below, reach));
   return std::abs(shift) <= kUprightSlope * std::max(levels, 1) * spacing;
+}
+
+/// Distance between neighbouring seen points [m]: of as many, spread evenly over their outline as
+/// the camera saw it.
+double seen_pitch(const shape::CompletedShape& shape) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (shape.origin[i] != shape::PointOrigin::kSeen) continue;
+    center += shape.cloud_W.points[i].cast<double>();
+    count += 1;
+  }
+  if (count < 3) return 0;
+  center /= count;
+  const Eigen::Vector3d sight = (center - shape.viewpoint_W).normalized();
+  const Eigen::Vector3d right = sight.unitOrthogonal(), down = sight.cross(right);
+  std::vector<Eigen::Vector2d> seen;
+  for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
+    if (shape.origin[i] != shape::PointOrigin::kSeen) continue;
+    const Eigen::Vector3d p = shape.cloud_W.points[i].cast<double>() - center;
+    seen.emplace_back(right.dot(p), down.dot(p));
+  }
+  const std::vector<int> outline = convex_outline(seen);
+  double twice_area = 0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& a = seen[outline[i]];
+    const Eigen::Vector2d& b = seen[outline[(i + 1) % outline.size()]];
+    twice_area += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::sqrt(0.5 * std::abs(twice_area) / count);
 }
 
 bool is_mirrored(shape::PointOrigin origin) {
@@ -82,8 +126,12 @@ geometry::PointCloud side_points(const shape::CompletedShape& shape, const geome
     last->second.mirrored.push_back(is_mirrored(shape.origin[i]));
   }
 
+  // A slice needs a whole row of points, or its outline is a chord through the object.
+  constexpr double kRows = 1.5;
+  const int reach = std::min(100, static_cast<int>(kRows * seen_pitch(shape) / spacing));
   geometry::PointCloud sides;
-  for (const auto& [level, slice] : slices) {
+  for (const auto& [level, thin] : slices) {
+    const Slice slice = thicker(slices, level, reach);
     const double height = (level + 0.5) * spacing;
     const std::vector<int> outline = convex_outline(slice.points);
     for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -95,7 +143,7 @@ geometry::PointCloud side_points(const shape::CompletedShape& shape, const geome
           std::abs(edge.x()) < kCosine25Degrees * length) {
         continue;
       }
-      if (!is_upright(slices, level, edge.x() > 0, spacing)) continue;
+      if (!is_upright(slices, level, reach, edge.x() > 0, spacing)) continue;
       const Eigen::Vector2d out = Eigen::Vector2d(edge.y(), -edge.x()) / length;
       const int steps = static_cast<int>(length / spacing);
       const std::vector<bool> near =
