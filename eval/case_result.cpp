@@ -24,6 +24,7 @@ constexpr ResultFigure kFigures[] = {{"mean", &MethodResult::mean},
                                      {"back_mean", &MethodResult::back_mean},
                                      {"back_max", &MethodResult::back_max},
                                      {"centroid_error", &MethodResult::centroid_error},
+                                     {"normal_error", &MethodResult::normal_error},
                                      {"vote", &MethodResult::vote},
                                      {"confidence", &MethodResult::confidence},
                                      {"seconds", &MethodResult::seconds}};

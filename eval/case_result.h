@@ -25,6 +25,7 @@ struct MethodResult {
   double back_mean = kUnknown;
   double back_max = kUnknown;
   double centroid_error = kUnknown;  // of the surfaces' centroids, over the truth's diagonal
+  double normal_error = kUnknown;    // rad, median over the mesh, to the nearest place of the truth
   double vote = kUnknown;
   double confidence = kUnknown;  // 0..1
   double seconds = kUnknown;     // from segmented cloud to mesh, one thread

@@ -1,5 +1,6 @@
 #include "eval/case_runner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -29,6 +30,28 @@ Eigen::Vector3d area_centroid(const geometry::TriangleMesh& mesh) {
     total += area;
   }
   return sum / total;
+}
+
+Eigen::Vector3d normal_of(const geometry::TriangleMesh& mesh, int triangle) {
+  const Eigen::Vector3i& t = mesh.triangles[triangle];
+  const Eigen::Vector3d& a = mesh.vertices[t.x()];
+  return (mesh.vertices[t.y()] - a).cross(mesh.vertices[t.z()] - a).normalized();
+}
+
+/// Median angle between the two where they are nearest [rad].
+double normal_error(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& truth,
+                    std::uint64_t seed) {
+  constexpr int kNormals = 2000;
+  const geometry::MeshQuery on_mesh(mesh), on_truth(truth);
+  std::vector<double> angles;
+  for (const Eigen::Vector3d& p : surface::sample_surface(mesh, kNormals, seed)) {
+    const double cosine = normal_of(mesh, on_mesh.nearest(p)->triangle)
+                              .dot(normal_of(truth, on_truth.nearest(p)->triangle));
+    angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return *middle;
 }
 
 }  // namespace
@@ -69,6 +92,7 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
   result.variance = there.variance;
   result.centroid_error = (area_centroid(mesh_B) - area_centroid(truth_B)).norm() /
                           geometry::bounds(truth_B).sizes().norm();
+  result.normal_error = normal_error(mesh_B, truth_B, seed);
   result.watertight = geometry::find_defects(mesh_B).watertight();
   return result;
 }

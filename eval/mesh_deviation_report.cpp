@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "eval/deviation_summary.h"
 #include "eval/text_files.h"
@@ -18,6 +19,7 @@ std::string data_set_of(const CaseResult& r) { return r.data_set; }
 std::string orientation_of(const CaseResult& r) { return std::to_string(r.orientation); }
 double back_of(const MethodResult& m) { return m.back_mean; }
 double centroid_of(const MethodResult& m) { return m.centroid_error; }
+double normals_of(const MethodResult& m) { return m.normal_error; }
 double vote_of(const MethodResult& m) { return m.vote; }
 double seconds_of(const MethodResult& m) { return m.seconds; }
 
@@ -106,8 +108,9 @@ std::string chart_of(const Figure& figure, const SummaryTable& table) {
   return report::draw_bar_chart(chart);
 }
 
-const std::vector<std::string> kTotalsHeader = {"method",       "deviation [mm]", "back [mm]",
-                                                "centroid [%]", "time [ms]",      "without a mesh"};
+const std::vector<std::string> kTotalsHeader = {"method",        "deviation [mm]", "back [mm]",
+                                                "centroid [%]",  "normals [deg]",  "time [ms]",
+                                                "without a mesh"};
 
 std::vector<std::vector<std::string>> totals(const std::vector<CaseResult>& results,
                                              const std::vector<Method>& methods) {
@@ -120,6 +123,7 @@ std::vector<std::vector<std::string>> totals(const std::vector<CaseResult>& resu
     rows.push_back({method.name, text(total(results, method.name, deviation_of), 1000),
                     text(total(results, method.name, back_of), 1000),
                     text(total(results, method.name, centroid_of), 100),
+                    text(total(results, method.name, normals_of), 180 / std::numbers::pi),
                     text(total(results, method.name, seconds_of), 1000),
                     fmt::format("{} of {}", failures_of(results, method.name), results.size())});
   }
@@ -236,6 +240,7 @@ std::string mesh_deviation_json(const std::vector<CaseResult>& results,
               .set("standard_deviation_m", total(of, method.name, deviation_of).deviation)
               .set("mean_back_deviation_m", mean(back_of))
               .set("mean_centroid_error", mean(centroid_of))
+              .set("mean_normal_error_rad", mean(normals_of))
               .set("mean_seconds", mean(seconds_of))
               .set("without_mesh", failures_of(of, method.name)));
     }

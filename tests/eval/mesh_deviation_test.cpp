@@ -22,6 +22,7 @@ TEST(Measured, DistancesOfShiftedAndScaledBoxes) {
   const MethodResult same = measured(truth, truth, 1);
   EXPECT_NEAR(same.mean, 0, 1e-7);
   EXPECT_NEAR(same.centroid_error, 0, 1e-12);
+  EXPECT_NEAR(same.normal_error, 0, 1e-6);
   EXPECT_TRUE(same.watertight);
 
   // Every face of the larger box is 5 mm off; nearer than that only towards its edges.
@@ -33,6 +34,13 @@ TEST(Measured, DistancesOfShiftedAndScaledBoxes) {
   geometry::TriangleMesh shifted = truth;
   for (Eigen::Vector3d& v : shifted.vertices) v.x() += 0.02;
   EXPECT_NEAR(measured(shifted, truth, 1).centroid_error, 0.02 / (0.1 * std::sqrt(3.0)), 1e-9);
+
+  const geometry::TriangleMesh turned = geometry::transformed(
+      truth, geometry::make_transform(
+                 Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d(1, 1, 1).normalized())),
+                 Eigen::Vector3d::Zero()));
+  // Each face's normal turns about an axis that is 54.7 degrees from it.
+  EXPECT_NEAR(measured(turned, truth, 1).normal_error, 0.1 * std::sqrt(2. / 3), 2e-4);
 }
 
 TEST(RunCase, BallOnATableIsSeenAndMeasured) {
