@@ -169,7 +169,10 @@ class Completion {
     constexpr double kFarWorse = 0.5;  // vote
     const bool found = facing != planes.end();
     const bool serves = found && acceptable(ballot, *facing, options_.max_contradicted);
-    if (serves && facing->hypothesis.vote <= planes.front().hypothesis.vote + kFarWorse) {
+    // A facing plane may vote worse, by the more the more of what can be judged agrees with it.
+    const double allowed =
+        found ? kFarWorse * std::clamp(4 * ballot.support(facing->hypothesis) - 2, 0.0, 1.0) : 0;
+    if (serves && facing->hypothesis.vote <= planes.front().hypothesis.vote + allowed) {
       return *facing;
     }
     const double most =
@@ -178,7 +181,7 @@ class Completion {
       return acceptable(ballot, c, most);
     });
     if (other != planes.end() &&
-        !(serves && facing->hypothesis.vote <= other->hypothesis.vote + kFarWorse)) {
+        !(serves && facing->hypothesis.vote <= other->hypothesis.vote + allowed)) {
       return *other;
     }
     return found ? *facing : planes.front();
