@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -37,6 +38,9 @@ class Pg70Guardian : public ::testing::Test {
     EXPECT_EQ(::pipe2(notes_, O_NONBLOCK | O_CLOEXEC), 0);
     const pid_t process = ::fork();
     if (process != 0) return process;
+    // Whatever becomes of the test, this process ends.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::alarm(60);
     const auto note = [this](bool, const std::string& words) {
       const std::string line = words + "\n";
       if (::write(notes_[1], line.data(), line.size()) < 0) ::_exit(1);
