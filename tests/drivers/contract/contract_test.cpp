@@ -306,7 +306,7 @@ class Block {
       return;
     }
     EXPECT_TRUE(eventually([&] { return carrier_.size() > 0; }));
-    const auto& centre = carrier_.last().x_wg().position();
+    const msgs::Vector3 centre = carrier_.last().x_wg().position();
     place({centre.x(), centre.y(), centre.z()});
   }
   ~Block() {
