@@ -4,12 +4,11 @@
 #include <string>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/mend.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::convert {
 namespace {
-
-constexpr const char* kSenderMend = "Look for the fault in the node that published it";
 
 void require_positive(double value, const std::string& name) {
   if (!(value > 0) || !std::isfinite(value)) {

@@ -1,34 +1,11 @@
 #pragma once
 
-#include <optional>
-
 #include "msgs/objects.pb.h"
-#include "msgs/sensors.pb.h"
-#include "prehend/geometry/camera_model.h"
-#include "prehend/geometry/image.h"
 #include "prehend/perception/segmented_scene.h"
 #include "prehend/shape/completed_shape.h"
 #include "prehend/surface/object_model.h"
 
 namespace prehend::convert {
-
-/// Fills everything but the header. `X_WC` absent: not calibrated.
-msgs::CameraInfo to_message(const geometry::StereoCamera& camera,
-                            const std::optional<geometry::RigidTransform>& X_WC);
-/// Intrinsics and baseline. @throws InputError for sizes, focal lengths or a baseline that cannot
-/// be.
-geometry::StereoCamera from_message(const msgs::CameraInfo& message);
-/// The camera's pose, if the message has one.
-std::optional<geometry::RigidTransform> camera_pose(const msgs::CameraInfo& message);
-
-struct StereoImages {
-  geometry::ColorImage left;
-  geometry::ColorImage right;
-};
-/// Fills everything but header and generation; red-green-blue. @pre both images have one size.
-msgs::StereoPair to_message(const StereoImages& images);
-/// Grey images become red = green = blue. @throws InputError when `data` has another size.
-StereoImages from_message(const msgs::StereoPair& message);
 
 /// Fills everything but header and times. Masks are cut to their bounding windows.
 msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "nodes/report/gripper_meshes.h"
 #include "prehend/geometry/errors.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "msgs/convert/objects.h"
+#include "msgs/convert/images.h"
 
 namespace prehend::nodes {
 

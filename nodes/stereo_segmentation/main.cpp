@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"

@@ -2,7 +2,7 @@
 #include <string>
 #include <utility>
 
-#include "msgs/convert/objects.h"
+#include "msgs/convert/images.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"

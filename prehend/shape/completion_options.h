@@ -7,8 +7,7 @@ namespace prehend::shape {
 /// What a symmetry plane is judged by.
 enum class VoteKind {
   /// The vote of Bohg et al. (2011), equation (3) of tests/oracles/reference_vote.h, and nothing
-  /// else, in its
-  /// own unit (square pixels and kPublishedDepthUnit).
+  /// else, in its own unit (square pixels and kPublishedDepthUnit).
   kPublished,
   /// What contradicts the view, squared outside the mask; a term for mirrored points that coincide
   /// with seen ones (the paper's case i, which its vote ignores); and two weak priors that decide
@@ -78,5 +77,13 @@ struct CompletionOptions {
   int alternatives = 0;
   double alternative_vote = 0.1;  // >= 0
 };
+
+/// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,
+/// one plane, every point votes, and every mirrored point is kept. Its hypotheses and votes are
+/// those of tests/oracles/reference_vote.h.
+CompletionOptions as_published();
+
+/// @throws std::invalid_argument naming the option that is out of range.
+void check(const CompletionOptions& options);
 
 }  // namespace prehend::shape

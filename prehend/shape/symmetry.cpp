@@ -4,55 +4,18 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "prehend/shape/fallbacks.h"
 #include "prehend/shape/hollows.h"
 #include "prehend/shape/mask_holes.h"
+#include "prehend/shape/outline.h"
 #include "prehend/shape/plane_search.h"
+#include "prehend/shape/second_plane.h"
 
 namespace prehend::shape {
 namespace {
-
-using std::numbers::pi;
-
-void check(const CompletionOptions& options) {
-  const auto require = [](bool condition, const std::string& what) {
-    if (!condition) throw std::invalid_argument("CompletionOptions." + what);
-  };
-  require(options.orientations >= 1 && options.orientations % 2 == 1,
-          "orientations must be odd and >= 1");
-  require(options.max_angle > 0 && options.max_angle <= pi / 2, "max_angle must be in (0, pi/2]");
-  require(options.shifts >= 2, "shifts must be >= 2");
-  require(std::isfinite(options.min_shift) && options.min_shift < options.max_shift &&
-              std::isfinite(options.max_shift),
-          "min_shift must be less than max_shift");
-  require(options.thinning >= 0 && options.thinning <= 0.2, "thinning must be in [0, 0.2]");
-  require(options.planes >= 1, "planes must be >= 1");
-  require(options.alternatives >= 0, "alternatives must be >= 0");
-  require(options.max_tilt >= 0 && options.max_tilt <= pi / 4, "max_tilt must be in [0, pi/4]");
-  require(options.reference_fraction > 0 && std::isfinite(options.reference_fraction),
-          "reference_fraction must be > 0");
-  require(options.depth_tolerance > 0 && std::isfinite(options.depth_tolerance),
-          "depth_tolerance must be > 0");
-  require(options.fill_holes >= 0 && options.fill_holes <= 1, "fill_holes must be in [0, 1]");
-  require(options.max_contradicted >= 0 && options.max_contradicted <= 1,
-          "max_contradicted must be in [0, 1]");
-  require(options.min_support >= 0 && options.min_support <= 1, "min_support must be in [0, 1]");
-  for (const auto& [value, name] : {std::pair{options.outside_weight, "outside_weight"},
-                                    {options.in_front_weight, "in_front_weight"},
-                                    {options.support_weight, "support_weight"},
-                                    {options.oblique_weight, "oblique_weight"},
-                                    {options.depth_prior_weight, "depth_prior_weight"},
-                                    {options.tilt_gain, "tilt_gain"},
-                                    {options.max_second_vote, "max_second_vote"},
-                                    {options.alternative_vote, "alternative_vote"}}) {
-    require(value >= 0 && std::isfinite(value), std::string(name) + " must be >= 0");
-  }
-}
 
 /// One completion in the making.
 class Completion {
@@ -93,7 +56,7 @@ class Completion {
   /// What is seen whole has no other half beside the image, where nothing contradicts it.
   void drop_beside_image(std::vector<Candidate>& planes) const {
     constexpr double kMostUnseen = 0.2;
-    if (mask_reaches_border()) return;
+    if (reaches_border(view_.mask)) return;
     const auto is_beside = [](const Candidate& c) { return c.hypothesis.unseen > kMostUnseen; };
     if (!std::all_of(planes.begin(), planes.end(), is_beside)) std::erase_if(planes, is_beside);
   }
@@ -205,8 +168,10 @@ class Completion {
                                    std::max(3 * options_.depth_tolerance, 0.1 * voting_.extent));
     e.concavity = std::min(1.0, hollow.depth / voting_.extent);
     e.open_top = hollow.open_top;
-    e.cut_by_image = mask_reaches_border();
-    e.occluded = occluded_share();
+    e.cut_by_image = reaches_border(view_.mask);
+    if (view_.nearer && !view_.nearer->data.empty()) {
+      e.occluded = occluded_share(view_.mask, *view_.nearer);
+    }
     e.on_another = view_.on_another;
     e.disagreement = disagreement(ballot, best, planes);
   }
@@ -240,102 +205,14 @@ class Completion {
     return sum / static_cast<double>(voting_.coarse_points_T.size());
   }
 
-  /// Share of the mask's outline that what is nearer cuts off.
-  double occluded_share() const {
-    constexpr int kReach = 3;  // pixels
-    if (!view_.nearer || view_.nearer->data.empty()) return 0;
-    const auto& mask = view_.mask;
-    const auto outside = [&](int u, int v) { return !mask.contains(u, v) || !mask.at(u, v); };
-    double outline = 0, occluded = 0;
-    for (int v = 0; v < mask.height; ++v) {
-      for (int u = 0; u < mask.width; ++u) {
-        if (!mask.at(u, v) || (!outside(u - 1, v) && !outside(u + 1, v) && !outside(u, v - 1) &&
-                               !outside(u, v + 1))) {
-          continue;
-        }
-        outline += 1;
-        bool is_cut = false;
-        for (int y = std::max(0, v - kReach); y <= std::min(mask.height - 1, v + kReach); ++y) {
-          for (int x = std::max(0, u - kReach); x <= std::min(mask.width - 1, u + kReach); ++x) {
-            is_cut = is_cut || view_.nearer->at(x, y) > 0;
-          }
-        }
-        occluded += is_cut;
-      }
-    }
-    return outline > 0 ? occluded / outline : 0;
-  }
-
-  bool mask_reaches_border() const {
-    const auto& mask = view_.mask;
-    for (int u = 0; u < mask.width; ++u) {
-      if (mask.at(u, 0) || mask.at(u, mask.height - 1)) return true;
-    }
-    for (int v = 0; v < mask.height; ++v) {
-      if (mask.at(0, v) || mask.at(mask.width - 1, v)) return true;
-    }
-    return false;
-  }
-
   void mirror(const Ballot& ballot, const Candidate& best) {
     shape_.symmetry = best.hypothesis;
     shape_.mirrored_viewpoint_W = mirrored(shape_.symmetry, shape_.viewpoint_W);
-    if (options_.second_plane) shape_.second_symmetry = second_plane(ballot, best);
+    if (options_.second_plane) {
+      shape_.second_symmetry = second_plane(ballot, best, view_, map_, options_);
+    }
     append_mirrored(shape_.symmetry, false);
     if (shape_.second_symmetry) append_mirrored(*shape_.second_symmetry, true);
-  }
-
-  /// The plane perpendicular to `first` that the points completed at it contradict least, when that
-  /// is little and enough of them come to lie on what was seen. A first plane along the line of
-  /// sight leaves the far side open: then any plane that is not contradicted is better than none.
-  std::optional<SymmetryHypothesis> second_plane(const Ballot& ballot, const Candidate& first) {
-    constexpr double kEnoughCoincident = 0.1;
-    constexpr double kLeastCoincident = 0.04;  // when next to nothing speaks against it
-    constexpr double kMoreThanContradicted = 3;
-    constexpr double kAlongSight = 0.5;  // cosine between the first plane's normal and the sight
-    const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
-    const geometry::Plane plane_C = ballot.plane_C(first.plane);
-    const Eigen::Vector3d normal_T = first.plane.normal_T();
-    std::vector<Eigen::Vector3d> completed;
-    for (const Eigen::Vector3d& p_T : voting_.points_T) {
-      completed.push_back(p_T);
-      const Eigen::Vector3d q_T = p_T - 2 * plane_C.signed_distance(X_CT * p_T) * normal_T;
-      if (!options_.drop_contradicted ||
-          evidence_about(map_, view_.camera, X_CT * q_T, options_.depth_tolerance).contradicted <
-              0.5) {
-        completed.push_back(q_T);
-      }
-    }
-    CompletionOptions supported = options_;
-    supported.vote = VoteKind::kSupported;
-    supported.oblique_weight = 0;
-    supported.depth_prior_weight = 0;
-    const Ballot both(voting_, completed, map_, view_, supported);
-
-    Candidate candidate;
-    candidate.plane.angle = first.plane.angle + pi / 2;
-    const Eigen::Vector2d n = candidate.plane.normal_T().head<2>();
-    const auto [left, right] = both.range(n);
-    const double step = (right - left) / (2 * options_.shifts);
-    const double middle = (left + right) / 2 - n.dot(voting_.center_T.head<2>());
-    std::vector<Candidate> line;
-    for (int i = -options_.shifts / 2; i <= options_.shifts / 2; ++i) {
-      candidate.plane.shift = middle + i * step;
-      line.push_back(candidate);
-    }
-    both.vote(line);
-    const Candidate best = *std::min_element(line.begin(), line.end(), better);
-    // Two symmetries of one solid are perpendicular, so only the shift is refined.
-    const Candidate chosen = centered(both, refined(both, best, 0, step / 2, 0));
-    const bool far_side_is_open = std::abs(std::cos(first.turn)) < kAlongSight;
-    const SymmetryHypothesis& h = chosen.hypothesis;
-    const bool is_supported = h.coincident >= kEnoughCoincident ||
-                              (h.coincident >= kLeastCoincident &&
-                               h.coincident >= kMoreThanContradicted * h.contradicted);
-    const bool stands_out = both.contradiction(h) <= options_.max_second_vote && is_supported;
-    const bool serves = far_side_is_open && h.contradicted <= options_.max_contradicted / 2;
-    if (!stands_out && !serves) return std::nullopt;
-    return h;
   }
 
   /// Appends all points so far mirrored at `plane`.
@@ -498,25 +375,6 @@ class Completion {
 };
 
 }  // namespace
-
-CompletionOptions as_published() {
-  CompletionOptions options;
-  options.vote = VoteKind::kPublished;
-  options.published_start = true;
-  options.orientations = 7;
-  options.shifts = 5;
-  options.max_angle = pi / 9;
-  options.thinning = 0;
-  options.refine = false;
-  options.max_tilt = 0;
-  options.planes = 1;
-  options.second_plane = false;
-  options.drop_contradicted = false;
-  options.fill_holes = 0;
-  options.max_contradicted = 1;
-  options.min_support = 0;
-  return options;
-}
 
 CompletedShape complete_by_symmetry(const ObjectView& view, const CompletionOptions& options,
                                     const ConfidenceModel& model) {

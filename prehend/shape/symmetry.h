@@ -5,11 +5,6 @@
 
 namespace prehend::shape {
 
-/// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,
-/// one plane, every point votes, and every mirrored point is kept. Its hypotheses and votes are
-/// those of tests/oracles/reference_vote.h.
-CompletionOptions as_published();
-
 /// Completes an object seen from one side by the plane of symmetry that contradicts the view least
 /// (after Bohg, Johnson-Roberson, León, Felip, Gratal, Bergström, Kragic, Morales: "Mind the Gap -
 /// Robotic Grasping under Incomplete Observation", ICRA 2011; see

@@ -112,7 +112,7 @@ geometry::TriangleMesh surface_of(const shape::CompletedShape& shape,
   return reconstruct(cloud, table_W, options.surface, cut ? &seen_space : nullptr);
 }
 
-/// That or what stands in for it; `substitute` says what and why.
+/// The surface, or what stands in for it; `substitute` says what and why.
 geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
                                         const geometry::Plane& table_W, const ModelOptions& options,
                                         double* normals_seconds, std::string& substitute) {

@@ -299,8 +299,7 @@ LocalSurface fitted_about(std::size_t i, const Points& points, const Neighbors& 
 /// stay where they are; waves shorter than about ten spacings go, such as the steps of disparity
 /// leave. All stay when there are too few.
 Points smoothed(const Points& points, double spacing) {
-  constexpr double kCoarser =
-      2;  // voxels of what is fitted, in spacings: as smooth, a quarter of it
+  constexpr double kCoarser = 2;  // width of the voxels that are fitted, in spacings
   constexpr int kFitted = 36;
   constexpr int kOfNormal = 12;
   constexpr int kBlended = 3;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "prehend/geometry/errors.h"
 
