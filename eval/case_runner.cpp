@@ -32,28 +32,6 @@ Eigen::Vector3d area_centroid(const geometry::TriangleMesh& mesh) {
   return sum / total;
 }
 
-Eigen::Vector3d normal_of(const geometry::TriangleMesh& mesh, int triangle) {
-  const Eigen::Vector3i& t = mesh.triangles[triangle];
-  const Eigen::Vector3d& a = mesh.vertices[t.x()];
-  return (mesh.vertices[t.y()] - a).cross(mesh.vertices[t.z()] - a).normalized();
-}
-
-/// Median angle between the two where they are nearest [rad].
-double normal_error(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& truth,
-                    std::uint64_t seed) {
-  constexpr int kNormals = 2000;
-  const geometry::MeshQuery on_mesh(mesh), on_truth(truth);
-  std::vector<double> angles;
-  for (const Eigen::Vector3d& p : surface::sample_surface(mesh, kNormals, seed)) {
-    const double cosine = normal_of(mesh, on_mesh.nearest(p)->triangle)
-                              .dot(normal_of(truth, on_truth.nearest(p)->triangle));
-    angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
-  }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
-}
-
 }  // namespace
 
 double mask_iou(const geometry::MaskImage& mask, const geometry::Image<std::int16_t>& labels,
@@ -92,7 +70,7 @@ MethodResult measured(const geometry::TriangleMesh& mesh_B, const geometry::Tria
   result.variance = there.variance;
   result.centroid_error = (area_centroid(mesh_B) - area_centroid(truth_B)).norm() /
                           geometry::bounds(truth_B).sizes().norm();
-  result.normal_error = normal_error(mesh_B, truth_B, seed);
+  result.normal_error = surface::median_normal_error(mesh_B, truth_B, {kSamples, seed});
   result.watertight = geometry::find_defects(mesh_B).watertight();
   return result;
 }
@@ -155,7 +133,7 @@ CaseResult run_case(const Case& one, const std::vector<Method>& methods) {
     MethodResult measures;
     try {
       const auto start = std::chrono::steady_clock::now();
-      const Reconstruction made = method.reconstruct(scene, seen);
+      const Reconstruction made = method.reconstruct(scene, *object);
       const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
       measures =
           measured(geometry::transformed(made.mesh_W, X_BW), *one.data_set->mesh_B, one.seed);

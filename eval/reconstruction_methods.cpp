@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "prehend/shape/object_view.h"
+#include "prehend/shape/scene_completion.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
@@ -14,17 +15,11 @@
 namespace prehend::eval {
 namespace {
 
-using perception::ObjectHypothesis;
 using perception::SegmentedScene;
 
-shape::CompletedShape completed(const SegmentedScene& scene, const ObjectHypothesis& object,
-                                const shape::CompletionOptions& options) {
-  return shape::complete_by_symmetry(shape::view_of(scene, object), options);
-}
-
-Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& object) {
+Reconstruction extruded(const SegmentedScene& scene, std::size_t object) {
   std::vector<Eigen::Vector3d> points;
-  for (const Eigen::Vector3f& p : object.cloud_W.points) {
+  for (const Eigen::Vector3f& p : scene.objects[object].cloud_W.points) {
     points.push_back(p.cast<double>());
     points.push_back(scene.table_W.project(points.back()));
   }
@@ -33,9 +28,10 @@ Reconstruction extruded(const SegmentedScene& scene, const ObjectHypothesis& obj
   return result;
 }
 
-Reconstruction delaunay(const SegmentedScene& scene, const ObjectHypothesis& object) {
+Reconstruction delaunay(const SegmentedScene& scene, std::size_t object) {
   Reconstruction result;
-  result.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
+  result.mesh_W =
+      surface::delaunay_surface(scene.objects[object].cloud_W, scene.camera, scene.X_WC);
   return result;
 }
 
@@ -54,8 +50,9 @@ geometry::PointCloud published_cloud(const shape::CompletedShape& shape) {
 
 // Whatever pcl::Poisson gives, with holes if it has any. The screening of points (Kazhdan and Hoppe
 // 2013) came after the paper, so it is off.
-Reconstruction published(const SegmentedScene& scene, const ObjectHypothesis& object, int depth) {
-  const shape::CompletedShape shape = completed(scene, object, shape::as_published());
+Reconstruction published(const SegmentedScene& scene, std::size_t object, int depth) {
+  const shape::CompletedShape shape = shape::complete_by_symmetry(
+      shape::view_of(scene, scene.objects[object]), shape::as_published());
   surface::PclPoissonOptions options;
   options.depth = depth;
   options.point_weight = 0;
@@ -66,12 +63,14 @@ Reconstruction published(const SegmentedScene& scene, const ObjectHypothesis& ob
   return result;
 }
 
-Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object) {
-  const shape::CompletedShape shape = completed(scene, object, {});
+Reconstruction ours(const SegmentedScene& scene, std::size_t object) {
+  const auto shapes = shape::complete_scene(scene);
+  const shape::CompletedShape& shape = shapes[object].get();
   Reconstruction result;
   result.vote = shape.symmetry.vote;
   result.evidence = shape.evidence;
-  surface::ObjectModel model = surface::make_object_model(shape, support_of(scene, object));
+  surface::ObjectModel model =
+      surface::make_object_model(shape, support_of(scene, scene.objects[object]));
   result.confidence = surface::mesh_confidence(shape.confidence, model.substitute);
   result.mesh_W = std::move(model.mesh_W);
   return result;
@@ -81,7 +80,7 @@ Reconstruction ours(const SegmentedScene& scene, const ObjectHypothesis& object)
 
 std::vector<Method> compared_methods() {
   const auto at_depth = [](int depth) {
-    return [depth](const SegmentedScene& scene, const ObjectHypothesis& object) {
+    return [depth](const SegmentedScene& scene, std::size_t object) {
       return published(scene, object, depth);
     };
   };

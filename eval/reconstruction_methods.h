@@ -24,9 +24,8 @@ struct Reconstruction {
 struct Method {
   std::string name;         // short, as in figures
   std::string description;  // one line
-  std::function<Reconstruction(const perception::SegmentedScene&,
-                               const perception::ObjectHypothesis&)>
-      reconstruct;  // throws when it cannot
+  /// Of the scene's `object`th object. Throws when it cannot.
+  std::function<Reconstruction(const perception::SegmentedScene&, std::size_t object)> reconstruct;
 };
 
 /// The methods that are compared:

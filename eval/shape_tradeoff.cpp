@@ -12,8 +12,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
-#include "prehend/shape/object_view.h"
-#include "prehend/shape/symmetry.h"
+#include "prehend/shape/scene_completion.h"
 #include "prehend/simulation/stereo_renderer.h"
 #include "prehend/surface/model.h"
 
@@ -72,9 +71,8 @@ std::optional<Seen> seen_by(const Case& one, const RenderedScene& rendered,
 
 geometry::TriangleMesh mesh_by(const Seen& seen, const fidelity::ShapeOptions& options) {
   const perception::ObjectHypothesis& object = seen.scene.objects[seen.object];
-  const shape::CompletedShape shape =
-      shape::complete_by_symmetry(shape::view_of(seen.scene, object), options.completion);
-  return surface::mesh_of(shape, support_of(seen.scene, object), options.model);
+  const auto shapes = shape::complete_scene(seen.scene, options.completion);
+  return surface::mesh_of(shapes[seen.object].get(), support_of(seen.scene, object), options.model);
 }
 
 Measured measured_by(const Setting& setting, const std::vector<Seen>& objects, int repetitions) {

@@ -2,33 +2,28 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "eval/case_runner.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/shape/object_view.h"
-#include "prehend/shape/symmetry.h"
+#include "prehend/shape/scene_completion.h"
 #include "prehend/surface/delaunay.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::eval {
 namespace {
 
-surface::ObjectModel predicted(const perception::SegmentedScene& scene,
-                               const perception::ObjectHypothesis& object, int alternatives) {
-  shape::CompletionOptions options;
-  options.alternatives = alternatives;
-  const shape::CompletedShape shape =
-      shape::complete_by_symmetry(shape::view_of(scene, object), options);
-  return surface::make_object_model(shape, support_of(scene, object));
-}
+using Shapes = std::vector<shape::SceneShape>;
 
 // As the node that plans takes them: what has no shape is no obstacle.
-grasp::Obstacles neighbours_of(const SeenObject& seen) {
+grasp::Obstacles neighbours_of(const SeenObject& seen, Shapes& shapes) {
   grasp::Obstacles obstacles;
   for (std::size_t i = 0; i < seen.scene.objects.size(); ++i) {
     if (i == seen.index) continue;
+    shapes[i].shape.alternatives.clear();
     try {
-      const auto pieces = predicted(seen.scene, seen.scene.objects[i], 0).convex_pieces_W;
+      const geometry::Plane& support = support_of(seen.scene, seen.scene.objects[i]);
+      const auto pieces = surface::make_object_model(shapes[i].get(), support).convex_pieces_W;
       obstacles.meshes_W.insert(obstacles.meshes_W.end(), pieces.begin(), pieces.end());
     } catch (const geometry::InputError&) {
       continue;
@@ -60,13 +55,16 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
                        int alternatives) {
   const perception::SegmentedScene& scene = seen.scene;
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
+  shape::CompletionOptions options;
+  options.alternatives = alternatives;
+  Shapes shapes = shape::complete_scene(scene, options);
   Belief belief;
   if (planned_on == PlannedOn::kDelaunay) {
     belief.object.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
   } else {
-    belief.object = predicted(scene, object, alternatives);
+    belief.object = surface::make_object_model(shapes[seen.index].get(), support_of(scene, object));
   }
-  if (!one.data_set->viewing.others_B.empty()) belief.obstacles = neighbours_of(seen);
+  if (!one.data_set->viewing.others_B.empty()) belief.obstacles = neighbours_of(seen, shapes);
   return belief;
 }
 

@@ -273,6 +273,7 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
         to_message(geometry::StereoCamera{space.camera, 0}, space.X_WC);
     message.set_seen_depth(pack_depth(space.empty_until));
   }
+  for (const auto& bound_W : shape.bounds_W) *message.add_bounds() = to_message(bound_W);
   return message;
 }
 
@@ -316,6 +317,7 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
     shape.alternatives.push_back(from_message(other));
   }
   if (message.has_seen_camera()) shape.seen_space = read_seen_space(message);
+  for (const auto& bound : message.bounds()) shape.bounds_W.push_back(from_message(bound));
   return shape;
 }
 

@@ -1,7 +1,7 @@
-#include <chrono>
 #include <exception>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
@@ -9,8 +9,7 @@
 #include "nodes/shape_fidelity/shape_fidelity.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/perception/masks.h"
-#include "prehend/shape/object_view.h"
-#include "prehend/shape/symmetry.h"
+#include "prehend/shape/scene_completion.h"
 
 namespace {
 
@@ -141,8 +140,16 @@ class ShapeCompletion {
     }
     int completed = 0;
     std::string problem;
-    for (const perception::ObjectHypothesis& object : scene.objects) {
-      msgs::CompletedShape shape = complete(scene, object);
+    const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
+    std::vector<shape::SceneShape> shapes(scene.objects.size());
+    try {
+      shapes = shape::complete_scene(scene, completion_options(node_, chosen), confidence_model_);
+    } catch (const std::exception&) {
+      for (shape::SceneShape& shape : shapes) shape.error = std::current_exception();
+    }
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const perception::ObjectHypothesis& object = scene.objects[i];
+      msgs::CompletedShape shape = message_of(scene, object, shapes[i]);
       *shape.mutable_header() = message.header();
       shape.set_object_count(static_cast<std::uint32_t>(scene.objects.size()));
       if (shape.completed()) {
@@ -162,15 +169,13 @@ class ShapeCompletion {
         fmt::format("{} of {} objects completed{}", completed, scene.objects.size(), problem));
   }
 
-  msgs::CompletedShape complete(const perception::SegmentedScene& scene,
-                                const perception::ObjectHypothesis& object) {
-    const auto start = std::chrono::steady_clock::now();
+  msgs::CompletedShape message_of(const perception::SegmentedScene& scene,
+                                  const perception::ObjectHypothesis& object,
+                                  const shape::SceneShape& completed) {
     msgs::CompletedShape message;
     const std::string problem = node_.shield(fmt::format("object {}", object.id), [&] {
-      const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
-      message = convert::to_message(shape::complete_by_symmetry(
-          shape::view_of(scene, object), completion_options(node_, chosen), confidence_model_));
-      if (chosen) *message.mutable_fidelity() = chosen->choice;
+      message = convert::to_message(completed.get());
+      if (fidelity_->chosen()) *message.mutable_fidelity() = fidelity_->chosen()->choice;
     });
     if (!problem.empty()) {
       message = msgs::CompletedShape();
@@ -188,8 +193,7 @@ class ShapeCompletion {
     message.set_occluded_share(object.occluded_share);
     msgs::StageTime* time = message.add_times();
     time->set_stage("completion");
-    time->set_seconds(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    time->set_seconds(completed.seconds);
     return message;
   }
 

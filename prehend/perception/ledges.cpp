@@ -18,9 +18,11 @@ namespace {
 constexpr int kMostParts = 6;             // of a cluster
 constexpr std::size_t kLeastPoints = 60;  // of a part
 constexpr double kOverLedge = 0.004;      // m: noise of the ledge
+constexpr double kRisen = 0.01;           // m over a ledge: what is higher is not of it
 constexpr int kReach = 4;                 // cells between a ledge and what rises beside it
 constexpr int kLeastContact = 8;          // cells of the ledge within that
 constexpr double kLeastLedgeShare = 0.2;  // of the area that rises
+constexpr double kLeastRim = 0.1;         // of it, where the colours differ by twice the least
 constexpr double kMostEnclosed = 0.4;     // of the ledge, by what rises: else it is a hollow
 constexpr double kWallGoesOn = 0.5;       // of the points per height above the ledge
 constexpr double kLeastWall = 0.012;      // m of height that shows a wall
@@ -34,6 +36,8 @@ void check(const LedgeOptions& o) {
           "least_step must exceed flatness");
   require(o.least_height >= 0 && o.least_plate >= 0 && o.least_width >= 0,
           "lengths and areas must not be negative");
+  require(o.least_color_difference >= 0 && o.least_hue_difference >= 0,
+          "differences must not be negative");
   require(o.least_level_share >= 0 && o.least_level_share <= 1,
           "least_level_share must be in [0, 1]");
 }
@@ -54,6 +58,7 @@ class Tops {
       flat.emplace_back(x.dot(p), y.dot(p));
       box.extend(flat.back());
     }
+    towards_camera = -Eigen::Vector2d(box.center()).normalized();
     const Eigen::Array2d size = (box.sizes() / options.cell).array().floor() + 1;
     if (!(size.maxCoeff() < kMostCells)) return;  // wider than anything that one grasps
     top = cv::Mat(static_cast<int>(size.y()), static_cast<int>(size.x()), CV_32F, cv::Scalar(0));
@@ -106,6 +111,7 @@ class Tops {
   cv::Mat top;                   // CV_32F, greatest height over each cell [m]; 0: no point
   std::vector<double> heights;   // m, one a member
   std::vector<cv::Point> cells;  // likewise
+  Eigen::Vector2d towards_camera = Eigen::Vector2d::Zero();  // along the table, unit, in cells
 
  private:
   static constexpr double kMostCells = 1000;
@@ -199,12 +205,12 @@ cv::Mat risen_region(const Tops& tops, const cv::Mat& plate, double height) {
 }
 
 /// Whether the ledge is a ledge of what rises, and that a thing of its own.
-bool is_step(const cv::Mat& ledge, const cv::Mat& plate, const cv::Mat& risen,
+bool is_step(const cv::Mat& ledge, const cv::Mat& level, const cv::Mat& risen,
              const LedgeOptions& options) {
   const double risen_cells = cv::countNonZero(risen);
   const double ledge_cells = cv::countNonZero(ledge);
-  if (ledge_cells < kLeastLedgeShare * risen_cells) return false;
-  if (cv::countNonZero(plate & risen) < options.least_level_share * risen_cells) return false;
+  if (ledge_cells < kLeastRim * risen_cells) return false;
+  if (cv::countNonZero(level & risen) < options.least_level_share * risen_cells) return false;
   if (cv::countNonZero(ledge & widened(risen, kReach)) < kLeastContact) return false;
   cv::Mat thick;
   const int width = std::max(1, static_cast<int>(options.least_width / options.cell));
@@ -213,10 +219,32 @@ bool is_step(const cv::Mat& ledge, const cv::Mat& plate, const cv::Mat& risen,
   return cv::countNonZero(ledge & convex(risen)) <= kMostEnclosed * ledge_cells;
 }
 
+/// Whether what rises stands before the ledge, so that no wall under it can be seen.
+bool is_behind(const Tops& tops, const cv::Mat& ledge, const cv::Mat& risen) {
+  constexpr double kMostInView = 0.3;  // of the ledge's near edge
+  int hidden = 0, in_view = 0;
+  for (int v = 0; v < ledge.rows; ++v) {
+    for (int u = 0; u < ledge.cols; ++u) {
+      if (ledge.at<std::uint8_t>(v, u) == 0) continue;
+      bool is_edge = true, meets_risen = false;
+      for (int k = 2; k <= kReach + 2; ++k) {
+        const Eigen::Vector2d q = Eigen::Vector2d(u, v) + k * tops.towards_camera;
+        const cv::Point at(static_cast<int>(std::lround(q.x())),
+                           static_cast<int>(std::lround(q.y())));
+        if (at.x < 0 || at.y < 0 || at.x >= ledge.cols || at.y >= ledge.rows) break;
+        is_edge &= ledge.at<std::uint8_t>(at) == 0;
+        meets_risen |= risen.at<std::uint8_t>(at) != 0;
+      }
+      if (is_edge) (meets_risen ? hidden : in_view) += 1;
+    }
+  }
+  return hidden > 0 && in_view < kMostInView * (hidden + in_view);
+}
+
 /// Whether a wall was seen under the ledge: a wing, a brim has none.
 bool is_carried(const Tops& tops, const cv::Mat& ledge, const cv::Mat& risen, double height) {
   constexpr double kLeastShare = 0.02;  // of all points
-  const cv::Mat about = widened(ledge, 2) & ~widened(risen, 1);
+  const cv::Mat about = widened(ledge, kReach) & ~widened(risen, 1);
   std::size_t under = 0;
   for (std::size_t k = 0; k < tops.cells.size(); ++k) {
     under += about.at<std::uint8_t>(tops.cells[k]) != 0 && tops.heights[k] > 0.3 * height &&
@@ -254,7 +282,7 @@ bool stands_beside(const geometry::PointCloud& cloud_C, const Tops& tops,
                          : count > kLowShare * static_cast<double>(members.size());
   if (!wall_goes_on || cloud_C.colors.size() != cloud_C.size() || above.empty())
     return wall_goes_on;
-  return color_difference(cloud_C, below, above) <= color_difference(cloud_C, below, on_ledge);
+  return hue_difference(cloud_C, below, above) <= hue_difference(cloud_C, below, on_ledge);
 }
 
 /// The members that belong to what rises, and the others. What stands beside the ledge has what is
@@ -278,12 +306,27 @@ Parts divided(const Tops& tops, const std::vector<int>& members, const cv::Mat& 
   return parts;
 }
 
+/// Whether the parts have colours of their own, not two shades of one. A rim alone may be a lid's:
+/// then the colours must be known and differ by twice as much.
+bool differ(const geometry::PointCloud& cloud_C, const Parts& parts, bool is_rim,
+            const LedgeOptions& options) {
+  constexpr double kBeyondShade = 5;  // times the least difference: no shade makes that
+  if (cloud_C.colors.size() != cloud_C.size()) return !is_rim;
+  const double factor = is_rim ? 2 : 1;
+  const double difference = color_difference(cloud_C, parts.first, parts.second);
+  return difference >= factor * options.least_color_difference &&
+         (hue_difference(cloud_C, parts.first, parts.second) >=
+              factor * options.least_hue_difference ||
+          difference >= factor * kBeyondShade * options.least_color_difference);
+}
+
 std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geometry::Plane& table_C,
                                 const std::vector<int>& members, const LedgeOptions& options) {
   if (members.size() < 2 * kLeastPoints) return std::nullopt;
   const Tops tops(cloud_C, table_C, members, options);
   if (tops.top.empty()) return std::nullopt;
   const Tops::Plates lows = tops.plates(true), highs = tops.plates(false);
+  const cv::Mat level = highs.labels > 0;
   const double least_cells = options.least_plate / (options.cell * options.cell);
   for (std::size_t low = 0; low < lows.heights.size(); ++low) {
     const double height = lows.heights[low];
@@ -299,16 +342,16 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
       const double step = highs.heights[high] - height;
       if (highs.cells[high] < least_cells || step < options.least_step) continue;
       const cv::Mat plate = highs.labels == static_cast<int>(high) + 1;
-      const cv::Mat risen = risen_region(tops, plate, height + 0.5 * step);
-      if (!is_step(ledge, plate, risen, options)) continue;
-      if (!is_carried(tops, ledge, risen, height)) continue;
+      // With all that is between, such as the middle one of three.
+      const cv::Mat risen = risen_region(tops, plate, height + std::min(0.5 * step, kRisen));
+      if (!is_step(ledge, level, risen, options)) continue;
+      if (!is_carried(tops, ledge, risen, height) && !is_behind(tops, ledge, risen)) continue;
       const bool beside =
           stands_beside(cloud_C, tops, members, ledge, risen, height, highs.heights[high]);
       Parts parts = divided(tops, members, ledge, risen, height, beside);
       if (std::min(parts.first.size(), parts.second.size()) < kLeastPoints) continue;
-      if (color_difference(cloud_C, parts.first, parts.second) < options.least_color_difference) {
-        continue;
-      }
+      const bool is_rim = cv::countNonZero(ledge) < kLeastLedgeShare * cv::countNonZero(risen);
+      if (!differ(cloud_C, parts, is_rim, options)) continue;
       return parts;
     }
   }

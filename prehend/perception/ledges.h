@@ -19,6 +19,9 @@ struct LedgeOptions {
   /// Parts whose mean colours differ by less [grey levels, Euclidean in Lab] are one; only with
   /// colours. >= 0.
   double least_color_difference = 12;
+  /// Nor may they be shades of one colour: their hues differ by this, too (mean_color.h), or the
+  /// colours by five times the above. >= 0.
+  double least_hue_difference = 0.035;
 };
 
 /// Splits a cluster of points over `table_C` where a level ledge is beside something that rises

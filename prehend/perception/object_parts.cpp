@@ -80,6 +80,23 @@ class PartJoiner {
     return carrier;
   }
 
+  // The nearest cluster that stands on the table, cannot carry part k and looks like it.
+  std::optional<std::size_t> foot_of(
+      std::size_t k, const PartOptions& options,
+      const std::function<bool(std::size_t, std::size_t)>& look_alike) const {
+    std::optional<std::size_t> foot;
+    double nearest = options.join_gap;
+    for (std::size_t other = 0; other < clusters_.size(); ++other) {
+      if (other == k || parts_[other].lowest > options.contact_height) continue;
+      if (clusters_[other].size() < kMinPartPoints) continue;
+      const double gap = distance(k, other);
+      if (gap >= nearest || carries(other, k) || !look_alike(k, other)) continue;
+      nearest = gap;
+      foot = other;
+    }
+    return foot;
+  }
+
   // The near wall of the vessel whose far inside wall is part k.
   std::optional<std::size_t> near_wall_of(std::size_t k) const {
     if (clusters_[k].size() < kMinPartPoints) return std::nullopt;
@@ -107,19 +124,30 @@ class PartJoiner {
   }
 
  private:
+  // Whether the middle of cluster k is over the other one.
+  bool carries(std::size_t other, std::size_t k) const {
+    const auto outline = outline_of(other);
+    return outline && outline->contains(parts_[k].center, 0);
+  }
+
+  // Convex, along the table; none where a line is seen.
+  std::optional<PlaneOutline> outline_of(std::size_t k) const {
+    std::vector<Eigen::Vector3f> around;
+    for (const int i : clusters_[k]) around.push_back(points_[i]);
+    try {
+      return PlaneOutline(table_, around);
+    } catch (const geometry::InputError&) {
+      return std::nullopt;
+    }
+  }
+
   // Whether all of cluster k stands within the convex outline of the other one, nearly.
   bool is_within(std::size_t k, std::size_t other) const {
     constexpr double kMargin = 0.008;  // m
-    std::vector<Eigen::Vector3f> around;
-    for (const int i : clusters_[other]) around.push_back(points_[i]);
-    try {
-      const PlaneOutline outline(table_, around);
-      return std::all_of(clusters_[k].begin(), clusters_[k].end(), [&](int i) {
-        return outline.contains(points_[i].cast<double>(), kMargin);
-      });
-    } catch (const geometry::InputError&) {
-      return false;  // the other one is seen as a line
-    }
+    const auto outline = outline_of(other);
+    return outline && std::all_of(clusters_[k].begin(), clusters_[k].end(), [&](int i) {
+             return outline->contains(points_[i].cast<double>(), kMargin);
+           });
   }
 
   struct View {
@@ -178,7 +206,8 @@ class PartJoiner {
 JoinedParts joined_parts(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<std::vector<int>>& clusters,
                          const std::vector<char>& is_cut, const geometry::Plane& table_C,
-                         const PartOptions& options) {
+                         const PartOptions& options,
+                         const std::function<bool(std::size_t, std::size_t)>& look_alike) {
   const PartJoiner joiner(points, clusters, table_C);
   std::vector<std::size_t> target(clusters.size());
   std::iota(target.begin(), target.end(), 0);
@@ -193,13 +222,20 @@ JoinedParts joined_parts(const std::vector<Eigen::Vector3f>& points,
       hangs[k] = 1;
     }
   }
+  // Parts of parts; a circle ends where it started.
+  const auto root_of = [&](std::size_t k) {
+    for (std::size_t steps = 0; target[k] != k && steps < clusters.size(); ++steps) k = target[k];
+    return k;
+  };
+  for (std::size_t k = 0; look_alike && k < clusters.size(); ++k) {
+    const bool floats = joiner.part(k).lowest > options.contact_height;
+    if (!floats || is_cut[k] || target[k] != k) continue;
+    const auto foot = joiner.foot_of(k, options, look_alike);
+    if (foot && root_of(*foot) != k) target[k] = *foot;
+  }
   std::vector<std::vector<int>> joined(clusters.size());
   for (std::size_t k = 0; k < clusters.size(); ++k) {
-    // Parts of parts; a circle ends where it started.
-    std::size_t root = k;
-    for (std::size_t steps = 0; target[root] != root && steps < clusters.size(); ++steps) {
-      root = target[root];
-    }
+    const std::size_t root = root_of(k);
     joined[root].insert(joined[root].end(), clusters[k].begin(), clusters[k].end());
   }
   JoinedParts result;

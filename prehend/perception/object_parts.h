@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,6 +24,8 @@ struct JoinedParts {
 
 /// Puts together clusters that one object falls into when its middle is not seen:
 ///  - what floats over the table belongs to the nearest cluster of at least twice its size;
+///  - what floats and a nearby smaller cluster that looks alike and cannot carry it, as it is not
+///    under its middle, are one: what is between is hidden;
 ///  - what stands within the outline of such a cluster belongs to it: crumbs of a face that is seen
 ///    at a grazing angle;
 ///  - the far inside wall of a bowl, pot or mug belongs to the near wall. It is told by its
@@ -31,9 +35,11 @@ struct JoinedParts {
 /// it goes on beyond what was looked at and may hang there (a lamp, a monitor's edge).
 /// @param points in the optical frame C (camera at the origin). @param clusters indices into them.
 /// @param is_cut one a cluster: whether it goes on beyond the image or the space over the table.
+/// @param look_alike whether two clusters may have one colour; empty: none has.
 JoinedParts joined_parts(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<std::vector<int>>& clusters,
                          const std::vector<char>& is_cut, const geometry::Plane& table_C,
-                         const PartOptions& options);
+                         const PartOptions& options,
+                         const std::function<bool(std::size_t, std::size_t)>& look_alike = {});
 
 }  // namespace prehend::perception

@@ -10,6 +10,7 @@
 
 #include "prehend/perception/cloud_partition.h"
 #include "prehend/perception/masks.h"
+#include "prehend/perception/mean_color.h"
 #include "prehend/perception/organized_components.h"
 #include "prehend/perception/supports.h"
 #include "prehend/text/require.h"
@@ -154,8 +155,13 @@ class ObjectFinder {
     for (const std::vector<int>& of_cluster : voxels.clusters) {
       is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
     }
+    const auto look_alike = [&](std::size_t a, std::size_t b) {
+      constexpr double kLeastHueDifference = 0.12;
+      return hue_difference(cloud_C_, members_of(voxels, voxels.clusters[a]),
+                            members_of(voxels, voxels.clusters[b])) < kLeastHueDifference;
+    };
     const JoinedParts joined = joined_parts(voxels.grid.centroids, voxels.clusters, is_cut,
-                                            table_.plane_C, options_.parts);
+                                            table_.plane_C, options_.parts, look_alike);
     for (const std::vector<int>& part : joined.objects) take(members_of(voxels, part));
     for (const std::vector<int>& part : joined.hanging) {
       drop(members_of(voxels, part),

@@ -9,11 +9,12 @@
 namespace prehend::perception {
 namespace {
 
-constexpr double kStands = 0.025;   // m: what begins lower stands on the table
-constexpr double kBeside = 0.03;    // m round a footprint, in which the carrier's top is looked for
-constexpr double kOver = 0.015;     // m that a carrier's top may seem to be over what stands on it
-constexpr double kGap = 0.03;       // m under the lowest seen points that are not seen of it
-constexpr std::size_t kLeast = 20;  // points that show a top
+constexpr double kStands = 0.025;  // m: what begins lower stands on the table
+constexpr double kBeside = 0.03;   // m round a footprint, in which the carrier's top is looked for
+constexpr double kOver = 0.015;    // m that a carrier's top may seem to be over what stands on it
+constexpr double kLeastThick = 0.005;  // m that what stands on something rises over it
+constexpr double kGap = 0.03;          // m under the lowest seen points that are not seen of it
+constexpr std::size_t kLeast = 20;     // points that show a top
 
 double quantile(std::vector<double> values, double q) {
   const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -32,6 +33,7 @@ std::vector<double> support_heights(const std::vector<const geometry::PointCloud
     for (const Eigen::Vector3f& p : cloud->points) {
       heights.push_back(table_W.signed_distance(p.cast<double>()));
     }
+    const double highest = heights.empty() ? 0 : quantile(heights, 0.98);
     const double lowest = heights.empty() ? 0 : quantile(std::move(heights), 0.02);
     if (lowest > kStands) {
       try {
@@ -45,7 +47,9 @@ std::vector<double> support_heights(const std::vector<const geometry::PointCloud
           }
           if (under.size() < kLeast) continue;
           const double top = quantile(std::move(under), 0.97);
-          if (top < lowest + kOver && top > lowest - kGap) support = std::max(support, top);
+          if (top < lowest + kOver && top > lowest - kGap && top < highest - kLeastThick) {
+            support = std::max(support, top);
+          }
         }
       } catch (const geometry::InputError&) {
         // A line has no footprint to stand on.

@@ -94,6 +94,9 @@ struct CompletedShape {
   /// have none themselves): no surface between the points may go there. Without size where the view
   /// had no depth.
   SeenSpace seen_space;
+  /// Planes to whose normal's side the body keeps, alternatives too: neighbours begin there
+  /// (neighbors.h).
+  std::vector<geometry::Plane> bounds_W;
 
   /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].
   Eigen::Vector3d viewpoint_of(PointOrigin point_origin) const {

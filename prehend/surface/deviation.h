@@ -45,4 +45,10 @@ MeshDeviation mesh_deviation(const geometry::TriangleMesh& first,
                              const geometry::TriangleMesh& second,
                              const DeviationOptions& options = {});
 
+/// Median angle [rad] between outward normals of `mesh` at points spread uniformly over it and
+/// those of `truth` where it is nearest to them. @throws geometry::InputError for a mesh without
+/// area.
+double median_normal_error(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& truth,
+                           const DeviationOptions& options = {});
+
 }  // namespace prehend::surface

@@ -306,11 +306,25 @@ void cut_at_table(ScalarGrid& field, float height, float level) {
   }
 }
 
+/// Lowers the field so that nothing under `plane`, in nodes, is above `level`.
+void cut_at_plane(ScalarGrid& field, const geometry::Plane& plane, float level) {
+  for (int z = 0; z < field.size().z(); ++z) {
+    for (int y = 0; y < field.size().y(); ++y) {
+      for (int x = 0; x < field.size().x(); ++x) {
+        const auto height = static_cast<float>(plane.signed_distance(Eigen::Vector3d(x, y, z)));
+        float& value = field.at(x, y, z);
+        value = std::min(value, level + kCutSlope * height);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
                             const std::optional<geometry::Plane>& table,
-                            const FastPoissonOptions& options, const shape::SeenSpace* seen_space) {
+                            const FastPoissonOptions& options, const shape::SeenSpace* seen_space,
+                            std::span<const geometry::Plane> bounds) {
   check(options);
   const std::vector<int> order = canonical_order(cloud.points, cloud.normals);
   std::vector<Eigen::Vector3f> ordered;
@@ -340,6 +354,11 @@ PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
   if (table) {
     const double height = table->offset - table->normal.dot(lattice.to_world({0, 0, 0}));
     cut_at_table(field, static_cast<float>(height / lattice.spacing), level);
+  }
+  for (const geometry::Plane& bound : bounds) {
+    const Eigen::Vector3d normal_F = lattice.X_WF.linear().transpose() * bound.normal;
+    const double height = bound.signed_distance(lattice.to_world({0, 0, 0}));
+    cut_at_plane(field, {normal_F, -height / lattice.spacing}, level);
   }
   if (seen_space) {
     const geometry::RigidTransform X_CW = seen_space->X_WC.inverse();

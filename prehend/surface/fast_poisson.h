@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "prehend/geometry/plane.h"
@@ -53,13 +54,14 @@ struct PoissonSurface {
 /// longest extent), in grid units, so a rigid motion of cloud and table moves the mesh, as far as
 /// the cloud's single precision and nearly equal extents let it. The order of the points does not
 /// matter, not to the last bit. With a `table`, what is under it is outside; with a `seen_space`,
-/// what lies in empty space (empty_space.h).
+/// what lies in empty space (empty_space.h); and what lies under one of the `bounds`.
 /// @throws std::invalid_argument naming an option out of range.
 /// @pre cloud has finite points that do not all coincide, and as many finite normals.
 PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
                             const std::optional<geometry::Plane>& table,
                             const FastPoissonOptions& options = {},
-                            const shape::SeenSpace* seen_space = nullptr);
+                            const shape::SeenSpace* seen_space = nullptr,
+                            std::span<const geometry::Plane> bounds = {});
 
 /// The part of `surface` all of whose triangles' vertices have at least `least_density` points per
 /// m^2 about them: what the points say, with holes where they say nothing. Vertices keep their

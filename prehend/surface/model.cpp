@@ -91,11 +91,12 @@ geometry::PointCloud vessel_cloud(const shape::CompletedShape& shape,
   return cloud;
 }
 
-/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct().
+/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct(), of a
+/// shape or of one of its alternatives; `whole`, the shape, knows where nothing can be.
 /// `normals_seconds` is filled when given. @throws geometry::InputError as reconstruct() does.
 geometry::TriangleMesh surface_of(const shape::CompletedShape& shape,
                                   const geometry::Plane& table_W,
-                                  const shape::SeenSpace& seen_space, const ModelOptions& options,
+                                  const shape::CompletedShape& whole, const ModelOptions& options,
                                   double* normals_seconds = nullptr) {
   Stopwatch stopwatch;
   geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
@@ -108,8 +109,9 @@ geometry::TriangleMesh surface_of(const shape::CompletedShape& shape,
     cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
   }
   if (normals_seconds) *normals_seconds = stopwatch.lap();
-  const bool cut = options.keep_out_of_empty_space && !seen_space.empty_until.empty();
-  return reconstruct(cloud, table_W, options.surface, cut ? &seen_space : nullptr);
+  const bool cut = options.keep_out_of_empty_space && !whole.seen_space.empty_until.empty();
+  return reconstruct(cloud, table_W, options.surface, cut ? &whole.seen_space : nullptr,
+                     whole.bounds_W);
 }
 
 /// The surface, or what stands in for it; `substitute` says what and why.
@@ -117,13 +119,13 @@ geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
                                         const geometry::Plane& table_W, const ModelOptions& options,
                                         double* normals_seconds, std::string& substitute) {
   try {
-    return surface_of(shape, table_W, shape.seen_space, options, normals_seconds);
+    return surface_of(shape, table_W, shape, options, normals_seconds);
   } catch (const geometry::InputError& error) {
     substitute = error.problem();
   }
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
-      geometry::TriangleMesh mesh = surface_of(other, table_W, shape.seen_space, options);
+      geometry::TriangleMesh mesh = surface_of(other, table_W, shape, options);
       substitute += "; an alternative plane of symmetry stands in";
       return mesh;
     } catch (const geometry::InputError&) {
@@ -146,7 +148,7 @@ geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
 
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                                const ModelOptions& options, double* normals_seconds) {
-  return surface_of(shape, table_W, shape.seen_space, options, normals_seconds);
+  return surface_of(shape, table_W, shape, options, normals_seconds);
 }
 
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -172,7 +174,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
 
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
-      model.alternatives_W.push_back(surface_of(other, table_W, shape.seen_space, options));
+      model.alternatives_W.push_back(surface_of(other, table_W, shape, options));
     } catch (const geometry::InputError&) {
       // A shape that gives no mesh is no alternative; that of the winner counts.
     }

@@ -47,22 +47,28 @@ void check_input(const geometry::PointCloud& cloud) {
   }
 }
 
-void put_on_table(TriangleMesh& mesh, const std::optional<geometry::Plane>& table) {
-  if (!table) return;
-  for (Eigen::Vector3d& vertex : mesh.vertices) {
-    if (table->signed_distance(vertex) < 0) vertex = table->project(vertex);
-  }
+using Bounds = std::span<const geometry::Plane>;
+
+/// What lies under the table or one of the bounds comes to lie on it.
+void put_on(TriangleMesh& mesh, const std::optional<geometry::Plane>& table, Bounds bounds) {
+  const auto put_on_plane = [&](const geometry::Plane& plane) {
+    for (Eigen::Vector3d& vertex : mesh.vertices) {
+      if (plane.signed_distance(vertex) < 0) vertex = plane.project(vertex);
+    }
+  };
+  for (const geometry::Plane& bound : bounds) put_on_plane(bound);
+  if (table) put_on_plane(*table);
 }
 
 /// Points on the octree's cell borders can leave holes; another cube moves the borders.
 TriangleMesh by_pcl(const geometry::PointCloud& cloud, const std::optional<geometry::Plane>& table,
-                    const PclPoissonOptions& options) {
+                    Bounds bounds, const PclPoissonOptions& options) {
   std::string problem;
   for (const double larger_scale : {1.0, 1.07, 1.03, 1.11}) {
     PclPoissonOptions attempt = options;
     attempt.scale = options.scale * larger_scale;
     TriangleMesh mesh = pcl_poisson(cloud, attempt);
-    put_on_table(mesh, table);
+    put_on(mesh, table, bounds);
     const geometry::MeshDefects defects = geometry::find_defects(mesh);
     if (!mesh.empty() && defects.watertight()) {
       if (geometry::mass_properties(mesh).volume < 0) {
@@ -78,10 +84,10 @@ TriangleMesh by_pcl(const geometry::PointCloud& cloud, const std::optional<geome
 }
 
 TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
-                             const std::optional<geometry::Plane>& table,
+                             const std::optional<geometry::Plane>& table, Bounds bounds,
                              const FastPoissonOptions& options,
                              const shape::SeenSpace* seen_space) {
-  PoissonSurface surface = fast_poisson(cloud, table, options, seen_space);
+  PoissonSurface surface = fast_poisson(cloud, table, options, seen_space, bounds);
   if (surface.inside_out) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
                          " points: their normals point inward",
@@ -92,7 +98,7 @@ TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
                          " points: their surface is open, what is behind it has no end",
                      "give points of the other side, or normals that point outward");
   }
-  put_on_table(surface.mesh, table);
+  put_on(surface.mesh, table, bounds);
   return std::move(surface.mesh);
 }
 
@@ -100,7 +106,8 @@ TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
 
 TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                          const std::optional<geometry::Plane>& table, const SurfaceOptions& options,
-                         const shape::SeenSpace* seen_space) {
+                         const shape::SeenSpace* seen_space,
+                         std::span<const geometry::Plane> bounds) {
   if (!(options.footprint_slice > 0 && options.footprint_slice <= 1)) {
     throw std::invalid_argument("SurfaceOptions.footprint_slice must be in (0, 1]");
   }
@@ -111,8 +118,8 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                                     : cloud;
   const TriangleMesh mesh =
       solid_parts(options.method == SurfaceMethod::kPclPoisson
-                      ? by_pcl(closed, table, options.pcl_poisson)
-                      : by_fast_poisson(closed, table, options.fast_poisson, seen_space),
+                      ? by_pcl(closed, table, bounds, options.pcl_poisson)
+                      : by_fast_poisson(closed, table, bounds, options.fast_poisson, seen_space),
                   kLeastShare);
   if (mesh.empty()) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +

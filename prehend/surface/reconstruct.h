@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/point_cloud.h"
@@ -30,7 +31,8 @@ struct SurfaceOptions {
 /// the bottom is closed and no vertex lies below it. Connected parts with less than 5 % of the
 /// volume of the largest one are dropped; an object whose neck is thinner than the resolution keeps
 /// its head as a second closed part. With a `seen_space`, fast_poisson leaves nothing in space that
-/// was seen to be empty (PCL's, the reference, knows nothing of that).
+/// was seen to be empty (PCL's, the reference, knows nothing of that). Nothing of the mesh lies
+/// under one of the `bounds`.
 /// @throws geometry::InputError when the cloud has no normals, has fewer than 30 points or a
 /// non-finite one, or when no watertight mesh came out: the message says which defects were left,
 /// that the surface is open or that its normals point inward.
@@ -38,6 +40,7 @@ struct SurfaceOptions {
 geometry::TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                                    const std::optional<geometry::Plane>& table,
                                    const SurfaceOptions& options = {},
-                                   const shape::SeenSpace* seen_space = nullptr);
+                                   const shape::SeenSpace* seen_space = nullptr,
+                                   std::span<const geometry::Plane> bounds = {});
 
 }  // namespace prehend::surface

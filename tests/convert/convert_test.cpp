@@ -145,6 +145,7 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   shape.seen_space = {
       {2, 1, 500, 500, -7, 3}, geometry::look_at({1, 0, 1}, {0, 0, 0}), {2, 1, 0.7f}};
   shape.seen_space.empty_until.at(1, 0) = std::numeric_limits<float>::quiet_NaN();
+  shape.bounds_W = {{Eigen::Vector3d::UnitY(), 0.3}};
   auto message = to_message(shape);
   EXPECT_EQ(from_message(message).origin, shape.origin);
   EXPECT_EQ(from_message(message).symmetry.vote, 0.25);
@@ -157,6 +158,9 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   EXPECT_EQ(received.confidence, 0.6);
   EXPECT_TRUE(received.evidence.open_vessel());
   EXPECT_EQ(received.planes.front().vote, 0.25);
+  ASSERT_EQ(received.bounds_W.size(), 1u);
+  EXPECT_EQ(received.bounds_W[0].normal, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(received.bounds_W[0].offset, 0.3);
   EXPECT_EQ(received.seen_space.camera.cx, -7);
   EXPECT_TRUE(received.seen_space.X_WC.isApprox(shape.seen_space.X_WC));
   EXPECT_NEAR(received.seen_space.empty_until.at(0, 0), 0.7, 1e-4);

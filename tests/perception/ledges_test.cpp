@@ -100,6 +100,37 @@ TEST(Ledges, DivideAStackOfThree) {
   EXPECT_GT(pile.agreement(parts), 0.95);
 }
 
+// Of the middle one only a strip is seen: known colours tell it from a lid.
+TEST(Ledges, ARimIsALedgeWhereTheColorsSaySo) {
+  for (const auto& [upper, parts] : {std::pair{kGreen, 3u}, std::pair{kBlue, 2u}}) {
+    Pile pile = stack(kBlue);
+    pile.hide_under({-0.031, -0.034, 0.13}, {0.049, 0.034, 0.17});
+    pile.box({-0.031, -0.034, 0.13}, {0.049, 0.034, 0.17}, 2, upper);
+    EXPECT_EQ(pile.split().size(), parts);
+    pile.cloud.colors.clear();
+    EXPECT_EQ(pile.split().size(), 2u);
+  }
+}
+
+// A wall in the shade, a face in the light.
+TEST(Ledges, ShadesOfOneColorAreOneThing) { EXPECT_EQ(stack({110, 20, 20}).split().size(), 1u); }
+
+// Nobody can see whether the ledge has a wall under it.
+TEST(Ledges, DivideALowerThingBehindATallerOne) {
+  Pile pile;
+  pile.box({-0.04, 0.30, 0}, {0.04, 0.36, 0.1}, 0, kRed);
+  const std::size_t front = pile.cloud.size();
+  for (double x = -0.04; x <= 0.04; x += 0.002) {
+    for (double y = 0.37; y <= 0.42; y += 0.002) pile.add(x, y, 0.085, 1, kBlue);
+  }
+  const auto parts = pile.split();
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_GT(pile.agreement(parts), 0.95);
+  // A wing: the table is seen before it.
+  for (std::size_t i = front; i < pile.cloud.size(); ++i) pile.cloud.points[i].y() -= 0.13f;
+  EXPECT_EQ(pile.split().size(), 1u);
+}
+
 TEST(Ledges, DivideWhatStandsSideBySide) {
   Pile pile;
   pile.box({-0.08, -0.03, 0}, {0, 0.03, 0.09}, 0, kRed);

@@ -229,7 +229,7 @@ std::vector<Eigen::Vector3f> wall(double from, double to, double radius, double 
 class Parts : public ::testing::Test {
  protected:
   std::size_t count(const std::vector<std::vector<Eigen::Vector3f>>& parts,
-                    std::vector<char> is_cut = {}) {
+                    std::vector<char> is_cut = {}, bool look_alike = false) {
     std::vector<Eigen::Vector3f> points;
     std::vector<std::vector<int>> clusters;
     for (const auto& part : parts) {
@@ -241,7 +241,8 @@ class Parts : public ::testing::Test {
     }
     is_cut.resize(parts.size(), 0);
     const JoinedParts joined =
-        joined_parts(points, clusters, is_cut, {-Eigen::Vector3d::UnitY(), -0.3}, {});
+        joined_parts(points, clusters, is_cut, {-Eigen::Vector3d::UnitY(), -0.3}, {},
+                     [&](std::size_t, std::size_t) { return look_alike; });
     hanging_ = joined.hanging.size();
     return joined.objects.size();
   }
@@ -267,6 +268,16 @@ TEST_F(Parts, FloatingHandleJoinsAndHangingLampIsNoObject) {
   EXPECT_EQ(count({can, lamp}, {0, 1}), 1U);
   EXPECT_EQ(hanging_, 1U);
   EXPECT_EQ(count({lamp}, {1}), 0U);
+}
+
+// A pitcher lying on its handle: what joins them is hidden.
+TEST_F(Parts, WhatFloatsBesideAThingOfItsColorThatCannotCarryItIsOneWithIt) {
+  const auto body = wall(-kPi, 0, 0.06, 0.06, 0.15);
+  auto handle = wall(-kPi / 2 - 0.3, -kPi / 2 + 0.3, 0.06, 0.01, 0.04);
+  EXPECT_EQ(count({body, handle}, {}, true), 1U);
+  EXPECT_EQ(count({body, handle}, {}, false), 2U);
+  const auto stand = wall(-kPi, kPi, 0.05, 0.01, 0.04);  // under the middle
+  EXPECT_EQ(count({wall(-kPi, kPi, 0.06, 0.06, 0.15), stand}, {}, true), 2U);
 }
 
 TEST_F(Parts, CrumbsWithinAnOutlineBelongToItAndThingsBesideItDoNot) {

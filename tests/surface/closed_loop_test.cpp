@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/mesh_query.h"
 #include "prehend/shape/symmetry.h"
 #include "prehend/surface/deviation.h"
 #include "prehend/surface/model.h"
@@ -127,29 +126,6 @@ TEST(ClosedLoop, ACameraTwiceAsCoarseStillGivesTheSolid) {
   }
 }
 
-/// Median angle between the mesh where it was seen and the truth [rad].
-double median_normal_error(const ObjectModel& model, const geometry::TriangleMesh& truth) {
-  const auto normal = [](const geometry::TriangleMesh& mesh, int triangle) {
-    const Eigen::Vector3i& t = mesh.triangles[triangle];
-    const Eigen::Vector3d& a = mesh.vertices[t.x()];
-    return (mesh.vertices[t.y()] - a).cross(mesh.vertices[t.z()] - a).normalized().eval();
-  };
-  const geometry::MeshQuery query(truth);
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < model.mesh_W.triangles.size(); i += 5) {
-    const Eigen::Vector3i& t = model.mesh_W.triangles[i];
-    if (model.vertex_origin[t.x()] != SurfaceOrigin::kSeen) continue;
-    const Eigen::Vector3d center = (model.mesh_W.vertices[t.x()] + model.mesh_W.vertices[t.y()] +
-                                    model.mesh_W.vertices[t.z()]) /
-                                   3;
-    const double cosine = normal(model.mesh_W, static_cast<int>(i))
-                              .dot(normal(truth, query.nearest(center)->triangle));
-    errors.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
-  }
-  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-  return errors[errors.size() / 2];
-}
-
 // Contacts are planned on normals. What a millimetre of noise makes of them is smoothed, what is
 // exact stays as it is.
 TEST(ClosedLoop, NormalsAreNotThoseOfTheNoise) {
@@ -164,8 +140,8 @@ TEST(ClosedLoop, NormalsAreNotThoseOfTheNoise) {
       const ObjectModel as_seen = make_object_model(completed, view.table_W, rough);
       const ObjectModel smooth = make_object_model(completed, view.table_W);
       if (noise > 0) {
-        EXPECT_LT(median_normal_error(smooth, truth), 8 * kDegree) << name;
-        EXPECT_GT(median_normal_error(as_seen, truth), 11 * kDegree) << name;
+        EXPECT_LT(median_normal_error(smooth.mesh_W, truth), 8 * kDegree) << name;
+        EXPECT_GT(median_normal_error(as_seen.mesh_W, truth), 11 * kDegree) << name;
       }
       EXPECT_NEAR(mesh_deviation(smooth.mesh_W, truth).from_second.mean,
                   mesh_deviation(as_seen.mesh_W, truth).from_second.mean, 0.00015)

@@ -58,6 +58,17 @@ TEST(Deviation, ToItselfIsZero) {
   EXPECT_LT(mesh_deviation(mesh, mesh).to_second.max, 1e-7);
 }
 
+// Two thirds of a cube's area turn with it about the vertical.
+TEST(NormalError, OfATurnedCubeIsTheTurn) {
+  const auto cube = geometry::make_box({0.1, 0.1, 0.1});
+  geometry::RigidTransform turn = geometry::RigidTransform::Identity();
+  turn.linear() = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  EXPECT_NEAR(median_normal_error(geometry::transformed(cube, turn), cube), 0.1, 1e-9);
+  EXPECT_NEAR(median_normal_error(cube, cube), 0, 1e-7);
+  EXPECT_THROW(median_normal_error({}, cube), geometry::InputError);
+  EXPECT_THROW(median_normal_error(cube, {}), geometry::InputError);
+}
+
 TEST(SampleSurface, IsUniformOverTheArea) {
   // A small and a large square: points in proportion to 1 : 9.
   geometry::TriangleMesh mesh;

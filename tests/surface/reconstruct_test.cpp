@@ -1,8 +1,11 @@
 #include "prehend/surface/reconstruct.h"
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -137,6 +140,29 @@ TEST(Reconstruct, HostileInputIsRefused) {
   refuses([](SurfaceOptions& o) { o.fast_poisson.screening_iterations = -1; });
   refuses([](SurfaceOptions& o) { o.fast_poisson.spread = 0; });
   refuses([](SurfaceOptions& o) { o.footprint_slice = 0; });
+}
+
+// A ball of which 2 cm of 5 are a neighbour's, by either method.
+TEST(Reconstruct, NothingIsUnderABound) {
+  const double radius = 0.05, height = 0.03;
+  const geometry::PointCloud cloud = sampled(geometry::make_sphere(radius, 64), 20000);
+  const Eigen::Vector3d normal = Eigen::Vector3d(1, 2, -2).normalized();
+  const std::vector<geometry::Plane> bounds = {{normal, -height}};
+  for (const SurfaceMethod method : {SurfaceMethod::kFastPoisson, SurfaceMethod::kPclPoisson}) {
+    SurfaceOptions options;
+    options.method = method;
+    options.pcl_poisson.depth = 6;
+    const auto mesh = reconstruct(cloud, std::nullopt, options, nullptr, bounds);
+    EXPECT_TRUE(geometry::find_defects(mesh).watertight());
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+      EXPECT_GE(bounds[0].signed_distance(vertex), -1e-9);
+    }
+    // The ball without its cap, of height h.
+    const double h = radius - height;
+    const double volume =
+        std::numbers::pi * (4. / 3 * std::pow(radius, 3) - h * h * (radius - h / 3));
+    EXPECT_NEAR(geometry::mass_properties(mesh).volume, volume, 0.02 * volume);
+  }
 }
 
 }  // namespace

@@ -13,8 +13,7 @@
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/perception/recorded_cloud.h"
 #include "prehend/planning/known_models.h"
-#include "prehend/shape/object_view.h"
-#include "prehend/shape/symmetry.h"
+#include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
 #include "prehend/surface/simplify.h"
 #include "prehend/surface/size_on_table.h"
@@ -164,11 +163,15 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
                                "Give --object one from 0");
   }
   target.table_W = scene.table_W;
+  start = steady_clock::now();
+  progress.stage(fmt::format("completing {} objects", scene.objects.size()));
+  auto shapes = shape::complete_scene(scene, {.alternatives = choices.alternatives});
+  target.times.emplace_back("completion", since(start));
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
     const geometry::Plane& support = support_of(scene, seen);
     start = steady_clock::now();
-    progress.stage(fmt::format("completing object {} of {}", i, scene.objects.size()));
+    progress.stage(fmt::format("meshing object {} of {}", i, scene.objects.size()));
     try {
       if (i == choices.object && !choices.known.empty()) {
         const bool known = take_known(choices, scene, seen, &target);
@@ -176,16 +179,12 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
         if (known) continue;
         start = steady_clock::now();
       }
-      shape::CompletionOptions completion;
-      if (i == choices.object) completion.alternatives = choices.alternatives;
-      const shape::CompletedShape shape =
-          shape::complete_by_symmetry(shape::view_of(scene, seen), completion);
+      const shape::CompletedShape& shape = shapes[static_cast<std::size_t>(i)].get();
       if (i != choices.object) {
+        shapes[static_cast<std::size_t>(i)].shape.alternatives.clear();
         target.neighbours_W.push_back(surface::make_object_model(shape, support).convex_pieces_W);
         continue;
       }
-      target.times.emplace_back("completion", since(start));
-      start = steady_clock::now();
       target.object = surface::make_object_model(shape, support);
       if (seen.support_W) {
         target.notes.push_back(fmt::format("it stands on another object, {:.0f} mm over the table",
