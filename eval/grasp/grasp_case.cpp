@@ -18,6 +18,7 @@ struct Figure {
 constexpr Figure kFigures[] = {{"plan_seconds", &GraspTrial::plan_seconds},
                                {"slip", &GraspTrial::slip},
                                {"contact_error", &GraspTrial::contact_error},
+                               {"area_error", &GraspTrial::area_error},
                                {"opening_error", &GraspTrial::opening_error},
                                {"robustness", &GraspTrial::robustness},
                                {"best_robustness", &GraspTrial::best_robustness},

@@ -25,6 +25,9 @@ struct GraspTrial {
   double plan_seconds = kUnknown;   // processor time of planning, one thread
   double slip = kUnknown;           // m, in the hand while it was lifted and carried
   double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
+  /// Contact area predicted over that of the same grasp closed on the truth, less 1; parallel
+  /// grippers only.
+  double area_error = kUnknown;
   double opening_error = kUnknown;  // m, of the opening at the touch, felt less predicted
   double robustness = kUnknown;     // predicted of the executed grasp
   double best_robustness = 0;       // predicted, of all grasps

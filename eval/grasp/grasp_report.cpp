@@ -65,7 +65,7 @@ GraspTotals totals_of(const std::vector<GraspCase>& cases, const std::string& ha
   GraspTotals totals;
   totals.hand = hand;
   totals.setting = setting;
-  std::vector<double> slips, contacts, openings, seconds;
+  std::vector<double> slips, contacts, areas, openings, seconds;
   for (const GraspCase& one : cases) {
     const GraspTrial* trial = one.trial(setting);
     if (one.hand != hand || trial == nullptr || !one.fits()) continue;
@@ -75,11 +75,13 @@ GraspTotals totals_of(const std::vector<GraspCase>& cases, const std::string& ha
     totals.within_three += trial->lifted ? 1 : 0;
     if (trial->lifted) slips.push_back(trial->slip);
     contacts.push_back(trial->contact_error);
+    areas.push_back(std::abs(trial->area_error));
     openings.push_back(std::abs(trial->opening_error));
     seconds.push_back(trial->plan_seconds);
   }
   totals.slip = median(slips);
   totals.contact_error = median(contacts);
+  totals.area_error = median(areas);
   totals.opening_error = median(openings);
   totals.plan_seconds = median(seconds);
   return totals;
@@ -95,8 +97,9 @@ std::string millimetres(double metres) {
 
 using Rows = std::vector<std::vector<std::string>>;
 const std::vector<std::string> kTotalsHeader{
-    "hand",     "group",     "planned on",         "at first",           "within three",
-    "no grasp", "slip [mm]", "contact error [mm]", "opening error [mm]", "plan [ms]"};
+    "hand",     "group",     "planned on",         "at first",         "within three",
+    "no grasp", "slip [mm]", "contact error [mm]", "contact area [%]", "opening error [mm]",
+    "plan [ms]"};
 
 Rows totals_rows(const std::vector<GraspCase>& cases) {
   Rows rows;
@@ -104,7 +107,9 @@ Rows totals_rows(const std::vector<GraspCase>& cases) {
     rows.push_back(
         {t.hand, t.group, t.setting, share_text(t.first, t.cases),
          share_text(t.within_three, t.cases), fmt::format("{}", t.unplanned), millimetres(t.slip),
-         millimetres(t.contact_error), millimetres(t.opening_error),
+         millimetres(t.contact_error),
+         std::isnan(t.area_error) ? "-" : fmt::format("{:.0f}", 100 * t.area_error),
+         millimetres(t.opening_error),
          std::isnan(t.plan_seconds) ? "-" : fmt::format("{:.1f}", t.plan_seconds * 1e3)});
   }
   return rows;
@@ -251,15 +256,16 @@ std::string cases_csv(const std::vector<GraspCase>& cases) {
   std::string csv =
       "hand,group,case,object,others,orientation_deg,setting,grasps,attempts,lifted,slip_m,contact_"
       "error_m,"
-      "opening_error_m,robustness,guessed_contact,plan_s,why\n";
+      "area_error,opening_error_m,robustness,guessed_contact,plan_s,why\n";
   for (const GraspCase& one : cases) {
     for (const GraspTrial& t : one.trials) {
       std::string why = t.outcome.empty() ? t.problem : t.outcome;
       std::replace(why.begin(), why.end(), '"', '\'');
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
                          one.group, one.case_name, one.data_set, one.others, one.orientation,
                          t.setting, t.grasps, t.attempts, t.lifted, t.slip, t.contact_error,
-                         t.opening_error, t.robustness, t.guessed_contact, t.plan_seconds, why);
+                         t.area_error, t.opening_error, t.robustness, t.guessed_contact,
+                         t.plan_seconds, why);
     }
   }
   return csv;
@@ -309,6 +315,7 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
                    .set("within_three", t.within_three_share())
                    .set("slip_m", t.slip)
                    .set("contact_error_m", t.contact_error)
+                   .set("contact_area_error", t.area_error)
                    .set("opening_error_m", t.opening_error)
                    .set("plan_s", t.plan_seconds));
   }

@@ -19,6 +19,7 @@ struct GraspTotals {
   int within_three = 0;
   double slip = kUnknown;           // m, median of those lifted
   double contact_error = kUnknown;  // m, median of those tried
+  double area_error = kUnknown;     // median of the absolute values
   double opening_error = kUnknown;  // m, median of the absolute values
   double plan_seconds = kUnknown;   // median
 

@@ -6,6 +6,7 @@
 
 #include "eval/grasp/grasp_execution.h"
 #include "eval/processor_time.h"
+#include "prehend/grasp/closing.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::eval {
@@ -13,6 +14,16 @@ namespace {
 
 constexpr double kLeastLift = 0.1;  // m
 constexpr double kTimeLimit = 180;  // s, simulated, of three attempts
+
+/// Contact area of the grasp closed on the object [m^2], mean of both pads; NaN where it would not
+/// close on it.
+double area_on(const geometry::MeshQuery& object_W, const grasp::Grasp& grasp,
+               const robot::GripperModel& gripper) {
+  const grasp::ClosedHand hand =
+      grasp::close_hand(object_W, grasp.X_WG, grasp.pregrasp_opening, grasp.grasp_force, gripper);
+  return hand.outcome == grasp::ClosingOutcome::kClosed ? 0.5 * (hand.left.area + hand.right.area)
+                                                        : kUnknown;
+}
 
 GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
                        const PlannerSetting& setting, const BelieveAgain& believe_again) {
@@ -61,8 +72,9 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
   const grasp::Grasp& grasp = execution.grasp;
   std::vector<Eigen::Vector3d> contacts_W = grasp.left_contacts_W;
   contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
-  trial.contact_error = mean_distance(
-      contacts_W, geometry::MeshQuery(geometry::transformed(truth.mesh_W, execution.X_moved)));
+  const geometry::MeshQuery truth_W(geometry::transformed(truth.mesh_W, execution.X_moved));
+  trial.contact_error = mean_distance(contacts_W, truth_W);
+  trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
   for (const auto& surprise : execution.surprises) {

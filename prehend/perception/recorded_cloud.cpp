@@ -5,7 +5,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -324,6 +327,28 @@ void put_on_hypothetical_table(RecordedCloud& recorded, bool up_known) {
       "lowest point");
 }
 
+// A camera may hang on its head, or on its side: where no table is below, the first turn of the
+// image that shows one is taken.
+void find_up(RecordedCloud& recorded) {
+  if (recorded.up_C) return;
+  for (const auto& [degrees, how] :
+       {std::pair{0, ""}, {180, "on its head"}, {90, "on its side"}, {-90, "on its side"}}) {
+    const RigidTransform turn =
+        geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
+                                     degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitZ())),
+                                 Eigen::Vector3d::Zero());
+    try {
+      const Table table = find_table(geometry::transformed(recorded.cloud_C, turn));
+      if (degrees == 0) return;
+      recorded.up_C = turn.linear().transpose() * table.plane_C.normal;
+      recorded.notes.push_back("the camera is " + std::string(how) + ": so a table is below");
+      return;
+    } catch (const InputError&) {
+      // The next turn, or the words of the search in segment_recorded_cloud().
+    }
+  }
+}
+
 // Cameras of this trade see from some decimetres to some metres.
 void note_distance(RecordedCloud& recorded) {
   std::vector<float> distances;
@@ -391,6 +416,8 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
   } else if (is_single_object(recorded, options, shape)) {
     put_on_hypothetical_table(recorded, up_F.has_value());
     if (viewpoint.made_up) drop_hidden_points(recorded);
+  } else {
+    find_up(recorded);
   }
   return recorded;
 }

@@ -1,5 +1,6 @@
 #include "prehend/perception/recorded_cloud.h"
 
+#include <algorithm>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -75,6 +76,20 @@ TEST(InterpretRecordedCloud, CameraAlongMinusZ) {
     EXPECT_TRUE(recorded.X_FC.linear().isApprox(half_turn_about_x().linear(), 1e-9));
     EXPECT_THAT(all_notes(recorded), HasSubstr("turned"));
     expect_scene(recorded);
+  }
+}
+
+// Mounted on its head: the first row of its image shows what is nearest.
+TEST(InterpretRecordedCloud, CameraUpsideDown) {
+  const RigidTransform roll = geometry::make_transform({0, 0, 0, 1}, Eigen::Vector3d::Zero());
+  geometry::PointCloud rolled = geometry::transformed(render(scene_view()), roll);
+  std::reverse(rolled.points.begin(), rolled.points.end());
+  std::reverse(rolled.colors.begin(), rolled.colors.end());
+  for (const bool organized : {true, false}) {
+    const RecordedCloud recorded =
+        interpret_recorded_cloud(file_of(organized ? rolled : geometry::without_invalid(rolled)));
+    expect_scene(recorded);
+    EXPECT_THAT(all_notes(recorded), HasSubstr("on its head"));
   }
 }
 
