@@ -58,7 +58,9 @@ class Tops {
       flat.emplace_back(x.dot(p), y.dot(p));
       box.extend(flat.back());
     }
-    towards_camera = -Eigen::Vector2d(box.center()).normalized();
+    towards_camera_ = -Eigen::Vector2d(box.center()).normalized();
+    camera_distance_ = box.center().norm();
+    camera_height_ = table_C.signed_distance(Eigen::Vector3d::Zero());
     const Eigen::Array2d size = (box.sizes() / options.cell).array().floor() + 1;
     if (!(size.maxCoeff() < kMostCells)) return;  // wider than anything that one grasps
     top = cv::Mat(static_cast<int>(size.y()), static_cast<int>(size.x()), CV_32F, cv::Scalar(0));
@@ -111,10 +113,33 @@ class Tops {
   cv::Mat top;                   // CV_32F, greatest height over each cell [m]; 0: no point
   std::vector<double> heights;   // m, one a member
   std::vector<cv::Point> cells;  // likewise
-  Eigen::Vector2d towards_camera = Eigen::Vector2d::Zero();  // along the table, unit, in cells
+
+  /// `risen` and what it hides at `low` [m] behind it, when it is `high`.
+  cv::Mat with_shadow(const cv::Mat& risen, double high, double low) const {
+    const double over = std::max(camera_height_ - high, 1e-3);
+    const double length = std::min((high - low) * camera_distance_ / over, kLongestShadow);
+    cv::Mat result = risen.clone(), moved;
+    for (int k = 1; k <= std::ceil(length / options_.cell); ++k) {
+      const cv::Matx23d shift(1, 0, -k * towards_camera_.x(), 0, 1, -k * towards_camera_.y());
+      cv::warpAffine(risen, moved, shift, risen.size(), cv::INTER_NEAREST);
+      result |= moved;
+    }
+    return result;
+  }
+
+  /// The edge that faces the camera: `region` without the same, moved a little to the camera.
+  cv::Mat near_edge(const cv::Mat& region) const {
+    constexpr double kWidth = 2;  // cells
+    const cv::Matx23d shift(1, 0, -kWidth * towards_camera_.x(), 0, 1,
+                            -kWidth * towards_camera_.y());
+    cv::Mat moved;
+    cv::warpAffine(region, moved, shift, region.size(), cv::INTER_NEAREST);
+    return region & ~moved;
+  }
 
  private:
   static constexpr double kMostCells = 1000;
+  static constexpr double kLongestShadow = 0.15;  // m
 
   /// Whether the top slopes by more than 10 degrees along an axis, to both sides alike: what falls
   /// to one side only is an edge.
@@ -162,6 +187,9 @@ class Tops {
   }
 
   const LedgeOptions& options_;
+  Eigen::Vector2d towards_camera_ = Eigen::Vector2d::Zero();  // along the table, unit
+  double camera_distance_ = 0;                                // m, along the table
+  double camera_height_ = 0;                                  // m, over the table
 };
 
 cv::Mat widened(const cv::Mat& region, int cells) {
@@ -206,12 +234,12 @@ cv::Mat risen_region(const Tops& tops, const cv::Mat& plate, double height) {
 
 /// Whether the ledge is a ledge of what rises, and that a thing of its own.
 bool is_step(const cv::Mat& ledge, const cv::Mat& level, const cv::Mat& risen,
-             const LedgeOptions& options) {
+             const cv::Mat& shadow, const LedgeOptions& options) {
   const double risen_cells = cv::countNonZero(risen);
   const double ledge_cells = cv::countNonZero(ledge);
   if (ledge_cells < kLeastRim * risen_cells) return false;
   if (cv::countNonZero(level & risen) < options.least_level_share * risen_cells) return false;
-  if (cv::countNonZero(ledge & widened(risen, kReach)) < kLeastContact) return false;
+  if (cv::countNonZero(ledge & widened(shadow, kReach)) < kLeastContact) return false;
   cv::Mat thick;
   const int width = std::max(1, static_cast<int>(options.least_width / options.cell));
   cv::erode(risen, thick, cv::getStructuringElement(cv::MORPH_RECT, {width, width}));
@@ -220,25 +248,11 @@ bool is_step(const cv::Mat& ledge, const cv::Mat& level, const cv::Mat& risen,
 }
 
 /// Whether what rises stands before the ledge, so that no wall under it can be seen.
-bool is_behind(const Tops& tops, const cv::Mat& ledge, const cv::Mat& risen) {
+bool is_behind(const Tops& tops, const cv::Mat& ledge, const cv::Mat& shadow) {
   constexpr double kMostInView = 0.3;  // of the ledge's near edge
-  int hidden = 0, in_view = 0;
-  for (int v = 0; v < ledge.rows; ++v) {
-    for (int u = 0; u < ledge.cols; ++u) {
-      if (ledge.at<std::uint8_t>(v, u) == 0) continue;
-      bool is_edge = true, meets_risen = false;
-      for (int k = 2; k <= kReach + 2; ++k) {
-        const Eigen::Vector2d q = Eigen::Vector2d(u, v) + k * tops.towards_camera;
-        const cv::Point at(static_cast<int>(std::lround(q.x())),
-                           static_cast<int>(std::lround(q.y())));
-        if (at.x < 0 || at.y < 0 || at.x >= ledge.cols || at.y >= ledge.rows) break;
-        is_edge &= ledge.at<std::uint8_t>(at) == 0;
-        meets_risen |= risen.at<std::uint8_t>(at) != 0;
-      }
-      if (is_edge) (meets_risen ? hidden : in_view) += 1;
-    }
-  }
-  return hidden > 0 && in_view < kMostInView * (hidden + in_view);
+  const cv::Mat edge = tops.near_edge(ledge);
+  const int hidden = cv::countNonZero(edge & widened(shadow, kReach));
+  return hidden > 0 && hidden > (1 - kMostInView) * cv::countNonZero(edge);
 }
 
 /// Whether a wall was seen under the ledge: a wing, a brim has none.
@@ -344,8 +358,9 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
       const cv::Mat plate = highs.labels == static_cast<int>(high) + 1;
       // With all that is between, such as the middle one of three.
       const cv::Mat risen = risen_region(tops, plate, height + std::min(0.5 * step, kRisen));
-      if (!is_step(ledge, level, risen, options)) continue;
-      if (!is_carried(tops, ledge, risen, height) && !is_behind(tops, ledge, risen)) continue;
+      const cv::Mat shadow = tops.with_shadow(risen, highs.heights[high], height);
+      if (!is_step(ledge, level, risen, shadow, options)) continue;
+      if (!is_carried(tops, ledge, risen, height) && !is_behind(tops, ledge, shadow)) continue;
       const bool beside =
           stands_beside(cloud_C, tops, members, ledge, risen, height, highs.heights[high]);
       Parts parts = divided(tops, members, ledge, risen, height, beside);
