@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <optional>
 
 #include "eval/structured_light.h"
-#include "prehend/geometry/mesh_query.h"
 #include "prehend/perception/segmentation.h"
 #include "prehend/perception/stereo.h"
 #include "prehend/surface/deviation.h"

@@ -74,7 +74,8 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
   contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
   const geometry::MeshQuery truth_W(geometry::transformed(truth.mesh_W, execution.X_moved));
   trial.contact_error = mean_distance(contacts_W, truth_W);
-  trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
+  if (trial.attempts > 0)
+    trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
   for (const auto& surprise : execution.surprises) {

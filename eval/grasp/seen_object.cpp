@@ -16,11 +16,10 @@ namespace {
 using Shapes = std::vector<shape::SceneShape>;
 
 // As the node that plans takes them: what has no shape is no obstacle.
-grasp::Obstacles neighbours_of(const SeenObject& seen, Shapes& shapes) {
+grasp::Obstacles neighbours_of(const SeenObject& seen, const Shapes& shapes) {
   grasp::Obstacles obstacles;
   for (std::size_t i = 0; i < seen.scene.objects.size(); ++i) {
     if (i == seen.index) continue;
-    shapes[i].shape.alternatives.clear();
     try {
       const geometry::Plane& support = support_of(seen.scene, seen.scene.objects[i]);
       const auto pieces = surface::make_object_model(shapes[i].get(), support).convex_pieces_W;
@@ -57,14 +56,18 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
   shape::CompletionOptions options;
   options.alternatives = alternatives;
-  Shapes shapes = shape::complete_scene(scene, options);
+  const bool has_others = !one.data_set->viewing.others_B.empty();
+  Shapes shapes;
+  if (has_others || planned_on != PlannedOn::kDelaunay) {
+    shapes = shape::complete_scene(scene, options, {}, seen.index);
+  }
   Belief belief;
   if (planned_on == PlannedOn::kDelaunay) {
     belief.object.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
   } else {
     belief.object = surface::make_object_model(shapes[seen.index].get(), support_of(scene, object));
   }
-  if (!one.data_set->viewing.others_B.empty()) belief.obstacles = neighbours_of(seen, shapes);
+  if (has_others) belief.obstacles = neighbours_of(seen, shapes);
   return belief;
 }
 

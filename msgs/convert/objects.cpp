@@ -1,7 +1,6 @@
 #include "msgs/convert/objects.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -148,22 +147,15 @@ void read_points(const msgs::CompletedShape& message, shape::CompletedShape& sha
     throw InputError("A completed shape whose points and their supports differ in number",
                      kSenderMend);
   }
-  std::array<double, 4> sums{}, counts{};
   for (std::size_t i = 0; i < count; ++i) {
     const char support = message.support()[i];
     if (support < 0 || support > static_cast<char>(shape::PointSupport::kUnseen)) {
       throw InputError("A completed shape with a point of unknown support", kSenderMend);
     }
     shape.support.push_back(static_cast<shape::PointSupport>(support));
-    const float sure = unpack_share(message.point_confidence()[i]);
-    shape.point_confidence.push_back(sure);
-    const auto region = static_cast<std::size_t>(shape.origin[i]);
-    sums[region] += sure;
-    counts[region] += 1;
+    shape.point_confidence.push_back(unpack_share(message.point_confidence()[i]));
   }
-  for (std::size_t r = 0; r < sums.size(); ++r) {
-    shape.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
-  }
+  shape::set_region_confidence(shape);
 }
 
 /// What senders that say nothing of single points leave open: predicted ones count as unseen, and

@@ -127,7 +127,8 @@ class Tops {
     return result;
   }
 
-  /// The edge that faces the camera: `region` without the same, moved a little to the camera.
+  /// The edge that faces the camera: `region` without the same, moved a little away from the
+  /// camera.
   cv::Mat near_edge(const cv::Mat& region) const {
     constexpr double kWidth = 2;  // cells
     const cv::Matx23d shift(1, 0, -kWidth * towards_camera_.x(), 0, 1,
@@ -274,7 +275,7 @@ using Parts = std::pair<std::vector<int>, std::vector<int>>;
 /// alike; the colours, if there are any, decide: the lower wall has the upper's or the ledge's.
 bool stands_beside(const geometry::PointCloud& cloud_C, const Tops& tops,
                    const std::vector<int>& members, const cv::Mat& ledge, const cv::Mat& risen,
-                   double ledge_height, double top_height) {
+                   double ledge_height, double top_height, const LedgeOptions& options) {
   constexpr double kFoot = 0.01;     // m over the table, where points are lost
   constexpr double kMargin = 0.008;  // m under the ledge, where its edge is
   const cv::Mat about = widened(risen, 1);
@@ -296,7 +297,11 @@ bool stands_beside(const geometry::PointCloud& cloud_C, const Tops& tops,
                          : count > kLowShare * static_cast<double>(members.size());
   if (!wall_goes_on || cloud_C.colors.size() != cloud_C.size() || above.empty())
     return wall_goes_on;
-  return hue_difference(cloud_C, below, above) <= hue_difference(cloud_C, below, on_ledge);
+  // Walls are in the shade of what is above them, so the hues tell more, where there are two.
+  const auto difference = hue_difference(cloud_C, above, on_ledge) >= options.least_hue_difference
+                              ? hue_difference
+                              : color_difference;
+  return difference(cloud_C, below, above) <= difference(cloud_C, below, on_ledge);
 }
 
 /// The members that belong to what rises, and the others. What stands beside the ledge has what is
@@ -362,7 +367,7 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
       if (!is_step(ledge, level, risen, shadow, options)) continue;
       if (!is_carried(tops, ledge, risen, height) && !is_behind(tops, ledge, shadow)) continue;
       const bool beside =
-          stands_beside(cloud_C, tops, members, ledge, risen, height, highs.heights[high]);
+          stands_beside(cloud_C, tops, members, ledge, risen, height, highs.heights[high], options);
       Parts parts = divided(tops, members, ledge, risen, height, beside);
       if (std::min(parts.first.size(), parts.second.size()) < kLeastPoints) continue;
       const bool is_rim = cv::countNonZero(ledge) < kLeastLedgeShare * cv::countNonZero(risen);

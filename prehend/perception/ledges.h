@@ -21,15 +21,17 @@ struct LedgeOptions {
   double least_color_difference = 12;
   /// Nor may they be shades of one colour: their hues differ by this, too (mean_color.h), or the
   /// colours by five times the above. >= 0.
-  double least_hue_difference = 0.035;
+  double least_hue_difference = 0.09;
 };
 
 /// Splits a cluster of points over `table_C` where a level ledge is beside something that rises
 /// from it to a level top of its own: one box on another, or two of unequal heights side by side.
 /// Whether what rises stands on the ledge or beside it is told by the points under the ledge's
 /// height: the wall of one that stands beside goes on down. A hollow's floor is no ledge, a neck,
-/// knob or handle no thing of its own. Repeated on both parts: stacks of several. What is flush in
-/// all directions, or round on top, stays whole.
+/// knob or handle no thing of its own. A rim (10 to 20 % of the area that rises) needs colours that
+/// differ by twice the least. Under a ledge a wall must be seen, unless something taller before it
+/// hides that. The camera is C's origin. Repeated on both parts: stacks of several. What is flush
+/// in all directions, or round on top, stays whole.
 /// @param members indices of the cluster's points. @returns disjoint parts that together are
 /// `members`, largest first. O(members).
 /// @throws std::invalid_argument for a bad option.

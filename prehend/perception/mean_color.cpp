@@ -30,9 +30,9 @@ double hue_difference(const geometry::PointCloud& cloud, const std::vector<int>&
   if (cloud.colors.size() != cloud.size() || a.empty() || b.empty()) return 0;
   const auto hue = [&](const std::vector<int>& members) {
     constexpr double kGrey = 128;
-    constexpr double kOffset = 16 * 2.55;  // of L*, as 8 bits hold it
+    constexpr double kLevels = 2.55;  // of L*, as 8 bits hold it
     const Eigen::Vector3d lab = mean_color(cloud, members);
-    return Eigen::Vector2d((lab.tail<2>().array() - kGrey) / (lab[0] + kOffset));
+    return Eigen::Vector2d((lab.tail<2>().array() - kGrey) / (lab[0] / kLevels + 16));
   };
   return (hue(a) - hue(b)).norm();
 }

@@ -16,9 +16,9 @@ Eigen::Vector3d mean_color(const geometry::PointCloud& cloud, const std::vector<
 double color_difference(const geometry::PointCloud& cloud, const std::vector<int>& a,
                         const std::vector<int>& b);
 
-/// The same for hue and saturation alone, which no shade changes: a and b over 116 times the cube
-/// root of the luminance (CIE 1976, L* + 16), since shade scales all tristimulus values alike. 0
-/// where the cloud has no colours.
+/// The same for hue and saturation alone, which no shade changes: a* and b* over
+/// L* + 16 (CIE 1976: 116 times the cube root of the luminance), since shade scales all tristimulus
+/// values alike. Of unit 1; 0 where the cloud has no colours.
 double hue_difference(const geometry::PointCloud& cloud, const std::vector<int>& a,
                       const std::vector<int>& b);
 

@@ -88,7 +88,8 @@ class PartJoiner {
     double nearest = options.join_gap;
     for (std::size_t other = 0; other < clusters_.size(); ++other) {
       if (other == k || parts_[other].lowest > options.contact_height) continue;
-      if (clusters_[other].size() < kMinPartPoints) continue;
+      const std::size_t size = clusters_[other].size();
+      if (size < kMinPartPoints || size >= clusters_[k].size()) continue;
       const double gap = distance(k, other);
       if (gap >= nearest || carries(other, k) || !look_alike(k, other)) continue;
       nearest = gap;

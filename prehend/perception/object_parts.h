@@ -14,6 +14,10 @@ struct PartOptions {
   double contact_height = 0.025;  // m, what begins higher does not stand on the table by itself
   double join_gap = 0.04;         // m, such a part belongs to a larger one within this distance
   double drop_height = 0.05;      // m, a part that hangs is dropped when it begins higher
+  /// Two clusters may have one colour when hue and colour differ by no more (mean_color.h). A
+  /// handle in the shadow of its pot takes on some of the table's hue.
+  double most_hue_difference = 0.3;
+  double most_color_difference = 60;  // grey levels
 };
 
 /// Which clusters are one object, and which are none.
@@ -25,7 +29,7 @@ struct JoinedParts {
 /// Puts together clusters that one object falls into when its middle is not seen:
 ///  - what floats over the table belongs to the nearest cluster of at least twice its size;
 ///  - what floats and a nearby smaller cluster that looks alike and cannot carry it, as it is not
-///    under its middle, are one: what is between is hidden;
+///    under its middle, are one: what joins them was not seen;
 ///  - what stands within the outline of such a cluster belongs to it: crumbs of a face that is seen
 ///    at a grazing angle;
 ///  - the far inside wall of a bowl, pot or mug belongs to the near wall. It is told by its

@@ -286,6 +286,37 @@ bool is_around_things(const PointCloud& cloud_C, const Table& table) {
   }
 }
 
+// A camera may hang on its head, or on its side: where no table is below, however far, the first
+// turn of the image that shows one around things is taken.
+void find_up(RecordedCloud& recorded) {
+  if (recorded.up_C) return;
+  TableOptions however_far;
+  however_far.max_distance = 10;
+  try {
+    find_table(recorded.cloud_C, however_far);
+    return;
+  } catch (const InputError&) {
+    // None is below.
+  }
+  for (const auto& [degrees, how] :
+       {std::pair{180, "on its head"}, {90, "on its side"}, {-90, "on its side"}}) {
+    const RigidTransform turn =
+        geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
+                                     degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitZ())),
+                                 Eigen::Vector3d::Zero());
+    const PointCloud turned = geometry::transformed(recorded.cloud_C, turn);
+    try {
+      const Table table = find_table(turned);
+      if (!is_around_things(turned, table)) continue;
+      recorded.up_C = turn.linear().transpose() * table.plane_C.normal;
+      recorded.notes.push_back("the camera is " + std::string(how) + ": so a table is below");
+      return;
+    } catch (const InputError&) {
+      // The next turn, or the words of the search in segment_recorded_cloud().
+    }
+  }
+}
+
 bool is_single_object(const RecordedCloud& recorded, const RecordedCloudOptions& options,
                       const Shape& shape) {
   if (options.table.kind != TableChoice::Kind::kAuto) {
@@ -325,28 +356,6 @@ void put_on_hypothetical_table(RecordedCloud& recorded, bool up_known) {
   recorded.notes.emplace_back(
       "there is no table: one object on a hypothetical table under its "
       "lowest point");
-}
-
-// A camera may hang on its head, or on its side: where no table is below, the first turn of the
-// image that shows one is taken.
-void find_up(RecordedCloud& recorded) {
-  if (recorded.up_C) return;
-  for (const auto& [degrees, how] :
-       {std::pair{0, ""}, {180, "on its head"}, {90, "on its side"}, {-90, "on its side"}}) {
-    const RigidTransform turn =
-        geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
-                                     degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitZ())),
-                                 Eigen::Vector3d::Zero());
-    try {
-      const Table table = find_table(geometry::transformed(recorded.cloud_C, turn));
-      if (degrees == 0) return;
-      recorded.up_C = turn.linear().transpose() * table.plane_C.normal;
-      recorded.notes.push_back("the camera is " + std::string(how) + ": so a table is below");
-      return;
-    } catch (const InputError&) {
-      // The next turn, or the words of the search in segment_recorded_cloud().
-    }
-  }
 }
 
 // Cameras of this trade see from some decimetres to some metres.
@@ -413,11 +422,12 @@ RecordedCloud interpret_recorded_cloud(const geometry::CloudFile& file,
         options.table.plane_F.offset + table_C.normal.dot(Eigen::Vector3d(X_CF.translation()));
     recorded.given_table_C = table_C;
     recorded.up_C = table_C.normal;
-  } else if (is_single_object(recorded, options, shape)) {
+    return recorded;
+  }
+  if (options.table.kind != TableChoice::Kind::kNone && !viewpoint.made_up) find_up(recorded);
+  if (is_single_object(recorded, options, shape)) {
     put_on_hypothetical_table(recorded, up_F.has_value());
     if (viewpoint.made_up) drop_hidden_points(recorded);
-  } else {
-    find_up(recorded);
   }
   return recorded;
 }

@@ -63,13 +63,15 @@ struct RecordedCloud {
 ///     plausible field of view;
 ///  4. a VIEWPOINT header other than the identity that has the points in front of it;
 ///  5. else the cloud has no camera: a plausible_viewpoint is made up.
-/// A small cloud (under 0.6 m) without a plane that is seen around things is one object, unless
-/// options.table says otherwise: it is put on a hypothetical table under its lowest points. Points
-/// that are exactly zero are invalid, as NaN are. Up is options.up, else the principal axis of an
-/// elongated object (nearest to the camera's up if the camera is known, else with its dominant
-/// component positive), else the camera's up or the file's z. Where its viewpoint was made up too,
-/// the points that this camera could not see are left out, as in any other view: a model scanned
-/// from all sides is used like an object seen from one.
+/// A camera that is known may hang on its head or its side: where no table is below it within 10 m,
+/// the first turn of its image by 180, 90 or -90 degrees that shows a table around things gives
+/// up_C, with a note. A small cloud (under 0.6 m) without a plane that is seen around things is one
+/// object, unless options.table says otherwise: it is put on a hypothetical table under its lowest
+/// points. Points that are exactly zero are invalid, as NaN are. Up is options.up, else the
+/// principal axis of an elongated object (nearest to the camera's up if the camera is known, else
+/// with its dominant component positive), else the camera's up or the file's z. Where its viewpoint
+/// was made up too, the points that this camera could not see are left out, as in any other view: a
+/// model scanned from all sides is used like an object seen from one.
 /// @throws geometry::InputError for an empty cloud, one without finite points, one point, collinear
 /// or coplanar points, and one too large for metres (over 8 m), with its size in other units;
 /// std::invalid_argument for a bad option.

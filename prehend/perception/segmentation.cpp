@@ -156,9 +156,11 @@ class ObjectFinder {
       is_cut.push_back(goes_on(members_of(voxels, of_cluster)));
     }
     const auto look_alike = [&](std::size_t a, std::size_t b) {
-      constexpr double kLeastHueDifference = 0.12;
-      return hue_difference(cloud_C_, members_of(voxels, voxels.clusters[a]),
-                            members_of(voxels, voxels.clusters[b])) < kLeastHueDifference;
+      const std::vector<int> first = members_of(voxels, voxels.clusters[a]);
+      const std::vector<int> second = members_of(voxels, voxels.clusters[b]);
+      // Infinite without colours.
+      return color_difference(cloud_C_, first, second) <= options_.parts.most_color_difference &&
+             hue_difference(cloud_C_, first, second) <= options_.parts.most_hue_difference;
     };
     const JoinedParts joined = joined_parts(voxels.grid.centroids, voxels.clusters, is_cut,
                                             table_.plane_C, options_.parts, look_alike);

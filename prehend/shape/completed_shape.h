@@ -109,4 +109,17 @@ struct CompletedShape {
   }
 };
 
+/// Sets `region_confidence` from `point_confidence` and `origin`.
+inline void set_region_confidence(CompletedShape& shape) {
+  std::array<double, 4> sums{}, counts{};
+  for (std::size_t i = 0; i < shape.point_confidence.size(); ++i) {
+    const auto region = static_cast<std::size_t>(shape.origin[i]);
+    sums[region] += static_cast<double>(shape.point_confidence[i]);
+    counts[region] += 1;
+  }
+  for (std::size_t r = 0; r < sums.size(); ++r) {
+    shape.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
+  }
+}
+
 }  // namespace prehend::shape

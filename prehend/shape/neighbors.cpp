@@ -13,9 +13,10 @@ using Footprint = std::vector<Eigen::Vector2d>;
 
 /// Axes along the table.
 struct TableAxes {
-  Eigen::Vector3d x, y;
+  Eigen::Vector3d up, x, y;
 
-  explicit TableAxes(const Eigen::Vector3d& up) : x(up.unitOrthogonal()), y(up.cross(x)) {}
+  explicit TableAxes(const Eigen::Vector3d& normal)
+      : up(normal), x(up.unitOrthogonal()), y(up.cross(x)) {}
 
   Eigen::Vector2d along(const Eigen::Vector3f& p_W) const {
     return {x.dot(p_W.cast<double>()), y.dot(p_W.cast<double>())};
@@ -25,17 +26,33 @@ struct TableAxes {
   }
 };
 
-/// Some of a shape's points along the table.
+/// Some of a shape's points along the table, and the heights between which it was seen [m].
 struct Body {
   Footprint seen, predicted;
+  double lowest = 0, highest = 0;
 
   Body(const CompletedShape& shape, const TableAxes& axes) {
     constexpr std::size_t kMost = 500;
+    constexpr double kStray = 0.02;  // of the seen points
     const std::size_t stride = 1 + shape.cloud_W.size() / (2 * kMost);
+    std::vector<double> heights;
     for (std::size_t i = 0; i < shape.cloud_W.size(); i += stride) {
-      Footprint& side = shape.origin[i] == PointOrigin::kSeen ? seen : predicted;
-      side.push_back(axes.along(shape.cloud_W.points[i]));
+      const bool is_seen = shape.origin[i] == PointOrigin::kSeen;
+      const Eigen::Vector3f& p_W = shape.cloud_W.points[i];
+      (is_seen ? seen : predicted).push_back(axes.along(p_W));
+      if (is_seen) heights.push_back(axes.up.dot(p_W.cast<double>()));
     }
+    if (heights.empty()) return;
+    std::sort(heights.begin(), heights.end());
+    const auto last = static_cast<double>(heights.size() - 1);
+    lowest = heights[static_cast<std::size_t>(kStray * last)];
+    highest = heights[static_cast<std::size_t>((1 - kStray) * last)];
+  }
+
+  /// Neither was seen to begin where the other ends.
+  bool stands_beside(const Body& other) const {
+    constexpr double kOverlap = 0.008;  // m
+    return std::min(highest, other.highest) - std::max(lowest, other.lowest) > kOverlap;
   }
 };
 
@@ -94,13 +111,15 @@ std::optional<Cut> best_along(const Body& first, const Body& second, double angl
   return Cut{angle, 0.5 * (first_offset + last_offset), least, gap};
 }
 
+/// None where nothing has to be cut, or nothing can be.
 std::optional<Cut> best_cut(const Body& first, const Body& second) {
   constexpr int kDirections = 180;
   std::optional<Cut> best;
-  if (first.seen.empty() || second.seen.empty()) return best;
+  if (first.seen.empty() || second.seen.empty() || !first.stands_beside(second)) return best;
   for (int i = 0; i < kDirections; ++i) {
     const auto cut = best_along(first, second, 2 * std::numbers::pi * i / kDirections);
     if (!cut) continue;
+    if (!(cut->loss > 0)) return std::nullopt;  // they are apart
     if (!best || cut->loss < best->loss || (cut->loss == best->loss && cut->gap > best->gap)) {
       best = cut;
     }
@@ -127,6 +146,7 @@ void drop_beyond(CompletedShape& shape, const geometry::Plane& bound_W) {
   shape.origin.resize(kept);
   shape.support.resize(kept);
   if (has_confidence) shape.point_confidence.resize(kept);
+  set_region_confidence(shape);
 }
 
 void bound(CompletedShape& shape, const geometry::Plane& bound_W) {
@@ -144,10 +164,12 @@ void keep_apart(const std::vector<CompletedShape*>& shapes, const geometry::Plan
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (std::size_t j = i + 1; j < shapes.size(); ++j) {
       const auto cut = best_cut(bodies[i], bodies[j]);
-      if (!cut || !(cut->loss > 0)) continue;
+      if (!cut) continue;
       const Eigen::Vector3d normal = axes.direction(cut->angle);
       bound(*shapes[i], {-normal, -cut->offset});
       bound(*shapes[j], {normal, cut->offset});
+      bodies[i] = Body(*shapes[i], axes);
+      bodies[j] = Body(*shapes[j], axes);
     }
   }
 }

@@ -11,8 +11,8 @@ namespace prehend::shape {
 /// such planes beyond which least was predicted (the least sum of both bodies' mean distances by
 /// which predicted points lie beyond it). The predicted points beyond it go, those of alternatives
 /// too, and `bounds_W` of both says so. Seen points stay.
-/// Bodies between which no such plane lies within 3 mm, such as one that stands on another, are
-/// left as they are. O(n^2) in the shapes, 1 ms for two that overlap.
+/// Bodies between which no such plane lies within 3 mm, and those of which one was seen to begin
+/// where the other ends, since it stands on it, are left as they are. O(n^2) in the shapes.
 void keep_apart(const std::vector<CompletedShape*>& shapes, const geometry::Plane& table_W);
 
 }  // namespace prehend::shape

@@ -14,7 +14,7 @@ bool reaches_border(const geometry::MaskImage& mask) {
   return false;
 }
 
-double occluded_share(const geometry::MaskImage& mask, const geometry::DepthImage& nearer) {
+double hidden_outline_share(const geometry::MaskImage& mask, const geometry::DepthImage& nearer) {
   constexpr int kReach = 3;  // pixels
   const auto outside = [&](int u, int v) { return !mask.contains(u, v) || !mask.at(u, v); };
   double outline = 0, occluded = 0;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <exception>
+#include <optional>
 #include <vector>
 
 #include "prehend/perception/segmented_scene.h"
@@ -23,9 +25,11 @@ struct SceneShape {
 };
 
 /// Every object of `scene`, each by complete_by_symmetry() and for itself, so that one that fails
-/// costs no other; then keep_apart(). One for each object, in their order.
+/// costs no other; then keep_apart(). One for each object, in their order. With `alternatives_of`
+/// only that object gets `options.alternatives`.
 std::vector<SceneShape> complete_scene(const perception::SegmentedScene& scene,
                                        const CompletionOptions& options = {},
-                                       const ConfidenceModel& model = {});
+                                       const ConfidenceModel& model = {},
+                                       std::optional<std::size_t> alternatives_of = std::nullopt);
 
 }  // namespace prehend::shape

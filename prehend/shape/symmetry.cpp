@@ -170,7 +170,7 @@ class Completion {
     e.open_top = hollow.open_top;
     e.cut_by_image = reaches_border(view_.mask);
     if (view_.nearer && !view_.nearer->data.empty()) {
-      e.occluded = occluded_share(view_.mask, *view_.nearer);
+      e.occluded = hidden_outline_share(view_.mask, *view_.nearer);
     }
     e.on_another = view_.on_another;
     e.disagreement = disagreement(ballot, best, planes);
@@ -333,7 +333,6 @@ class Completion {
     }
     shape_.evidence.guessed_depth = predicted > 0 ? behind / predicted : 0;
     shape_.confidence = confidence(shape_.evidence, model_);
-    std::array<double, 4> sums{}, counts{};
     shape_.point_confidence.reserve(shape_.cloud_W.size());
     for (std::size_t i = 0; i < shape_.cloud_W.size(); ++i) {
       double sure = shape_.confidence;
@@ -353,13 +352,8 @@ class Completion {
           break;
       }
       shape_.point_confidence.push_back(static_cast<float>(sure));
-      const auto region = static_cast<std::size_t>(shape_.origin[i]);
-      sums[region] += sure;
-      counts[region] += 1;
     }
-    for (std::size_t r = 0; r < sums.size(); ++r) {
-      shape_.region_confidence[r] = counts[r] > 0 ? sums[r] / counts[r] : 0;
-    }
+    set_region_confidence(shape_);
   }
 
   static constexpr double kGoodFallbackScore = 0.25;

@@ -51,13 +51,20 @@ using Bounds = std::span<const geometry::Plane>;
 
 /// What lies under the table or one of the bounds comes to lie on it.
 void put_on(TriangleMesh& mesh, const std::optional<geometry::Plane>& table, Bounds bounds) {
-  const auto put_on_plane = [&](const geometry::Plane& plane) {
-    for (Eigen::Vector3d& vertex : mesh.vertices) {
-      if (plane.signed_distance(vertex) < 0) vertex = plane.project(vertex);
+  constexpr int kMostPasses = 100;  // where planes meet, one projection undoes some of another
+  std::vector<geometry::Plane> planes(bounds.begin(), bounds.end());
+  if (table) planes.push_back(*table);
+  for (Eigen::Vector3d& vertex : mesh.vertices) {
+    bool is_moved = true;
+    for (int pass = 0; is_moved && pass < kMostPasses; ++pass) {
+      is_moved = false;
+      for (const geometry::Plane& plane : planes) {
+        if (plane.signed_distance(vertex) >= 0) continue;
+        vertex = plane.project(vertex);
+        is_moved = planes.size() > 1;
+      }
     }
-  };
-  for (const geometry::Plane& bound : bounds) put_on_plane(bound);
-  if (table) put_on_plane(*table);
+  }
 }
 
 /// Points on the octree's cell borders can leave holes; another cube moves the borders.

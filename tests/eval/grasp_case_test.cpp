@@ -1,4 +1,5 @@
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -68,8 +69,18 @@ TEST(GraspTotals, CountOnlyObjectsThatFit) {
   EXPECT_EQ(totals[0].unplanned, 1);
   EXPECT_NE(grasp_text(cases).find("missed: pg70: 33.3 % at the first attempt"), std::string::npos)
       << grasp_text(cases);
+  std::vector<GraspCase> with_area = cases;
+  with_area[0].trials[0].area_error = -0.125;
+  with_area[0].trials[0].opening_error = 0.002;
+  EXPECT_EQ(grasp_totals(with_area)[0].area_error, 0.125);
   const testing::TemporaryFolder folder;
-  write_grasp_report(folder.path, cases);
+  write_grasp_report(folder.path, with_area);
+  std::ifstream csv(folder.path / "cases.csv");
+  std::string header, first;
+  std::getline(csv, header);
+  std::getline(csv, first);
+  EXPECT_NE(header.find("area_error,opening_error_m"), std::string::npos);
+  EXPECT_NE(first.find("-0.125,0.002"), std::string::npos) << first;
   EXPECT_TRUE(std::filesystem::exists(folder.path / "index.html"));
   EXPECT_TRUE(std::filesystem::exists(folder.path / "cases.csv"));
 }

@@ -115,6 +115,36 @@ TEST(Ledges, ARimIsALedgeWhereTheColorsSaySo) {
 // A wall in the shade, a face in the light.
 TEST(Ledges, ShadesOfOneColorAreOneThing) { EXPECT_EQ(stack({110, 20, 20}).split().size(), 1u); }
 
+// Without hues brightness tells whose the wall is.
+TEST(Ledges, DivideWhiteOnBlackWithFlushFronts) {
+  Pile pile;
+  pile.box({-0.075, -0.05, 0}, {0.075, 0.05, 0.07}, 0, {20, 20, 20});
+  pile.hide_under({-0.05, -0.05, 0.07}, {0.05, 0.02, 0.13});
+  pile.box({-0.05, -0.05, 0.07}, {0.05, 0.02, 0.13}, 1, {235, 235, 235});
+  const auto parts = pile.split();
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_GT(pile.agreement(parts), 0.95);
+}
+
+// Seen from 30 degrees above, 1 cm more of height hides 1.7 cm behind it.
+TEST(Ledges, AreBehindSomethingTallerAsFarAsItsShadowReaches) {
+  constexpr double kAway = 0.7, kOver = 0.4;  // m, of the camera, along and over the table
+  for (const auto& [gap, parts] : {std::pair{0.045, 2u}, std::pair{0.12, 1u}}) {
+    Pile pile;
+    pile.box({-0.04, kAway, 0}, {0.04, kAway + 0.06, 0.12}, 0, kRed);
+    for (double x = -0.04; x <= 0.04; x += 0.002) {
+      for (double y = 0; y <= 0.05; y += 0.002) {
+        pile.add(x, kAway + 0.06 + gap + y, 0.095, 1, kBlue);
+      }
+    }
+    for (Eigen::Vector3f& p : pile.cloud.points) p.z() -= static_cast<float>(kOver);
+    std::vector<int> members(pile.cloud.size());
+    std::iota(members.begin(), members.end(), 0);
+    const geometry::Plane table{Eigen::Vector3d::UnitZ(), -kOver};
+    EXPECT_EQ(split_at_ledges(pile.cloud, table, members, {}).size(), parts) << gap;
+  }
+}
+
 // Nobody can see whether the ledge has a wall under it.
 TEST(Ledges, DivideALowerThingBehindATallerOne) {
   Pile pile;

@@ -276,6 +276,8 @@ TEST_F(Parts, WhatFloatsBesideAThingOfItsColorThatCannotCarryItIsOneWithIt) {
   auto handle = wall(-kPi / 2 - 0.3, -kPi / 2 + 0.3, 0.06, 0.01, 0.04);
   EXPECT_EQ(count({body, handle}, {}, true), 1U);
   EXPECT_EQ(count({body, handle}, {}, false), 2U);
+  const auto larger = wall(-kPi / 2 - 0.9, -kPi / 2 + 0.9, 0.1, 0.01, 0.1);
+  EXPECT_EQ(count({wall(-kPi, -kPi / 2, 0.06, 0.06, 0.12), larger}, {}, true), 2U);
   const auto stand = wall(-kPi, kPi, 0.05, 0.01, 0.04);  // under the middle
   EXPECT_EQ(count({wall(-kPi, kPi, 0.06, 0.06, 0.15), stand}, {}, true), 2U);
 }

@@ -46,6 +46,9 @@ double farthest(const CompletedShape& shape) {
 TEST(KeepApart, OneEndsWhereTheNextWasSeenToBegin) {
   CompletedShape first = body(0, 0.08), second = body(0.05, 0.12);
   first.alternatives.push_back(body(0, 0.10));
+  for (const auto& p : first.cloud_W.points) {
+    first.cloud_W.colors.push_back({static_cast<std::uint8_t>(1000 * p.x()), 0, 0});
+  }
   const std::size_t of_second = second.cloud_W.size();
   keep_apart({&first, &second}, {});
 
@@ -61,6 +64,12 @@ TEST(KeepApart, OneEndsWhereTheNextWasSeenToBegin) {
   EXPECT_EQ(first.origin.size(), first.cloud_W.size());
   EXPECT_EQ(first.support.size(), first.cloud_W.size());
   EXPECT_EQ(first.point_confidence.size(), first.cloud_W.size());
+  ASSERT_EQ(first.cloud_W.colors.size(), first.cloud_W.size());
+  for (std::size_t i = 0; i < first.cloud_W.size(); ++i) {
+    EXPECT_EQ(first.cloud_W.colors[i][0],
+              static_cast<std::uint8_t>(1000 * first.cloud_W.points[i].x()));
+  }
+  EXPECT_NEAR(first.region_confidence[1], 0.5, 1e-6);
 }
 
 TEST(KeepApart, TheOrderOfTheBodiesDoesNotMatter) {
@@ -80,13 +89,21 @@ TEST(KeepApart, WhatDoesNotOverlapStaysAsItIs) {
   EXPECT_EQ(first.cloud_W.points, points);
 }
 
-// One stands on the other: no upright plane is between them.
-TEST(KeepApart, SeenPartsAboveEachOtherAreLeftAlone) {
+// One stands on the other, set back: an upright plane is between what was seen of them.
+TEST(KeepApart, WhatStandsOnAnotherAndThatAreLeftAlone) {
   CompletedShape lower = body(0, 0.08), upper = body(0.02, 0.06);
-  add_sheet(lower, 0.06, PointOrigin::kSeen);
   for (auto& p : upper.cloud_W.points) p.z() += 0.1f;
   keep_apart({&lower, &upper}, {});
   EXPECT_THAT(lower.bounds_W, IsEmpty());
+  EXPECT_THAT(upper.bounds_W, IsEmpty());
+}
+
+// One plane goes through both in every direction.
+TEST(KeepApart, WhatWasSeenWithinEachOtherIsLeftAlone) {
+  CompletedShape wide = body(0, 0.08), within = body(0.02, 0.06);
+  add_sheet(wide, 0.06, PointOrigin::kSeen);
+  keep_apart({&wide, &within}, {});
+  EXPECT_THAT(wide.bounds_W, IsEmpty());
 }
 
 TEST(KeepApart, BodiesWithoutPointsAreLeftAlone) {

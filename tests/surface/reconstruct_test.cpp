@@ -142,6 +142,26 @@ TEST(Reconstruct, HostileInputIsRefused) {
   refuses([](SurfaceOptions& o) { o.footprint_slice = 0; });
 }
 
+// Between two neighbours and on the table: no vertex is pushed out of one by the other.
+TEST(Reconstruct, NothingIsUnderSeveralBounds) {
+  const geometry::PointCloud cloud = sampled(geometry::make_sphere(0.05, 64), 10000);
+  const std::vector<geometry::Plane> bounds = {{Eigen::Vector3d(1, 0.6, 0).normalized(), -0.02},
+                                               {Eigen::Vector3d(-1, 0.6, 0).normalized(), -0.02}};
+  const geometry::Plane table{Eigen::Vector3d(0, -0.5, 1).normalized(), -0.03};
+  for (const SurfaceMethod method : {SurfaceMethod::kFastPoisson, SurfaceMethod::kPclPoisson}) {
+    SurfaceOptions options;
+    options.method = method;
+    options.close_bottom = false;
+    options.pcl_poisson.depth = 6;
+    const auto mesh = reconstruct(cloud, table, options, nullptr, bounds);
+    EXPECT_TRUE(geometry::find_defects(mesh).watertight());
+    for (const Eigen::Vector3d& vertex : mesh.vertices) {
+      EXPECT_GE(table.signed_distance(vertex), -1e-6);
+      for (const auto& bound : bounds) EXPECT_GE(bound.signed_distance(vertex), -1e-6);
+    }
+  }
+}
+
 // A ball of which 2 cm of 5 are a neighbour's, by either method.
 TEST(Reconstruct, NothingIsUnderABound) {
   const double radius = 0.05, height = 0.03;

@@ -165,7 +165,8 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
   target.table_W = scene.table_W;
   start = steady_clock::now();
   progress.stage(fmt::format("completing {} objects", scene.objects.size()));
-  auto shapes = shape::complete_scene(scene, {.alternatives = choices.alternatives});
+  const auto shapes = shape::complete_scene(scene, {.alternatives = choices.alternatives}, {},
+                                            static_cast<std::size_t>(choices.object));
   target.times.emplace_back("completion", since(start));
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i) {
     const auto& seen = scene.objects[static_cast<std::size_t>(i)];
@@ -181,7 +182,6 @@ PlanTarget of_cloud(const PlanChoices& choices, Progress& progress) {
       }
       const shape::CompletedShape& shape = shapes[static_cast<std::size_t>(i)].get();
       if (i != choices.object) {
-        shapes[static_cast<std::size_t>(i)].shape.alternatives.clear();
         target.neighbours_W.push_back(surface::make_object_model(shape, support).convex_pieces_W);
         continue;
       }
