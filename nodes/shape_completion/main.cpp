@@ -140,10 +140,10 @@ class ShapeCompletion {
     }
     int completed = 0;
     std::string problem;
-    const std::optional<nodes::ChosenShape>& chosen = fidelity_->chosen();
     std::vector<shape::SceneShape> shapes(scene.objects.size());
     try {
-      shapes = shape::complete_scene(scene, completion_options(node_, chosen), confidence_model_);
+      shapes = shape::complete_scene(scene, completion_options(node_, fidelity_->chosen()),
+                                     confidence_model_);
     } catch (const std::exception&) {
       for (shape::SceneShape& shape : shapes) shape.error = std::current_exception();
     }

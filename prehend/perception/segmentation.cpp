@@ -45,6 +45,8 @@ void check_options(const SegmentationOptions& o) {
   require(o.max_objects > 0, "max_objects must be positive");
   require(o.parts.contact_height >= 0 && o.parts.join_gap >= 0 && o.parts.drop_height >= 0,
           "parts must not have negative lengths");
+  require(o.parts.most_hue_difference >= 0 && o.parts.most_color_difference >= 0,
+          "parts must not have negative differences");
 }
 
 // As high as the noise of a table's points reaches.
