@@ -131,8 +131,9 @@ endfunction()
 # A GoogleTest program build/bin/test_NAME and one CTest test of the same name. Tests run with the
 # source tree as working directory. Where the folder ../shared/data of real recordings exists, its
 # path is in the environment variable PREHEND_SHARED_DATA. SERIAL: never beside another test.
-# REALTIME: serial, and what it tests keeps pace with a clock (devices, emulators, leases), so that
-# a machine that is held up can make it late: only such tests may run a second time.
+# REALTIME: what it tests keeps pace with a clock (devices, emulators, leases), so that a machine that
+# is held up can make it late: such tests run after all others, as many at a time as there are
+# processors, and only they may run a second time.
 function(prehend_test NAME)
   cmake_parse_arguments(ARG "SERIAL;REALTIME" "TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -149,7 +150,7 @@ function(prehend_test NAME)
   add_test(NAME ${NAME} COMMAND test_${NAME} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT}
                        ENVIRONMENT "PREHEND_SHARED_DATA=${PREHEND_SHARED_DATA};PREHEND_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
-  if(ARG_SERIAL OR ARG_REALTIME)
+  if(ARG_SERIAL)
     set_tests_properties(${NAME} PROPERTIES RUN_SERIAL ON)
   endif()
   if(ARG_REALTIME)

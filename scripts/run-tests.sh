@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs the tests of a build tree: first those that a busy machine cannot make fail, one more at a
-# time than there are processors, since many of them wait; then, one by one, those labelled realtime,
-# which may run a second time. Ends with what did.
+# Runs the tests of a build tree: first those that a busy machine cannot make fail, two to a
+# processor, since many of them wait; then those labelled realtime, one to a processor, which may run
+# a second time. Ends with what did.
 #   scripts/run-tests.sh BUILD_TREE [ctest's options]
 set -uo pipefail
 tree=${1:?"usage: $0 BUILD_TREE [options of ctest]"}
@@ -9,9 +9,9 @@ shift
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$(($(nproc) + 1))" -LE realtime "$@"
+ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$((2 * $(nproc)))" -LE realtime "$@"
 steady=$?
-ctest --test-dir "$tree" --output-on-failure --timeout 300 -L realtime --repeat until-pass:2 "$@" |
+ctest --test-dir "$tree" --output-on-failure --timeout 300 -j "$(nproc)" -L realtime --repeat until-pass:2 "$@" |
   tee "$log"
 timed=${PIPESTATUS[0]}
 

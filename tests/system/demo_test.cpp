@@ -107,7 +107,7 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
   std::filesystem::create_directories(replay_out);
   Launched replay("prehend",
                   {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
-                   "out:=" + replay_out.string(), "record:=true", "speed:=1", "--log-dir",
+                   "out:=" + replay_out.string(), "record:=true", "--log-dir",
                    (replay_out / "log").string()},
                   scratch.path() / "replay.txt");
   ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
