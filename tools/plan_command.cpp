@@ -41,7 +41,7 @@ void add_plan_command(CLI::App& app) {
       "motion.\n"
       "Examples:\n"
       "  prehend plan bottle.ply\n"
-      "  prehend plan bottle.ply --hand sdh2 --arm kr5 --move 0,0.2,0 --out out/plan\n"
+      "  prehend plan bottle.ply --platform kr5_sdh --move 0,0.2,0 --out out/plan\n"
       "  prehend plan table_scene.pcd --object 1 --approach down --generators circles,antipodal");
   // The options write to the choices, which have to live as long.
   command->callback([command, choices] { become_program("grasp_plan", words_of(*command)); });

@@ -19,6 +19,15 @@ void require_positive(double value, const std::string& name) {
 
 }  // namespace
 
+msgs::PredictedPercepts to_message(const grasp::PredictedPercepts& predicted) {
+  msgs::PredictedPercepts message;
+  message.set_opening(predicted.opening);
+  message.set_contact_area(predicted.contact_area);
+  message.set_tactile_sum(predicted.tactile_sum);
+  message.set_lifted_mass(predicted.lifted_mass);
+  return message;
+}
+
 msgs::Grasp to_message(const grasp::Grasp& grasp) {
   msgs::Grasp message;
   *message.mutable_x_wg() = to_message(grasp.X_WG);
@@ -30,11 +39,7 @@ msgs::Grasp to_message(const grasp::Grasp& grasp) {
   message.set_grasp_force(grasp.grasp_force);
   message.set_quality(grasp.quality);
   message.set_score(grasp.score);
-  auto& predicted = *message.mutable_predicted();
-  predicted.set_opening(grasp.predicted.opening);
-  predicted.set_contact_area(grasp.predicted.contact_area);
-  predicted.set_tactile_sum(grasp.predicted.tactile_sum);
-  predicted.set_lifted_mass(grasp.predicted.lifted_mass);
+  *message.mutable_predicted() = to_message(grasp.predicted);
   for (const auto& p_W : grasp.left_contacts_W) *message.add_left_contacts() = to_message(p_W);
   for (const auto& p_W : grasp.right_contacts_W) *message.add_right_contacts() = to_message(p_W);
   message.set_generator(grasp.generator);

@@ -8,6 +8,7 @@
 
 namespace prehend::convert {
 
+msgs::PredictedPercepts to_message(const grasp::PredictedPercepts& predicted);
 msgs::Grasp to_message(const grasp::Grasp& grasp);
 /// @throws InputError for NaN, an approach that is not a unit vector, an opening, distance or force
 /// that is not positive, and for what geometry.h's conversions refuse.

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "msgs/convert/geometry.h"
-#include "msgs/convert/grasp.h"
-#include "prehend/geometry/rotation_between.h"
 
 namespace prehend::nodes {
 namespace {
@@ -20,10 +18,18 @@ bool says_ungraspable(const msgs::GraspPlan& plan) {
   return plan.problem().rfind(kUngraspable, 0) == 0;
 }
 
-std::vector<grasp::Grasp> grasps_of(const msgs::GraspPlan& plan) {
-  std::vector<grasp::Grasp> grasps;
-  for (const auto& grasp : plan.grasps()) grasps.push_back(convert::from_message(grasp));
+std::vector<const msgs::Grasp*> executable_grasps(const msgs::GraspPlan& plan, const Lacks& lacks) {
+  std::vector<const msgs::Grasp*> grasps;
+  for (const auto& grasp : plan.grasps()) {
+    if (!lacks(grasp).empty()) break;  // indices are those of the plan
+    grasps.push_back(&grasp);
+  }
   return grasps;
+}
+
+std::string problem_of(const msgs::GraspPlan& plan, const Lacks& lacks) {
+  if (plan.grasps().empty() || !plan.problem().empty()) return plan.problem();
+  return "its grasps have " + lacks(plan.grasps(0));
 }
 
 // The best grasp's score, less for a prediction that is not sure or contradicts what was seen. What
@@ -41,11 +47,11 @@ double promise(const View& view, const msgs::GraspPlan& plan) {
 
 // "cannot be grasped: object 0: too wide; object 1: too heavy". Where an object could not be
 // planned on, nobody knows whether it can be grasped: "no grasp: ...".
-std::string all_problems(const View& view, bool ungraspable) {
+std::string all_problems(const View& view, const Lacks& lacks, bool ungraspable) {
   const std::string start = std::string(kUngraspable) + ": ";
   std::string text;
   for (const auto& [id, plan] : view.plans) {
-    std::string problem = plan->problem();
+    std::string problem = problem_of(*plan, lacks);
     if (problem.rfind(start, 0) == 0) problem.erase(0, start.size());
     text += (text.empty() ? "" : "; ") + ("object " + std::to_string(id) + ": " + problem);
   }
@@ -92,9 +98,12 @@ const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point no
   return nullptr;
 }
 
-Target choose_target(const View& view, int object) {
+Target choose_target(const View& view, int object, const Lacks& lacks) {
   Target target;
   const msgs::GraspPlan* best = nullptr;
+  const auto has_grasps = [&lacks](const msgs::GraspPlan& plan) {
+    return !plan.grasps().empty() && lacks(plan.grasps(0)).empty();
+  };
   if (object >= 0) {
     const auto found = view.plans.find(static_cast<std::uint32_t>(object));
     if (found == view.plans.end()) {
@@ -105,13 +114,13 @@ Target choose_target(const View& view, int object) {
     best = found->second.get();
   } else {
     for (const auto& [id, plan] : view.plans) {
-      if (plan->grasps().empty()) continue;
+      if (!has_grasps(*plan)) continue;
       if (!best || promise(view, *plan) > promise(view, *best)) best = plan.get();
     }
   }
-  if (best && !best->grasps().empty()) {
+  if (best && has_grasps(*best)) {
     target.id = best->id();
-    target.grasps = grasps_of(*best);
+    target.grasps = executable_grasps(*best, lacks);
     return target;
   }
   if (!best && view.plans.size() == 1) best = view.plans.begin()->second.get();
@@ -119,9 +128,21 @@ Target choose_target(const View& view, int object) {
                             : std::all_of(view.plans.begin(), view.plans.end(), [](const auto& e) {
                                 return says_ungraspable(*e.second);
                               });
-  target.problem = best ? best->problem() : all_problems(view, target.ungraspable);
+  target.problem = best ? problem_of(*best, lacks) : all_problems(view, lacks, target.ungraspable);
   target.id = best ? best->id() : view.plans.begin()->first;
   return target;
+}
+
+int nearest_object(const View& view, const Eigen::Vector3d& p_W) {
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [id, plan] : view.plans) {
+    const double distance = (convert::from_message(plan->centroid()) - p_W).norm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = static_cast<int>(id);
+  }
+  return nearest;
 }
 
 std::map<std::uint32_t, geometry::TriangleMesh> meshes_of(const View& view) {
@@ -130,30 +151,6 @@ std::map<std::uint32_t, geometry::TriangleMesh> meshes_of(const View& view) {
     if (model->valid()) meshes.emplace(id, convert::from_message(model->mesh()));
   }
   return meshes;
-}
-
-geometry::RigidTransform simulation_pose(const View& view, const Target& target) {
-  const auto& model = *view.models.at(target.id);
-  const geometry::Plane table = convert::from_message(model.table());
-  const Eigen::Vector3d up = -target.grasps.front().approach_W;
-  const Eigen::Vector3d foot = table.project(convert::from_message(model.centroid()));
-  geometry::RigidTransform X_SW = geometry::RigidTransform::Identity();
-  const bool stands_well = (up - Eigen::Vector3d::UnitZ()).norm() < 1e-6 &&
-                           std::abs(foot.z()) < 0.005 && foot.head<2>().norm() < 0.4;
-  if (stands_well) return X_SW;
-  X_SW.linear() = geometry::rotation_between(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  X_SW.translation() = -(X_SW.linear() * foot);
-  return X_SW;
-}
-
-grasp::Grasp transformed(const grasp::Grasp& grasp_W, const geometry::RigidTransform& X_SW) {
-  grasp::Grasp grasp = grasp_W;
-  grasp.X_WG = X_SW * grasp_W.X_WG;
-  grasp.approach_W = X_SW.linear() * grasp_W.approach_W;
-  for (auto* contacts : {&grasp.left_contacts_W, &grasp.right_contacts_W}) {
-    for (auto& p : *contacts) p = X_SW * p;
-  }
-  return grasp;
 }
 
 }  // namespace prehend::nodes

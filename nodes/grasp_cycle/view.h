@@ -2,17 +2,18 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
-#include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
-#include "prehend/grasp/planner.h"
 
 namespace prehend::nodes {
 
@@ -49,27 +50,26 @@ class ViewCollector {
 /// What is to be grasped.
 struct Target {
   std::uint32_t id = 0;
-  std::vector<grasp::Grasp> grasps;  // best first; empty: see problem
-  std::string problem;               // "cannot be grasped: ..." or why the choice is impossible
-  bool ungraspable = false;          // the planner's answer, not a failure
+  std::vector<const msgs::Grasp*> grasps;  // of its plan, best first; empty: see problem
+  std::string problem;       // "cannot be grasped: ..." or why the choice is impossible
+  bool ungraspable = false;  // the planner's answer, not a failure
 };
 
+/// What a grasp lacks to be executed, in words; empty: nothing.
+using Lacks = std::function<std::string(const msgs::Grasp&)>;
+
 /// The object whose best grasp promises most, score / (1 + vote), or the one with id `object` when
-/// that is >= 0. Objects cut by the image's border are taken last. When it has no grasp, the
-/// problem tells why; of several objects, each one's.
-/// @throws geometry::InputError for a plan that does not make sense.
-Target choose_target(const View& view, int object);
+/// that is >= 0; of its grasps those before the first that lacks something. Objects cut by the
+/// image's border are taken last. When it has no grasp, the problem tells why; of several objects,
+/// each one's. The target refers to the view's plans.
+Target choose_target(const View& view, int object, const Lacks& lacks);
+
+/// The id of the planned object whose centroid is nearest to `p_W` [m]: ids are of one view. -1
+/// without plans.
+int nearest_object(const View& view, const Eigen::Vector3d& p_W);
 
 /// Meshes of the valid models by id, in the world frame.
 /// @throws geometry::InputError for a mesh that does not make sense.
 std::map<std::uint32_t, geometry::TriangleMesh> meshes_of(const View& view);
-
-/// Pose X_SW of a recording's world W in a simulation's world S, whose table is z = 0: the table
-/// comes to z = 0, the grasps' approach to straight down, and the target above the origin. The
-/// identity when table and approach are so already and the target is within 0.4 m of the origin.
-geometry::RigidTransform simulation_pose(const View& view, const Target& target);
-
-/// The same grasp in frame S, given X_SW.
-grasp::Grasp transformed(const grasp::Grasp& grasp_W, const geometry::RigidTransform& X_SW);
 
 }  // namespace prehend::nodes

@@ -12,15 +12,14 @@ struct Misfit {
   const char* why;
 };
 
-// Of the parallel gripper alone.
 constexpr Misfit kNotOfPlatforms[] = {
     {"gripper", "the platform has its own hand"},
+    {"front", "it was measured with the parallel gripper on its carrier"},
+};
+constexpr Misfit kNotOfFingers[] = {
     {"friction", "the hand's model has it"},
     {"least_force", "the hand's motors set the force"},
     {"largest_force", "the hand's motors set the force"},
-    {"approach", "the arm takes any direction that it reaches"},
-    {"workspace", "the arm's own reach is the limit"},
-    {"front", "it was measured with the parallel gripper"},
 };
 constexpr Misfit kOfPlatforms[] = {
     {"platforms", "no platform is named"}, {"home", "no platform is named"},
@@ -40,14 +39,15 @@ void refuse(const std::string& parameter, const std::string& with, const std::st
 
 }  // namespace
 
-void refuse_what_does_not_apply(const graph::Node& node, bool has_platform, bool front_chooses) {
+void refuse_what_does_not_apply(const graph::Node& node, Robot robot, bool front_chooses) {
   const auto check = [&](const auto& misfits, const std::string& beside) {
     for (const Misfit& misfit : misfits) {
       if (node.is_parameter_given(misfit.parameter)) refuse(misfit.parameter, beside, misfit.why);
     }
   };
-  if (has_platform) {
+  if (robot != Robot::kGripper) {
     check(kNotOfPlatforms, "with a platform");
+    if (robot == Robot::kArmWithFingers) check(kNotOfFingers, "with a hand of fingers");
   } else {
     check(kOfPlatforms, "without a platform");
   }

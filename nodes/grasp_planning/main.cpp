@@ -19,6 +19,7 @@
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
 namespace {
@@ -164,11 +165,17 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .read_only = true});
   const bool front_chooses =
       !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
-  nodes::refuse_what_does_not_apply(node, !file.empty(), front_chooses);
-  if (file.empty()) return nullptr;
-  return std::make_unique<nodes::PlatformPlanning>(std::filesystem::path(folder) / (file + ".yaml"),
-                                                   home, nodes::hand_options(node, common), arm,
-                                                   place, motions);
+  if (file.empty()) {
+    nodes::refuse_what_does_not_apply(node, nodes::Robot::kGripper, front_chooses);
+    return nullptr;
+  }
+  robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
+  nodes::refuse_what_does_not_apply(
+      node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
+      front_chooses);
+  return std::make_unique<nodes::PlatformPlanning>(
+      std::move(platform), home,
+      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place, motions);
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -193,7 +200,8 @@ class GraspPlanning {
              .default_value = "auto",
              .choices = {"auto", "down", "table", "any"},
              .description = "directions the robot can approach along: down the world's z axis, "
-                            "straight at the table, any; auto: down when the table is level",
+                            "straight at the table, any; auto: any for a platform's arm, else down "
+                            "when the table is level",
              .read_only = true})),
         records_(declare_records(node)),
         workspace_(node.declare_parameter<double>(
@@ -201,7 +209,7 @@ class GraspPlanning {
              .default_value = 0.0,
              .unit = "m",
              .minimum = 0.0,
-             .description = "half the side of the square the carrier reaches, 0: no limit",
+             .description = "half the side of the square in which the hand may be, 0: no limit",
              .read_only = true})),
         batch_(std::chrono::duration<double>(node.declare_parameter<double>(
             {.name = "patience",
@@ -274,8 +282,9 @@ class GraspPlanning {
     grasp::Reachability result;
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const bool level = table.normal.dot(up) > std::cos(kLevelTable);
-    if (approach_ != "any") {
-      const bool down = approach_ == "down" || (approach_ == "auto" && level);
+    const std::string approach = approach_ == "auto" && platform_ ? "any" : approach_;
+    if (approach != "any") {
+      const bool down = approach == "down" || (approach == "auto" && level);
       result.approach_W = down ? Eigen::Vector3d(-up) : Eigen::Vector3d(-table.normal);
     }
     if (workspace_ > 0) {
@@ -314,7 +323,8 @@ class GraspPlanning {
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       if (platform_) {
-        return platform_->plan(object, table, neighbours_of(message), database, known);
+        return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
+                               known);
       }
       grasp::Obstacles obstacles;
       obstacles.meshes_W = neighbours_of(message);

@@ -17,48 +17,49 @@ constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
 
 }  // namespace
 
-PlatformPlanning::PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
-                                   grasp::HandPlannerOptions grasps,
+PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& home,
+                                   const planning::HandPlanOptions& grasps,
                                    planning::PlatformPickOptions arm, planning::PlaceOptions place,
                                    int motions)
-    : platform_(robot::read_platform(platform)),
+    : platform_(std::move(platform)),
       start_(platform_.home(home).arm),
       hand_(platform_.hand),
-      options_(std::move(grasps)),
+      options_(planning::within_reach(grasps, platform_)),
       arm_options_(std::move(arm)),
       place_(std::move(place)),
       motions_(motions) {
-  options_.reaches = planning::arm_reach(platform_);
-  options_.validate();
+  options_.pads.validate();
+  options_.fingers.validate();
   place_.validate();
 }
 
-msgs::Grasp PlatformPlanning::to_message(const grasp::HandGrasp& grasp, double mass) const {
+msgs::Grasp PlatformPlanning::to_message(const planning::PlannedGrasp& grasp) const {
   msgs::Grasp message;
-  *message.mutable_x_wg() = convert::to_message(grasp.X_WG);
-  *message.mutable_approach_direction() = convert::to_message(grasp.approach_W);
+  *message.mutable_x_wg() = convert::to_message(grasp.pose.X_WG);
+  *message.mutable_approach_direction() = convert::to_message(grasp.pose.approach_W);
   message.set_roll(grasp.roll);
-  message.set_pregrasp_distance(grasp.pregrasp_distance);
+  message.set_pregrasp_distance(grasp.pose.pregrasp_distance);
+  message.set_grasp_force(grasp.force);
   message.set_quality(grasp.quality);
   message.set_score(grasp.score);
   if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
   message.set_generator(grasp.generator);
-  message.set_preshape(grasp.preshape);
+  message.set_preshape(grasp.pose.preshape);
   message.set_guessed_contact(grasp.guessed_contact);
   message.set_remark(grasp.remark);
-  message.mutable_predicted()->set_lifted_mass(mass);
+  *message.mutable_predicted() = convert::to_message(grasp.predicted);
   for (const std::string& name : platform_.hand.actuated_names()) {
     message.add_hand_joint_name("hand_" + name);
   }
   const robot::ClosingWay way = robot::closing_way(
-      platform_.hand, platform_.hand.preshape(grasp.preshape), grasp.open, grasp.closed);
+      platform_.hand, platform_.hand.preshape(grasp.pose.preshape), grasp.pose.open, grasp.closed);
   for (const double position : way.open) message.add_open_position(position);
   for (const double position : way.closed) message.add_closed_position(position);
   for (const double rate : way.rate) message.add_closing_rate(rate);
   for (const double position : way.lower) message.add_least_position(position);
   for (const double position : way.upper) message.add_largest_position(position);
-  for (const grasp::HandContact& contact : grasp.contacts) {
-    *message.add_contacts() = convert::to_message(contact.contact_W.point);
+  for (const Eigen::Vector3d& p_W : grasp.contacts_W) {
+    *message.add_contacts() = convert::to_message(p_W);
   }
   return message;
 }
@@ -87,27 +88,25 @@ msgs::ArmSegment PlatformPlanning::to_message(const motion::PickSegment& segment
 msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
                                        const geometry::Plane& table_W,
                                        const std::vector<geometry::TriangleMesh>& obstacles_W,
+                                       const grasp::Reachability& reachability,
                                        grasp::GraspDatabase* database,
                                        const std::optional<grasp::PlacedObject>& known) const {
   grasp::Obstacles obstacles;
   obstacles.meshes_W = obstacles_W;
-  const grasp::HandPlan plan =
-      database && known ? grasp::plan_hand_grasps_with_memory(*database, *known, object, table_W,
-                                                              obstacles, hand_, {}, options_)
-                        : grasp::plan_hand_grasps(object, table_W, obstacles, hand_, {}, options_);
+  const planning::HandPlanResult plan = planning::plan_hand(
+      hand_, object, table_W, obstacles, reachability, options_, database, known);
   msgs::GraspPlan message;
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);
   convert::add_rejections(plan.rejections, &message);
-
   if (!plan.grasps.empty()) {
-    add_motions(plan, {table_W, object.convex_pieces_W, obstacles_W}, &message);
+    add_motions(plan.grasps, {table_W, object.convex_pieces_W, obstacles_W}, &message);
   }
   return message;
 }
 
 // The grasps that the arm can execute, best first, and then the others; or why there is none.
-void PlatformPlanning::add_motions(const grasp::HandPlan& plan,
+void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& grasps,
                                    const planning::PlatformScene& scene,
                                    msgs::GraspPlan* message) const {
   const planning::FreePlaces places = planning::free_places_for(platform_, scene, place_);
@@ -117,14 +116,11 @@ void PlatformPlanning::add_motions(const grasp::HandPlan& plan,
   }
   planning::PlatformPickOptions options = arm_options_;
   options.moves_W = places.moves_W;
-  std::vector<grasp::HandGrasp> left = plan.grasps;
+  std::vector<planning::PlannedGrasp> left = grasps;
   std::string arm_problem;
   for (int i = 0; i < motions_ && !left.empty(); ++i) {
     std::vector<planning::PlatformGrasp> poses;
-    for (const auto& g : left) {
-      poses.push_back({g.X_WG, g.approach_W, g.pregrasp_distance, g.preshape, g.open,
-                       std::clamp(g.score, 0.0, 1.0)});
-    }
+    for (const auto& grasp : left) poses.push_back(grasp.pose);
     const planning::PlatformPick pick =
         planning::plan_platform_pick(platform_, start_, poses, scene, options);
     if (i == 0) {
@@ -139,7 +135,7 @@ void PlatformPlanning::add_motions(const grasp::HandPlan& plan,
       arm_problem = pick.motion.problem;
       break;
     }
-    msgs::Grasp grasp = to_message(left[static_cast<std::size_t>(pick.grasp)], plan.mass);
+    msgs::Grasp grasp = to_message(left[static_cast<std::size_t>(pick.grasp)]);
     for (const auto& segment : pick.motion.segments) *grasp.add_arm() = to_message(segment);
     if (pick.motion.place >= 0) {
       *grasp.mutable_move() =
@@ -150,10 +146,10 @@ void PlatformPlanning::add_motions(const grasp::HandPlan& plan,
   }
   if (message->grasps_size() == 0) {
     message->set_problem(fmt::format("cannot be grasped: the arm can execute none of {} grasps: {}",
-                                     plan.grasps.size(), arm_problem));
+                                     grasps.size(), arm_problem));
     return;
   }
-  for (const auto& g : left) *message->add_grasps() = to_message(g, plan.mass);
+  for (const auto& g : left) *message->add_grasps() = to_message(g);
 }
 
 }  // namespace prehend::nodes

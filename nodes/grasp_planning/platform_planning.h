@@ -7,21 +7,20 @@
 
 #include "msgs/grasp.pb.h"
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/grasp_memory.h"
-#include "prehend/planning/platform_pick.h"
+#include "prehend/planning/hand_plan.h"
 #include "prehend/robot/platform.h"
 #include "prehend/surface/object_model.h"
 
 namespace prehend::nodes {
 
-/// Plans grasps of a hand with fingers and the motion of the arm that carries it.
+/// Plans grasps of a platform's hand and the motion of the arm that carries it.
 class PlatformPlanning {
  public:
   /// @param home of the platform: where the arm stands.
   /// @param motions how many of the grasps get the arm's motion, > 0: one for each attempt.
-  /// @throws geometry::InputError as robot::read_platform(), and for an unknown home.
-  PlatformPlanning(const std::filesystem::path& platform, const std::string& home,
-                   grasp::HandPlannerOptions grasps, planning::PlatformPickOptions arm,
+  /// @throws geometry::InputError for an unknown home.
+  PlatformPlanning(robot::Platform platform, const std::string& home,
+                   const planning::HandPlanOptions& grasps, planning::PlatformPickOptions arm,
                    planning::PlaceOptions place, int motions);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
@@ -31,22 +30,22 @@ class PlatformPlanning {
   /// @throws geometry::InputError for a bad mesh.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
                        const std::vector<geometry::TriangleMesh>& obstacles_W,
-                       grasp::GraspDatabase* database,
+                       const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known) const;
 
   /// The hand's name.
   const std::string& hand() const { return platform_.hand.name; }
 
  private:
-  msgs::Grasp to_message(const grasp::HandGrasp& grasp, double mass) const;
-  void add_motions(const grasp::HandPlan& plan, const planning::PlatformScene& scene,
-                   msgs::GraspPlan* message) const;
+  msgs::Grasp to_message(const planning::PlannedGrasp& grasp) const;
+  void add_motions(const std::vector<planning::PlannedGrasp>& grasps,
+                   const planning::PlatformScene& scene, msgs::GraspPlan* message) const;
   msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
 
   robot::Platform platform_;
   robot::Positions start_;
   grasp::HandToClose hand_;
-  grasp::HandPlannerOptions options_;
+  planning::HandPlanOptions options_;
   planning::PlatformPickOptions arm_options_;
   planning::PlaceOptions place_;
   int motions_;

@@ -25,11 +25,10 @@ struct BodyHistory {
   double start_y = 0;
 };
 
-/// Both pads at the end of one phase of the cycle.
+/// The pads at the end of one phase of the cycle, by their names.
 struct TactileSnapshot {
   std::string phase;
-  msgs::TactileFrame left;
-  msgs::TactileFrame right;
+  std::map<std::string, msgs::TactileFrame> pads;
 };
 
 /// What went over the graph, as far as the report shows it.
@@ -46,14 +45,12 @@ struct Collected {
 
   std::vector<std::pair<double, std::string>> phases;  // when each began
   bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation
-  std::optional<msgs::TactileFrame> left;  // newest
-  std::optional<msgs::TactileFrame> right;
+  std::map<std::string, msgs::TactileFrame> pads;  // newest, by pad
   std::vector<TactileSnapshot> snapshots;
-  History left_sum;   // N
-  History right_sum;  // N
-  History opening;    // m
-  History current;    // A
-  History wrench_z;   // N, along the gripper's approach direction
+  std::map<std::string, History> pad_sums;  // N, by pad
+  std::map<std::string, History> joints;    // rad or m, of arm and hand
+  History opening;                          // m, of a parallel gripper
+  History wrench_z;                         // N, along the hand's z axis
   std::map<std::string, BodyHistory> bodies;
   std::vector<std::string> log;  // warnings and errors, "node: text"
 };

@@ -26,7 +26,8 @@ void Collector::listen(const std::string& topic, const graph::QoS& qos, Action a
       }));
 }
 
-Collector::Collector(graph::Node& node) : node_(node) {
+Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Moves moves)
+    : node_(node) {
   using graph::QoS;
   const QoS stream = QoS::queue(1000);
   Collected& c = collected_;
@@ -50,18 +51,23 @@ Collector::Collector(graph::Node& node) : node_(node) {
                          [&c](const auto& m) { c.surprises.push_back(m); });
   listen<msgs::CycleState>("/cycle/state", QoS::queue(64), [this](const auto& m) { on_phase(m); });
   listen<msgs::CycleResult>("/cycle/result", QoS::queue(2), [&c](const auto& m) { c.result = m; });
-  listen<msgs::TactileFrame>("/tactile/left", stream, [&c](const auto& m) {
-    c.left = m;
-    c.left_sum.emplace_back(time_of(m.header()), m.sum());
-  });
-  listen<msgs::TactileFrame>("/tactile/right", stream, [&c](const auto& m) {
-    c.right = m;
-    c.right_sum.emplace_back(time_of(m.header()), m.sum());
-  });
-  listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
-    c.opening.emplace_back(time_of(m.header()), m.opening());
-    c.current.emplace_back(time_of(m.header()), m.current());
-  });
+  for (const std::string& pad : pads) {
+    listen<msgs::TactileFrame>("/tactile/" + pad, stream, [&c, pad](const auto& m) {
+      c.pads[pad] = m;
+      c.pad_sums[pad].emplace_back(time_of(m.header()), m.sum());
+    });
+  }
+  if (moves == Moves::kGripper) {
+    listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
+      c.opening.emplace_back(time_of(m.header()), m.opening());
+    });
+  } else {
+    listen<msgs::JointState>("/joint_states", stream, [&c](const auto& m) {
+      for (int i = 0; i < std::min(m.name_size(), m.position_size()); ++i) {
+        c.joints[m.name(i)].emplace_back(time_of(m.header()), m.position(i));
+      }
+    });
+  }
   listen<msgs::Wrench>("/wrench", stream, [&c](const auto& m) {
     c.wrench_z.emplace_back(time_of(m.header()), m.wrench().force().z());
   });
@@ -76,9 +82,10 @@ void Collector::on_phase(const msgs::CycleState& state) {
   auto& phases = collected_.phases;
   if (state.phase() == "spawn") collected_.on_prediction = true;
   if (!phases.empty() && phases.back().second == state.phase()) return;
-  if (!phases.empty() && collected_.left && collected_.right &&
-      collected_.left->sum() + collected_.right->sum() > 0) {
-    collected_.snapshots.push_back({phases.back().second, *collected_.left, *collected_.right});
+  double felt = 0;  // N
+  for (const auto& [pad, frame] : collected_.pads) felt += frame.sum();
+  if (!phases.empty() && felt > 0) {
+    collected_.snapshots.push_back({phases.back().second, collected_.pads});
   }
   phases.emplace_back(time_of(state.header()), state.phase());
 }

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "nodes/report/collected.h"
@@ -14,7 +15,10 @@ namespace prehend::nodes {
 /// Listens to every topic that the report shows.
 class Collector {
  public:
-  explicit Collector(graph::Node& node);
+  /// What the robot tells of its motion.
+  enum class Moves { kGripper, kJoints };
+  /// @param pads names of those that it has.
+  Collector(graph::Node& node, const std::vector<std::string>& pads, Moves moves);
 
   /// Waits until the cycle has ended or nothing can be expected any more (no objects, and none come
   /// within `patience`), the node is shut down, or `timeout` has passed (wall time).

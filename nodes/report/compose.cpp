@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
-#include "nodes/report/gripper_meshes.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
@@ -31,8 +31,8 @@ constexpr int kPictureHeight = 360;
 constexpr Rgb kSeenColor{40, 110, 190};
 constexpr Rgb kMirroredColor{235, 130, 40};
 constexpr Rgb kAssumedColor{170, 170, 175};
-constexpr Rgb kGripperColor{150, 155, 165};
-constexpr Rgb kPadColor{60, 60, 65};
+constexpr Rgb kObjectColor{215, 190, 150};
+constexpr Rgb kOthersColor{225, 222, 215};
 
 // Runs one part of the page; what cannot be drawn is said instead.
 void section(Page& page, const std::string& heading, const std::function<void()>& write) {
@@ -42,6 +42,12 @@ void section(Page& page, const std::string& heading, const std::function<void()>
   } catch (const std::exception& error) {
     page.add_paragraph(std::string("This part could not be drawn: ") + error.what());
   }
+}
+
+// "finger_1_distal" as people write it.
+std::string in_words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
 }
 
 std::string seconds_text(double seconds) { return fmt::format("{:.3f}", seconds); }
@@ -120,6 +126,12 @@ void add_view(Page& page, const Collected& collected) {
   page.add_pictures(pictures, captions);
 }
 
+Eigen::AlignedBox3d bounds_of(const std::vector<report::ColoredMesh>& meshes) {
+  Eigen::AlignedBox3d box;
+  for (const auto& mesh : meshes) box.extend(geometry::bounds(mesh.mesh_W));
+  return box;
+}
+
 // Two cameras that show all of `box` from the given azimuth and from the opposite side.
 std::vector<geometry::RigidTransform> two_views(const Eigen::AlignedBox3d& box, double azimuth) {
   const double radius = std::max(box.diagonal().norm() / 2, 0.01);
@@ -186,7 +198,7 @@ void add_shape(Page& page, const msgs::CompletedShape& message) {
 
 // The mesh in the colours of what its parts rest on; in one colour when the sender did not say.
 std::vector<report::ColoredMesh> by_origin(const surface::ObjectModel& model) {
-  if (model.vertex_origin.empty()) return {{model.mesh_W, {215, 190, 150}}};
+  if (model.vertex_origin.empty()) return {{model.mesh_W, kObjectColor}};
   std::vector<report::ColoredMesh> parts;
   for (const Rgb& color : {kSeenColor, kMirroredColor, kAssumedColor}) {
     parts.push_back({{model.mesh_W.vertices, {}}, color});
@@ -199,8 +211,44 @@ std::vector<report::ColoredMesh> by_origin(const surface::ObjectModel& model) {
   return parts;
 }
 
+// The grasp of an object that was executed last, else the best one: the hand at it, and the arm.
+void add_grasp(Page& page, const Collected& collected, std::uint32_t id,
+               const geometry::TriangleMesh& mesh_W, const DrawnRobot& robot) {
+  const auto plan = collected.plans.find(id);
+  if (plan == collected.plans.end() || plan->second.grasps().empty()) return;
+  int index = 0;
+  if (collected.result && collected.result->object_id() == id) {
+    index = std::min<int>(static_cast<int>(collected.result->grasp_index()),
+                          plan->second.grasps_size() - 1);
+  }
+  const auto& grasp = plan->second.grasps(index);
+  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const double azimuth =
+      azimuth_of(convert::from_message(grasp.x_wg()).linear().col(0)) + 0.5;  // rad
+  std::vector<report::ColoredMesh> scene = robot.hand_at(grasp);
+  scene.push_back({mesh_W, kObjectColor});
+  const auto views = two_views(bounds_of(scene), azimuth);
+  std::vector<ColorImage> pictures{report::draw_meshes(scene, camera, views[0]),
+                                   report::draw_meshes(scene, camera, views[1])};
+  std::vector<std::string> captions{
+      fmt::format("Grasp {} of {}: {}, score {:.2f}, {}", index + 1, plan->second.grasps_size(),
+                  robot.closing_text(grasp), grasp.score(), trust_text(grasp)),
+      "The same from the other side"};
+  const std::vector<report::ColoredMesh> arm = robot.arm_at(grasp);
+  if (!arm.empty()) {
+    scene.insert(scene.end(), arm.begin(), arm.end());
+    for (const auto& [other, model] : collected.models) {
+      if (other == id || !model.valid()) continue;
+      scene.push_back({convert::from_message(model.mesh()), kOthersColor});
+    }
+    pictures.push_back(report::draw_meshes(scene, camera, two_views(bounds_of(scene), -1.1)[0]));
+    captions.emplace_back("The arm at the grasp, among the other objects");
+  }
+  page.add_pictures(pictures, captions);
+}
+
 void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& message,
-               const robot::GripperModel& gripper) {
+               const DrawnRobot& robot) {
   if (!message.valid()) {
     page.add_verdict("No mesh: " + message.problem(), false);
     return;
@@ -223,38 +271,15 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
        "The same from behind", fmt::format("{} convex piece(s)", pieces.size())});
   page.add_paragraph("Length, width and height: " + size_text(model, message) + ".");
 
-  const auto plan = collected.plans.find(message.id());
-  if (plan == collected.plans.end() || plan->second.grasps().empty()) return;
-  int index = 0;
-  if (collected.result && collected.result->object_id() == message.id()) {
-    index = std::min<int>(static_cast<int>(collected.result->grasp_index()),
-                          plan->second.grasps_size() - 1);
-  }
-  const auto& grasp = plan->second.grasps(index);
-  const auto X_WG = convert::from_message(grasp.x_wg());
-  const double opening = grasp.predicted().opening();
-  const std::vector<report::ColoredMesh> scene = {
-      {model.mesh_W, {215, 190, 150}},
-      {geometry::transformed(gripper_body(gripper, opening), X_WG), kGripperColor},
-      {geometry::transformed(gripper_pads(gripper, opening), X_WG), kPadColor}};
-  Eigen::AlignedBox3d all = box;
-  for (const auto& part : scene) all.extend(geometry::bounds(part.mesh_W));
-  const auto grasp_views = two_views(all, azimuth_of(X_WG.linear().col(0)) + 0.5);
-  page.add_pictures(
-      {report::draw_meshes(scene, camera, grasp_views[0]),
-       report::draw_meshes(scene, camera, grasp_views[1])},
-      {fmt::format("Grasp {} of {}: opening at contact {:.1f} mm, force {:.1f} N, score {:.2f}, {}",
-                   index + 1, plan->second.grasps_size(), 1000 * opening, grasp.grasp_force(),
-                   grasp.score(), trust_text(grasp)),
-       "The same from the other side"});
+  add_grasp(page, collected, message.id(), model.mesh_W, robot);
 }
 
 void add_object(Page& page, const Collected& collected, const msgs::CompletedShape& shape,
-                const robot::GripperModel& gripper, const std::string& heading) {
+                const DrawnRobot& robot, const std::string& heading) {
   section(page, heading, [&] {
     add_shape(page, shape);
     if (const auto model = collected.models.find(shape.id()); model != collected.models.end()) {
-      add_model(page, collected, model->second, gripper);
+      add_model(page, collected, model->second, robot);
     }
     const auto plan = collected.plans.find(shape.id());
     if (plan == collected.plans.end()) return;
@@ -272,39 +297,58 @@ void add_object(Page& page, const Collected& collected, const msgs::CompletedSha
 
 void add_touch(Page& page, const Collected& collected) {
   double full = 0;
+  std::set<std::string> touched;  // of a hand's many pads those that felt something at all
   for (const auto& snapshot : collected.snapshots) {
-    for (const auto* pad : {&snapshot.left, &snapshot.right}) {
-      for (const auto count : pad->intensity()) full = std::max(full, static_cast<double>(count));
+    for (const auto& [name, pad] : snapshot.pads) {
+      if (pad.sum() > 0) touched.insert(name);
+      for (const auto count : pad.intensity()) full = std::max(full, static_cast<double>(count));
     }
   }
   std::vector<ColorImage> pictures;
   std::vector<std::string> captions;
   for (const auto& snapshot : collected.snapshots) {
-    for (const auto* pad : {&snapshot.left, &snapshot.right}) {
-      const std::vector<double> values(pad->intensity().begin(), pad->intensity().end());
-      pictures.push_back(report::draw_tactile(values, static_cast<int>(pad->rows()),
-                                              static_cast<int>(pad->columns()), full));
-      captions.push_back(fmt::format("end of {}: {} pad, {:.1f} N", snapshot.phase,
-                                     pad == &snapshot.left ? "left" : "right", pad->sum()));
+    for (const auto& [name, pad] : snapshot.pads) {
+      if (touched.count(name) == 0) continue;
+      const std::vector<double> values(pad.intensity().begin(), pad.intensity().end());
+      pictures.push_back(report::draw_tactile(values, static_cast<int>(pad.rows()),
+                                              static_cast<int>(pad.columns()), full));
+      captions.push_back(
+          fmt::format("end of {}: {} pad, {:.1f} N", snapshot.phase, in_words(name), pad.sum()));
     }
   }
   if (pictures.empty()) page.add_paragraph("Nothing was touched.");
   page.add_pictures(pictures, captions);
 }
 
+// Joints of arm and hand over time, each in a chart of its own.
+void add_joint_charts(Page& page, const Collected& collected,
+                      const std::vector<report::Marker>& markers) {
+  for (const auto& [prefix, title] : {std::pair{"arm_", "Arm"}, std::pair{"hand_", "Hand"}}) {
+    std::vector<report::Series> joints;
+    for (const auto& [name, history] : collected.joints) {
+      if (name.starts_with(prefix)) {
+        joints.push_back({in_words(name.substr(std::string(prefix).size())), history});
+      }
+    }
+    if (joints.empty()) continue;
+    page.add_chart(
+        report::draw_line_chart({title, "time [s]", "position [rad or m]", joints, markers}),
+        fmt::format("Joints of the {}.", prefix[0] == 'a' ? "arm" : "hand"));
+  }
+}
+
 void add_charts(Page& page, const Collected& collected) {
   std::vector<report::Marker> markers;
   for (const auto& [time, phase] : collected.phases) markers.push_back({time, phase});
-  if (!collected.left_sum.empty()) {
-    page.add_chart(report::draw_line_chart({"Forces",
-                                            "time [s]",
-                                            "force [N]",
-                                            {{"left pad", collected.left_sum},
-                                             {"right pad", collected.right_sum},
-                                             {"wrist, along approach", collected.wrench_z}},
-                                            markers}),
+  std::vector<report::Series> forces;
+  for (const auto& [pad, sums] : collected.pad_sums)
+    forces.push_back({in_words(pad) + " pad", sums});
+  if (!collected.wrench_z.empty()) forces.push_back({"wrist, along approach", collected.wrench_z});
+  if (!forces.empty()) {
+    page.add_chart(report::draw_line_chart({"Forces", "time [s]", "force [N]", forces, markers}),
                    "What the pads and the wrist felt.");
   }
+  add_joint_charts(page, collected, markers);
   if (!collected.opening.empty()) {
     History millimetres = collected.opening;
     for (auto& [time, value] : millimetres) value *= 1000;
@@ -467,7 +511,7 @@ std::vector<Row> stage_times(const Collected& collected) {
 }
 
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
-                  const robot::GripperModel& gripper, const std::vector<Process>& processes) {
+                  const DrawnRobot& robot, const std::vector<Process>& processes) {
   Page page(title);
   if (verdict.kind == Verdict::Kind::kNotGraspable) {
     page.add_answer("Not graspable: " + verdict.text);
@@ -479,11 +523,11 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   // The object of the cycle first.
   const std::uint32_t shown = shown_object(collected);
   if (const auto first = collected.shapes.find(shown); first != collected.shapes.end()) {
-    add_object(page, collected, first->second, gripper,
+    add_object(page, collected, first->second, robot,
                fmt::format("Object {}, the one to grasp", shown));
   }
   for (const auto& [id, shape] : collected.shapes) {
-    if (id != shown) add_object(page, collected, shape, gripper, fmt::format("Object {}", id));
+    if (id != shown) add_object(page, collected, shape, robot, fmt::format("Object {}", id));
   }
   section(page, "What the pads felt", [&] { add_touch(page, collected); });
   section(page, "Over time", [&] { add_charts(page, collected); });

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "nodes/report/collected.h"
+#include "nodes/report/drawn_robot.h"
 #include "nodes/report/processes.h"
 #include "nodes/report/verdict.h"
 #include "prehend/report/page.h"
-#include "prehend/robot/gripper_model.h"
 
 namespace prehend::nodes {
 
@@ -19,7 +19,7 @@ std::vector<std::vector<std::string>> stage_times(const Collected& collected);
 
 /// The whole page. A part that is missing or that cannot be drawn is named in words instead.
 report::Page compose_page(const std::string& title, const Collected& collected,
-                          const Verdict& verdict, const robot::GripperModel& gripper,
+                          const Verdict& verdict, const DrawnRobot& robot,
                           const std::vector<Process>& processes);
 
 }  // namespace prehend::nodes

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 
@@ -13,6 +14,8 @@
 #include "nodes/report/saved.h"
 #include "nodes/report/verdict.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -64,6 +67,16 @@ int run(graph::Node& node) {
        .description = "folder for the predicted meshes (object_K.ply, .obj, .stl; metres, world "
                       "frame) and their grasps (object_K_grasps.json); empty: none",
        .read_only = true});
+  const auto platform = node.declare_parameter<std::string>(
+      {.name = "platform",
+       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...) that is drawn; empty: the "
+                      "parallel gripper",
+       .read_only = true});
+  const auto platforms = node.declare_parameter<std::string>(
+      {.name = "platforms",
+       .default_value = text::tree_file("config/robots"),
+       .description = "folder of the platform's file, PLATFORM.yaml",
+       .read_only = true});
   nodes::GripperSource gripper(node);
   const double timeout = node.declare_parameter<double>(
       {.name = "timeout",
@@ -79,8 +92,16 @@ int run(graph::Node& node) {
        .minimum = 0.0,
        .description = "wall time to wait for objects after a view without any",
        .read_only = true});
-  gripper.listen();
-  nodes::Collector collector(node);
+  std::unique_ptr<nodes::DrawnRobot> robot;
+  if (platform.empty()) {
+    gripper.listen();
+    robot = nodes::make_drawn(robot::GripperModel{});
+  } else {
+    robot = nodes::make_drawn(robot::read_platform(robot::platform_file(platforms, platform)));
+  }
+  nodes::Collector collector(
+      node, robot->pads(),
+      platform.empty() ? nodes::Collector::Moves::kGripper : nodes::Collector::Moves::kJoints);
   node.spin_in_background();
   const bool ended = collector.wait_for_end(std::chrono::duration<double>(timeout),
                                             std::chrono::duration<double>(patience));
@@ -96,10 +117,13 @@ int run(graph::Node& node) {
   const auto processes = nodes::list_processes();
   const nodes::Collected collected = collector.snapshot();
   const nodes::Verdict verdict = nodes::judge(collected, timeout_reason);
-  // Pictures do not need it to the millimetre: without a word the default one is drawn.
-  if (!gripper.model()) node.log_warning("the gripper is drawn as a PG70: {}", gripper.missing());
-  const auto page = nodes::compose_page(title, collected, verdict,
-                                        gripper.model().value_or(robot::GripperModel{}), processes);
+  if (const auto model = gripper.model()) {
+    robot = nodes::make_drawn(*model);
+  } else if (platform.empty()) {
+    // Pictures do not need it to the millimetre: without a word the default one is drawn.
+    node.log_warning("the gripper is drawn as a PG70: {}", gripper.missing());
+  }
+  const auto page = nodes::compose_page(title, collected, verdict, *robot, processes);
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
 

@@ -65,6 +65,12 @@ void declare_stereo_parameters(graph::Node& node) {
                                  .description = description});
   };
   node.declare_parameter<std::string>(
+      {.name = "world",
+       .default_value = "camera",
+       .choices = {"camera", "table"},
+       .description = "frame of the objects: that of the camera's pose, or made from the table, as "
+                      "it is for cameras without a known pose"});
+  node.declare_parameter<std::string>(
       {.name = "process",
        .default_value = "once_per_scene",
        .choices = {"once_per_scene", "every"},
@@ -206,6 +212,9 @@ class StereoSegmentation {
       clock.end_stage(times, "table");
       scene = perception::segment_on_table(cloud_C, camera.left, table, X_WC,
                                            nodes::segmentation_options(node_));
+    }
+    if (node_.parameter<std::string>("world") == "table") {
+      scene = perception::in_table_world(std::move(scene));
     }
     if (node_.parameter<bool>("refine_masks")) perception::refine_masks(scene, images.left);
     clock.end_stage(times, "segmentation");

@@ -7,6 +7,7 @@
 #include "msgs/objects.pb.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/perception/merged_views.h"
+#include "prehend/perception/segmentation.h"
 
 namespace {
 
@@ -38,6 +39,14 @@ void declare_parameters(graph::Node& node) {
                                   .description = "align: farther points are not each other's"});
 }
 
+void declare_world(graph::Node& node) {
+  node.declare_parameter<std::string>(
+      {.name = "world",
+       .default_value = "table",
+       .choices = {"table", "views"},
+       .description = "frame of the objects: made from their table, or that of the views"});
+}
+
 perception::MergeOptions merge_options(const graph::Node& node) {
   perception::MergeOptions o;
   o.align = node.parameter<bool>("align");
@@ -50,6 +59,7 @@ class ViewMerging {
  public:
   explicit ViewMerging(graph::Node& node) : node_(node) {
     declare_parameters(node);
+    declare_world(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     subscription_ = node.subscribe<msgs::ObjectHypotheses>(
         "/views", graph::QoS::queue(32),
@@ -80,8 +90,12 @@ class ViewMerging {
     const std::size_t count = views_.size();
     msgs::ObjectHypotheses merged;
     const std::string problem = node_.shield("views", [&] {
-      merged = convert::to_message(perception::as_scene(
-          perception::merge_views(std::exchange(views_, {}), merge_options(node_))));
+      perception::SegmentedScene scene = perception::as_scene(
+          perception::merge_views(std::exchange(views_, {}), merge_options(node_)));
+      if (node_.parameter<std::string>("world") == "table") {
+        scene = perception::in_table_world(std::move(scene));
+      }
+      merged = convert::to_message(scene);
       merged.add_notes(fmt::format("{} views were merged", count));
     });
     if (!problem.empty()) {

@@ -15,6 +15,12 @@ std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
 }
 
+std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
+  std::vector<GraspPose> poses;
+  for (const ArmGrasp& grasp : grasps) poses.push_back(grasp.pose);
+  return poses;
+}
+
 }  // namespace
 
 void ArmCycleOptions::validate() const {
@@ -45,7 +51,11 @@ std::string described(const ArmGrasp& grasp, int index) {
 }
 
 ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
-    : options_(options), arm_(arm), hand_(hand), holding_(options.holding) {
+    : Cycle(options.tolerances),
+      options_(options),
+      arm_(arm),
+      hand_(hand),
+      holding_(options.holding) {
   options.validate();
 }
 
@@ -96,23 +106,16 @@ Phase ArmCycle::phase_of(Step step) {
 Phase ArmCycle::phase() const { return phase_of(step_); }
 
 void ArmCycle::enter(Step step, const std::string& detail) {
-  const std::string name = to_string(phase_of(step));
-  if (phase_times_.empty() || phase_times_.back().first != name) phase_times_.emplace_back(name, 0);
   step_ = step;
-  detail_ = detail;
-  step_start_ = now_.time;
+  entered(detail);
 }
 
 void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
-  result_ = {};
-  surprises_.clear();
-  phase_times_.clear();
-  failed_attempts_.clear();
-  grasp_index_ = 0;
+  order_.start(poses_of(grasps_));
+  clear();
   step_ = Step::kWaiting;
   if (grasps_.empty()) return finish(false, problem.empty() ? "the plan has no grasps" : problem);
-  step_start_ = now_.time;
   step_waiting();
 }
 
@@ -120,47 +123,47 @@ std::vector<InputAge> ArmCycle::inputs() {
   const auto age = [](bool has_come, double seconds) {
     return has_come ? std::optional(seconds) : std::nullopt;
   };
-  return {
-      {"the joints' states", age(!now_.names.empty(), now_.joints_age), options_.stale_time},
-      {"the wrist's force", age(now_.wrist_force.has_value(), now_.wrist_age), options_.stale_time},
-      {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
-      {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+  return {{"the joints' states", age(!percepts_.names.empty(), percepts_.joints_age),
+           options_.stale_time},
+          {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age),
+           options_.stale_time},
+          {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
+          {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
 }
 
 void ArmCycle::step_waiting() {
   if (grasps_.empty()) return;  // not started
   const std::vector<InputAge> missing = stale_inputs(inputs());
-  if (missing.empty()) return begin_attempt();
+  if (missing.empty()) return begin_grasp(0);
   detail_ = "waiting for " + names_of(missing);
-  if (now_.time - step_start_ > options_.motion_timeout) {
+  if (spent() > options_.motion_timeout) {
     finish(false, "nothing was moved, for want of " + describe(missing));
   }
 }
 
 bool ArmCycle::stop_when_lost() {
   if (step_ == Step::kLook) return false;
-  const std::vector<InputAge> lost = watch_.lost(now_.time, inputs());
+  const std::vector<InputAge> lost = watch_.lost(now(), inputs());
   if (lost.empty()) return false;
   abort("lost " + describe(lost) + " while " + detail_ + "; arm and hand were stopped");
   return true;
 }
 
-void ArmCycle::begin_attempt() {
-  watch_.begin(now_.time);
-  ++result_.attempts;
-  result_.grasp_index = grasp_index_;
-  failure_.clear();
+void ArmCycle::begin_grasp(int index) {
+  watch_.begin(now());
+  begin_attempt(index);
+  order_.begin(index);
   gone_.clear();
   holding_.begin();
-  attempts_surprises_ = surprises_.size();
   open_hand();
-  enter(Step::kOpen, described(grasp(), grasp_index_) + ": opening the hand");
+  enter(Step::kOpen, described(grasp(), index) + ": opening the hand");
 }
 
 void ArmCycle::follow(const JointPath& path, double contact_force) {
   refused_.clear();
   try {
-    const JointPath from_here = joined(path, now_.names, now_.positions, options_.largest_detour);
+    const JointPath from_here =
+        joined(path, percepts_.names, percepts_.positions, options_.largest_detour);
     gone_.push_back(from_here);
     arm_.follow(from_here, contact_force);
   } catch (const std::invalid_argument& error) {
@@ -200,21 +203,18 @@ void ArmCycle::close() {
 }
 
 void ArmCycle::give_up(const std::string& reason) {
-  failure_ = fmt::format("grasp {}: {}", grasp_index_, reason);
-  failed_attempts_.add(static_cast<int>(step_), failure_);
-  const bool surprised =
-      std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
-                  surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });
-  if (!surprised) add_surprise(SurpriseKind::kMotion, 1, 0, "opens and goes back");
+  fail_attempt(static_cast<int>(step_), fmt::format("grasp {}: {}", grasp_index(), reason),
+               SurpriseKind::kMotion, "opens and goes back");
   arm_.stop();
   open_hand();
-  enter(Step::kGiveUpOpen, failure_ + "; opening");
+  enter(Step::kGiveUpOpen, failure() + "; opening");
 }
 
 void ArmCycle::go_back() {
   if (gone_.empty()) {
+    order_.fail(grasp_index());
     if (options_.look_timeout > 0 && result_.attempts < options_.largest_attempts) {
-      return enter(Step::kLook, failure_ + "; looking again");
+      return enter(Step::kLook, failure() + "; looking again");
     }
     return next_grasp("");
   }
@@ -227,7 +227,7 @@ void ArmCycle::go_back() {
 }
 
 std::optional<double> ArmCycle::looks_since() const {
-  return step_ == Step::kLook ? std::optional(step_start_) : std::nullopt;
+  return step_ == Step::kLook ? std::optional(entered_) : std::nullopt;
 }
 
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem) {
@@ -236,19 +236,19 @@ void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& proble
     return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
   }
   grasps_ = std::move(grasps);
-  grasp_index_ = 0;
+  order_.take(poses_of(grasps_));
   ++result_.plans;
-  begin_attempt();
+  begin_grasp(order_.next().value_or(0));
 }
 
 // `why` it is not a grasp of a new look, in words; empty: nobody looked.
 void ArmCycle::next_grasp(const std::string& why) {
-  if (grasp_index_ + 1 >= static_cast<int>(grasps_.size()) ||
-      result_.attempts >= options_.largest_attempts) {
-    return finish(false, failed_attempts_.text() + (why.empty() ? "" : "; " + why));
+  const std::optional<int> next = order_.next();
+  const bool out_of_date = options_.only_seen_again && !why.empty();
+  if (!next || out_of_date || result_.attempts >= options_.largest_attempts) {
+    return finish(false, failed_attempts().text() + (why.empty() ? "" : "; " + why));
   }
-  ++grasp_index_;
-  begin_attempt();
+  begin_grasp(*next);
   if (!why.empty()) detail_ = why + ": the next grasp of the plan before; " + detail_;
 }
 
@@ -268,39 +268,36 @@ MotionStatus ArmCycle::motion_status() {
 }
 
 void ArmCycle::step(const ArmPercepts& percepts) {
-  if (!phase_times_.empty()) {
-    phase_times_.back().second += std::max(0.0, percepts.time - now_.time);
-  }
-  now_ = percepts;
+  advance_to(percepts.time);
+  percepts_ = percepts;
   if (finished()) return;
   if (step_ == Step::kWaiting) return step_waiting();
   if (stop_when_lost()) return;
-  const double spent = now_.time - step_start_;
-  if (watch_held(spent)) return;
+  if (watch_held()) return;
   const MotionStatus status = motion_status();
   const bool gives_up = step_ == Step::kGiveUpOpen || step_ == Step::kGoBack;
   if (status == MotionStatus::kMoving) {
-    if (spent <= options_.motion_timeout) return;
+    if (spent() <= options_.motion_timeout) return;
     arm_.stop();
     hand_.stop();
-    if (gives_up) return finish(false, failure_ + "; " + detail_ + " took too long");
+    if (gives_up) return finish(false, failure() + "; " + detail_ + " took too long");
     return give_up(detail_ + " took too long");
   }
   if (status == MotionStatus::kFailed) {
     std::string why = detail_ + ": ";
     why += moves_hand(step_) ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
-    if (gives_up) return finish(false, failure_ + "; " + why);
+    if (gives_up) return finish(false, failure() + "; " + why);
     if (step_ == Step::kRetreat) {
       add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
       return finish(false, why);
     }
     return give_up(why);
   }
-  advance(status, spent);
+  advance(status);
 }
 
 // To the next step, as this one has ended by `status` or waits.
-void ArmCycle::advance(MotionStatus status, double spent) {
+void ArmCycle::advance(MotionStatus status) {
   switch (step_) {
     case Step::kOpen:
       begin_segment("reach", Step::kReach, 0);
@@ -308,8 +305,8 @@ void ArmCycle::advance(MotionStatus status, double spent) {
     case Step::kReach:
       return enter(Step::kRest, "reading the wrist at rest");
     case Step::kRest:
-      holding_.feel_free(now_.wrist_force);
-      if (spent < options_.rest_time) return;
+      holding_.feel_free(percepts_.wrist_force);
+      if (spent() < options_.rest_time) return;
       begin_segment("approach", Step::kApproach, options_.reacts ? options_.contact_force : 0);
       return;
     case Step::kApproach:
@@ -319,7 +316,7 @@ void ArmCycle::advance(MotionStatus status, double spent) {
     case Step::kClose:
       return after_closing(status);
     case Step::kSettle:
-      if (spent < options_.settle_time) return;
+      if (spent() < options_.settle_time) return;
       if (const auto now = closure()) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);
@@ -330,8 +327,8 @@ void ArmCycle::advance(MotionStatus status, double spent) {
       holding_.begin_weighing();
       return enter(Step::kCheck, "weighing what is held");
     case Step::kCheck:
-      holding_.weigh(now_.wrist_force);
-      if (spent < options_.check_time) return;
+      holding_.weigh(percepts_.wrist_force);
+      if (spent() < options_.check_time) return;
       return check();
     case Step::kCarry: {
       // What reacts to contact lowers the object until something bears it.
@@ -348,14 +345,14 @@ void ArmCycle::advance(MotionStatus status, double spent) {
       holding_.begin_weighing();
       return enter(Step::kVerify, "looking whether the hand is empty");
     case Step::kVerify:
-      holding_.weigh(now_.wrist_force);
-      if (spent < options_.check_time) return;
+      holding_.weigh(percepts_.wrist_force);
+      if (spent() < options_.check_time) return;
       return verify();
     case Step::kGiveUpOpen:
     case Step::kGoBack:
       return go_back();
     case Step::kLook:
-      if (spent > options_.look_timeout) next_grasp("no new plan came");
+      if (spent() > options_.look_timeout) next_grasp("no new plan came");
       return;
     case Step::kWaiting:
     case Step::kDone:
@@ -375,11 +372,6 @@ void ArmCycle::finish(bool success, const std::string& reason) {
   result_.success = success;
   result_.reason = reason;
   enter(success ? Step::kDone : Step::kFailed, reason);
-}
-
-void ArmCycle::add_surprise(SurpriseKind kind, double predicted, double felt,
-                            const std::string& reaction) {
-  surprises_.push_back(compare(kind, predicted, felt, options_.tolerances, reaction));
 }
 
 }  // namespace prehend::control

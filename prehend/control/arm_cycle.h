@@ -7,17 +7,18 @@
 
 #include <Eigen/Core>
 
-#include "prehend/control/grasp_cycle.h"
+#include "prehend/control/cycle.h"
+#include "prehend/control/grasp_order.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_path.h"
-#include "prehend/control/surprise.h"
 #include "prehend/robot/closing_way.h"
 
 namespace prehend::control {
 
 /// A planned grasp with the arm's motion round it.
 struct ArmGrasp {
+  GraspPose pose;
   std::vector<std::pair<std::string, JointPath>> segments;  // reach, approach, lift, carry, place,
                                                             // retreat; in this order, some may lack
   std::vector<std::string> hand_joints;
@@ -95,6 +96,9 @@ struct ArmCycleOptions {
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
   /// plan is taken at once.
   double look_timeout = 0;
+  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the cycle
+  /// ends when none come.
+  bool only_seen_again = false;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -108,7 +112,7 @@ struct ArmCycleOptions {
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// On a failure it opens and goes back the way it came. With `look_timeout` it waits there for
 /// grasps planned on a new look (looks_since(), take_plan()), as the object may have moved; when
-/// none come it takes the next grasp of its plan.
+/// none come it takes the next grasp of its plan. Grasps like one that failed come last in either.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -116,7 +120,7 @@ struct ArmCycleOptions {
 ///
 /// Sources: Bohg et al., "Mind the Gap", ICRA 2011, section IV: KTH's platform open loop, UJI's
 /// with reaction to contact. Not thread-safe. Never blocks, never throws after start().
-class ArmCycle {
+class ArmCycle : public Cycle {
  public:
   /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
   ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand);
@@ -125,22 +129,12 @@ class ArmCycle {
   void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
-  /// Set while it waits for a new plan: of what was seen at this time [s] or later.
-  std::optional<double> looks_since() const;
+  std::optional<double> looks_since() const override;
   /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
   /// @pre looks_since() is set
   void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "");
-  /// Stops arm and hand and ends as failed.
-  void abort(const std::string& reason);
-
-  Phase phase() const;
-  bool finished() const { return step_ == Step::kDone || step_ == Step::kFailed; }
-  const std::string& detail() const { return detail_; }
-  int grasp_index() const { return grasp_index_; }
-  const CycleResult& result() const { return result_; }  // final once finished()
-  const std::vector<Surprise>& surprises() const { return surprises_; }
-  /// Seconds of each phase in the order they were entered.
-  const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
+  void abort(const std::string& reason) override;
+  Phase phase() const override;
 
  private:
   enum class Step {
@@ -175,7 +169,7 @@ class ArmCycle {
   void step_waiting();
   /// Stops and ends when something of it is lost; true then.
   bool stop_when_lost();
-  void begin_attempt();
+  void begin_grasp(int index);
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
   void follow(const JointPath& path, double contact_force);
@@ -187,39 +181,30 @@ class ArmCycle {
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
-  void advance(MotionStatus status, double spent);
+  void advance(MotionStatus status);
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
   /// Gives up when what is held is lost; true then.
-  bool watch_held(double spent);
+  bool watch_held();
   void check();
   void verify();
   void give_up(const std::string& reason);
   void go_back();
   void next_grasp(const std::string& why);
   void finish(bool success, const std::string& reason);
-  void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
-  const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index_)]; }
+  const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
 
   ArmCycleOptions options_;
   ArmPort& arm_;
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
+  GraspOrder order_;  // of grasps_
   Step step_ = Step::kWaiting;
-  std::string detail_ = "waiting for a plan";
   std::string refused_;          // why a segment could not begin
   std::vector<JointPath> gone_;  // segments that were begun in this attempt
   InputWatch watch_;
-  ArmPercepts now_;
-  double step_start_ = 0;  // s
-  int grasp_index_ = 0;
-  std::string failure_;
-  FailedAttempts failed_attempts_;
+  ArmPercepts percepts_;
   Holding holding_;
-  std::size_t attempts_surprises_ = 0;  // that there were when the attempt began
-  CycleResult result_;
-  std::vector<Surprise> surprises_;
-  std::vector<std::pair<std::string, double>> phase_times_;
 };
 
 }  // namespace prehend::control

@@ -20,20 +20,21 @@ std::optional<double> ArmCycle::closure() const {
   Eigen::VectorXd positions(static_cast<Eigen::Index>(joints.size()));
   for (std::size_t i = 0; i < joints.size(); ++i) {
     // A hand's own names are its platform's without the prefix.
-    auto found = std::find(now_.names.begin(), now_.names.end(), joints[i]);
-    if (found == now_.names.end()) {
-      found = std::find(now_.names.begin(), now_.names.end(), "hand_" + joints[i]);
+    auto found = std::find(percepts_.names.begin(), percepts_.names.end(), joints[i]);
+    if (found == percepts_.names.end()) {
+      found = std::find(percepts_.names.begin(), percepts_.names.end(), "hand_" + joints[i]);
     }
-    if (found == now_.names.end()) return std::nullopt;
+    if (found == percepts_.names.end()) return std::nullopt;
     positions[static_cast<Eigen::Index>(i)] =
-        now_.positions.at(static_cast<std::size_t>(found - now_.names.begin()));
+        percepts_.positions.at(static_cast<std::size_t>(found - percepts_.names.begin()));
   }
   return grasp().hand.closure(positions);
 }
 
 // The force that has stopped the arm [N]: what was asked for at least, as it may be gone by now.
 double ArmCycle::felt_contact(double borne) const {
-  return std::max(now_.wrist_force ? now_.wrist_force->norm() : 0, borne + options_.contact_force);
+  return std::max(percepts_.wrist_force ? percepts_.wrist_force->norm() : 0,
+                  borne + options_.contact_force);
 }
 
 void ArmCycle::after_approach(MotionStatus status) {
@@ -57,16 +58,16 @@ void ArmCycle::after_closing(MotionStatus status) {
   enter(Step::kSettle, "pressing");
 }
 
-bool ArmCycle::watch_held(double spent) {
+bool ArmCycle::watch_held() {
   const bool lifting = step_ == Step::kLift, carrying = step_ == Step::kCarry,
              placing = step_ == Step::kPlace;
   if (!lifting && !carrying && !placing) return false;
   bool by_weight = carrying;
   if (placing) {
     const JointPath* path = segment("place");
-    by_weight = path != nullptr && spent < kHighAboveTable * path->duration();
+    by_weight = path != nullptr && spent() < kHighAboveTable * path->duration();
   }
-  const std::string why = holding_.lost(now_.time, now_.wrist_force, closure(), by_weight);
+  const std::string why = holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
   if (why.empty()) return false;
   add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
                "opens and tries the next grasp");
@@ -85,7 +86,7 @@ void ArmCycle::check() {
   }
   if (!segment("place")) {
     return finish(true, fmt::format("{}: lifted and held ({}); the plan puts it nowhere",
-                                    described(grasp(), grasp_index_), held.why));
+                                    described(grasp(), grasp_index()), held.why));
   }
   begin_segment("carry", Step::kCarry, 0);
 }
@@ -104,7 +105,7 @@ void ArmCycle::after_placing(MotionStatus status) {
 void ArmCycle::verify() {
   const Holding::Verdict empty = holding_.empty();
   add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0, "ends");
-  const std::string name = described(grasp(), grasp_index_);
+  const std::string name = described(grasp(), grasp_index());
   if (!empty.yes) {
     return finish(false, name + ": what was to be put down did not leave the hand: " + empty.why);
   }

@@ -2,28 +2,6 @@
 
 namespace prehend::control {
 
-std::string to_string(Phase phase) {
-  switch (phase) {
-    case Phase::kWaiting:
-      return "waiting";
-    case Phase::kApproach:
-      return "approach";
-    case Phase::kGrasp:
-      return "grasp";
-    case Phase::kLift:
-      return "lift";
-    case Phase::kMove:
-      return "move";
-    case Phase::kRelease:
-      return "release";
-    case Phase::kDone:
-      return "done";
-    case Phase::kFailed:
-      return "failed";
-  }
-  return "unknown";
-}
-
 Phase GraspCycle::phase_of(Step step) {
   switch (step) {
     case Step::kWaiting:

@@ -38,7 +38,8 @@ RigidTransform shifted(const RigidTransform& X_WG, const Eigen::Vector3d& p_W) {
 
 GraspCycle::GraspCycle(const robot::GripperModel& gripper, const CycleOptions& options,
                        GripperPort& gripper_port, CarrierPort& carrier_port)
-    : gripper_(gripper),
+    : Cycle(options.tolerances),
+      gripper_(gripper),
       options_(options),
       gripper_port_(gripper_port),
       carrier_port_(carrier_port),
@@ -48,26 +49,24 @@ GraspCycle::GraspCycle(const robot::GripperModel& gripper, const CycleOptions& o
 
 Phase GraspCycle::phase() const { return phase_of(step_); }
 
+std::vector<GraspPose> GraspCycle::poses_of(const std::vector<grasp::Grasp>& grasps) {
+  std::vector<GraspPose> poses;
+  for (const grasp::Grasp& grasp : grasps) poses.push_back({grasp.X_WG, ""});
+  return poses;
+}
+
 void GraspCycle::start(std::vector<grasp::Grasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
-  tried_.assign(grasps_.size(), false);
-  failed_.clear();
-  failed_attempts_.clear();
-  grasp_index_ = 0;
-  result_ = {};
-  surprises_.clear();
-  phase_times_.clear();
+  order_.start(poses_of(grasps_));
+  clear();
   step_ = Step::kWaiting;
-  step_start_ = now_;
   detail_ = "waiting for percepts";
   if (grasps_.empty()) finish(false, problem.empty() ? "the plan holds no grasp" : problem);
 }
 
 void GraspCycle::step(const Percepts& percepts) {
   if (finished() || grasps_.empty()) return;
-  const double elapsed = std::max(0.0, percepts.time - now_);
-  if (!phase_times_.empty()) phase_times_.back().second += elapsed;
-  now_ = percepts.time;
+  advance_to(percepts.time);
   if (percepts.gripper_error != 0 && step_ != Step::kWaiting) {
     return abort("the gripper reports error " + std::to_string(percepts.gripper_error));
   }
@@ -128,17 +127,13 @@ void GraspCycle::abort(const std::string& reason) {
 }
 
 void GraspCycle::enter(Step step, const std::string& detail) {
-  const Phase before = phase();
   step_ = step;
-  detail_ = detail;
-  step_start_ = now_;
-  if (phase() != before && !finished()) phase_times_.emplace_back(to_string(phase()), 0.0);
+  entered(detail);
 }
 
 void GraspCycle::finish(bool success, const std::string& reason) {
   result_.success = success;
   result_.reason = reason;
-  result_.grasp_index = grasp_index_;
   enter(success ? Step::kDone : Step::kFailed, reason);
 }
 
@@ -157,12 +152,10 @@ RigidTransform GraspCycle::raised_to_transit(const RigidTransform& X_WG) const {
   return shifted(X_WG, std::max(0.0, rise) * options_.up_W);
 }
 
-void GraspCycle::begin_attempt() {
-  watch_.begin(now_);
-  ++result_.attempts;
-  tried_[static_cast<std::size_t>(grasp_index_)] = true;
-  failure_.clear();
-  attempts_surprises_ = surprises_.size();
+void GraspCycle::begin_grasp(int index) {
+  watch_.begin(now());
+  begin_attempt(index);
+  order_.begin(index);
   gripper_port_.move_to(std::min(current_grasp().pregrasp_opening, gripper_.max_opening),
                         options_.opening_speed);
   enter(Step::kOpen, "opening to " + millimetres(current_grasp().pregrasp_opening));
@@ -230,7 +223,7 @@ void GraspCycle::step_close(const Percepts& percepts) {
     add_surprise(SurpriseKind::kOpeningAtContact, predicted.opening, *percepts.opening,
                  "grip what is there");
     force_controller_.start(current_grasp().grasp_force, mean_sum(percepts));
-    last_update_ = now_;
+    last_update_ = now();
     settled_since_ = -1;
     return enter(Step::kPress, "both pads touch at " + millimetres(*percepts.opening) +
                                    ", rising to " + newtons(current_grasp().grasp_force));
@@ -239,7 +232,7 @@ void GraspCycle::step_close(const Percepts& percepts) {
       left || right ? std::string("only the ") + (left ? "left" : "right") + " pad felt something"
                     : "neither pad felt anything";
   // Blocked at once means the drive has not broken away yet.
-  if (percepts.gripper_blocked && now_ - step_start_ > 0.5) {
+  if (percepts.gripper_blocked && spent() > 0.5) {
     return give_up_attempt("closing was blocked, " + felt);
   }
   if (*percepts.opening < 1e-3) return give_up_attempt("closed completely, " + felt);
@@ -257,8 +250,8 @@ void GraspCycle::step_close(const Percepts& percepts) {
 }
 
 void GraspCycle::regulate_force(const Percepts& percepts) {
-  const double dt = now_ - last_update_;
-  last_update_ = now_;
+  const double dt = now() - last_update_;
+  last_update_ = now();
   const double current = force_controller_.update(mean_sum(percepts), dt);
   gripper_port_.command_velocity(-options_.pressing_speed, current);
 }
@@ -266,9 +259,9 @@ void GraspCycle::regulate_force(const Percepts& percepts) {
 void GraspCycle::step_press(const Percepts& percepts) {
   regulate_force(percepts);
   if (!force_controller_.settled()) settled_since_ = -1;
-  if (force_controller_.settled() && settled_since_ < 0) settled_since_ = now_;
+  if (force_controller_.settled() && settled_since_ < 0) settled_since_ = now();
   if (*percepts.opening < 1e-3) return give_up_attempt("the object slipped out while gripping");
-  if (settled_since_ < 0 || now_ - settled_since_ < options_.settled_time) {
+  if (settled_since_ < 0 || now() - settled_since_ < options_.settled_time) {
     if (!timed_out(options_.force_timeout)) return;
     // Dry friction of the drive can hold more than was asked for: that is no reason to let go.
     const double felt = mean_sum(percepts), wanted = current_grasp().grasp_force;
@@ -315,7 +308,7 @@ void GraspCycle::step_lift(const Percepts& percepts) {
 
 void GraspCycle::step_check(const Percepts& percepts) {
   regulate_force(percepts);
-  if (now_ - step_start_ < options_.check_time) return;
+  if (spent() < options_.check_time) return;
   const std::string reason = why_not_held(percepts);
   add_surprise(SurpriseKind::kHeldAfterLift, 1, reason.empty() ? 1 : 0, "take the next grasp");
   if (!reason.empty()) return give_up_attempt("not held after the lift: " + reason);
@@ -383,16 +376,9 @@ void GraspCycle::step_release(const Percepts& percepts) {
 }
 
 void GraspCycle::give_up_attempt(const std::string& reason) {
-  failure_ = reason;
-  failed_attempts_.add(static_cast<int>(step_), reason);
-  // No attempt fails as predicted.
-  const bool surprised =
-      std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
-                  surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });
-  if (!surprised) {
-    add_surprise(step_ == Step::kClose ? SurpriseKind::kFingersTouch : SurpriseKind::kMotion, 1, 0,
-                 "take the next grasp");
-  }
+  fail_attempt(static_cast<int>(step_), reason,
+               step_ == Step::kClose ? SurpriseKind::kFingersTouch : SurpriseKind::kMotion,
+               "take the next grasp");
   carrier_port_.stop();
   gripper_port_.stop();
   gripper_port_.move_to(gripper_.max_opening, options_.opening_speed);
@@ -405,27 +391,22 @@ void GraspCycle::step_give_up(const Percepts& percepts) {
   if (status == MotionStatus::kMoving && !timed_out(options_.motion_timeout)) return;
   if (opening) {
     // Blocked fingers are no reason to stay: back off along the approach.
-    enter(Step::kGiveUpRetreat, failure_ + "; retreating");
+    enter(Step::kGiveUpRetreat, failure() + "; retreating");
     const RigidTransform X_WG = percepts.X_WG.value_or(X_WG_target_);
     return move_carrier(
         shifted(X_WG, -current_grasp().pregrasp_distance * current_grasp().approach_W),
         options_.travel_speed, 0);
   }
   if (status != MotionStatus::kReached) {
-    return abort(failure_ + "; then the carrier does not retreat");
+    return abort(failure() + "; then the carrier does not retreat");
   }
-  failed_.push_back(current_grasp());
+  order_.fail(grasp_index());
   if (options_.look_timeout > 0 && result_.attempts < options_.largest_attempts) {
-    enter(Step::kGiveUpRise, failure_ + "; getting out of the camera's view");
+    enter(Step::kGiveUpRise, failure() + "; getting out of the camera's view");
     return move_carrier(raised_to_transit(percepts.X_WG.value_or(X_WG_target_)),
                         options_.travel_speed, 0);
   }
   next_grasp("");
-}
-
-void GraspCycle::add_surprise(SurpriseKind kind, double predicted, double felt,
-                              const std::string& reaction) {
-  surprises_.push_back(compare(kind, predicted, felt, options_.tolerances, reaction));
 }
 
 }  // namespace prehend::control

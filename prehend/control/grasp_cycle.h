@@ -7,18 +7,15 @@
 
 #include <Eigen/Core>
 
-#include "prehend/control/failed_attempts.h"
+#include "prehend/control/cycle.h"
 #include "prehend/control/force_controller.h"
+#include "prehend/control/grasp_order.h"
 #include "prehend/control/input_watch.h"
-#include "prehend/control/surprise.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
 
 namespace prehend::control {
-
-/// How a motion that was started goes on.
-enum class MotionStatus { kMoving, kReached, kContact, kFailed };
 
 /// What the cycle asks of a gripper. Calls return at once. Openings in m; speeds in m/s of the
 /// opening, negative closes; currents in A, > 0.
@@ -112,19 +109,6 @@ struct CycleOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-enum class Phase { kWaiting, kApproach, kGrasp, kLift, kMove, kRelease, kDone, kFailed };
-
-/// "waiting", "approach", ... as in msgs.CycleState.phase.
-std::string to_string(Phase phase);
-
-struct CycleResult {
-  bool success = false;
-  std::string reason;   // in words, for success too
-  int grasp_index = 0;  // in the list given to start(), or to take_plan() since
-  int attempts = 0;
-  int plans = 1;  // that were used: 1 + those taken after a new look
-};
-
 /// Executes ranked grasps until one succeeds.
 ///
 /// For each: opens, crosses at the transit height to the pregrasp, goes straight down the approach;
@@ -143,7 +127,7 @@ struct CycleResult {
 /// next grasp of the plan before. Grasps like one that failed come last in either.
 ///
 /// Not thread-safe. Never blocks, never throws after start().
-class GraspCycle {
+class GraspCycle : public Cycle {
  public:
   /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
   GraspCycle(const robot::GripperModel& gripper, const CycleOptions& options,
@@ -155,26 +139,16 @@ class GraspCycle {
   /// One step; call it at 50 Hz or more. @pre percepts.time does not decrease.
   void step(const Percepts& percepts);
 
-  /// Set while it waits for a new plan: of what was seen at this time [s] or later.
-  std::optional<double> looks_since() const;
+  std::optional<double> looks_since() const override;
   /// Goes on with these, best first, carrying by `move_W` [m]; none of a new look when empty, for
   /// the reason `problem`. @pre looks_since() is set
   void take_plan(std::vector<grasp::Grasp> grasps, const Eigen::Vector3d& move_W,
                  const std::string& problem = "");
 
-  /// Stops gripper and carrier and ends as failed.
-  void abort(const std::string& reason);
-
-  Phase phase() const;
-  bool finished() const { return phase() == Phase::kDone || phase() == Phase::kFailed; }
-  const std::string& detail() const { return detail_; }  // in words
-  int grasp_index() const { return grasp_index_; }
+  void abort(const std::string& reason) override;
+  Phase phase() const override;
   /// That of the present or last attempt. @pre the cycle was started with a grasp
   const grasp::Grasp& grasp() const { return current_grasp(); }
-  const CycleResult& result() const { return result_; }  // final once finished()
-  const std::vector<Surprise>& surprises() const { return surprises_; }
-  /// Seconds of each phase in the order they were entered.
-  const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
 
  private:
   enum class Step {
@@ -201,8 +175,9 @@ class GraspCycle {
     kFailed
   };
 
+  static std::vector<GraspPose> poses_of(const std::vector<grasp::Grasp>& grasps);
   void enter(Step step, const std::string& detail);
-  void begin_attempt();
+  void begin_grasp(int index);
   void step_transit(const Percepts& percepts);
   void step_approach(const Percepts& percepts);
   void step_close(const Percepts& percepts);
@@ -221,14 +196,13 @@ class GraspCycle {
   void next_grasp(const std::string& why);
   void regulate_force(const Percepts& percepts);
   std::string why_not_held(const Percepts& percepts) const;
-  void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
   void give_up_attempt(const std::string& reason);
   void finish(bool success, const std::string& reason);
   void move_carrier(const geometry::RigidTransform& X_WG, double speed, double contact_force);
   geometry::RigidTransform raised_to_transit(const geometry::RigidTransform& X_WG) const;
   geometry::RigidTransform pregrasp() const;
-  const grasp::Grasp& current_grasp() const { return grasps_[static_cast<size_t>(grasp_index_)]; }
-  bool timed_out(double limit) const { return now_ - step_start_ > limit; }
+  const grasp::Grasp& current_grasp() const { return grasps_[static_cast<size_t>(grasp_index())]; }
+  bool timed_out(double limit) const { return spent() > limit; }
   static Phase phase_of(Step step);
 
   robot::GripperModel gripper_;
@@ -239,24 +213,13 @@ class GraspCycle {
   InputWatch watch_;
 
   std::vector<grasp::Grasp> grasps_;
-  std::vector<bool> tried_;           // of grasps_
-  std::vector<grasp::Grasp> failed_;  // of all plans
+  GraspOrder order_;  // of grasps_
   Step step_ = Step::kWaiting;
-  std::string detail_ = "waiting for a plan";
-  int grasp_index_ = 0;
-  double now_ = 0;             // s
-  double step_start_ = 0;      // s
   double last_update_ = 0;     // s, of the force controller
   double settled_since_ = -1;  // s, negative: not settled
   double grasp_opening_ = 0;   // m, when the force settled
   geometry::RigidTransform X_WG_target_ = geometry::RigidTransform::Identity();
   geometry::RigidTransform X_WG_start_ = geometry::RigidTransform::Identity();  // of the cycle
-  std::string failure_;  // of the current attempt
-  FailedAttempts failed_attempts_;
-  std::size_t attempts_surprises_ = 0;  // that there were when the attempt began
-  CycleResult result_;
-  std::vector<Surprise> surprises_;
-  std::vector<std::pair<std::string, double>> phase_times_;
 };
 
 }  // namespace prehend::control

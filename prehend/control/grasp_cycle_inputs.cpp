@@ -22,14 +22,11 @@ std::vector<InputAge> GraspCycle::inputs(const Percepts& percepts) {
 }
 
 void GraspCycle::step_waiting(const Percepts& percepts) {
-  if (phase_times_.empty()) {
-    phase_times_.emplace_back(to_string(Phase::kWaiting), 0.0);
-    step_start_ = now_;
-  }
+  if (phase_times().empty()) entered(detail_);
   const std::vector<InputAge> missing = stale_inputs(inputs(percepts));
   if (missing.empty()) {
     X_WG_start_ = *percepts.X_WG;
-    return begin_attempt();
+    return begin_grasp(0);
   }
   detail_ = "waiting for " + names_of(missing);
   if (timed_out(options_.motion_timeout)) {
@@ -39,7 +36,7 @@ void GraspCycle::step_waiting(const Percepts& percepts) {
 
 bool GraspCycle::stop_when_lost(const Percepts& percepts) {
   if (step_ == Step::kWaiting || step_ == Step::kLook) return false;
-  const std::vector<InputAge> lost = watch_.lost(now_, inputs(percepts));
+  const std::vector<InputAge> lost = watch_.lost(now(), inputs(percepts));
   if (lost.empty()) return false;
   abort("lost " + describe(lost) + " while " + detail_ + "; gripper and carrier were stopped");
   return true;

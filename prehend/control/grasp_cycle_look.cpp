@@ -2,13 +2,12 @@
 
 #include <utility>
 
-#include "prehend/control/failed_grasps.h"
 #include "prehend/control/grasp_cycle.h"
 
 namespace prehend::control {
 
 std::optional<double> GraspCycle::looks_since() const {
-  return step_ == Step::kLook ? std::optional(step_start_) : std::nullopt;
+  return step_ == Step::kLook ? std::optional(entered_) : std::nullopt;
 }
 
 void GraspCycle::step_look() {
@@ -19,10 +18,10 @@ void GraspCycle::step_look() {
   const MotionStatus status = carrier_port_.motion();
   if (status == MotionStatus::kMoving && !timed_out(options_.motion_timeout)) return;
   if (status != MotionStatus::kReached) {
-    return abort(failure_ + "; then the carrier does not get out of the camera's view");
+    return abort(failure() + "; then the carrier does not get out of the camera's view");
   }
   if (step_ == Step::kGiveUpClear) {
-    return enter(Step::kLook, failure_ + "; looking again");
+    return enter(Step::kLook, failure() + "; looking again");
   }
   enter(Step::kGiveUpClear, detail_);
   move_carrier(X_WG_start_, options_.travel_speed, 0);
@@ -35,22 +34,20 @@ void GraspCycle::take_plan(std::vector<grasp::Grasp> grasps, const Eigen::Vector
     return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
   }
   grasps_ = std::move(grasps);
-  tried_.assign(grasps_.size(), false);
+  order_.take(poses_of(grasps_));
   options_.move_W = move_W;
   ++result_.plans;
-  grasp_index_ = static_cast<int>(next_to_try(grasps_, tried_, failed_).value_or(0));
-  begin_attempt();
+  begin_grasp(order_.next().value_or(0));
 }
 
 // `why` it is not a grasp of a new look, in words; empty: nobody looked.
 void GraspCycle::next_grasp(const std::string& why) {
-  const auto next = next_to_try(grasps_, tried_, failed_);
+  const std::optional<int> next = order_.next();
   const bool out_of_date = options_.only_seen_again && !why.empty();
   if (!next || out_of_date || result_.attempts >= options_.largest_attempts) {
-    return finish(false, failed_attempts_.text() + (why.empty() ? "" : "; " + why));
+    return finish(false, failed_attempts().text() + (why.empty() ? "" : "; " + why));
   }
-  grasp_index_ = static_cast<int>(*next);
-  begin_attempt();
+  begin_grasp(*next);
   if (!why.empty()) detail_ = why + ": the next grasp of the plan before; " + detail_;
 }
 

@@ -59,6 +59,22 @@ double GraspEvaluator::room() const {
   return largest_opening_ - 2 * options_.collision.object_margin;
 }
 
+std::optional<Refusal> GraspEvaluator::reach(const Eigen::Vector3d& approach_W,
+                                             RigidTransform* X_WG) const {
+  if (!options_.reaches) return std::nullopt;
+  // The two fingers are the same, the arm's ways to hold them are not.
+  RigidTransform turned = *X_WG;
+  turned.linear().leftCols<2>() *= -1;
+  for (const RigidTransform& X : {*X_WG, turned}) {
+    RigidTransform pregrasp = X;
+    pregrasp.translation() -= options_.pregrasp_distance * approach_W;
+    if (!options_.reaches(X) || !options_.reaches(pregrasp)) continue;
+    *X_WG = X;
+    return std::nullopt;
+  }
+  return Refusal{reason::kArm, {}};
+}
+
 // Shifts the hand along its closing direction to the middle of the section between the pads.
 std::optional<Refusal> GraspEvaluator::centre(RigidTransform* X_WG, double* section_width,
                                               SectionExtent* section) const {
@@ -226,10 +242,15 @@ std::optional<Refusal> GraspEvaluator::evaluate(Candidate candidate, EvaluatedGr
       return Refusal{reason::kWorkspace, outside(reachability_.workspace_W, p)};
     }
   }
+  const Eigen::Vector3d closing_W = candidate.X_WG.linear().col(1);
+  if (auto refusal = reach(candidate.approach_W, &candidate.X_WG)) return refusal;
+  // What was measured of the section is of the hand before it was turned.
+  const bool turned = closing_W.dot(candidate.X_WG.linear().col(1)) < 0;
   double opening = 0;
   if (auto refusal = find_opening(candidate.X_WG, section_width, &opening)) return refusal;
   ClosedHand& hand = result->hand;
   double force = 0, quality = 0;
+  if (turned) section = measure_section(query_, candidate.X_WG, gripper_);
   if (auto refusal = close(candidate.X_WG, opening, section, &hand, &force, &quality)) {
     return refusal;
   }

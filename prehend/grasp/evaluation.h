@@ -13,6 +13,7 @@ namespace prehend::grasp {
 namespace reason {
 inline constexpr const char* kDirection = "approach direction out of the robot's reach";
 inline constexpr const char* kWorkspace = "position outside the workspace";
+inline constexpr const char* kArm = "out of the arm's reach";
 inline constexpr const char* kNothing = "a pad would meet nothing";
 inline constexpr const char* kTooWide = "wider than the gripper opens";
 inline constexpr const char* kOffCentre = "section not centred between the fingers";
@@ -65,6 +66,9 @@ class GraspEvaluator {
   bool holds(const Grasp& grasp, const geometry::RigidTransform& X_WG, double friction) const;
 
  private:
+  /// Turns the hand by half about its approach where the arm reaches it only so.
+  std::optional<Refusal> reach(const Eigen::Vector3d& approach_W,
+                               geometry::RigidTransform* X_WG) const;
   std::optional<Refusal> centre(geometry::RigidTransform* X_WG, double* section_width,
                                 SectionExtent* section) const;
   std::optional<Refusal> find_opening(const geometry::RigidTransform& X_WG, double section_width,

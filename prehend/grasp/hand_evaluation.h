@@ -12,7 +12,6 @@ namespace prehend::grasp {
 
 /// Every way a hand's candidate can be rejected that evaluation.h does not name.
 namespace reason {
-inline constexpr const char* kArm = "out of the arm's reach";
 inline constexpr const char* kFewFingers = "too few fingers would touch the object";
 inline constexpr const char* kFingerTable = "a finger would touch the table as it closes";
 inline constexpr const char* kFingerObstacle = "a finger would touch another object as it closes";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,10 @@ struct PlannerOptions {
   /// all are. With a budget the result depends on how fast the machine is.
   double budget = 0;
   int threads = 0;  // >= 0; 0: all cores. The result does not depend on it
+  /// Whether the arm reaches a pose of the gripper; asked for the grasp and for the pregrasp, and
+  /// for both turned by half about the approach, by several threads at once. Empty: it reaches all.
+  /// Must give the same answer for the same pose.
+  std::function<bool(const geometry::RigidTransform& X_WG)> reaches;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

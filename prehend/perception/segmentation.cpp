@@ -326,6 +326,28 @@ RigidTransform world_from_table(const Plane& table_C, const Eigen::Vector3d& anc
   return X_CW.inverse();
 }
 
+SegmentedScene in_table_world(SegmentedScene scene) {
+  Eigen::Vector3d sum_W = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const ObjectHypothesis& object : scene.objects) {
+    for (const Eigen::Vector3f& p : object.cloud_W.points) sum_W += p.cast<double>();
+    count += static_cast<double>(object.cloud_W.size());
+  }
+  const RigidTransform X_CW = scene.X_WC.inverse();
+  const Eigen::Vector3d anchor_W =
+      count > 0 ? Eigen::Vector3d(sum_W / count) : scene.table_W.project(scene.X_WC.translation());
+  const RigidTransform X_NC =
+      world_from_table(transformed(scene.table_W, X_CW), Eigen::Vector3d(X_CW * anchor_W));
+  const RigidTransform X_NW = X_NC * X_CW;
+  for (ObjectHypothesis& object : scene.objects) {
+    object.cloud_W = geometry::transformed(object.cloud_W, X_NW);
+    if (object.support_W) object.support_W = transformed(*object.support_W, X_NW);
+  }
+  scene.table_W = transformed(scene.table_W, X_NW);
+  scene.X_WC = X_NC;
+  return scene;
+}
+
 std::string why_no_objects(const SegmentedScene& scene) {
   if (scene.dropped.empty()) {
     return "The table is empty: nothing stands on it within max_distance and max_height";

@@ -77,4 +77,8 @@ SegmentedScene segment(const geometry::PointCloud& cloud_C, const geometry::Pinh
 geometry::RigidTransform world_from_table(const geometry::Plane& table_C,
                                           const Eigen::Vector3d& anchor_C);
 
+/// The same scene in the world made from its table, as segment_on_table() makes it, whatever world
+/// it was in: what simulated robots stand in.
+SegmentedScene in_table_world(SegmentedScene scene);
+
 }  // namespace prehend::perception

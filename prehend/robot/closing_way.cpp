@@ -24,7 +24,7 @@ double ClosingWay::closure(const Eigen::Ref<const Eigen::VectorXd>& positions) c
   int count = 0;
   for (Eigen::Index i = 0; i < closed.size(); ++i) {
     if (rate[i] == 0) continue;
-    sum += std::copysign(1.0, rate[i]) * (positions[i] - closed[i]);
+    sum += (positions[i] - closed[i]) / rate[i];
     ++count;
   }
   return count > 0 ? sum / count : 0;
@@ -54,7 +54,8 @@ ClosingWay closing_way(const HandModel& hand, const Preshape& preshape, const Ei
   for (int i = 0; i < hand.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Joint& joint = hand.model.joints[static_cast<std::size_t>(hand.actuated[k])];
-    way.rate[i] = preshape.closing[k].rate;
+    way.rate[i] =
+        preshape.closing[k].rate * (joint.kind == Joint::Kind::kPrismatic ? kJawLever : 1);
     way.lower[i] = joint.lower;
     way.upper[i] = joint.upper;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,8 +62,11 @@ struct HandModel {
   std::vector<Breakaway> breakaways;
   std::vector<Finger> fingers;
   std::vector<HandPad> pads;
-  std::vector<Preshape> preshapes;                                       // at least one
-  double friction = 0.5;                                                 // of the fingers, > 0
+  std::vector<Preshape> preshapes;  // at least one
+  double friction = 0.5;            // of the fingers, > 0
+  /// A parallel gripper with pads: how these feel and press, for grasps planned by its pads. Its
+  /// one motor moves half of the opening. None: a hand with fingers.
+  std::optional<GripperModel> gripper;
   geometry::RigidTransform X_HP = geometry::RigidTransform::Identity();  // of the palm
 
   int size() const { return static_cast<int>(actuated.size()); }

@@ -23,11 +23,12 @@ class HandReader {
 
   HandModel read() {
     text::YamlMap map(text::load_yaml_map(path_), path_, "hand");
-    std::string urdf, palm;
+    std::string urdf, palm, gripper;
     map.read("name", hand_.name);
     map.read("urdf", urdf);
     map.read("palm", palm);
     map.read("friction", hand_.friction);
+    map.read("gripper", gripper);
     const YAML::Node actuated = map.child("actuated"), fingers = map.child("fingers"),
                      pads = map.child("pads"), breakaway = map.child("breakaway"),
                      tool = map.child("tool"), preshapes = map.child("preshapes");
@@ -40,6 +41,7 @@ class HandReader {
     hand_.palm = at_line(map, "palm", [&] { return hand_.model.link_index(palm); });
     set_palm_pose(map);
     read_actuated(map, actuated);
+    if (!gripper.empty()) read_gripper(map, gripper);
     if (!fingers.IsDefined()) map.fail("fingers", "is missing", "List each finger's links");
     read_fingers(fingers);
     if (pads.IsDefined()) read_pads(pads);
@@ -51,6 +53,24 @@ class HandReader {
   }
 
  private:
+  void read_gripper(const text::YamlMap& map, const std::string& file) {
+    hand_.gripper = read_gripper_model(path_.parent_path() / file);
+    const auto fail = [&map](const std::string& what, const std::string& mend) {
+      map.fail("gripper", ": " + what, mend);
+    };
+    if (hand_.size() != 1) {
+      fail("a parallel gripper has one motor", "Actuate one joint, which the other finger mimics");
+    }
+    const Joint& joint = hand_.model.joints[place_of(hand_.actuated.front())];
+    if (joint.kind != Joint::Kind::kPrismatic || joint.lower != 0 ||
+        std::abs(2 * joint.upper - hand_.gripper->max_opening) > 1e-6) {
+      fail("its max_opening of " + std::to_string(hand_.gripper->max_opening) +
+               " m is not twice the way of joint '" + joint.name + "', which is 0 to " +
+               std::to_string(joint.upper),
+           "Give both the same opening: the joint is half of it");
+    }
+  }
+
   /// Runs `find`; a name that is not there becomes an error at the line of `key`.
   template <class Find>
   static int at_line(const text::YamlMap& map, const std::string& key, Find find) {

@@ -21,6 +21,7 @@ constexpr double kLeastPace = 0.02;  // of the speed asked for: it stands
 HandDrive::HandDrive(const RobotBodies& robot, const HandDriveOptions& options)
     : options_(options) {
   contact::require_positive(options.yield, "HandDriveOptions::yield");
+  contact::require_positive(options.sliding_yield, "HandDriveOptions::sliding_yield");
   contact::require_positive(options.response, "HandDriveOptions::response");
   contact::require_positive(options.ramp, "HandDriveOptions::ramp");
   contact::require_positive(options.blocked_time, "HandDriveOptions::blocked_time");
@@ -151,7 +152,8 @@ void HandDrive::before_step(double h, engines::Multibody& system,
     drive.mode = engines::JointDrive::Mode::kPosition;
     drive.target = motor.reference / joint.gear;
     drive.target_velocity = motor.reference_velocity / joint.gear;
-    const double stiffness = joint.max_effort / options_.yield;
+    const double stiffness =
+        joint.max_effort / (joint.slides ? options_.sliding_yield : options_.yield);
     drive.stiffness = joint.gear * joint.gear * stiffness;
     drive.damping = drive.stiffness * options_.response;
     drive.limit = joint.gear * options_.holding * joint.max_effort;

@@ -13,7 +13,8 @@ struct HandDriveOptions {
   /// How far a motor's position loop gives way under the joint's greatest effort [rad], > 0: sets
   /// the loop's stiffness, of the fingers too.
   double yield = 0.03;
-  double response = 0.03;  // s, > 0, of the loop when nothing is in the way
+  double sliding_yield = 5e-4;  // m, > 0, the same of a joint that slides
+  double response = 0.03;       // s, > 0, of the loop when nothing is in the way
   /// Gears of hands lock themselves: a motor holds this many times what it drives with, >= 1.
   double holding = 3;
   double ramp = 0.1;          // s, > 0, from rest to the speed asked for

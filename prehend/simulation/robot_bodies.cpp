@@ -204,8 +204,9 @@ class Builder {
       engines::JointMechanics own;
       own.lower = joint.lower;
       own.upper = joint.upper;
-      own.damping = mechanics_.damping;
-      own.rotor_inertia = mechanics_.rotor_inertia;
+      const bool slides = joint.kind == Joint::Kind::kPrismatic;
+      own.damping = slides ? mechanics_.sliding_damping : mechanics_.damping;
+      own.rotor_inertia = slides ? mechanics_.sliding_mass : mechanics_.rotor_inertia;
       if (joint.mimic && !breakaway_of(joint.name)) {
         if (joint.mimic->offset != 0) {
           throw geometry::InputError("joint '" + joint.name + "' mimics with an offset",
@@ -268,6 +269,7 @@ class Builder {
       motor.max_effort = joint.max_effort;
       motor.lower = joint.lower;
       motor.upper = joint.upper;
+      motor.slides = joint.kind == Joint::Kind::kPrismatic;
       for (const robot::Breakaway& breakaway : hand_.breakaways) {
         if (breakaway.leader != own) continue;
         const double m = hand_.model.joints[breakaway.joint].mimic->multiplier;

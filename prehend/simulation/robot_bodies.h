@@ -32,8 +32,9 @@ struct RobotBodies {
     double share = 0, gear = 1;
     int inner = -1;   // joint of the engine that contact holds while the motor goes on
     int finger = -1;  // of the hand; -1: it moves several
-    double max_velocity = 0, max_effort = 0;  // rad/s, N m
-    double lower = 0, upper = 0;              // rad
+    double max_velocity = 0, max_effort = 0;  // rad/s, N m; of one that slides m/s, N
+    double lower = 0, upper = 0;              // rad or m
+    bool slides = false;
   };
 
   robot::RobotModel model;
@@ -60,6 +61,8 @@ struct RobotBodies {
 struct HandMechanics {
   double rotor_inertia = 5e-4;  // kg m^2 at the joint, of motor and gear; estimate
   double damping = 0.02;        // N m s/rad; estimate
+  double sliding_mass = 4;      // kg, of motor and gear at a joint that slides; a PG70's, estimate
+  double sliding_damping = 20;  // N s/m; estimate
   double friction = 0;          // of the links, 0: as the hand's file says
 };
 

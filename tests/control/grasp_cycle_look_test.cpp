@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "prehend/control/failed_grasps.h"
+#include "prehend/control/grasp_order.h"
 #include "tests/control/grasp_cycle_fixture.h"
 
 namespace prehend::control {
@@ -131,22 +131,43 @@ TEST_F(LookingCycleTest, GivesUpAfterTheLastAttemptWithoutLooking) {
   EXPECT_TRUE(looking.finished()) << "a plan that nobody waits for";
 }
 
-TEST(FailedGrasps, AreLikeOthersWithinMillimetresAndTurnedByHalf) {
-  const grasp::Grasp grasp = grasp_at(0);
-  EXPECT_TRUE(is_like(grasp, grasp_at(0.005)));
-  EXPECT_FALSE(is_like(grasp, grasp_at(0.007)));
-  grasp::Grasp turned = grasp;
+GraspPose pose_at(double x) { return {grasp_at(x).X_WG, ""}; }
+
+TEST(GraspOrder, LikeIsWithinMillimetresAndTurnedByHalf) {
+  const GraspPose grasp = pose_at(0);
+  EXPECT_TRUE(is_like(grasp, pose_at(0.005)));
+  EXPECT_FALSE(is_like(grasp, pose_at(0.007)));
+  GraspPose turned = grasp;
   turned.X_WG.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
   EXPECT_TRUE(is_like(grasp, turned));
+  GraspPose fingers = grasp, turned_fingers = turned;
+  fingers.preshape = turned_fingers.preshape = "parallel";
+  EXPECT_TRUE(is_like(fingers, fingers));
+  EXPECT_FALSE(is_like(fingers, turned_fingers)) << "three fingers, turned by half";
+  EXPECT_FALSE(is_like(fingers, grasp));
   turned.X_WG.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ()));
   EXPECT_FALSE(is_like(grasp, turned));
   turned = grasp;
   turned.X_WG.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()));
   EXPECT_FALSE(is_like(grasp, turned));
-  EXPECT_EQ(next_to_try({}, {}, {}), std::nullopt);
-  EXPECT_EQ(next_to_try({grasp, grasp_at(0.05)}, {false, false}, {grasp}), 1u);
-  EXPECT_EQ(next_to_try({grasp, grasp_at(0.05)}, {false, true}, {grasp}), 0u);
-  EXPECT_EQ(next_to_try({grasp}, {true}, {grasp}), std::nullopt);
+}
+
+TEST(GraspOrder, WhatFailedComesLastInThisPlanAndTheNext) {
+  GraspOrder order;
+  EXPECT_EQ(order.next(), std::nullopt);
+  order.start({pose_at(0), pose_at(0.002), pose_at(0.05)});
+  EXPECT_EQ(order.next(), 0);
+  order.begin(0);
+  order.fail(0);
+  EXPECT_EQ(order.next(), 2) << "1 is like the one that failed";
+  order.begin(2);
+  EXPECT_EQ(order.next(), 1);
+  order.begin(1);
+  EXPECT_EQ(order.next(), std::nullopt);
+  order.take({pose_at(0.001), pose_at(0.1)});
+  EXPECT_EQ(order.next(), 1);
+  order.start({pose_at(0.001), pose_at(0.1)});
+  EXPECT_EQ(order.next(), 0) << "another object";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // From the message of a grasp to what the cycle of arm and hand executes.
 
-#include "nodes/arm_cycle/arm_grasps.h"
+#include "nodes/grasp_cycle/arm_grasps.h"
 
 #include <cmath>
 
@@ -18,6 +18,7 @@ using ::testing::HasSubstr;
 
 msgs::Grasp arm_grasp() {
   msgs::Grasp grasp;
+  *grasp.mutable_x_wg() = convert::to_message(geometry::RigidTransform::Identity());
   auto& segment = *grasp.add_arm();
   segment.set_name("reach");
   segment.mutable_trajectory()->add_joint_name("arm_1");

@@ -156,7 +156,7 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
     return planning_->output();
   };
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),
-              HasSubstr("'friction' does not apply with a platform"));
+              HasSubstr("'friction' does not apply with a hand of fingers"));
   EXPECT_THAT(refusal({"home:=side"}), HasSubstr("'home' does not apply without a platform"));
   EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "rolls:=4"}),
               HasSubstr("'rolls' does not apply beside a budget"));

@@ -101,9 +101,10 @@ TEST(Verdict, NamesTheStageAtWhichTheChainBroke) {
 TEST(Page, HeadlinesNotGraspableAsSuch) {
   Collected collected;
   collected.result.emplace();
-  const robot::GripperModel gripper;
   const auto banner = [&] {
-    const std::string html = compose_page("t", collected, judge(collected, ""), gripper, {}).html();
+    const std::string html =
+        compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+            .html();
     const auto begin = html.find("<p class=\"verdict ");
     return html.substr(begin, html.find("</p>", begin) - begin);
   };
@@ -140,7 +141,9 @@ TEST(Page, ShowsARecordedCloudAsACloud) {
   Collected collected;
   collected.objects = small_view();
   const auto html = [&] {
-    return compose_page("t", collected, judge(collected, ""), robot::GripperModel{}, {}).html();
+    return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
+                        {})
+        .html();
   };
   const std::string without = html();
   EXPECT_EQ(pictures_in(without), 2u);
@@ -182,7 +185,9 @@ TEST(Page, SaysHowLargeAnObjectIsAndHowSureThatIs) {
   const auto summary = [&] { return summarize(collected)[0][1]; };
   EXPECT_NE(summary().find(size), std::string::npos) << summary();
   const auto page = [&] {
-    return compose_page("t", collected, judge(collected, ""), robot::GripperModel{}, {}).html();
+    return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
+                        {})
+        .html();
   };
   EXPECT_NE(page().find("Length, width and height: " + size), std::string::npos);
   // What is known has the size of its mesh.
@@ -196,16 +201,18 @@ TEST(Page, SaysHowLargeAnObjectIsAndHowSureThatIs) {
 
 TEST(Page, IsWrittenForEveryStageOfFailure) {
   Collected collected;
-  const robot::GripperModel gripper;
-  EXPECT_NE(compose_page("t", collected, judge(collected, ""), gripper, {})
-                .html()
-                .find("No object hypotheses came"),
-            std::string::npos);
+  EXPECT_NE(
+      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+          .html()
+          .find("No object hypotheses came"),
+      std::string::npos);
   collected.objects.emplace();
   collected.objects->add_notes("the camera looks along -z");
   collected.shapes[0].set_problem("two points only");
   collected.models[0].set_problem("no watertight mesh");
-  auto page = compose_page("t", collected, judge(collected, ""), gripper, {}).html();
+  auto page =
+      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+          .html();
   EXPECT_NE(page.find("the camera looks along -z"), std::string::npos);
   EXPECT_NE(page.find("two points only"), std::string::npos);
   EXPECT_NE(page.find("no watertight mesh"), std::string::npos);
@@ -213,7 +220,8 @@ TEST(Page, IsWrittenForEveryStageOfFailure) {
   // A part that cannot be drawn is said, and the rest of the page is there.
   collected.stereo.emplace();
   collected.stereo->set_width(1000);
-  page = compose_page("t", collected, judge(collected, ""), gripper, {}).html();
+  page = compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+             .html();
   EXPECT_NE(page.find("could not be drawn"), std::string::npos);
   EXPECT_NE(page.find("Stage times"), std::string::npos);
 }

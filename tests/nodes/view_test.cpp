@@ -4,13 +4,14 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
-#include "nodes/look_again/look_again.h"
 
 namespace prehend::nodes {
 namespace {
 
 using std::chrono::seconds;
 using Time = std::chrono::steady_clock::time_point;
+
+const Lacks kAnything = [](const msgs::Grasp&) { return std::string(); };
 
 std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint32_t count = 2) {
   auto message = std::make_shared<msgs::GraspPlan>();
@@ -81,36 +82,37 @@ TEST(NearestObject, IsTheOneWhoseCentroidIsNearest) {
   auto near = plan(4, 0.5), far = plan(7, 0.9);
   *near->mutable_centroid() = convert::to_message(Eigen::Vector3d(0.1, 0, 0.05));
   *far->mutable_centroid() = convert::to_message(Eigen::Vector3d(-0.2, 0, 0.05));
-  const Plans plans{{4, near}, {7, far}};
-  EXPECT_EQ(nearest_object(plans, {0.05, 0, 0.04}), 4);
-  EXPECT_EQ(nearest_object(plans, {-0.1, 0, 0.04}), 7);
-  EXPECT_EQ(nearest_object({}, {0, 0, 0}), -1);
+  View view;
+  EXPECT_EQ(nearest_object(view, {0, 0, 0}), -1);
+  view.plans = {{4, near}, {7, far}};
+  EXPECT_EQ(nearest_object(view, {0.05, 0, 0.04}), 4);
+  EXPECT_EQ(nearest_object(view, {-0.1, 0, 0.04}), 7);
 }
 
 TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
   View view;
   view.plans = {{0, plan(0, 0.5)}, {1, plan(1, 0.4)}};
   view.models = {{0, model(0, 0.1)}, {1, model(1, 0.1)}};
-  EXPECT_EQ(choose_target(view, -1).id, 0u);
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 0u);
   view.models[0] = model(0, 1.5);
-  EXPECT_EQ(choose_target(view, -1).id, 1u);
-  EXPECT_EQ(choose_target(view, 0).id, 0u);  // asked for by name
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 1u);
+  EXPECT_EQ(choose_target(view, 0, kAnything).id, 0u);  // asked for by name
   view.models = {{0, model(0, 0.1, 0.9)}, {1, model(1, 0.1, 0.95)}};
-  EXPECT_EQ(choose_target(view, -1).id, 0u);
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 0u);
   view.models[0] = model(0, 0.1, 0.3);
-  EXPECT_EQ(choose_target(view, -1).id, 1u);
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 1u);
   view.models[1] = model(1, 0.1, 0.95, 0.4);
-  EXPECT_EQ(choose_target(view, -1).id, 0u);  // 1 goes on behind another object
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 0u);  // 1 goes on behind another object
   auto cut = model(1, 0.0);
   cut->set_touches_image_border(true);
   view.models[1] = cut;
-  EXPECT_EQ(choose_target(view, -1).id, 0u);  // 1 was only partly in view
+  EXPECT_EQ(choose_target(view, -1, kAnything).id, 0u);  // 1 was only partly in view
 }
 
 TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   View view;
   view.plans = {{0, plan(0, 0)}, {3, plan(3, 0)}};
-  const Target all = choose_target(view, -1);
+  const Target all = choose_target(view, -1, kAnything);
   EXPECT_TRUE(all.ungraspable);
   EXPECT_TRUE(all.grasps.empty());
   EXPECT_EQ(all.problem, "cannot be grasped: object 0: too wide; object 3: too wide");
@@ -118,30 +120,30 @@ TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   auto unplanned = plan(3, 0);
   unplanned->set_problem("planning failed: the mesh has a hole");
   view.plans[3] = unplanned;
-  const Target some = choose_target(view, -1);
+  const Target some = choose_target(view, -1, kAnything);
   EXPECT_FALSE(some.ungraspable);
   EXPECT_EQ(some.problem,
             "no grasp: object 0: too wide; object 3: planning failed: the mesh has a hole");
-  const Target missing = choose_target(view, 9);
+  const Target missing = choose_target(view, 9, kAnything);
   EXPECT_FALSE(missing.ungraspable);
   EXPECT_NE(missing.problem.find("no object 9"), std::string::npos);
 }
 
-TEST(SimulationPose, PutsARecordedTableToZeroAndTheTargetAboveTheOrigin) {
+TEST(ChooseTarget, TakesOnlyWhatTheRobotCanExecute) {
   View view;
-  auto message = model(0, 0);
-  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.6, -0.8).normalized();
-  *message->mutable_table() = convert::to_message(geometry::Plane{up, -1.2});
-  const Eigen::Vector3d centroid = -1.2 * up + 0.05 * up + Eigen::Vector3d(0.8, 0.6, 0) * 0.5 -
-                                   0.5 * up.dot(Eigen::Vector3d(0.8, 0.6, 0)) * up;
-  *message->mutable_centroid() = convert::to_message(centroid);
-  view.models = {{0, message}};
-  Target target;
-  target.grasps.resize(1);
-  target.grasps[0].approach_W = -up;
-  const auto X_SW = simulation_pose(view, target);
-  EXPECT_TRUE((X_SW * centroid).isApprox(Eigen::Vector3d(0, 0, 0.05), 1e-9));
-  EXPECT_TRUE((X_SW.linear() * up).isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+  auto best = plan(0, 0.9), other = plan(1, 0.4);
+  best->mutable_grasps(0)->set_preshape("far");
+  other->add_grasps()->set_preshape("far");
+  view.plans = {{0, best}, {1, other}};
+  const Lacks lacks = [](const msgs::Grasp& grasp) -> std::string {
+    return grasp.preshape() == "far" ? "no motion of the arm" : "";
+  };
+  EXPECT_EQ(choose_target(view, -1, lacks).id, 1u);
+  EXPECT_EQ(choose_target(view, -1, lacks).grasps.size(), 1u);
+  const Target none = choose_target(view, 0, lacks);
+  EXPECT_TRUE(none.grasps.empty());
+  EXPECT_FALSE(none.ungraspable) << "another robot might";
+  EXPECT_EQ(none.problem, "its grasps have no motion of the arm");
 }
 
 }  // namespace

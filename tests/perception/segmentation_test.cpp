@@ -85,6 +85,37 @@ TEST(Segment, MakesTheWorldFromTheTable) {
   EXPECT_NEAR((sum / count).head<2>().norm(), 0, 1e-5);  // origin under the objects
 }
 
+// Of a camera whose pose in another world is known.
+TEST(Segment, TheWorldOfTheTableIsTheSameFromAnyWorld) {
+  const SyntheticView view = three_boxes();
+  const SegmentedScene expected = segment(render(view), view.camera);
+  geometry::RigidTransform X_WC = view.X_WC;
+  X_WC.pretranslate(Eigen::Vector3d(3, -1, 0.7));
+  X_WC.prerotate(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, -1).normalized()));
+  SegmentedScene other = segment(render(view), view.camera);
+  const geometry::RigidTransform X_WN = X_WC * other.X_WC.inverse();
+  for (ObjectHypothesis& object : other.objects) {
+    object.cloud_W = geometry::transformed(object.cloud_W, X_WN);
+  }
+  const Eigen::Vector3d normal = X_WN.linear() * other.table_W.normal;
+  other.table_W = {normal, other.table_W.offset + normal.dot(X_WN.translation())};
+  other.objects[0].support_W = other.table_W;
+  other.X_WC = X_WC;
+  const SegmentedScene scene = in_table_world(other);
+  EXPECT_NEAR(scene.table_W.normal.z(), 1, 1e-9);
+  EXPECT_NEAR(scene.table_W.offset, 0, 1e-9);
+  EXPECT_TRUE(scene.X_WC.isApprox(expected.X_WC, 1e-5));
+  EXPECT_NEAR(scene.objects[0].support_W->offset, 0, 1e-9);
+  ASSERT_EQ(scene.objects.size(), expected.objects.size());
+  for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+    const auto& points = scene.objects[k].cloud_W.points;
+    ASSERT_EQ(points.size(), expected.objects[k].cloud_W.points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_LT((points[i] - expected.objects[k].cloud_W.points[i]).norm(), 1e-5f);
+    }
+  }
+}
+
 TEST(Segment, UnorganizedCloudGivesMasksWithoutHoles) {
   const SyntheticView view = three_boxes();
   const geometry::PointCloud cloud = geometry::without_invalid(render(view));

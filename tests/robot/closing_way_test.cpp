@@ -27,8 +27,8 @@ TEST(ClosingWay, GoesOnByRateAndNoFartherThanTheLimits) {
 }
 
 TEST(ClosingWay, ClosureCountsTheJointsThatClose) {
-  EXPECT_NEAR(way().closure(values({1.2, -0.6, 0.9})), 0.15, 1e-12);
-  EXPECT_NEAR(way().closure(way().at(-0.2)), -0.15, 1e-12);
+  EXPECT_NEAR(way().closure(values({1.2, -0.6, 0.9})), 0.2, 1e-12);
+  EXPECT_NEAR(way().closure(way().at(-0.2)), -0.2, 1e-12);
   ClosingWay still = way();
   still.rate.setZero();
   EXPECT_EQ(still.closure(values({2, 2, 2})), 0);
@@ -59,6 +59,18 @@ TEST(ClosingWay, RefusesWhatDoesNotBelongTogether) {
   other = way();
   other.lower[0] = 3;
   EXPECT_THROW(other.validate(), std::invalid_argument);
+}
+
+// Jaws were sent 0.1 m back and 0.5 m on, as if these were radians.
+TEST(ClosingWay, JawsThatSlideCloseLikeFingersOfTenCentimetres) {
+  const HandModel hand = read_hand_model("config/robots/pg70.yaml");
+  ASSERT_TRUE(hand.gripper);
+  const ClosingWay jaws =
+      closing_way(hand, hand.preshapes.front(), values({0.0345}), values({0.02}));
+  EXPECT_NEAR(jaws.at(-0.1)[0], 0.03, 1e-12);
+  EXPECT_NEAR(jaws.at(0.05)[0], 0.015, 1e-12);
+  EXPECT_NEAR(jaws.at(0.5)[0], 0, 1e-12);
+  EXPECT_NEAR(jaws.closure(values({0.01})), 0.1, 1e-12);
 }
 
 }  // namespace

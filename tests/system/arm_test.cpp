@@ -19,6 +19,7 @@ int run_launch(const std::string& file, const std::filesystem::path& out,
   std::filesystem::create_directories(out);
   std::vector<std::string> words{"launch", "launch/" + file + ".yaml", "out:=" + out.string(),
                                  "--log-dir", (out / "log").string()};
+  words.emplace_back("speed:=0");
   words.insert(words.end(), arguments.begin(), arguments.end());
   Launched launch("prehend", words, out / "output.txt");
   const int code = launch.wait(std::chrono::seconds(120)).value_or(-1);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/system/launched.h"
+#include "tests/system/recorded_box.h"
 
 namespace prehend::testing {
 namespace {
@@ -123,35 +124,15 @@ TEST_F(BadInput, BudgetThatNoSettingKeeps) {
             std::string::npos);
 }
 
-// What a camera 30 mm over a red cube with sides of 160 mm sees of it, 0.8 m away: front and top.
-std::string image_of_a_cube() {
-  constexpr int kWidth = 160, kHeight = 120;
-  constexpr double kFocal = 300, kMiddle = 80, kHorizon = 30;  // pixels
-  std::string text =
-      "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
-      "WIDTH 160\nHEIGHT 120\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 19200\nDATA ascii\n";
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
-      const double down = (v - kHorizon) / kFocal, right = (u - kMiddle) / kFocal;
-      const double z = down * 0.8 < 0.03 ? 0.03 / down : 0.8;
-      const bool is_hit = down > 0 && z <= 0.96 && down * z <= 0.19 && std::abs(right * z) <= 0.08;
-      text += is_hit ? std::to_string(right * z) + " " + std::to_string(down * z) + " " +
-                           std::to_string(z)
-                     : "nan nan nan";
-      text += " 16711680\n";
-    }
-  }
-  return text;
-}
-
 // It ended with 0, as if something had been lifted, or with 1, as if something had gone wrong.
 TEST_F(BadInput, AnObjectTooWideForTheGripperHasAnExitCodeOfItsOwn) {
   const auto out = scratch_.path() / "out";
-  const Outcome outcome = run_program(
-      "prehend",
-      {"launch", "launch/replay_cloud.yaml", "cloud:=" + write("wide.pcd", image_of_a_cube()),
-       "out:=" + out.string(), "--log-dir", (scratch_.path() / "log").string()},
-      seconds(60));
+  const Outcome outcome =
+      run_program("prehend",
+                  {"launch", "launch/replay_cloud.yaml",
+                   "cloud:=" + write("wide.pcd", image_of_a_box({0.16, 0.16, 0.16})),
+                   "out:=" + out.string(), "--log-dir", (scratch_.path() / "log").string()},
+                  seconds(60));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
   EXPECT_NE(outcome.output.find("not graspable: narrowest width"), std::string::npos)
       << outcome.output;

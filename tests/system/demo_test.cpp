@@ -105,11 +105,11 @@ TEST(Demo, PicksUpMovesAndPutsDownAndItsRecordingGivesTheSamePlan) {
 
   const auto replay_out = scratch.path() / "replay";
   std::filesystem::create_directories(replay_out);
-  Launched replay("prehend",
-                  {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
-                   "out:=" + replay_out.string(), "record:=true", "--log-dir",
-                   (replay_out / "log").string()},
-                  scratch.path() / "replay.txt");
+  Launched replay(
+      "prehend",
+      {"launch", "launch/replay.yaml", "bag:=" + (live_out / "recording.mcap").string(),
+       "out:=" + replay_out.string(), "record:=true", "--log-dir", (replay_out / "log").string()},
+      scratch.path() / "replay.txt");
   ASSERT_EQ(replay.wait(kRunTimeout), 0) << replay.output();
   EXPECT_NE(replay.output().find("over the table, executed on the predicted mesh. The grasp: "),
             std::string::npos)

@@ -57,8 +57,8 @@ TEST_F(Plan, WorksFromAnyFolder) {
 
 TEST_F(Plan, WithAnArmSaysTheSegmentsAndDrawsThem) {
   const std::string page = folder_.path("page");
-  const std::string output = run({box({0.04, 0.05, 0.12}), "--arm", "kr5", "--approach", "down",
-                                  "--move", "0,-0.1,0", "--out", page});
+  const std::string output = run({box({0.04, 0.05, 0.12}), "--platform", "kr5_pg70", "--approach",
+                                  "down", "--move", "0,-0.1,0", "--out", page});
   EXPECT_EQ(exit_code_, 0) << output;
   for (const char* segment : {"reach", "approach", "lift", "carry", "place", "retreat"}) {
     EXPECT_THAT(output, HasSubstr(segment));
@@ -169,8 +169,11 @@ TEST_F(Plan, OptionsThatDoNotApplyAreRefused) {
 TEST_F(Plan, NamesWhatIsWrong) {
   EXPECT_THAT(run({"no_such.ply"}), HasSubstr("no_such.ply"));
   EXPECT_EQ(exit_code_, 1);
-  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--hand", "bh8", "--arm", "kr5"}),
-              AllOf(HasSubstr("no platform"), HasSubstr("pa10 with bh8")));
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--platform", "kr5_sdhh"}),
+              AllOf(HasSubstr("no platform"), HasSubstr("nearest is 'kr5_sdh'")));
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--hand", "gripper"}),
+              AllOf(HasSubstr("no hand"), HasSubstr("bh8, pg70, sdh2")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--generators", "antipodel"}), HasSubstr("antipodal"));
   EXPECT_EQ(exit_code_, 1);

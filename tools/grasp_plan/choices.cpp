@@ -2,7 +2,9 @@
 
 #include <filesystem>
 
+#include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
+#include "tools/table.h"
 
 namespace prehend::tools {
 
@@ -51,12 +53,16 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                   "symmetry: grasps are tried on them too")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command.add_option("--hand", choices.hand, "the hand")
-      ->check(CLI::IsMember({"pg70", "sdh2", "bh8"}))
-      ->capture_default_str();
-  command.add_option("--arm", choices.arm, "the arm that carries it; none: grasps only")
-      ->check(CLI::IsMember({"none", "kr5", "pa10"}))
-      ->capture_default_str();
+  CLI::Option* hand = command
+                          .add_option("--hand", choices.hand,
+                                      "a hand alone, without an arm, of robots/ in --config: " +
+                                          joined(robot::hand_names(choices.config + "/robots")))
+                          ->capture_default_str();
+  command
+      .add_option("--platform", choices.platform,
+                  "an arm with a hand, of robots/ in --config: grasps and the arm's motion; " +
+                      joined(robot::platform_names(choices.config + "/robots")))
+      ->excludes(hand);
   command.add_option("--approach", choices.approach, "directions of approach: straight down, any")
       ->check(CLI::IsMember({"down", "any"}))
       ->capture_default_str();
@@ -67,7 +73,7 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       ->delimiter(',');
   command.add_option("--preshapes", choices.preshapes, "of a hand with fingers; default: all")
       ->delimiter(',');
-  command.add_option("--move", choices.move, "with an arm: put it this far away, x,y,z [m]")
+  command.add_option("--move", choices.move, "with a platform: put it this far away, x,y,z [m]")
       ->delimiter(',')
       ->expected(3);
   command.add_option("--density", choices.density, "assumed of the object [kg/m^3]")

@@ -22,7 +22,7 @@ struct PlanChoices {
   int object = 0;
   int alternatives = 2;
   std::string hand = "pg70";
-  std::string arm = "none";
+  std::string platform;  // its hand counts; empty: none
   std::string approach = "any";
   std::vector<std::string> generators;
   std::vector<std::string> preshapes;

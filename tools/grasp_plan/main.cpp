@@ -24,7 +24,8 @@ int main(int argc, char** argv) {
       write_plan_page(choices, target, planned);
       if (!choices.json) std::printf("%s/index.html\n", choices.out.c_str());
     }
-    const bool found = !planned.grasps.empty() && (!planned.arm || planned.arm->motion.found());
+    const bool found =
+        !planned.plan.grasps.empty() && (!planned.arm || planned.arm->motion.found());
     return found ? 0 : kNoPlan;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "prehend plan: %s\n", error.what());

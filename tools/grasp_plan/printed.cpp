@@ -37,10 +37,10 @@ const std::vector<std::string> kGraspHeader{"RANK",      "SCORE",    "QUALITY", 
 
 Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
   Rows rows;
-  const auto count = std::min<std::size_t>(planned.grasps.size(),
+  const auto count = std::min<std::size_t>(planned.plan.grasps.size(),
                                            static_cast<std::size_t>(std::max(0, choices.rows)));
   for (std::size_t i = 0; i < count; ++i) {
-    const PlannedGrasp& g = planned.grasps[i];
+    const planning::PlannedGrasp& g = planned.plan.grasps[i];
     rows.push_back(
         {fmt::format("{}{}", i + 1,
                      planned.arm && planned.arm->grasp == static_cast<int>(i) ? " *" : ""),
@@ -55,13 +55,13 @@ Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
 const std::vector<std::string> kLedgerHeader{"CANDIDATES", "FELL AT", "GENERATOR", "NEAREST MISS"};
 
 Rows ledger_rows(const Planned& planned) {
-  std::vector<grasp::Rejection> rejections = planned.rejections;
+  std::vector<grasp::Rejection> rejections = planned.plan.rejections;
   std::stable_sort(rejections.begin(), rejections.end(),
                    [](const auto& a, const auto& b) { return a.count > b.count; });
   Rows rows;
   for (const auto& r : rejections) {
-    rows.push_back({fmt::format("{} of {}", r.count, planned.candidates), r.reason, r.generator,
-                    r.nearest_miss.empty() ? "-" : r.nearest_miss});
+    rows.push_back({fmt::format("{} of {}", r.count, planned.plan.candidates), r.reason,
+                    r.generator, r.nearest_miss.empty() ? "-" : r.nearest_miss});
   }
   return rows;
 }
@@ -71,7 +71,7 @@ const std::vector<std::string> kArmLedgerHeader{"GRASPS", "ARM", "NEAREST MISS"}
 Rows arm_ledger_rows(const Planned& planned) {
   Rows rows;
   for (const auto& r : planned.arm->motion.rejections) {
-    rows.push_back({fmt::format("{} of {}", r.count, planned.grasps.size()),
+    rows.push_back({fmt::format("{} of {}", r.count, planned.plan.grasps.size()),
                     motion::to_string(r.filter), r.nearest_miss.empty() ? "-" : r.nearest_miss});
   }
   return rows;
@@ -79,7 +79,7 @@ Rows arm_ledger_rows(const Planned& planned) {
 
 std::vector<report::Rejected> fallen_candidates(const Planned& planned) {
   std::vector<report::Rejected> fallen;
-  for (const auto& r : planned.rejections) {
+  for (const auto& r : planned.plan.rejections) {
     fallen.push_back({r.reason, r.generator, r.count, r.nearest_miss});
   }
   return fallen;
@@ -132,10 +132,11 @@ void print_rows(const std::vector<std::string>& header, Rows rows) {
 }
 
 std::string verdict(const Planned& planned) {
-  if (!planned.problem.empty()) return planned.problem;
+  if (!planned.plan.problem.empty()) return planned.plan.problem;
   if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
   if (planned.arm) {
-    const PlannedGrasp& taken = planned.grasps[static_cast<std::size_t>(planned.arm->grasp)];
+    const planning::PlannedGrasp& taken =
+        planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)];
     return fmt::format(
         "The arm takes grasp {} (score {:.2f}, {}): the best that it can execute, or within {:.2f} "
         "of it.",
@@ -145,11 +146,11 @@ std::string verdict(const Planned& planned) {
             : fmt::format("held in {:.0f} % of the disturbed trials", 100 * taken.robustness),
         motion::PickOptions().success_for_path);
   }
-  return fmt::format("{} grasps", planned.grasps.size());
+  return fmt::format("{} grasps", planned.plan.grasps.size());
 }
 
 bool succeeded(const Planned& planned) {
-  return planned.problem.empty() && (!planned.arm || planned.arm->motion.found());
+  return planned.plan.problem.empty() && (!planned.arm || planned.arm->motion.found());
 }
 
 // What was assumed, and where the grasps come from.
@@ -158,9 +159,9 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
   std::vector<std::string> notes = target.notes;
   if (!planned.chosen.empty()) notes.push_back("by the budget: " + planned.chosen);
   if (!choices.database.empty()) {
-    const int stored = planned.remembered.stored;
+    const int stored = planned.plan.remembered.stored;
     notes.push_back(!target.known ? "the object is not known: the database is not used"
-                    : planned.remembered.reused
+                    : planned.plan.remembered.reused
                         ? fmt::format("grasps from {} of {}", stored, choices.database)
                     : stored == 0 ? "added to " + choices.database
                                   : fmt::format("none of {} grasps of {} serves here: planned anew",
@@ -171,7 +172,7 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
 
 Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
-  for (const PlannedGrasp& g : planned.grasps) {
+  for (const planning::PlannedGrasp& g : planned.plan.grasps) {
     const Eigen::Quaterniond q(g.pose.X_WG.linear());
     const Eigen::Vector3d& p = g.pose.X_WG.translation();
     Json position = Json::array(), orientation = Json::array(), approach = Json::array(),
@@ -193,7 +194,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
                    .set("generator", g.generator)
                    .set("remark", g.remark));
   }
-  for (const auto& r : planned.rejections) {
+  for (const auto& r : planned.plan.rejections) {
     ledger.add(Json::object()
                    .set("reason", r.reason)
                    .set("generator", r.generator)
@@ -208,7 +209,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
   result.set("size_m", Json::array().add(size.x()).add(size.y()).add(size.z()))
       .set("size_deviation_m",
            Json::array().add(deviation.x()).add(deviation.y()).add(deviation.z()))
-      .set("candidates", planned.candidates)
+      .set("candidates", planned.plan.candidates)
       .set("notes", notes)
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
       .set("grasps", grasps)
@@ -239,7 +240,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
 // Object, hand and, where the arm reaches the grasp, the arm.
 std::vector<report::ColoredMesh> scene_of(const PlanTarget& target, const Planned& planned,
                                           std::size_t index) {
-  const PlannedGrasp& grasp = planned.grasps[index];
+  const planning::PlannedGrasp& grasp = planned.plan.grasps[index];
   const robot::Preshape& preshape = planned.hand.preshape(grasp.pose.preshape);
   const RigidTransform X_WH = grasp.pose.X_WG * (planned.hand.X_HP * preshape.X_PG).inverse();
   std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}}};
@@ -263,7 +264,8 @@ report::ColoredMesh arm_mesh(const Planned& planned) {
   for (int k = 0; k < chain.size(); ++k) {
     positions[platform.model.joint_index(chain.joints()[static_cast<std::size_t>(k)].name)] = q[k];
   }
-  const Eigen::VectorXd& hand = planned.grasps[static_cast<std::size_t>(planned.arm->grasp)].all;
+  const Eigen::VectorXd& hand =
+      planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)].all;
   for (std::size_t k = 0; k < planned.hand.model.joints.size(); ++k) {
     positions[platform.model.joint_index("hand_" + planned.hand.model.joints[k].name)] =
         hand[static_cast<Eigen::Index>(k)];
@@ -313,10 +315,10 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   }
   std::vector<geometry::ColorImage> pictures;
   std::vector<std::string> captions;
-  for (std::size_t i = 0; i < std::min(kPictures, planned.grasps.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kPictures, planned.plan.grasps.size()); ++i) {
     pictures.push_back(picture(scene_of(target, planned, i), 0.7));
-    captions.push_back(fmt::format("{}: score {:.3f} {}", i + 1, planned.grasps[i].score,
-                                   planned.grasps[i].pose.preshape));
+    captions.push_back(fmt::format("{}: score {:.3f} {}", i + 1, planned.plan.grasps[i].score,
+                                   planned.plan.grasps[i].pose.preshape));
   }
   if (pictures.empty()) {
     pictures.push_back(picture({{target.object.mesh_W, {214, 164, 86}}}, 0.7));
@@ -326,11 +328,11 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   page.add_heading("Grasps");
   page.add_table(kGraspHeader, grasp_rows(choices, planned));
   page.add_heading("Where the other candidates fell");
-  report::add_rejections(page, fallen_candidates(planned), planned.candidates, "candidates");
+  report::add_rejections(page, fallen_candidates(planned), planned.plan.candidates, "candidates");
   if (planned.arm) {
     page.add_heading("Arm");
-    report::add_rejections(page, fallen_grasps(planned), static_cast<int>(planned.grasps.size()),
-                           "grasps");
+    report::add_rejections(page, fallen_grasps(planned),
+                           static_cast<int>(planned.plan.grasps.size()), "grasps");
     page.add_table(kSegmentHeader, segment_rows(planned));
   }
   page.add_heading("Time");

@@ -1,4 +1,4 @@
-#include "nodes/grasp_cycle/ports.h"
+#include "nodes/grasp_cycle/gripper_ports.h"
 
 #include "msgs/convert/geometry.h"
 

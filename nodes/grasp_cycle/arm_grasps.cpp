@@ -1,4 +1,4 @@
-#include "nodes/arm_cycle/arm_grasps.h"
+#include "nodes/grasp_cycle/arm_grasps.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "msgs/convert/geometry.h"
-#include "nodes/arm_cycle/arm_ports.h"
+#include "nodes/grasp_cycle/arm_ports.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
@@ -49,6 +49,7 @@ bool is_executable(const msgs::Grasp& grasp) {
 
 control::ArmGrasp from_message(const msgs::Grasp& grasp) {
   control::ArmGrasp result;
+  result.pose = {convert::from_message(grasp.x_wg()), grasp.preshape()};
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
   }

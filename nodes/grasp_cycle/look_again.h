@@ -1,26 +1,14 @@
 #pragma once
 
-#include <cstdint>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
-#include <Eigen/Core>
-
 #include "msgs/actions.pb.h"
-#include "msgs/grasp.pb.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::nodes {
 
-using Plans = std::map<std::uint32_t, std::shared_ptr<const msgs::GraspPlan>>;
-
-/// The id of the planned object whose centroid is nearest to `p_W` [m]: ids are of one view. -1
-/// without plans.
-int nearest_object(const Plans& plans, const Eigen::Vector3d& p_W);
-
-/// What the cycles need to see again what they failed to grasp: time to wait, and a picture.
+/// What the cycle needs to see again what they failed to grasp: time to wait, and a picture.
 class LookAgain {
  public:
   /// Declares the parameter `look_timeout`.

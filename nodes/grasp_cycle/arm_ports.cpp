@@ -1,4 +1,4 @@
-#include "nodes/arm_cycle/arm_ports.h"
+#include "nodes/grasp_cycle/arm_ports.h"
 
 namespace prehend::nodes {
 

@@ -1,23 +1,8 @@
-#include "nodes/look_again/look_again.h"
+#include "nodes/grasp_cycle/look_again.h"
 
 #include <chrono>
-#include <limits>
-
-#include "msgs/convert/geometry.h"
 
 namespace prehend::nodes {
-
-int nearest_object(const Plans& plans, const Eigen::Vector3d& p_W) {
-  int nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [id, plan] : plans) {
-    const double distance = (convert::from_message(plan->centroid()) - p_W).norm();
-    if (distance >= least) continue;
-    least = distance;
-    nearest = static_cast<int>(id);
-  }
-  return nearest;
-}
 
 LookAgain::LookAgain(graph::Node& node)
     : node_(node),

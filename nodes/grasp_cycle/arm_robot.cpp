@@ -1,0 +1,79 @@
+#include "nodes/grasp_cycle/arm_robot.h"
+
+#include "msgs/convert/geometry.h"
+#include "nodes/grasp_cycle/arm_grasps.h"
+
+namespace prehend::nodes {
+
+control::ArmCycleOptions declare_arm_options(graph::Node& node) {
+  control::ArmCycleOptions options;
+  options.reacts = node.declare_parameter<bool>(
+      {.name = "reacts",
+       .default_value = options.reacts,
+       .description = "with a platform: stop the approach where the hand touches, and close there; "
+                      "false: open loop",
+       .read_only = true});
+  options.contact_force = node.declare_parameter<double>(
+      {.name = "contact_force",
+       .default_value = options.contact_force,
+       .unit = "N",
+       .minimum = 0.1,
+       .description = "with a platform: at the wrist, that counts as contact on the approach",
+       .read_only = true});
+  options.overrun = node.declare_parameter<double>(
+      {.name = "overrun",
+       .default_value = options.overrun,
+       .unit = "rad",
+       .minimum = 0.0,
+       .description = "with a platform: how far fingers go on beyond where they were predicted to "
+                      "touch, within their limits",
+       .read_only = true});
+  options.holding.resolution = node.declare_parameter<double>(
+      {.name = "force_resolution",
+       .default_value = options.holding.resolution,
+       .unit = "N",
+       .minimum = 0.001,
+       .description = "with a platform: of the wrist's sensor: a change of less, or within its "
+                      "noise, does not show that something is held",
+       .read_only = true});
+  return options;
+}
+
+ArmRobot::ArmRobot(graph::Node& node, const control::ArmCycleOptions& options)
+    : node_(node), arm_(node), hand_(node), cycle_(options, arm_, hand_) {
+  using graph::QoS;
+  subscriptions_.push_back(node.subscribe<msgs::JointState>(
+      "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
+  subscriptions_.push_back(
+      node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
+        // What cannot be read leaves the older one in place, which soon is too old to move by.
+        wrist_force_ = convert::from_message(message->wrench().force());
+        wrist_stamp_ = message->header().stamp();
+      }));
+}
+
+std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
+  return is_executable(grasp) ? "" : "no motion of the arm";
+}
+
+std::string ArmRobot::prepare(const View& /*view*/, const Target& target) {
+  std::vector<control::ArmGrasp> grasps;
+  for (const msgs::Grasp* grasp : target.grasps) grasps.push_back(from_message(*grasp));
+  prepared_ = std::move(grasps);
+  return destination(*target.grasps.front());
+}
+
+control::ArmPercepts ArmRobot::percepts() const {
+  control::ArmPercepts percepts;
+  percepts.time = graph::seconds(node_.clock().now());
+  if (joints_) {
+    percepts.names.assign(joints_->name().begin(), joints_->name().end());
+    percepts.positions.assign(joints_->position().begin(), joints_->position().end());
+    percepts.joints_age = percepts.time - graph::seconds(joints_->header().stamp());
+  }
+  percepts.wrist_force = wrist_force_;
+  percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
+  return percepts;
+}
+
+}  // namespace prehend::nodes

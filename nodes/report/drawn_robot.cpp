@@ -1,0 +1,140 @@
+#include "nodes/report/drawn_robot.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "msgs/convert/geometry.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/report/robot_meshes.h"
+
+namespace prehend::nodes {
+namespace {
+
+using geometry::TriangleMesh;
+using report::ColoredMesh;
+
+constexpr geometry::Rgb kHandColor{150, 155, 165};
+constexpr geometry::Rgb kPadColor{60, 60, 65};
+constexpr geometry::Rgb kArmColor{205, 140, 95};
+constexpr const char* kHandPrefix = "hand_";
+
+TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {
+  return geometry::transformed(geometry::make_box(size),
+                               geometry::make_transform(Eigen::Quaterniond::Identity(), center));
+}
+
+class DrawnGripper : public DrawnRobot {
+ public:
+  explicit DrawnGripper(robot::GripperModel gripper) : gripper_(std::move(gripper)) {}
+
+  std::vector<std::string> pads() const override { return {"left", "right"}; }
+
+  std::vector<ColoredMesh> hand_at(const msgs::Grasp& grasp) const override {
+    const auto X_WG = convert::from_message(grasp.x_wg());
+    const double opening = grasp.predicted().opening();
+    return {{geometry::transformed(body(opening), X_WG), kHandColor},
+            {geometry::transformed(pads_at(opening), X_WG), kPadColor}};
+  }
+
+  std::vector<ColoredMesh> arm_at(const msgs::Grasp& /*grasp*/) const override { return {}; }
+
+  std::string closing_text(const msgs::Grasp& grasp) const override {
+    return fmt::format("opening at contact {:.1f} mm, force {:.1f} N",
+                       1000 * grasp.predicted().opening(), grasp.grasp_force());
+  }
+
+ private:
+  // Fingers and housing in the gripper's frame G.
+  TriangleMesh body(double opening) const {
+    const Eigen::Vector3d& finger = gripper_.finger_size;
+    const double finger_y = (opening + finger.y()) / 2 + gripper_.pad.thickness;
+    const double finger_z = gripper_.tip_z() - finger.z() / 2;
+    return geometry::concatenated(
+        {box_at(finger, {0, finger_y, finger_z}), box_at(finger, {0, -finger_y, finger_z}),
+         box_at(gripper_.housing_size,
+                {0, 0, gripper_.housing_front_z() - gripper_.housing_size.z() / 2})});
+  }
+
+  TriangleMesh pads_at(double opening) const {
+    const auto& pad = gripper_.pad;
+    const Eigen::Vector3d size(pad.width(), pad.thickness, pad.length());
+    const double y = (opening + pad.thickness) / 2;
+    return geometry::concatenated({box_at(size, {0, y, 0}), box_at(size, {0, -y, 0})});
+  }
+
+  robot::GripperModel gripper_;
+};
+
+class DrawnPlatform : public DrawnRobot {
+ public:
+  explicit DrawnPlatform(robot::Platform platform) : platform_(std::move(platform)) {}
+
+  std::vector<std::string> pads() const override {
+    std::vector<std::string> names;
+    for (const robot::HandPad& pad : platform_.hand.pads) names.push_back(pad.name);
+    return names;
+  }
+
+  std::vector<ColoredMesh> hand_at(const msgs::Grasp& grasp) const override {
+    const robot::HandModel& hand = platform_.hand;
+    const auto X_WH = convert::from_message(grasp.x_wg()) *
+                      (hand.X_HP * hand.preshape(grasp.preshape()).X_PG).inverse();
+    return {{geometry::transformed(report::robot_mesh(hand.model, closed_hand(grasp)), X_WH),
+             kHandColor}};
+  }
+
+  std::vector<ColoredMesh> arm_at(const msgs::Grasp& grasp) const override {
+    const msgs::ArmSegment* approach = nullptr;
+    for (const msgs::ArmSegment& segment : grasp.arm()) {
+      if (segment.name() == "reach" || segment.name() == "approach") approach = &segment;
+    }
+    if (!approach || approach->trajectory().points_size() == 0) return {};
+    // The links of the arm alone: the hand is drawn closed.
+    robot::RobotModel arm = platform_.model;
+    for (robot::Link& link : arm.links) {
+      if (link.name.starts_with(kHandPrefix)) link.shapes.clear();
+    }
+    Eigen::VectorXd positions = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(arm.joints.size()));
+    const msgs::JointTrajectory& trajectory = approach->trajectory();
+    const auto& end = trajectory.points(trajectory.points_size() - 1);
+    for (int i = 0; i < std::min(trajectory.joint_name_size(), end.position_size()); ++i) {
+      positions[arm.joint_index(trajectory.joint_name(i))] = end.position(i);
+    }
+    return {{geometry::transformed(report::robot_mesh(arm, positions), platform_.X_WB), kArmColor}};
+  }
+
+  std::string closing_text(const msgs::Grasp& grasp) const override {
+    return fmt::format("preshape {}, {} predicted contacts", grasp.preshape(),
+                       grasp.contacts_size());
+  }
+
+ private:
+  // Positions of all joints of the hand where its fingers touch.
+  Eigen::VectorXd closed_hand(const msgs::Grasp& grasp) const {
+    const robot::HandModel& hand = platform_.hand;
+    Eigen::VectorXd motors = hand.preshape(grasp.preshape()).open;
+    for (int i = 0; i < std::min(grasp.hand_joint_name_size(), grasp.closed_position_size()); ++i) {
+      const std::string& name = grasp.hand_joint_name(i);
+      const std::string own =
+          name.starts_with(kHandPrefix) ? name.substr(std::string(kHandPrefix).size()) : name;
+      motors[hand.actuated_index(own)] = grasp.closed_position(i);
+    }
+    return hand.all_positions(motors);
+  }
+
+  robot::Platform platform_;
+};
+
+}  // namespace
+
+std::unique_ptr<DrawnRobot> make_drawn(robot::GripperModel gripper) {
+  return std::make_unique<DrawnGripper>(std::move(gripper));
+}
+
+std::unique_ptr<DrawnRobot> make_drawn(robot::Platform platform) {
+  return std::make_unique<DrawnPlatform>(std::move(platform));
+}
+
+}  // namespace prehend::nodes
