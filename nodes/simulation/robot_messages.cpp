@@ -1,7 +1,6 @@
 #include "nodes/simulation/robot_messages.h"
 
-#include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 #include "msgs/convert/geometry.h"
 #include "nodes/simulation/clock_message.h"
@@ -48,11 +47,7 @@ void RobotPublisher::publish(const RobotReadings& readings) {
     frame.set_texel_height(pad.model.texel_pitch);
     frame.set_full_scale(static_cast<std::uint32_t>(pad.model.full_scale));
     frame.set_newton_per_count(pad.model.newton_per_count);
-    for (const double force : reading.force) {
-      const double counts = std::floor(force / pad.model.newton_per_count);
-      frame.add_intensity(
-          static_cast<std::uint32_t>(std::min<double>(counts, pad.model.full_scale)));
-    }
+    for (const std::uint16_t count : reading.counts) frame.add_intensity(count);
     frame.set_sum(reading.sum);
     pad.publisher.publish(frame);
   }

@@ -29,6 +29,10 @@ RobotWorldOptions with_scene(RobotWorldOptions options, const Scene& scene) {
   options.step = scene.step;
   options.gravity = scene.gravity;
   options.table_friction = scene.table.friction;
+  options.tactile = scene.tactile;
+  options.wrench = scene.wrench;
+  refuse_physics_of_grippers(scene.physics);
+  options.sleep = options.sleep && scene.physics.rules.sleep;
   return options;
 }
 
@@ -57,7 +61,8 @@ RobotWorld::Implementation::Implementation(const robot::RobotModel& model,
       hand_model(hand_of),
       prefix(prefix_of),
       arm(std::move(arm_of)),
-      X_WR(X_WRoot) {
+      X_WR(X_WRoot),
+      sensors(hand_of, options_of.tactile, options_of.wrench) {
   check(options);
   all.setZero(static_cast<Eigen::Index>(model.joints.size()));
   if (arm) {
@@ -223,7 +228,8 @@ void RobotWorld::Implementation::step() {
   system->implicit_euler(state, options.step, state, next);
   std::swap(state, next);
   put_to_sleep();
-  if (contact_limit > 0 && arm && wrist_wrench().force.norm() > contact_limit) {
+  read_sensors();
+  if (contact_limit > 0 && arm && wrist.force.norm() > contact_limit) {
     arm->stop();
     contact = true;
     contact_limit = 0;
@@ -374,6 +380,8 @@ struct RobotWorld::State {
   engines::MultibodyState state;
   HandDrive hand;
   std::optional<ArmDrive> arm;
+  RobotSensors sensors;
+  ContactWrench wrist;
   std::optional<Implementation::Path> path;
   RigidTransform X_WR;
   Eigen::VectorXd all;
@@ -389,6 +397,8 @@ std::shared_ptr<const RobotWorld::State> RobotWorld::save() const {
                                              world.state,
                                              *world.hand,
                                              world.arm,
+                                             world.sensors,
+                                             world.wrist,
                                              world.path,
                                              world.X_WR,
                                              world.all,
@@ -411,6 +421,8 @@ void RobotWorld::restore(const State& saved) {
   world.state = saved.state;
   *world.hand = saved.hand;
   world.arm = saved.arm;
+  world.sensors = saved.sensors;
+  world.wrist = saved.wrist;
   world.path = saved.path;
   world.X_WR = saved.X_WR;
   world.all = saved.all;

@@ -30,6 +30,8 @@ struct RobotWorldOptions {
   /// Objects that nothing moves are left out until something that moves touches them. Error: what
   /// they would still have settled, as ModelRules::sleep.
   bool sleep = true;
+  TactileOptions tactile;                     // the pads' electronics
+  std::optional<WrenchSensorOptions> wrench;  // none: forces as they are
 };
 
 /// A moving joint of hand or arm.
@@ -54,6 +56,9 @@ struct HandPadReading {
   int rows = 0, columns = 0;
   std::vector<double> force;  // N, rows * columns
   double sum = 0;             // N
+  /// What its electronics show, rows * columns: of an ideal pad the present forces, else the last
+  /// frame.
+  std::vector<std::uint16_t> counts;
 };
 
 struct RobotBodyReading {
@@ -78,9 +83,11 @@ struct RobotBodyReading {
 class RobotWorld {
  public:
   /// Arm and hand at the home position `home`, the hand open as its first preshape. Objects of
-  /// `scene`, its table's friction, gravity and step count; the gripper's part does not.
-  /// @throws geometry::InputError for a robot that cannot be simulated (make_robot_bodies) or an
-  /// object's mesh that is not a solid, std::invalid_argument for options out of range.
+  /// `scene`, its table's friction, gravity, step, `tactile` and `wrench` count; its gripper and
+  /// carrier do not.
+  /// @throws geometry::InputError for a robot that cannot be simulated (make_robot_bodies), an
+  /// object's mesh that is not a solid, or `physics` that mean nothing here (but rules.sleep),
+  /// std::invalid_argument for options out of range.
   RobotWorld(const robot::Platform& platform, const Scene& scene, const std::string& home = "home",
              const RobotWorldOptions& options = {});
   /// A hand alone, its root frame H at X_WH, without objects; open as `preshape` (empty: its

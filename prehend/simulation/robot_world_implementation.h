@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "prehend/simulation/robot_sensors.h"
 #include "prehend/simulation/robot_world.h"
 
 namespace prehend::simulation {
@@ -36,7 +37,9 @@ struct RobotWorld::Implementation {
   void move_carried();
   void put_to_sleep();
   void step();
-  ContactWrench wrist_wrench() const;
+  ContactWrench contact_wrench() const;
+  std::vector<double> pad_forces(const robot::HandPad& pad) const;  // N, of its texels
+  void read_sensors();
   Thing& thing(const std::string& name);
   RobotBodyReading reading(const Thing& thing) const;
   geometry::RigidTransform X_WL(int link) const {
@@ -59,6 +62,8 @@ struct RobotWorld::Implementation {
   std::unique_ptr<RobotTouch> touch;
   std::unique_ptr<engines::Multibody> system;
   engines::MultibodyState state, next;
+  RobotSensors sensors;
+  ContactWrench wrist;  // as its sensor shows it
   std::optional<Path> path;
   double contact_limit = 0;  // N, 0: none
   bool contact = false;

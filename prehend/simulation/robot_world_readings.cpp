@@ -42,7 +42,7 @@ bool RobotWorld::Implementation::is_hands(int body) const {
          body == robot.body_of_link[static_cast<std::size_t>(robot.hand_root)];
 }
 
-ContactWrench RobotWorld::Implementation::wrist_wrench() const {
+ContactWrench RobotWorld::Implementation::contact_wrench() const {
   const RigidTransform X_WHand = X_WL(robot.hand_root);
   ContactWrench wrench;
   for (const TouchPoint& touch_point : state.touches) {
@@ -136,40 +136,56 @@ std::vector<LinkContact> RobotWorld::link_contacts() const {
   return contacts;
 }
 
+// The points that press on a pad's face, each on the texel below it.
+std::vector<double> RobotWorld::Implementation::pad_forces(const robot::HandPad& pad) const {
+  const int rows = pad.model.rows, columns = pad.model.columns;
+  std::vector<double> forces(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+  const int link = robot.model.link_index(
+      prefix + hand_model.model.links[static_cast<std::size_t>(pad.link)].name);
+  const int body = robot.body_of_link[static_cast<std::size_t>(link)];
+  const RigidTransform X_PW = (X_WL(link) * pad.X_LP).inverse(Eigen::Isometry);
+  const double pitch = pad.model.texel_pitch;
+  for (const TouchPoint& touch_point : state.touches) {
+    if (touch_point.a != body && touch_point.b != body) continue;
+    const Eigen::Vector3d p = X_PW * touch_point.at.p_W;
+    if (std::abs(p.z()) > kOnFace) continue;
+    // Row 0 is at the tip, +y; column 0 at -x.
+    const double row = 0.5 * rows - p.y() / pitch;
+    const double column = p.x() / pitch + 0.5 * columns;
+    if (!(row >= 0 && row < rows && column >= 0 && column < columns)) continue;
+    forces[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column)] += touch_point.normal_force;
+  }
+  return forces;
+}
+
+void RobotWorld::Implementation::read_sensors() {
+  wrist = sensors.shown(contact_wrench());
+  if (!sensors.frames_due(options.step)) return;
+  for (std::size_t pad = 0; pad < hand_model.pads.size(); ++pad) {
+    sensors.take_frame(pad, pad_forces(hand_model.pads[pad]));
+  }
+}
+
 std::vector<HandPadReading> RobotWorld::pads() const {
   const Implementation& world = *implementation_;
   std::vector<HandPadReading> readings;
-  for (const robot::HandPad& pad : world.hand_model.pads) {
+  for (std::size_t i = 0; i < world.hand_model.pads.size(); ++i) {
+    const robot::HandPad& pad = world.hand_model.pads[i];
     HandPadReading reading;
     reading.name = pad.name;
     reading.rows = pad.model.rows;
     reading.columns = pad.model.columns;
-    reading.force.assign(static_cast<std::size_t>(reading.rows) * reading.columns, 0.0);
-    const int link = world.robot.model.link_index(
-        world.prefix + world.hand_model.model.links[static_cast<std::size_t>(pad.link)].name);
-    const int body = world.robot.body_of_link[static_cast<std::size_t>(link)];
-    const RigidTransform X_PW = (world.X_WL(link) * pad.X_LP).inverse(Eigen::Isometry);
-    const double pitch = pad.model.texel_pitch;
-    for (const TouchPoint& touch_point : world.state.touches) {
-      if (touch_point.a != body && touch_point.b != body) continue;
-      const Eigen::Vector3d p = X_PW * touch_point.at.p_W;
-      if (std::abs(p.z()) > kOnFace) continue;
-      // Row 0 is at the tip, +y; column 0 at -x.
-      const double row = 0.5 * reading.rows - p.y() / pitch;
-      const double column = p.x() / pitch + 0.5 * reading.columns;
-      if (!(row >= 0 && row < reading.rows && column >= 0 && column < reading.columns)) continue;
-      const std::size_t texel =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(reading.columns) +
-          static_cast<std::size_t>(column);
-      reading.force[texel] += touch_point.normal_force;
-      reading.sum += touch_point.normal_force;
-    }
+    reading.force = world.pad_forces(pad);
+    for (const double force : reading.force) reading.sum += force;
+    reading.counts = world.sensors.ideal_pads() ? world.sensors.ideal_counts(i, reading.force)
+                                                : world.sensors.frame(i);
     readings.push_back(std::move(reading));
   }
   return readings;
 }
 
-ContactWrench RobotWorld::wrist_wrench() const { return implementation_->wrist_wrench(); }
+ContactWrench RobotWorld::wrist_wrench() const { return implementation_->wrist; }
 RigidTransform RobotWorld::X_WH() const {
   return implementation_->X_WL(implementation_->robot.hand_root);
 }

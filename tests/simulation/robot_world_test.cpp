@@ -1,6 +1,7 @@
 // Arm and hand in the simulated world: what they hold through a lift, and what their sensors say.
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -120,6 +121,8 @@ TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
   scene.objects.resize(1);
   scene.objects[0].name = "box";
   scene.objects[0].x = 0.1;
+  scene.wrench.emplace().force_noise = 0.1;
+  scene.tactile.sensor.noise = 3;
   RobotWorld world(platform, scene);
   HandCommand close;
   close.position = closed(platform.hand, platform.hand.preshapes.front().name, 0.4);
@@ -129,8 +132,12 @@ TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
   run(world, 0.2);
   const Eigen::VectorXd hand = world.hand_positions();
   const RigidTransform box = world.body("box").X_WB;
+  const Eigen::Vector3d wrist = world.wrist_wrench().force;
+  const std::vector<std::uint16_t> frame = world.pads().front().counts;
   world.restore(*saved);
   run(world, 0.2);
+  EXPECT_EQ(world.wrist_wrench().force, wrist);
+  EXPECT_EQ(world.pads().front().counts, frame);
   EXPECT_EQ(world.hand_positions(), hand);
   EXPECT_EQ(world.body("box").X_WB.matrix(), box.matrix());
   world.add_object("other", at(make_ball(0.03), {0.3, 0.3, 0}), 0.1);
@@ -191,6 +198,56 @@ TEST(RobotWorld, PadsFeelWhatTheFingersPressWith) {
   EXPECT_LE(pads, links * (1 + 1e-9));
   EXPECT_NEAR((world.X_WH().linear().transpose() * force - world.wrist_wrench().force).norm(), 0,
               1e-9);
+}
+
+// 5 N of noise were asked for, and the wrist was exactly zero.
+TEST(RobotWorld, TheScenesSensorsAreTheRobots) {
+  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
+  Scene scene;
+  scene.wrench.emplace().force_noise = 5;
+  scene.tactile.sensor.noise = 20;
+  scene.tactile.sensor.threshold = 0;
+  RobotWorld world(platform, scene);
+  double squares = 0;
+  int frames = 0, lit = 0;
+  std::vector<std::uint16_t> last;
+  constexpr int kSteps = 400;
+  for (int i = 0; i < kSteps; ++i) {
+    world.step();
+    squares += world.wrist_wrench().force.squaredNorm();
+    const std::vector<std::uint16_t> counts = world.pads().front().counts;
+    frames += counts != last ? 1 : 0;
+    for (const std::uint16_t count : counts) lit += count > 0 ? 1 : 0;
+    last = counts;
+  }
+  EXPECT_NEAR(std::sqrt(squares / (3 * kSteps)), 5, 0.5);
+  EXPECT_NEAR(frames, kSteps * scene.step / scene.tactile.period, 2);
+  EXPECT_NEAR(static_cast<double>(lit) / (kSteps * static_cast<double>(last.size())), 0.5, 0.1);
+  RobotWorld quiet(platform, Scene{});
+  quiet.step();
+  EXPECT_TRUE(quiet.wrist_wrench().force.isZero());
+}
+
+TEST(RobotWorld, PhysicsOfGrippersAreRefusedByName) {
+  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
+  const auto refusal = [&platform](const std::function<void(PhysicsOptions&)>& change) {
+    Scene scene;
+    change(scene.physics);
+    try {
+      RobotWorld world(platform, scene);
+    } catch (const geometry::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal([](PhysicsOptions& p) { p.engine = "mujoco"; }).find("physics.engine"),
+            std::string::npos);
+  EXPECT_NE(refusal([](PhysicsOptions& p) { p.adaptive = true; }).find("physics.adaptive"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal([](PhysicsOptions& p) { p.rules.rigid_pads = true; }).find("rules.rigid_pads"),
+      std::string::npos);
+  EXPECT_EQ(refusal([](PhysicsOptions& p) { p.rules.sleep = false; }), "");
 }
 
 TEST(HandGrasp, HoldsABottleAndSaysWhereItTouched) {

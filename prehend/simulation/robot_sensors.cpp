@@ -1,0 +1,85 @@
+#include "prehend/simulation/robot_sensors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::simulation {
+
+RobotSensors::RobotSensors(const robot::HandModel& hand, const TactileOptions& tactile,
+                           const std::optional<WrenchSensorOptions>& wrench)
+    : tactile_(tactile) {
+  if (wrench) wrist_.emplace(*wrench);
+  for (const robot::HandPad& pad : hand.pads) {
+    TactileSensorOptions options = tactile.sensor;
+    options.rows = pad.model.rows;
+    options.columns = pad.model.columns;
+    options.newton_per_count = pad.model.newton_per_count;
+    options.full_scale = pad.model.full_scale;
+    options.seed += static_cast<std::uint32_t>(pads_.size());
+    pad_options_.push_back(options);
+    pads_.emplace_back(options);
+    frames_.emplace_back(static_cast<std::size_t>(options.rows * options.columns), 0);
+  }
+  age_ = tactile.period;  // the first frame is due at once
+}
+
+std::vector<std::uint16_t> RobotSensors::ideal_counts(std::size_t pad,
+                                                      const std::vector<double>& forces) const {
+  const TactileSensorOptions& options = pad_options_[pad];
+  std::vector<std::uint16_t> counts;
+  counts.reserve(forces.size());
+  for (const double force : forces) {
+    const double count = std::floor(force / options.newton_per_count);
+    counts.push_back(static_cast<std::uint16_t>(std::min<double>(count, options.full_scale)));
+  }
+  return counts;
+}
+
+bool RobotSensors::frames_due(double h) {
+  if (ideal_pads()) return false;
+  age_ += h;
+  return age_ >= tactile_.period * (1 - 1e-9);
+}
+
+void RobotSensors::take_frame(std::size_t pad, const std::vector<double>& forces) {
+  frames_[pad] = pads_[pad].sample(forces, age_).counts;
+  if (pad + 1 == pads_.size()) age_ = 0;
+}
+
+ContactWrench RobotSensors::shown(const ContactWrench& wrench) {
+  if (!wrist_) return wrench;
+  Eigen::Matrix<double, 6, 1> felt;
+  felt << wrench.force, wrench.torque;
+  felt = wrist_->sample(felt);
+  return {felt.head<3>(), felt.tail<3>()};
+}
+
+void refuse_physics_of_grippers(const PhysicsOptions& physics) {
+  const PhysicsOptions plain;
+  const auto check = [](bool is_plain, const std::string& key) {
+    if (is_plain) return;
+    throw geometry::InputError(
+        "The scene's physics." + key + " does not apply to a robot of arm and hand, whose fingers, "
+        "objects and contacts are solved in one implicit step of the engine multibody",
+        "Leave it out of the scene, or the robot");
+  };
+  check(physics.engine == plain.engine, "engine");
+  check(physics.solver == plain.solver, "solver");
+  check(physics.integration == plain.integration, "integration");
+  check(physics.adaptive == plain.adaptive, "adaptive");
+  check(physics.tolerance == plain.tolerance, "tolerance");
+  check(physics.velocity_tolerance == plain.velocity_tolerance, "velocity_tolerance");
+  check(physics.most_iterations == plain.most_iterations, "most_iterations");
+  const ModelRules& rules = physics.rules;
+  check(rules.gate_texels == plain.rules.gate_texels, "rules.gate_texels");
+  check(rules.remember_triangles == plain.rules.remember_triangles, "rules.remember_triangles");
+  check(rules.skip_distant_pairs == plain.rules.skip_distant_pairs, "rules.skip_distant_pairs");
+  check(rules.out_of_reach == plain.rules.out_of_reach, "rules.out_of_reach");
+  check(rules.primitives == plain.rules.primitives, "rules.primitives");
+  check(rules.rigid_pads == plain.rules.rigid_pads, "rules.rigid_pads");
+}
+
+}  // namespace prehend::simulation
