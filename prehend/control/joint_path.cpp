@@ -7,6 +7,44 @@
 #include <fmt/format.h>
 
 namespace prehend::control {
+namespace {
+
+constexpr double kSpeed = 0.5;         // rad/s that every joint can
+constexpr double kAcceleration = 2.5;  // rad/s^2
+
+// Greatest absolute value of joint k.
+double peak(const JointPath& path, std::vector<double> JointPath::Point::* values, std::size_t k) {
+  double most = 0;
+  for (const JointPath::Point& point : path.points) {
+    if (k < (point.*values).size()) most = std::max(most, std::abs((point.*values)[k]));
+  }
+  return most;
+}
+
+// How many times as slow as `path` the other must be, which has the same joints, so that it asks no
+// more of any joint, or no more than every joint can.
+double slowness(const JointPath& path, const JointPath& other) {
+  double times = 1;
+  for (std::size_t k = 0; k < path.joints.size(); ++k) {
+    const auto speed = &JointPath::Point::velocity;
+    const auto acceleration = &JointPath::Point::acceleration;
+    times = std::max(times, peak(other, speed, k) / std::max(kSpeed, peak(path, speed, k)));
+    times = std::max(times, std::sqrt(peak(other, acceleration, k) /
+                                      std::max(kAcceleration, peak(path, acceleration, k))));
+  }
+  return times;
+}
+
+JointPath slowed(JointPath path, double times) {
+  for (JointPath::Point& point : path.points) {
+    point.time *= times;
+    for (double& v : point.velocity) v /= times;
+    for (double& a : point.acceleration) a /= times * times;
+  }
+  return path;
+}
+
+}  // namespace
 
 JointPath reversed(const JointPath& path) {
   JointPath back = path;
@@ -22,6 +60,7 @@ JointPath reversed(const JointPath& path) {
 JointPath joined(JointPath path, const std::vector<std::string>& names,
                  const std::vector<double>& positions, double most) {
   if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
+  const JointPath planned = path;
   const double duration = path.duration();
   for (std::size_t k = 0; k < path.joints.size(); ++k) {
     const auto found = std::find(names.begin(), names.end(), path.joints[k]);
@@ -52,7 +91,7 @@ JointPath joined(JointPath path, const std::vector<std::string>& names,
       }
     }
   }
-  return path;
+  return slowed(std::move(path), slowness(planned, path));
 }
 
 }  // namespace prehend::control

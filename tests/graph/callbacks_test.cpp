@@ -1,3 +1,4 @@
+#include <atomic>
 #include <optional>
 
 #include "tests/graph/test_graph.h"
@@ -232,13 +233,16 @@ TEST_F(Callbacks, MayEndTheirOwnHandlesAndMakeNewOnes) {
 TEST_F(Callbacks, AServiceMayWithdrawItselfInItsHandler) {
   Node server(options("server")), caller(options("caller"));
   Service service;
+  std::atomic<bool> withdrawn{false};
   service = server.serve<Clock_, Clock_>("/once", [&](const Clock_& request) {
     service = {};
+    withdrawn = true;
     return request;
   });
   server.spin_in_background();
   auto client = caller.client<Clock_, Clock_>("/once");
   EXPECT_EQ(client.call(clock_message(5), 10s)->time(), 5);
+  EXPECT_TRUE(withdrawn);
   EXPECT_FALSE(client.call(clock_message(5), 200ms).ok());
 }
 

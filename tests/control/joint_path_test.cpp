@@ -1,0 +1,73 @@
+#include "prehend/control/joint_path.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace prehend::control {
+namespace {
+
+// Two joints: one goes 0.3 rad in 0.4 s, smoothly, the other stays.
+JointPath quick_path() {
+  JointPath path;
+  path.joints = {"a", "b"};
+  constexpr double kWay = 0.3, kDuration = 0.4;
+  for (int i = 0; i <= 20; ++i) {
+    const double s = i / 20.0;
+    path.points.push_back(
+        {s * kDuration,
+         {kWay * s * s * s * (10 + s * (6 * s - 15)), 1.0},
+         {kWay * 30 * s * s * (1 - s) * (1 - s) / kDuration, 0.0},
+         {kWay * 60 * s * (1 - s) * (1 - 2 * s) / (kDuration * kDuration), 0.0}});
+  }
+  return path;
+}
+
+double most(const JointPath& path, std::vector<double> JointPath::Point::* values, std::size_t k) {
+  double result = 0;
+  for (const auto& point : path.points) result = std::max(result, std::abs((point.*values)[k]));
+  return result;
+}
+
+TEST(JoinedPath, FromWhereThePlanBeginsIsThePlan) {
+  const JointPath path = quick_path(), same = joined(path, {"b", "a"}, {1, 0}, 0.5);
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    EXPECT_EQ(same.points[i].time, path.points[i].time);
+    EXPECT_EQ(same.points[i].position, path.points[i].position);
+    EXPECT_EQ(same.points[i].velocity, path.points[i].velocity);
+  }
+}
+
+// An arm that contact had stopped was asked for ten times the speed of its plan, fell behind, and
+// gave up ("joint 'arm_axis_2' is 0.0503 off the path").
+TEST(JoinedPath, AsksNoJointForMoreThanThePlanOrALittle) {
+  const JointPath path = quick_path(), from = joined(path, {"a", "b"}, {-0.2, 1.25}, 0.5);
+  EXPECT_EQ(from.points.front().position, (std::vector<double>{-0.2, 1.25}));
+  EXPECT_NEAR(from.points.back().position[0], 0.3, 1e-12);
+  EXPECT_NEAR(from.points.back().position[1], 1, 1e-12);
+  const auto speed = &JointPath::Point::velocity;
+  const auto acceleration = &JointPath::Point::acceleration;
+  for (const std::size_t k : {0u, 1u}) {
+    EXPECT_LE(most(from, speed, k), std::max(0.5, most(path, speed, k)) * (1 + 1e-9));
+    EXPECT_LE(most(from, acceleration, k),
+              std::max(2.5, most(path, acceleration, k)) * (1 + 1e-9));
+  }
+  EXPECT_GT(from.duration(), path.duration());
+  // Velocities are those of the positions.
+  for (std::size_t i = 1; i < from.points.size(); ++i) {
+    const auto& p = from.points[i - 1];
+    const auto& q = from.points[i];
+    const double mean = 0.5 * (p.velocity[1] + q.velocity[1]);
+    EXPECT_NEAR((q.position[1] - p.position[1]) / (q.time - p.time), mean, 0.02);
+  }
+}
+
+TEST(JoinedPath, RefusesWhatIsFarOff) {
+  EXPECT_THROW(joined(quick_path(), {"a", "b"}, {0.6, 1}, 0.5), std::invalid_argument);
+  EXPECT_THROW(joined(quick_path(), {"a"}, {0}, 0.5), std::invalid_argument);
+  EXPECT_THROW(joined({}, {"a"}, {0}, 0.5), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prehend::control
