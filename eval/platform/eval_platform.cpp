@@ -1,4 +1,5 @@
-// What a user runs, measured: camera -> nodes -> arm -> hand, by the launch file, on generated scenes.
+// What a user runs, measured: camera -> nodes -> arm -> hand, by the launch file, on generated
+// scenes.
 
 #include <algorithm>
 #include <cstdio>
@@ -9,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "eval/case_choice.h"
 #include "eval/platform/pick_run.h"
@@ -62,8 +63,8 @@ std::string csv_of(const std::vector<eval::PickResult>& results) {
 
 std::string summary_of(const std::vector<std::string>& platforms,
                        const std::vector<eval::PickResult>& results) {
-  std::string text = fmt::format("\n{:<14} {:>6} {:>18} {:>12} {:>8} {:>12} {:>9} {:>9}\n", "platform",
-                                 "scenes", "picked of graspable", "first try", "failed",
+  std::string text = fmt::format("\n{:<14} {:>6} {:>18} {:>12} {:>8} {:>12} {:>9} {:>9}\n",
+                                 "platform", "scenes", "picked of graspable", "first try", "failed",
                                  "false claim", "no grasp", "s a run");
   for (const std::string& platform : platforms) {
     std::map<Outcome, int> counts;
@@ -77,12 +78,11 @@ std::string summary_of(const std::vector<std::string>& platforms,
       first += r.outcome == Outcome::kPicked && r.attempts == 1 ? 1 : 0;
     }
     const int tried = all - counts[Outcome::kNoGrasp];
-    text += fmt::format(
-        "{:<14} {:>6} {:>18} {:>12} {:>8} {:>12} {:>9} {:>9.1f}\n", platform, all,
-        fmt::format("{} of {} ({:.0f} %)", counts[Outcome::kPicked], tried,
-                    100.0 * counts[Outcome::kPicked] / std::max(1, tried)),
-        first, counts[Outcome::kFailed], counts[Outcome::kFalseClaim], counts[Outcome::kNoGrasp],
-        seconds / std::max(1, all));
+    text += fmt::format("{:<14} {:>6} {:>18} {:>12} {:>8} {:>12} {:>9} {:>9.1f}\n", platform, all,
+                        fmt::format("{} of {} ({:.0f} %)", counts[Outcome::kPicked], tried,
+                                    100.0 * counts[Outcome::kPicked] / std::max(1, tried)),
+                        first, counts[Outcome::kFailed], counts[Outcome::kFalseClaim],
+                        counts[Outcome::kNoGrasp], seconds / std::max(1, all));
   }
   for (const eval::PickResult& r : results) {
     if (r.outcome == Outcome::kPicked) continue;
@@ -136,7 +136,8 @@ int main(int argc, char** argv) {
   options.choice.processes = 1;
   CLI::App app(
       "Launches the demo on generated scenes of one to four bodies, with each platform, as fast as "
-      "it can, and judges by the simulation's truth: raised by 5 cm, carried, put down, nothing else "
+      "it can, and judges by the simulation's truth: raised by 5 cm, carried, put down, nothing "
+      "else "
       "moved by more than 2 cm. Recordings and reports lie below runs/ in the folder --out. A run "
       "that was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);

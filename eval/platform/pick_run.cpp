@@ -43,8 +43,8 @@ int run_prehend(const std::filesystem::path& program, const std::vector<std::str
                 const std::filesystem::path& log) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(),
-                                   O_CREAT | O_WRONLY | O_TRUNC, 0644);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_CREAT | O_WRONLY | O_TRUNC,
+                                   0644);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   std::vector<char*> words;
   words.push_back(const_cast<char*>(program.c_str()));
@@ -71,7 +71,7 @@ int run_prehend(const std::filesystem::path& program, const std::vector<std::str
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-struct Path {  // of a body
+struct Path {                                             // of a body
   double first_height = 0, highest = 0, last_height = 0;  // m
   Eigen::Vector2d first = Eigen::Vector2d::Zero(), last = Eigen::Vector2d::Zero();
   double moved() const { return (last - first).norm(); }
@@ -110,7 +110,15 @@ Recorded read_recording(const std::filesystem::path& file) {
       }
     } else if (topic == "/cycle/state") {
       msgs::CycleState state;
-      if (state.ParseFromString(data) && state.phase() != "failed" && state.phase() != "release") {
+      if (!state.ParseFromString(data)) continue;
+      // What settled before is no doing of the robot.
+      if (recorded.last_phase.empty() && state.phase() == "approach") {
+        for (auto& [name, path] : recorded.bodies) {
+          path.first = path.last;
+          path.first_height = path.highest = path.last_height;
+        }
+      }
+      if (state.phase() != "failed" && state.phase() != "release") {
         recorded.last_phase = state.phase();
       }
     } else if (topic == "/cycle/result") {
@@ -189,13 +197,12 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
   std::filesystem::path name = std::filesystem::relative(file, scenes);
   name.replace_extension();
   const auto start = steady_clock::now();
-  const int exit_code =
-      run_prehend(programs / "prehend",
-                  {"launch", text::tree_file("launch/demo.yaml"), "platform:=" + platform,
-                   "scene:=" + name.string(), "out:=" + std::filesystem::absolute(folder).string(),
-                   "speed:=0", "record:=true", "--log-dir",
-                   (std::filesystem::absolute(folder) / "log").string()},
-                  folder / "output.txt");
+  const int exit_code = run_prehend(
+      programs / "prehend",
+      {"launch", text::tree_file("launch/demo.yaml"), "platform:=" + platform,
+       "scene:=" + name.string(), "out:=" + std::filesystem::absolute(folder).string(), "speed:=0",
+       "record:=true", "--log-dir", (std::filesystem::absolute(folder) / "log").string()},
+      folder / "output.txt");
   result.seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
   try {
     judge(read_recording(folder / "recording.mcap"), exit_code, &result);

@@ -19,15 +19,15 @@ struct PickResult {
   std::string scene, platform;
   int bodies = 0;
   Outcome outcome = Outcome::kFailed;
-  std::string body;       // that was raised most; empty: none
-  double raised = 0;      // m
-  double carried = 0;     // m, along the table
-  double disturbed = 0;   // m, that any other body was moved
+  std::string body;      // that was raised most; empty: none
+  double raised = 0;     // m
+  double carried = 0;    // m, along the table
+  double disturbed = 0;  // m, that any other body was moved
   int attempts = 0;
-  double score = 0;       // of the executed grasp
-  double seconds = 0;     // wall time of the launch
-  std::string stage;      // where it ended: objects, shapes, models, plans, or the cycle's phase
-  std::string reason;     // in words
+  double score = 0;    // of the executed grasp
+  double seconds = 0;  // wall time of the launch
+  std::string stage;   // where it ended: objects, shapes, models, plans, or the cycle's phase
+  std::string reason;  // in words
 };
 
 std::string to_string(PickResult::Outcome outcome);

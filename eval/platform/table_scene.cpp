@@ -18,11 +18,11 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr double kLargest = 0.3;            // m
-constexpr double kGap = 0.05;               // m, between the circles round two bodies
-constexpr double kReachX = 0.12;            // m, of the bodies' middles from the table's
-constexpr double kReachY = 0.2;             // m
-constexpr double kDensity = 400;            // kg/m^3: things are hollow or light
+constexpr double kLargest = 0.3;                     // m
+constexpr double kGap = 0.05;                        // m, between the circles round two bodies
+constexpr double kReachX = 0.12;                     // m, of the bodies' middles from the table's
+constexpr double kReachY = 0.2;                      // m
+constexpr double kDensity = 400;                     // kg/m^3: things are hollow or light
 constexpr double kLightest = 0.03, kHeaviest = 0.8;  // kg
 constexpr int kMostBodies = 4;
 constexpr int kTries = 200;  // of a place for a body
@@ -39,8 +39,7 @@ Resting resting(const DataSet& set) {
   const double volume = geometry::mass_properties(*set.mesh_B).volume;
   result.mass = std::clamp(kDensity * volume, kLightest, kHeaviest);
   auto mesh = std::make_shared<TriangleMesh>(geometry::transformed(
-      *set.mesh_B,
-      resting_pose(*set.mesh_B, geometry::RigidTransform::Identity(), result.mass)));
+      *set.mesh_B, resting_pose(*set.mesh_B, geometry::RigidTransform::Identity(), result.mass)));
   const Eigen::AlignedBox3d box = geometry::bounds(*mesh);
   for (Eigen::Vector3d& p : mesh->vertices) {
     p -= Eigen::Vector3d(box.center().x(), box.center().y(), box.min().z());
@@ -60,8 +59,9 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
     if (fits && set.viewing.others_B.empty()) alone.push_back(&set);
   }
   if (alone.empty()) {
-    throw geometry::InputError("No body of the chosen groups stands alone and is at most 0.3 m large",
-                               "Choose other --groups or --meshes");
+    throw geometry::InputError(
+        "No body of the chosen groups stands alone and is at most 0.3 m large",
+        "Choose other --groups or --meshes");
   }
   std::map<std::size_t, Resting> known;
   std::mt19937_64 random(seed);
@@ -85,8 +85,7 @@ std::vector<TableScene> make_table_scenes(const std::vector<DataSet>& sets, int 
         bool is_free = true;
         for (std::size_t k = 0; k < radii.size(); ++k) {
           const PlacedBody& other = scene.bodies[k];
-          is_free = is_free &&
-                    std::hypot(x - other.x, y - other.y) > radii[k] + body.radius + kGap;
+          is_free = is_free && std::hypot(x - other.x, y - other.y) > radii[k] + body.radius + kGap;
         }
         if (!is_free) continue;
         scene.bodies.push_back({fmt::format("{}_{}", body.name, b), body.mesh_B, body.mass, x, y,

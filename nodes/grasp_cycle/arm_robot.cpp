@@ -20,6 +20,14 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .minimum = 0.1,
        .description = "with a platform: at the wrist, that counts as contact on the approach",
        .read_only = true});
+  options.collision_force = node.declare_parameter<double>(
+      {.name = "collision_force",
+       .default_value = options.collision_force,
+       .unit = "N",
+       .minimum = 1,
+       .description = "with a platform: at the wrist, on every other way, beyond what is held: the "
+                      "arm has hit something and stops",
+       .read_only = true});
   options.overrun = node.declare_parameter<double>(
       {.name = "overrun",
        .default_value = options.overrun,

@@ -72,9 +72,8 @@ constexpr Misfit kNotOfPlatforms[] = {
     {"workspace", "the arm's own reach is the limit"},
 };
 constexpr Misfit kOfPlatforms[] = {
-    {"reacts", "no platform is named"},
-    {"contact_force", "no platform is named"},
-    {"overrun", "no platform is named"},
+    {"reacts", "no platform is named"},           {"contact_force", "no platform is named"},
+    {"collision_force", "no platform is named"},  {"overrun", "no platform is named"},
     {"force_resolution", "no platform is named"},
 };
 

@@ -20,7 +20,7 @@ namespace prehend::nodes {
 struct GripperRobotOptions {
   control::CycleOptions cycle;
   planning::PlaceOptions place;
-  int touch_counts = 10;   // above: a texel is touched
+  int touch_counts = 10;    // above: a texel is touched
   double workspace = 0.55;  // m, half the side of the square the carrier reaches
 };
 

@@ -16,7 +16,7 @@ namespace prehend::nodes {
 namespace {
 
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
-constexpr double kLevel = 0.02;      // rad, of the table
+constexpr double kLevel = 0.02;       // rad, of the table
 constexpr double kTableNoise = 0.01;  // m, of its height at the target
 
 std::string body_name(std::uint32_t id) { return "object_" + std::to_string(id); }
@@ -115,22 +115,21 @@ void PredictedObjects::put_next() {
   if (waiting_.empty()) return done_("");
   const Waiting next = std::move(waiting_.front());
   waiting_.pop_front();
-  spawn_->call_async(next.request, kServiceTimeout,
-                     [this, id = next.id](const graph::Outcome<msgs::SpawnResponse>& outcome) {
-                       const std::string reason =
-                           !outcome.ok() ? outcome.error()
-                                         : (outcome->success() ? "" : outcome->reason());
-                       if (!reason.empty() && id == target_) {
-                         waiting_.clear();
-                         return done_("the predicted object cannot be simulated: " + reason);
-                       }
-                       if (!reason.empty()) {
-                         node_.report(graph::Health::kWarning,
-                                      fmt::format("object {} is not in the simulation: {}", id,
-                                                  reason));
-                       }
-                       put_next();
-                     });
+  spawn_->call_async(
+      next.request, kServiceTimeout,
+      [this, id = next.id](const graph::Outcome<msgs::SpawnResponse>& outcome) {
+        const std::string reason =
+            !outcome.ok() ? outcome.error() : (outcome->success() ? "" : outcome->reason());
+        if (!reason.empty() && id == target_) {
+          waiting_.clear();
+          return done_("the predicted object cannot be simulated: " + reason);
+        }
+        if (!reason.empty()) {
+          node_.report(graph::Health::kWarning,
+                       fmt::format("object {} is not in the simulation: {}", id, reason));
+        }
+        put_next();
+      });
 }
 
 void PredictedObjects::watch() {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "prehend/geometry/gravity.h"
 #include "prehend/text/require.h"
 
 namespace prehend::control {
@@ -26,6 +27,8 @@ std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
 void ArmCycleOptions::validate() const {
   const text::Require require{"ArmCycleOptions."};
   require(std::isfinite(contact_force) && contact_force > 0, "contact_force must be positive");
+  require(std::isfinite(collision_force) && collision_force > 0,
+          "collision_force must be positive");
   require(opening_speed > 0 && opening_speed <= 1, "opening_speed must be in (0, 1]");
   require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
   require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
@@ -293,21 +296,38 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     }
     return give_up(why);
   }
+  if (status == MotionStatus::kContact && !moves_hand(step_) && !reacts_to_contact()) {
+    const std::string why =
+        fmt::format("{}: the arm hit something, the wrist felt {:.0f} N", detail_, felt_contact(0));
+    if (gives_up || step_ == Step::kRetreat) return finish(false, why);
+    return give_up(why);
+  }
   advance(status);
+}
+
+bool ArmCycle::reacts_to_contact() const {
+  return step_ == Step::kPlace || (options_.reacts && step_ == Step::kApproach);
+}
+
+// What is predicted to be held counts double, as its mass is a guess.
+double ArmCycle::held_collision_force() const {
+  return options_.collision_force +
+         std::max(2 * geometry::kGravity * grasp().lifted_mass, holding_.weight().value_or(0));
 }
 
 // To the next step, as this one has ended by `status` or waits.
 void ArmCycle::advance(MotionStatus status) {
   switch (step_) {
     case Step::kOpen:
-      begin_segment("reach", Step::kReach, 0);
+      begin_segment("reach", Step::kReach, options_.collision_force);
       return;
     case Step::kReach:
       return enter(Step::kRest, "reading the wrist at rest");
     case Step::kRest:
       holding_.feel_free(percepts_.wrist_force);
       if (spent() < options_.rest_time) return;
-      begin_segment("approach", Step::kApproach, options_.reacts ? options_.contact_force : 0);
+      begin_segment("approach", Step::kApproach,
+                    options_.reacts ? options_.contact_force : options_.collision_force);
       return;
     case Step::kApproach:
       return after_approach(status);
@@ -321,7 +341,7 @@ void ArmCycle::advance(MotionStatus status) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);
       }
-      begin_segment("lift", Step::kLift, 0);
+      begin_segment("lift", Step::kLift, held_collision_force());
       return;
     case Step::kLift:
       holding_.begin_weighing();
@@ -333,13 +353,14 @@ void ArmCycle::advance(MotionStatus status) {
     case Step::kCarry: {
       // What reacts to contact lowers the object until something bears it.
       const double weight = holding_.weight().value_or(0);
-      begin_segment("place", Step::kPlace, options_.reacts ? weight + options_.contact_force : 0);
+      begin_segment("place", Step::kPlace,
+                    options_.reacts ? weight + options_.contact_force : held_collision_force());
       return;
     }
     case Step::kPlace:
       return after_placing(status);
     case Step::kRelease:
-      begin_segment("retreat", Step::kRetreat, 0);
+      begin_segment("retreat", Step::kRetreat, options_.collision_force);
       return;
     case Step::kRetreat:
       holding_.begin_weighing();

@@ -75,7 +75,10 @@ struct ArmCycleOptions {
   /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
   /// otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
-  double contact_force = 5;    // N, > 0, at the wrist, that counts as contact on the approach
+  double contact_force = 5;  // N, > 0, at the wrist, that counts as contact on the approach
+  /// N, > 0, at the wrist, on every other way and beyond what is held: the arm stops, as it has hit
+  /// something.
+  double collision_force = 60;
   double opening_speed = 0.6;  // share of the joints' greatest, in (0, 1]
   double closing_speed = 0.3;
   /// Fingers first go to where they are predicted to be this much [rad] before they touch, >= 0,
@@ -182,6 +185,9 @@ class ArmCycle : public Cycle {
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
   void advance(MotionStatus status);
+  /// The present step ends as planned where something is touched.
+  bool reacts_to_contact() const;
+  double held_collision_force() const;  // N
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
   /// Gives up when what is held is lost; true then.

@@ -88,7 +88,7 @@ void ArmCycle::check() {
     return finish(true, fmt::format("{}: lifted and held ({}); the plan puts it nowhere",
                                     described(grasp(), grasp_index()), held.why));
   }
-  begin_segment("carry", Step::kCarry, 0);
+  begin_segment("carry", Step::kCarry, held_collision_force());
 }
 
 void ArmCycle::after_placing(MotionStatus status) {

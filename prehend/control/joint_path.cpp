@@ -13,7 +13,7 @@ constexpr double kSpeed = 0.5;         // rad/s that every joint can
 constexpr double kAcceleration = 2.5;  // rad/s^2
 
 // Greatest absolute value of joint k.
-double peak(const JointPath& path, std::vector<double> JointPath::Point::* values, std::size_t k) {
+double peak(const JointPath& path, std::vector<double> JointPath::Point::*values, std::size_t k) {
   double most = 0;
   for (const JointPath::Point& point : path.points) {
     if (k < (point.*values).size()) most = std::max(most, std::abs((point.*values)[k]));

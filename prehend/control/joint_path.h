@@ -22,8 +22,8 @@ JointPath reversed(const JointPath& path);
 
 /// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
 /// 15s^4 + 10s^3) along the way, which takes longer where it would ask a joint for more speed or
-/// acceleration than planned (and more than 0.5 rad/s, 2.5 rad/s^2). For an arm that contact stopped
-/// short of a segment's end.
+/// acceleration than planned (and more than 0.5 rad/s, 2.5 rad/s^2). For an arm that contact
+/// stopped short of a segment's end.
 /// @throws std::invalid_argument in words when the arm is more than `most` [rad] off, a joint of
 /// the path is not among `names`, or the path is empty.
 JointPath joined(JointPath path, const std::vector<std::string>& names,

@@ -68,6 +68,8 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
   require(options.budget >= 0, "budget must be >= 0");
   require(options.success_for_path >= 0 && options.success_for_path <= 1,
           "success_for_path must be in [0, 1]");
+  require(std::isfinite(options.straight_speed) && options.straight_speed >= 0,
+          "straight_speed must not be negative");
   require(options.straight_speed_factor > 0 && options.straight_speed_factor <= 1,
           "straight_speed_factor must be in (0, 1]");
   require(options.acceleration.size() == 0 || options.acceleration.size() == size,

@@ -359,7 +359,13 @@ class Picker {
     straight.deviation = std::min(straight.deviation, 1e-3);
     for (PickSegment& segment : result_.segments) {
       const std::vector<Positions>& way = segment.waypoints;
-      const auto timed = [&](const RobotInWorld& scene, const TimingOptions& timing) {
+      const auto timed = [&](const RobotInWorld& scene, TimingOptions timing) {
+        const bool is_straight = segment.name != "reach" && segment.name != "carry";
+        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, timing);
+        if (!is_straight || options_.straight_speed <= 0) return;
+        const double factor = options_.straight_speed / tool_speed(*segment.trajectory);
+        if (factor >= timing.speed_factor) return;
+        timing.speed_factor = factor;
         segment.trajectory = blend_trajectory(scene, way, options_.acceleration, timing);
       };
       if (segment.name == "reach") timed(scenes_.reach(), options_.timing);
@@ -372,6 +378,27 @@ class Picker {
               straight);
       }
     }
+  }
+
+  /// The greatest speed of the tool [m/s] where the fastest joint is at its velocity limit.
+  double tool_speed(const BlendedTrajectory& trajectory) const {
+    constexpr double kStep = 0.005;    // s
+    constexpr double kSlowest = 1e-3;  // of the joints' limits: what stands has no direction
+    const robot::KinematicChain& chain = inverse_.chain();
+    double most = 1e-6;
+    for (double time = kStep; time < trajectory.duration(); time += kStep) {
+      const TrajectoryPoint at = trajectory.at(time);
+      double share = 0;
+      for (int k = 0; k < chain.size(); ++k) {
+        share = std::max(share, std::abs(at.velocity[k]) /
+                                    chain.joints()[static_cast<std::size_t>(k)].max_velocity);
+      }
+      if (share < kSlowest) continue;
+      const Eigen::Vector3d way = chain.forward(at.position + kStep * at.velocity).translation() -
+                                  chain.forward(at.position).translation();
+      most = std::max(most, way.norm() / kStep / share);
+    }
+    return most;
   }
 
   void drop(std::size_t grasp, const std::string& reason) {

@@ -49,6 +49,9 @@ struct PickOptions {
   Eigen::VectorXd acceleration;  // rad/s^2 or m/s^2 of each joint; empty: segments are not timed
   TimingOptions timing;
   double straight_speed_factor = 0.3;  // of straight segments, in (0, 1]
+  /// m/s, >= 0, of the tool on straight segments, where things are touched; 0: as fast as the
+  /// joints.
+  double straight_speed = 0;
 };
 
 /// What becomes of a grasp, in the order of the tests.

@@ -21,8 +21,12 @@ template <class Grasp>
 PlannedGrasp common_part(const Grasp& grasp, const std::string& preshape,
                          const Eigen::VectorXd& open) {
   PlannedGrasp result;
-  result.pose = {grasp.X_WG, grasp.approach_W,  grasp.pregrasp_distance,
-                 preshape,   open,              std::clamp(grasp.score, 0.0, 1.0)};
+  result.pose = {grasp.X_WG,
+                 grasp.approach_W,
+                 grasp.pregrasp_distance,
+                 preshape,
+                 open,
+                 std::clamp(grasp.score, 0.0, 1.0)};
   result.roll = grasp.roll;
   result.score = grasp.score;
   result.quality = grasp.quality;
@@ -44,8 +48,8 @@ PlannedGrasp with_pads(const robot::HandModel& hand, const grasp::Grasp& grasp) 
   result.all = hand.all_positions(result.closed);
   result.force = grasp.grasp_force;
   const robot::GripperModel& gripper = *hand.gripper;
-  result.effort = grasp.grasp_force / (gripper.nominal_current * gripper.force_per_current -
-                                       gripper.friction_force);
+  result.effort = grasp.grasp_force /
+                  (gripper.nominal_current * gripper.force_per_current - gripper.friction_force);
   result.predicted = grasp.predicted;
   result.contacts_W = grasp.left_contacts_W;
   result.contacts_W.insert(result.contacts_W.end(), grasp.right_contacts_W.begin(),
@@ -98,11 +102,10 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
 HandPlanOptions within_reach(HandPlanOptions options, const robot::Platform& platform) {
   options.fingers.reaches = arm_reach(platform);
   // Of a parallel gripper every preshape has the one tool.
-  options.pads.reaches = [reaches = options.fingers.reaches,
-                          X_GH = (platform.hand.X_HP * platform.hand.preshapes.front().X_PG)
-                                     .inverse()](const RigidTransform& X_WG) {
-    return reaches(X_WG * X_GH);
-  };
+  options.pads.reaches =
+      [reaches = options.fingers.reaches,
+       X_GH = (platform.hand.X_HP * platform.hand.preshapes.front().X_PG).inverse()](
+          const RigidTransform& X_WG) { return reaches(X_WG * X_GH); };
   return options;
 }
 

@@ -18,17 +18,17 @@ namespace prehend::planning {
 
 /// A ranked grasp of any hand.
 struct PlannedGrasp {
-  PlatformGrasp pose;       // its `expected_success` is the score
-  Eigen::VectorXd closed;   // rad or m, of the hand's motors, where it touches
-  Eigen::VectorXd all;      // the same of all joints of the hand's model
-  double roll = 0;          // rad, about the approach
-  double force = 0;         // N, per pad; 0: the motors' limits set it
-  double effort = 0;        // share of what the hand can, with the safety factor
-  double score = 0;         // what the list is ranked by, 0 to 1
-  double quality = 0;       // epsilon, see grasp/wrench_hull.h
-  double robustness = -1;   // share of disturbed trials in which it holds; -1: not assessed
+  PlatformGrasp pose;          // its `expected_success` is the score
+  Eigen::VectorXd closed;      // rad or m, of the hand's motors, where it touches
+  Eigen::VectorXd all;         // the same of all joints of the hand's model
+  double roll = 0;             // rad, about the approach
+  double force = 0;            // N, per pad; 0: the motors' limits set it
+  double effort = 0;           // share of what the hand can, with the safety factor
+  double score = 0;            // what the list is ranked by, 0 to 1
+  double quality = 0;          // epsilon, see grasp/wrench_hull.h
+  double robustness = -1;      // share of disturbed trials in which it holds; -1: not assessed
   double guessed_contact = 0;  // share of the contact on surface that nobody saw
-  grasp::PredictedPercepts predicted;  // of fingers only the lifted mass
+  grasp::PredictedPercepts predicted;       // of fingers only the lifted mass
   std::vector<Eigen::Vector3d> contacts_W;  // m
   std::string generator;                    // whose candidate it was
   std::string remark;                       // what to know of it, in words; often empty
@@ -44,7 +44,7 @@ struct HandPlanResult {
 
 /// Of the two ways to close, that which the hand has counts.
 struct HandPlanOptions {
-  grasp::PlannerOptions pads;        // of a parallel gripper: HandModel::gripper
+  grasp::PlannerOptions pads;         // of a parallel gripper: HandModel::gripper
   grasp::HandPlannerOptions fingers;  // of all other hands
 };
 

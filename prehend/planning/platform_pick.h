@@ -33,6 +33,7 @@ struct PlatformGrasp {
 struct PlatformPickOptions {
   PlatformPickOptions() {
     pick.lift_height = 0.15;
+    pick.straight_speed = 0.12;
     pick.budget = 2;
   }
   motion::PickOptions pick;         // `acceleration` is filled from arm_acceleration

@@ -30,9 +30,8 @@ std::filesystem::path file_of(const std::filesystem::path& folder, const std::st
                               const std::string& kind, const char* key) {
   const std::filesystem::path file = folder / (name + ".yaml");
   if (!name.empty() && std::filesystem::is_regular_file(file)) return file;
-  throw text::InputError(
-      "There is no " + kind + " '" + name + "' in '" + folder.string() + "'",
-      text::nearest_match_mend(name, files_with(folder, key)));
+  throw text::InputError("There is no " + kind + " '" + name + "' in '" + folder.string() + "'",
+                         text::nearest_match_mend(name, files_with(folder, key)));
 }
 
 constexpr const char* kPlatformKey = "arm";

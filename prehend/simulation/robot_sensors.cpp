@@ -62,8 +62,9 @@ void refuse_physics_of_grippers(const PhysicsOptions& physics) {
   const auto check = [](bool is_plain, const std::string& key) {
     if (is_plain) return;
     throw geometry::InputError(
-        "The scene's physics." + key + " does not apply to a robot of arm and hand, whose fingers, "
-        "objects and contacts are solved in one implicit step of the engine multibody",
+        "The scene's physics." + key +
+            " does not apply to a robot of arm and hand, whose fingers, "
+            "objects and contacts are solved in one implicit step of the engine multibody",
         "Leave it out of the scene, or the robot");
   };
   check(physics.engine == plain.engine, "engine");

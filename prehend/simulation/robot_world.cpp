@@ -16,8 +16,9 @@ namespace {
 
 using geometry::RigidTransform;
 
-constexpr double kStill = 1e-3;      // m/s and rad/s
-constexpr double kStillTime = 0.25;  // s
+constexpr double kStill = 1e-3;         // m/s and rad/s
+constexpr double kStillTime = 0.25;     // s
+constexpr double kContactTime = 0.005;  // s that a force must last: jerks of what is held do not
 
 void check(const RobotWorldOptions& options) {
   contact::require_positive(options.step, "RobotWorldOptions::step");
@@ -229,7 +230,9 @@ void RobotWorld::Implementation::step() {
   std::swap(state, next);
   put_to_sleep();
   read_sensors();
-  if (contact_limit > 0 && arm && wrist.force.norm() > contact_limit) {
+  const bool above = contact_limit > 0 && arm && wrist.force.norm() > contact_limit;
+  contact_time = above ? contact_time + options.step : 0;
+  if (contact_time >= kContactTime) {
     arm->stop();
     contact = true;
     contact_limit = 0;
@@ -292,6 +295,7 @@ void RobotWorld::follow(const TrajectoryRequest& request, const std::vector<doub
 void RobotWorld::stop_on_contact(double force) {
   contact::require_not_negative(force, "contact_force");
   implementation_->contact_limit = force;
+  implementation_->contact_time = 0;
   implementation_->contact = false;
 }
 bool RobotWorld::stopped_by_contact() const { return implementation_->contact; }
@@ -387,7 +391,7 @@ struct RobotWorld::State {
   Eigen::VectorXd all;
   std::vector<double> still_time, drive_force;
   std::vector<char> asleep;
-  double contact_limit = 0;
+  double contact_limit = 0, contact_time = 0;
   bool contact = false;
 };
 
@@ -406,6 +410,7 @@ std::shared_ptr<const RobotWorld::State> RobotWorld::save() const {
                                              world.system->drive_forces(),
                                              {},
                                              world.contact_limit,
+                                             world.contact_time,
                                              world.contact});
   for (const Implementation::Thing& thing : world.things) {
     saved->still_time.push_back(thing.still_time);
@@ -427,6 +432,7 @@ void RobotWorld::restore(const State& saved) {
   world.X_WR = saved.X_WR;
   world.all = saved.all;
   world.contact_limit = saved.contact_limit;
+  world.contact_time = saved.contact_time;
   world.contact = saved.contact;
   world.system->set_drive_forces(saved.drive_force);
   for (std::size_t i = 0; i < world.things.size(); ++i) {

@@ -110,7 +110,7 @@ class RobotWorld {
   const ArmDrive& arm() const;
   /// Checks and starts. @throws std::invalid_argument (check_trajectory).
   void follow(const TrajectoryRequest& request, const std::vector<double>& tolerance = {});
-  /// Stops the arm when the wrist's contact force exceeds `force` [N]; 0: not.
+  /// Stops the arm when the wrist's contact force exceeds `force` [N] for 5 ms; 0: not.
   void stop_on_contact(double force);
   bool stopped_by_contact() const;
 

@@ -66,6 +66,7 @@ struct RobotWorld::Implementation {
   ContactWrench wrist;  // as its sensor shows it
   std::optional<Path> path;
   double contact_limit = 0;  // N, 0: none
+  double contact_time = 0;   // s, that it has been exceeded
   bool contact = false;
   bool shows_robot = true;
   std::uint64_t generation = 0;

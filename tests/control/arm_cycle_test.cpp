@@ -115,8 +115,12 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
   std::vector<double> ends;
   for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 4, 5, 6));
-  EXPECT_THAT(f.arm.forces, ElementsAre(0, 0, 0, 0, 0, 0)) << "open loop";
   const ArmCycleOptions defaults;
+  const double hit = defaults.collision_force, held = hit + 2 * 9.81 * fake_grasp().lifted_mass;
+  using ::testing::DoubleNear;
+  EXPECT_THAT(f.arm.forces, ElementsAre(hit, hit, DoubleNear(held, 0.01), DoubleNear(held, 0.01),
+                                        DoubleNear(held, 0.01), hit))
+      << "open loop";
   EXPECT_THAT(f.hand.asked, ElementsAre(0.1, 0.6 - defaults.gather, 0.6 + defaults.overrun, 0.1));
   EXPECT_EQ(surprising(cycle), 0);
   for (const SurpriseKind kind :
@@ -156,6 +160,31 @@ TEST(ArmCycle, ReactsToContactAndLiftsFromWhereItStopped) {
   EXPECT_EQ(cycle.surprises()[0].kind, SurpriseKind::kTouchedTooEarly);
   EXPECT_TRUE(cycle.surprises()[0].surprising);
   EXPECT_EQ(surprising(cycle), 1);
+}
+
+// An arm that had let go early pressed a box into the table with 3000 N on its way back.
+TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
+  for (const std::size_t segment : {1u, 2u, 3u, 4u}) {
+    Fakes f;
+    f.arm.says[segment] = MotionStatus::kContact;
+    ArmCycleOptions options;
+    options.largest_attempts = 1;
+    ArmCycle cycle(options, f.arm, f.hand);
+    cycle.step(f.now);
+    cycle.start({fake_grasp()});
+    f.run(cycle);
+    EXPECT_FALSE(cycle.result().success) << segment;
+    EXPECT_THAT(cycle.result().reason, HasSubstr("the arm hit something")) << segment;
+    EXPECT_GE(f.arm.stops, 1);
+    EXPECT_EQ(f.hand.asked.back(), 0.1) << "it opens";
+  }
+  Fakes f;  // what bears the object is no obstacle
+  f.arm.says[5] = MotionStatus::kContact;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
 }
 
 // Regression: an overrun beyond a joint's limit was refused by the hand, and each attempt failed.

@@ -15,16 +15,15 @@ JointPath quick_path() {
   constexpr double kWay = 0.3, kDuration = 0.4;
   for (int i = 0; i <= 20; ++i) {
     const double s = i / 20.0;
-    path.points.push_back(
-        {s * kDuration,
-         {kWay * s * s * s * (10 + s * (6 * s - 15)), 1.0},
-         {kWay * 30 * s * s * (1 - s) * (1 - s) / kDuration, 0.0},
-         {kWay * 60 * s * (1 - s) * (1 - 2 * s) / (kDuration * kDuration), 0.0}});
+    path.points.push_back({s * kDuration,
+                           {kWay * s * s * s * (10 + s * (6 * s - 15)), 1.0},
+                           {kWay * 30 * s * s * (1 - s) * (1 - s) / kDuration, 0.0},
+                           {kWay * 60 * s * (1 - s) * (1 - 2 * s) / (kDuration * kDuration), 0.0}});
   }
   return path;
 }
 
-double most(const JointPath& path, std::vector<double> JointPath::Point::* values, std::size_t k) {
+double most(const JointPath& path, std::vector<double> JointPath::Point::*values, std::size_t k) {
   double result = 0;
   for (const auto& point : path.points) result = std::max(result, std::abs((point.*values)[k]));
   return result;
@@ -50,8 +49,7 @@ TEST(JoinedPath, AsksNoJointForMoreThanThePlanOrALittle) {
   const auto acceleration = &JointPath::Point::acceleration;
   for (const std::size_t k : {0u, 1u}) {
     EXPECT_LE(most(from, speed, k), std::max(0.5, most(path, speed, k)) * (1 + 1e-9));
-    EXPECT_LE(most(from, acceleration, k),
-              std::max(2.5, most(path, acceleration, k)) * (1 + 1e-9));
+    EXPECT_LE(most(from, acceleration, k), std::max(2.5, most(path, acceleration, k)) * (1 + 1e-9));
   }
   EXPECT_GT(from.duration(), path.duration());
   // Velocities are those of the positions.

@@ -88,6 +88,33 @@ TEST_P(PlanPick, PicksCarriesAndPlacesAmongObstacles) {
   }
 }
 
+// An arm that put things down at 0.7 m/s pressed with 600 N before it stood.
+TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
+  const PickScene scene = cluttered(GetParam());
+  PickOptions options;
+  options.acceleration = Eigen::VectorXd::Constant(scene.chain.size(), 10);
+  options.straight_speed = 0.1;
+  const PickMotion motion = plan(scene, options);
+  ASSERT_TRUE(motion.found()) << motion.problem;
+  for (const PickSegment& segment : motion.segments) {
+    constexpr double kStep = 0.002;  // s
+    double fastest = 0;              // m/s
+    for (double time = 0; time < segment.trajectory->duration(); time += kStep) {
+      const Eigen::Vector3d way =
+          scene.chain.forward(segment.trajectory->at(time + kStep).position).translation() -
+          scene.chain.forward(segment.trajectory->at(time).position).translation();
+      fastest = std::max(fastest, way.norm() / kStep);
+    }
+    if (segment.name == "reach" || segment.name == "carry") {
+      EXPECT_GT(fastest, 0.2) << segment.name;
+    } else {
+      EXPECT_LT(fastest, 0.11) << segment.name;
+      EXPECT_GT(fastest, 0.05) << segment.name;
+    }
+    EXPECT_EQ(segment.trajectory->at(1e9).position, segment.waypoints.back());
+  }
+}
+
 TEST_P(PlanPick, OtherSeedsTouchNothingEither) {
   const PickScene scene = cluttered(GetParam());
   PickOptions options;

@@ -244,9 +244,8 @@ TEST(RobotWorld, PhysicsOfGrippersAreRefusedByName) {
             std::string::npos);
   EXPECT_NE(refusal([](PhysicsOptions& p) { p.adaptive = true; }).find("physics.adaptive"),
             std::string::npos);
-  EXPECT_NE(
-      refusal([](PhysicsOptions& p) { p.rules.rigid_pads = true; }).find("rules.rigid_pads"),
-      std::string::npos);
+  EXPECT_NE(refusal([](PhysicsOptions& p) { p.rules.rigid_pads = true; }).find("rules.rigid_pads"),
+            std::string::npos);
   EXPECT_EQ(refusal([](PhysicsOptions& p) { p.rules.sleep = false; }), "");
 }
 

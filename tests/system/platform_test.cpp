@@ -33,14 +33,9 @@ class Platform : public ::testing::TestWithParam<std::string> {
  protected:
   Outcome launch(const std::string& file, const std::vector<std::string>& more) const {
     std::filesystem::create_directories(out_);
-    std::vector<std::string> words{"launch",
-                                   "launch/" + file,
-                                   "platform:=" + GetParam(),
-                                   "speed:=0",
-                                   "record:=true",
-                                   "out:=" + out_.string(),
-                                   "--log-dir",
-                                   (out_ / "log").string()};
+    std::vector<std::string> words{"launch",    "launch/" + file,       "platform:=" + GetParam(),
+                                   "speed:=0",  "record:=true",         "out:=" + out_.string(),
+                                   "--log-dir", (out_ / "log").string()};
     words.insert(words.end(), more.begin(), more.end());
     return run_program("prehend", words, std::chrono::seconds(120));
   }
@@ -90,11 +85,11 @@ INSTANTIATE_TEST_SUITE_P(All, Platform, ::testing::ValuesIn(all_platforms()),
 
 TEST(UnknownPlatform, IsRefusedWithTheNearest) {
   const ScratchFolder scratch;
-  const Outcome outcome = run_program("prehend",
-                                      {"launch", "launch/demo.yaml", "platform:=kr5_sdhh",
-                                       "out:=" + scratch.path().string(), "--log-dir",
-                                       (scratch.path() / "log").string()},
-                                      std::chrono::seconds(60));
+  const Outcome outcome = run_program(
+      "prehend",
+      {"launch", "launch/demo.yaml", "platform:=kr5_sdhh", "out:=" + scratch.path().string(),
+       "--log-dir", (scratch.path() / "log").string()},
+      std::chrono::seconds(60));
   EXPECT_TRUE(outcome.exit_code) << "still running";
   EXPECT_NE(outcome.exit_code, 0);
   EXPECT_NE(outcome.output.find("there is no config/robots/kr5_sdhh.yaml; did you mean "
