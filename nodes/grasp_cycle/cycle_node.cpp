@@ -258,8 +258,7 @@ void CycleNode::look_again(double since) {
   }
   const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
   if (!view) return;
-  std::string failure;
-  failure = node_.shield("plan", [&] {
+  const std::string failure = node_.shield("plan", [&] {
     // Ids are of one view: the object asked for is what lies nearest to where it was. A simulation
     // of predicted objects keeps them.
     int object = object_ < 0 ? -1 : nearest_object(*view, centroid_W_);

@@ -32,7 +32,6 @@ class CycleNode {
   /// True while the robot may still say what it has.
   bool waits_for_robot();
   Target target_in(const View& view, int object) const;
-  /// Starts on `view`; false when it has to wait or has failed.
   void start(const View& view);
   void begin();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.

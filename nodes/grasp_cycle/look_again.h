@@ -8,7 +8,7 @@
 
 namespace prehend::nodes {
 
-/// What the cycle needs to see again what they failed to grasp: time to wait, and a picture.
+/// What the cycle needs to see again what it failed to grasp: time to wait, and a picture.
 class LookAgain {
  public:
   /// Declares the parameter `look_timeout`.

@@ -35,8 +35,8 @@ class PredictedObjects {
   /// Puts the meshes of the view into the simulation, one after another; all but `target`'s stay
   /// where they are, as neighbours that were predicted a little too large would push each other
   /// about. Then calls `done` with the reason why that failed for the target, or with nothing.
-  /// @throws geometry::InputError when the target's model has not come, for a mesh that makes no
-  /// sense, or when the view's table is not the plane z = 0.
+  /// @throws geometry::InputError when the target's model has not come, or when the view's table is
+  /// not the plane z = 0.
   void put(const View& view, std::uint32_t target, std::function<void(const std::string&)> done);
   /// Where the target was at the start is known as soon as the simulation has said it.
   void watch();
