@@ -1,39 +1,16 @@
 #include "nodes/grasp_cycle/arm_ports.h"
 
+#include "msgs/convert/cycle.h"
+
 namespace prehend::nodes {
 
 using control::MotionStatus;
-
-control::JointPath from_message(const msgs::JointTrajectory& trajectory) {
-  control::JointPath path;
-  path.joints.assign(trajectory.joint_name().begin(), trajectory.joint_name().end());
-  for (const msgs::JointTrajectoryPoint& point : trajectory.points()) {
-    path.points.push_back({point.time(),
-                           {point.position().begin(), point.position().end()},
-                           {point.velocity().begin(), point.velocity().end()},
-                           {point.acceleration().begin(), point.acceleration().end()}});
-  }
-  return path;
-}
-
-msgs::JointTrajectory to_message(const control::JointPath& path) {
-  msgs::JointTrajectory trajectory;
-  for (const std::string& name : path.joints) trajectory.add_joint_name(name);
-  for (const control::JointPath::Point& point : path.points) {
-    msgs::JointTrajectoryPoint& out = *trajectory.add_points();
-    out.set_time(point.time);
-    for (const double value : point.position) out.add_position(value);
-    for (const double value : point.velocity) out.add_velocity(value);
-    for (const double value : point.acceleration) out.add_acceleration(value);
-  }
-  return trajectory;
-}
 
 ArmActions::ArmActions(graph::Node& node) : goal_(node, "/arm/follow") {}
 
 void ArmActions::follow(const control::JointPath& path, double contact_force) {
   msgs::FollowTrajectoryGoal goal;
-  *goal.mutable_trajectory() = to_message(path);
+  *goal.mutable_trajectory() = convert::to_message(path);
   goal.set_stop_on_contact(contact_force > 0);
   goal.set_contact_force(contact_force);
   problem_.clear();

@@ -10,9 +10,6 @@
 
 namespace prehend::nodes {
 
-control::JointPath from_message(const msgs::JointTrajectory& trajectory);
-msgs::JointTrajectory to_message(const control::JointPath& path);
-
 /// The action /arm/follow.
 class ArmActions : public control::ArmPort {
  public:

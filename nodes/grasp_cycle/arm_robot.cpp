@@ -1,9 +1,22 @@
 #include "nodes/grasp_cycle/arm_robot.h"
 
+#include <fmt/format.h>
+
+#include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
-#include "nodes/grasp_cycle/arm_grasps.h"
 
 namespace prehend::nodes {
+namespace {
+
+// "put 0.15 m away", or what else becomes of the object.
+std::string destination(const msgs::Grasp& grasp) {
+  if (!grasp.has_move()) return "only lifted";
+  const double away = convert::from_message(grasp.move()).norm();
+  return away > 0 ? fmt::format("put {:.2f} m away", away)
+                  : std::string("put back where it stands: there is no free place that is reached");
+}
+
+}  // namespace
 
 control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   control::ArmCycleOptions options;
@@ -61,12 +74,14 @@ ArmRobot::ArmRobot(graph::Node& node, const control::ArmCycleOptions& options)
 }
 
 std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
-  return is_executable(grasp) ? "" : "no motion of the arm";
+  return convert::has_arm_motion(grasp) ? "" : "no motion of the arm";
 }
 
 std::string ArmRobot::prepare(const View& /*view*/, const Target& target) {
   std::vector<control::ArmGrasp> grasps;
-  for (const msgs::Grasp* grasp : target.grasps) grasps.push_back(from_message(*grasp));
+  for (const msgs::Grasp* grasp : target.grasps) {
+    grasps.push_back(convert::arm_grasp_from_message(*grasp));
+  }
   prepared_ = std::move(grasps);
   return destination(*target.grasps.front());
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
 #include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/gripper_robot.h"
@@ -275,22 +276,11 @@ void CycleNode::look_again(double since) {
   if (!failure.empty()) robot_->take_nothing(failure);
 }
 
-msgs::Surprise CycleNode::to_message(const control::Surprise& surprise) const {
-  msgs::Surprise message;
-  message.mutable_header()->set_stamp(node_.clock().now());
-  message.set_kind(static_cast<msgs::Surprise::Kind>(surprise.kind));
-  message.set_predicted(surprise.predicted);
-  message.set_felt(surprise.felt);
-  message.set_tolerance(surprise.tolerance);
-  message.set_surprising(surprise.surprising);
-  message.set_reaction(surprise.reaction);
-  return message;
-}
-
 void CycleNode::publish_progress() {
   const control::Cycle& cycle = robot_->cycle();
   for (; surprises_sent_ < cycle.surprises().size(); ++surprises_sent_) {
-    const auto message = to_message(cycle.surprises()[surprises_sent_]);
+    const auto message =
+        convert::to_message(cycle.surprises()[surprises_sent_], node_.clock().now());
     if (message.surprising()) {
       node_.log_warning("surprise: {} predicted {:.4g}, felt {:.4g}: {}",
                         msgs::Surprise::Kind_Name(message.kind()), message.predicted(),
@@ -322,16 +312,14 @@ void CycleNode::fail(const std::string& reason) {
 }
 
 void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
-  msgs::CycleResult message;
-  message.mutable_header()->set_stamp(node_.clock().now());
-  message.set_success(result.success);
-  message.set_reason(result.reason);
+  const std::int64_t now = node_.clock().now();
+  msgs::CycleResult message = convert::to_message(result, now);
   message.set_object_id(target_);
-  message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
-  message.set_attempts(static_cast<std::uint32_t>(result.attempts));
   if (running_) {
     const control::Cycle& cycle = robot_->cycle();
-    for (const auto& surprise : cycle.surprises()) *message.add_surprises() = to_message(surprise);
+    for (const auto& surprise : cycle.surprises()) {
+      *message.add_surprises() = convert::to_message(surprise, now);
+    }
     for (const auto& [phase, seconds] : cycle.phase_times()) {
       auto& time = *message.add_times();
       time.set_stage(phase);

@@ -40,7 +40,6 @@ class CycleNode {
   void publish_state(const std::string& phase, int grasp_index, const std::string& detail);
   void finish(const control::CycleResult& result, bool ungraspable);
   void fail(const std::string& reason);
-  msgs::Surprise to_message(const control::Surprise& surprise) const;
 
   graph::Node& node_;
   int object_;

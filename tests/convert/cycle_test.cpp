@@ -1,6 +1,6 @@
 // From the message of a grasp to what the cycle of arm and hand executes.
 
-#include "nodes/grasp_cycle/arm_grasps.h"
+#include "msgs/convert/cycle.h"
 
 #include <cmath>
 
@@ -11,14 +11,12 @@
 #include "msgs/convert/grasp.h"
 #include "prehend/geometry/errors.h"
 
-namespace prehend::nodes {
+namespace prehend::convert {
 namespace {
-
-using ::testing::HasSubstr;
 
 msgs::Grasp arm_grasp() {
   msgs::Grasp grasp;
-  *grasp.mutable_x_wg() = convert::to_message(geometry::RigidTransform::Identity());
+  *grasp.mutable_x_wg() = to_message(geometry::RigidTransform::Identity());
   auto& segment = *grasp.add_arm();
   segment.set_name("reach");
   segment.mutable_trajectory()->add_joint_name("arm_1");
@@ -35,8 +33,8 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
   for (int i = 0; i < 2; ++i) grasp.add_least_position(-1);
   for (int i = 0; i < 2; ++i) grasp.add_largest_position(1);
   grasp.set_robustness(0.9);
-  ASSERT_TRUE(is_executable(grasp));
-  const control::ArmGrasp made = from_message(grasp);
+  ASSERT_TRUE(has_arm_motion(grasp));
+  const control::ArmGrasp made = arm_grasp_from_message(grasp);
   EXPECT_TRUE(made.hand.at(0.2).isApprox(Eigen::Vector2d(0.9, 0.3)));
   EXPECT_TRUE(made.hand.at(2).isApprox(Eigen::Vector2d(1, 0.3)));
   EXPECT_EQ(control::described(made, 3),
@@ -44,7 +42,7 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
 }
 
 TEST(ArmGrasps, PlansWithoutThemCloseWhatMoves) {
-  const control::ArmGrasp made = from_message(arm_grasp());
+  const control::ArmGrasp made = arm_grasp_from_message(arm_grasp());
   EXPECT_TRUE(made.hand.at(0.5).isApprox(Eigen::Vector2d(1.3, 0.3)));
   EXPECT_EQ(control::described(made, 0), "grasp 0 (score 0.70, robustness not assessed)");
 }
@@ -52,22 +50,37 @@ TEST(ArmGrasps, PlansWithoutThemCloseWhatMoves) {
 TEST(ArmGrasps, RefusesWhatDoesNotBelongTogether) {
   msgs::Grasp grasp = arm_grasp();
   grasp.add_closed_position(1);
-  EXPECT_FALSE(is_executable(grasp));
+  EXPECT_FALSE(has_arm_motion(grasp));
   grasp = arm_grasp();
   grasp.add_closing_rate(1);
-  EXPECT_THROW(from_message(grasp), geometry::InputError);
+  EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
   grasp = arm_grasp();
   grasp.set_closed_position(0, std::nan(""));
-  EXPECT_THROW(from_message(grasp), geometry::InputError);
+  EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
 }
 
-TEST(ArmGrasps, SaysWhereTheObjectGoes) {
-  msgs::Grasp grasp = arm_grasp();
-  EXPECT_EQ(destination(grasp), "only lifted");
-  *grasp.mutable_move() = convert::to_message(Eigen::Vector3d(0.3, -0.4, 0));
-  EXPECT_EQ(destination(grasp), "put 0.50 m away");
-  *grasp.mutable_move() = convert::to_message(Eigen::Vector3d(0, 0, 0));
-  EXPECT_THAT(destination(grasp), HasSubstr("no free place"));
+TEST(Surprises, TravelWithTheirKind) {
+  control::Surprise surprise;
+  surprise.kind = control::SurpriseKind::kLiftedWeight;
+  surprise.predicted = 3;
+  surprise.felt = 5;
+  surprise.surprising = true;
+  const msgs::Surprise message = to_message(surprise, 7);
+  EXPECT_EQ(message.kind(), msgs::Surprise::LIFTED_WEIGHT);
+  EXPECT_EQ(message.felt(), 5);
+  EXPECT_EQ(message.header().stamp(), 7);
+}
+
+TEST(JointPaths, AreTheSameThereAndBack) {
+  control::JointPath path;
+  path.joints = {"a", "b"};
+  path.points = {{0, {1, 2}, {0, 0}, {}}, {0.5, {3, 4}, {0.1, 0.2}, {5, 6}}};
+  const control::JointPath back = from_message(to_message(path));
+  EXPECT_EQ(back.joints, path.joints);
+  ASSERT_EQ(back.points.size(), 2u);
+  EXPECT_EQ(back.points[1].position, path.points[1].position);
+  EXPECT_EQ(back.points[1].acceleration, path.points[1].acceleration);
+  EXPECT_TRUE(back.points[0].acceleration.empty());
 }
 
 // Regression: a grasp that was never assessed said 1 in one planner's messages, 0 in the other's.
@@ -75,13 +88,13 @@ TEST(GraspMessage, RobustnessThatWasNotAssessedStaysSo) {
   grasp::Grasp grasp;
   EXPECT_EQ(grasp.robustness, -1);
   grasp.pregrasp_opening = grasp.pregrasp_distance = grasp.grasp_force = 1;
-  const msgs::Grasp message = convert::to_message(grasp);
+  const msgs::Grasp message = to_message(grasp);
   EXPECT_FALSE(message.has_robustness());
-  EXPECT_EQ(convert::from_message(message).robustness, -1);
+  EXPECT_EQ(from_message(message).robustness, -1);
   grasp.robustness = 0;
-  EXPECT_TRUE(convert::to_message(grasp).has_robustness());
-  EXPECT_EQ(convert::from_message(convert::to_message(grasp)).robustness, 0);
+  EXPECT_TRUE(to_message(grasp).has_robustness());
+  EXPECT_EQ(from_message(to_message(grasp)).robustness, 0);
 }
 
 }  // namespace
-}  // namespace prehend::nodes
+}  // namespace prehend::convert

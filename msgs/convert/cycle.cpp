@@ -1,0 +1,133 @@
+#include "msgs/convert/cycle.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "msgs/convert/geometry.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::convert {
+namespace {
+
+// The same kinds in the same order.
+constexpr bool is_same(control::SurpriseKind kind, msgs::Surprise::Kind message) {
+  return static_cast<int>(kind) == static_cast<int>(message);
+}
+using control::SurpriseKind;
+static_assert(is_same(SurpriseKind::kOpeningAtContact, msgs::Surprise::OPENING_AT_CONTACT));
+static_assert(is_same(SurpriseKind::kContactArea, msgs::Surprise::CONTACT_AREA));
+static_assert(is_same(SurpriseKind::kTactileSum, msgs::Surprise::TACTILE_SUM));
+static_assert(is_same(SurpriseKind::kHeldAfterLift, msgs::Surprise::HELD_AFTER_LIFT));
+static_assert(is_same(SurpriseKind::kTouchedTooEarly, msgs::Surprise::TOUCHED_TOO_EARLY));
+static_assert(is_same(SurpriseKind::kFingersTouch, msgs::Surprise::FINGERS_TOUCH));
+static_assert(is_same(SurpriseKind::kFingersAtContact, msgs::Surprise::FINGERS_AT_CONTACT));
+static_assert(is_same(SurpriseKind::kLiftedWeight, msgs::Surprise::LIFTED_WEIGHT));
+static_assert(is_same(SurpriseKind::kHeldWhileCarried, msgs::Surprise::HELD_WHILE_CARRIED));
+static_assert(is_same(SurpriseKind::kPlaced, msgs::Surprise::PLACED));
+static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::MOTION));
+static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::Kind_MAX), "a new kind has none here");
+
+constexpr double kLeastWay = 1e-3;  // rad, of a joint that closes
+
+template <class Values>
+Eigen::VectorXd vector_of(const Values& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
+}
+
+robot::ClosingWay closing_way_of(const msgs::Grasp& grasp) {
+  robot::ClosingWay way;
+  way.open = vector_of(grasp.open_position());
+  way.closed = vector_of(grasp.closed_position());
+  if (grasp.closing_rate_size() > 0) {
+    way.rate = vector_of(grasp.closing_rate());
+    way.lower = vector_of(grasp.least_position());
+    way.upper = vector_of(grasp.largest_position());
+    return way;
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  way.rate = (way.closed - way.open).unaryExpr([](double closes) {
+    return std::abs(closes) > kLeastWay ? std::copysign(1.0, closes) : 0.0;
+  });
+  way.lower = Eigen::VectorXd::Constant(way.closed.size(), -infinity);
+  way.upper = Eigen::VectorXd::Constant(way.closed.size(), infinity);
+  return way;
+}
+
+}  // namespace
+
+control::JointPath from_message(const msgs::JointTrajectory& trajectory) {
+  control::JointPath path;
+  path.joints.assign(trajectory.joint_name().begin(), trajectory.joint_name().end());
+  for (const msgs::JointTrajectoryPoint& point : trajectory.points()) {
+    path.points.push_back({point.time(),
+                           {point.position().begin(), point.position().end()},
+                           {point.velocity().begin(), point.velocity().end()},
+                           {point.acceleration().begin(), point.acceleration().end()}});
+  }
+  return path;
+}
+
+msgs::JointTrajectory to_message(const control::JointPath& path) {
+  msgs::JointTrajectory trajectory;
+  for (const std::string& name : path.joints) trajectory.add_joint_name(name);
+  for (const control::JointPath::Point& point : path.points) {
+    msgs::JointTrajectoryPoint& out = *trajectory.add_points();
+    out.set_time(point.time);
+    for (const double value : point.position) out.add_position(value);
+    for (const double value : point.velocity) out.add_velocity(value);
+    for (const double value : point.acceleration) out.add_acceleration(value);
+  }
+  return trajectory;
+}
+
+bool has_arm_motion(const msgs::Grasp& grasp) {
+  return grasp.arm_size() > 0 && grasp.hand_joint_name_size() > 0 &&
+         grasp.open_position_size() == grasp.hand_joint_name_size() &&
+         grasp.closed_position_size() == grasp.hand_joint_name_size();
+}
+
+control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
+  control::ArmGrasp result;
+  result.pose = {from_message(grasp.x_wg()), grasp.preshape()};
+  for (const msgs::ArmSegment& segment : grasp.arm()) {
+    result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
+  }
+  result.hand_joints.assign(grasp.hand_joint_name().begin(), grasp.hand_joint_name().end());
+  result.hand = closing_way_of(grasp);
+  try {
+    result.hand.validate();
+  } catch (const std::invalid_argument& error) {
+    throw geometry::InputError(
+        std::string("A grasp of which the hand cannot close: ") + error.what(),
+        "Look for the fault in the node that published it");
+  }
+  result.lifted_mass = grasp.predicted().lifted_mass();
+  result.score = grasp.score();
+  result.robustness = grasp.has_robustness() ? grasp.robustness() : -1;
+  return result;
+}
+
+msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp) {
+  msgs::Surprise message;
+  message.mutable_header()->set_stamp(stamp);
+  message.set_kind(static_cast<msgs::Surprise::Kind>(surprise.kind));
+  message.set_predicted(surprise.predicted);
+  message.set_felt(surprise.felt);
+  message.set_tolerance(surprise.tolerance);
+  message.set_surprising(surprise.surprising);
+  message.set_reaction(surprise.reaction);
+  return message;
+}
+
+msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t stamp) {
+  msgs::CycleResult message;
+  message.mutable_header()->set_stamp(stamp);
+  message.set_success(result.success);
+  message.set_reason(result.reason);
+  message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
+  message.set_attempts(static_cast<std::uint32_t>(result.attempts));
+  return message;
+}
+
+}  // namespace prehend::convert

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "msgs/grasp.pb.h"
+#include "msgs/joints.pb.h"
+#include "prehend/control/arm_cycle.h"
+#include "prehend/control/cycle.h"
+
+// What cycles execute and say.
+namespace prehend::convert {
+
+control::JointPath from_message(const msgs::JointTrajectory& trajectory);
+msgs::JointTrajectory to_message(const control::JointPath& path);
+
+/// Whether a grasp has a motion of the arm and positions of the hand.
+bool has_arm_motion(const msgs::Grasp& grasp);
+
+/// Without rates and limits of the joints, those that the plan moves close, without limits.
+/// @pre has_arm_motion(grasp)
+/// @throws geometry::InputError for values that do not belong together or are not finite.
+control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
+
+/// @param stamp ns, of the graph's clock.
+msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp);
+/// Fills everything but the object.
+msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t stamp);
+
+}  // namespace prehend::convert
