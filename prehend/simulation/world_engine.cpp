@@ -64,7 +64,7 @@ std::optional<EngineTrouble> engine_trouble(const std::string& name) {
     known.emplace_back(shipped.name);
     if (name != shipped.name) continue;
     std::string why = "is '" + name + "', whose plug-in is not installed";
-    for (const engines::EngineProblem& problem : registry.problems()) {
+    for (const text::PlugInProblem& problem : registry.problems()) {
       if (problem.file.stem() == name) why += " (it cannot be used: " + problem.reason + ")";
     }
     return EngineTrouble{why, std::string("Install ") + shipped.packages +
