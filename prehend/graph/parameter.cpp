@@ -1,6 +1,6 @@
 #include "prehend/graph/parameter.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <charconv>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "prehend/graph/parameter_list.h"
+#include "prehend/text/nearest_match.h"
 
 namespace prehend::graph {
 namespace {
@@ -129,12 +130,15 @@ void check(const ParameterInfo& parameter, const ParameterValue& value, const st
     refuse(parameter, text, "at most " + to_text(*parameter.maximum) + where);
   }
   if (parameter.choices.empty()) return;
-  std::string choices;
+  std::vector<std::string> choices;
   for (const ParameterValue& choice : parameter.choices) {
     if (choice == value) return;
-    choices += (choices.empty() ? "" : ", ") + to_text(choice);
+    choices.push_back(to_text(choice));
   }
-  refuse(parameter, text, "one of: " + choices + where);
+  const auto nearest = prehend::text::nearest_match(to_text(value), choices);
+  refuse(parameter, text,
+         fmt::format("one of: {}{}{}", fmt::join(choices, ", "), where,
+                     nearest ? "; the nearest is " + *nearest : ""));
 }
 
 template <class Element>
