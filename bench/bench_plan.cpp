@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
-#include <functional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "prehend/grasp/force_closure.h"
 #include "prehend/grasp/wrench_hull.h"
+#include "prehend/motion/checker_registry.h"
+#include "prehend/motion/plan_path.h"
+#include "prehend/motion/planner_registry.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "tests/motion/pick_scene.h"
 #include "tests/motion/shelves.h"
-#include "tests/oracles/ompl_planner.h"
 #include "tests/robot/arms.h"
 
 namespace {
@@ -203,57 +205,75 @@ const Task& task() {
   return one;
 }
 
-PathCost path_cost() {
+/// The task's robot with a collision checker.
+motion::RobotInWorld robot_by(const std::string& checker) {
+  motion::RobotInWorld robot = task().robot;
+  robot.use_checker(motion::CheckerRegistry().create(checker),
+                    motion::make_robot_shapes(task().shelves.model, "base_link", "tool0"));
+  return robot;
+}
+
+PathCost path_cost(const std::string& planner_name, const std::string& checker, int count) {
+  const auto planner = motion::PlannerRegistry().create(planner_name);
+  const motion::RobotInWorld robot = robot_by(checker);
   return median_cost(
-      [](int seed) {
-        motion::RrtOptions options;
+      [&](int seed) {
+        motion::PathOptions options;
         options.seed = static_cast<std::uint64_t>(seed);
-        return motion::plan_path(task().robot, task().left.front(), task().right, options);
+        return motion::plan_path(*planner, robot, task().left.front(), task().right, options);
       },
-      200);
+      count);
 }
 
-/// Simplified by OMPL; without the robot's own parts and what is between tested positions by FCL.
-PathCost ompl_cost(bool by_fcl) {
-  motion::OmplOptions options;
-  if (by_fcl) {
-    options.is_free = [](const robot::Positions& q) {
-      return !task().shelves.oracle.collides(task().shelves.chain, q);
-    };
-  }
-  return median_cost(
-      [&options](int) {
-        return motion::plan_path_by_ompl(task().robot, task().left.front(), task().right, options);
-      },
-      by_fcl ? 25 : 50);
+const PathCost& own_cost() {
+  static const PathCost cost = path_cost("rrt_connect", "balls", 200);
+  return cost;
 }
 
-void BM_Path(benchmark::State& state) {
+/// The same question by every planner and checker, as ratios to the own.
+void path(benchmark::State& state, const char* planner, const char* checker, int count) {
   PathCost cost;
   for (auto _ : state) {
-    cost = path_cost();
+    cost = path_cost(planner, checker, count);
     state.SetIterationTime(cost.seconds);
   }
-  const PathCost ompl = ompl_cost(false), ompl_fcl = ompl_cost(true);
-  state.counters["times_ompl"] = ompl.seconds / cost.seconds;
-  state.counters["times_ompl_fcl"] = ompl_fcl.seconds / cost.seconds;
+  state.counters["times_own"] = cost.seconds / own_cost().seconds;
   state.counters["length"] = cost.length;
-  state.counters["length_ompl"] = ompl.length;
-  state.counters["length_ompl_fcl"] = ompl_fcl.length;
+  state.counters["length_own"] = own_cost().length;
 }
-BENCHMARK(BM_Path)->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
+#define PREHEND_PATH(name, planner, checker, count)      \
+  BENCHMARK_CAPTURE(path, name, planner, checker, count) \
+      ->Iterations(1)                                    \
+      ->UseManualTime()                                  \
+      ->Unit(benchmark::kMillisecond)
+PREHEND_PATH(own, "rrt_connect", "balls", 200);
+PREHEND_PATH(ompl_rrt_connect, "ompl_rrt_connect", "balls", 100);
+PREHEND_PATH(ompl_bitrrt, "ompl_bitrrt", "balls", 100);
+PREHEND_PATH(ompl_kpiece, "ompl_kpiece", "balls", 50);
+PREHEND_PATH(fcl, "rrt_connect", "fcl", 25);
+PREHEND_PATH(bullet, "rrt_connect", "bullet", 25);
 
-void BM_IsFree(benchmark::State& state) {
+/// One position; random ones, of which each checker calls others free.
+void is_free(benchmark::State& state, const char* checker) {
   std::mt19937_64 random(3);
   std::vector<robot::Positions> positions;
   for (int i = 0; i < 256; ++i) {
     positions.push_back(robot::random_positions(task().shelves.chain, random));
   }
-  std::size_t i = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(task().robot.is_free(positions[i++ % 256]));
+  const motion::RobotInWorld robot = robot_by(checker);
+  std::size_t i = 0, free = 0;
+  for (auto _ : state) free += robot.is_free(positions[i++ % 256]);
+  std::size_t k = 0;
+  const double own = seconds_each(std::vector<int>(16384),
+                                  [&](int) { return task().robot.is_free(positions[k++ % 256]); });
+  state.counters["times_own"] = {
+      own, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
+  state.counters["free"] = static_cast<double>(free) / static_cast<double>(state.iterations());
   state.counters["balls"] = static_cast<double>(task().robot.spheres().spheres.size());
 }
-BENCHMARK(BM_IsFree);
+BENCHMARK_CAPTURE(is_free, balls, "balls");
+BENCHMARK_CAPTURE(is_free, fcl, "fcl");
+BENCHMARK_CAPTURE(is_free, bullet, "bullet");
 
 /// From a start beside to a box between two others, and with it to the other side.
 void pick(benchmark::State& state, const char* arm) {
@@ -270,7 +290,7 @@ void pick(benchmark::State& state, const char* arm) {
   options.acceleration = Eigen::VectorXd::Constant(scene.chain.size(), 5.0);
   int found = 0;
   for (auto _ : state) {
-    ++options.rrt.seed;
+    ++options.path.seed;
     found += motion::plan_pick(robot, inverse, scene.task, options).found();
   }
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());

@@ -55,6 +55,8 @@ prehend_find_library(glpk "" glpk.h glpk)
 prehend_find_library(qhull "" libqhull_r/qhull_ra.h qhull_r)
 prehend_find_library(ompl ompl-1.5 ompl/base/Planner.h ompl)
 prehend_find_library(bullet::linear_math bullet LinearMath/btConvexHullComputer.h LinearMath)
+prehend_find_library(bullet::collision bullet BulletCollision/NarrowPhaseCollision/btGjkEpa2.h
+                     BulletCollision bullet::linear_math)
 prehend_find_library(bullet::hacd bullet HACD/hacdHACD.h HACD bullet::linear_math)
 prehend_find_library(bullet::convex_decomposition bullet
                      ConvexDecomposition/ConvexDecomposition.h ConvexDecomposition

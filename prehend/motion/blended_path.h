@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "prehend/motion/collision_world.h"
+#include "prehend/motion/robot_in_world.h"
 
 namespace prehend::motion {
 

@@ -1,6 +1,7 @@
 #include "prehend/motion/convex_faces.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include <Eigen/Eigenvalues>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kLeastThickness = 1e-4;          // m
 constexpr double kLeastRelativeThickness = 1e-3;  // of the largest extent
+constexpr double kHullGrid = 1e-3;                // of the largest extent; the hull's is 1e-4
 
 void check_points(const std::string& name, const std::vector<Vector3d>& points) {
   const bool finite =
@@ -72,6 +74,12 @@ ConvexFaces convex_faces(const std::string& name, const geometry::TriangleMesh& 
     for (const Vector3d& p : points) offset = std::max(offset, unit.dot(p));
     result.faces.push_back({unit, offset});
   }
+  // A corner of the hull is on a face, up to the hull's grid.
+  const double grid = kHullGrid * result.bounds.sizes().maxCoeff();
+  std::copy_if(points.begin(), points.end(), std::back_inserter(result.points), [&](const auto& p) {
+    return std::any_of(result.faces.begin(), result.faces.end(),
+                       [&](const auto& face) { return face.signed_distance(p) > -grid; });
+  });
   return result;
 }
 

@@ -12,6 +12,7 @@ namespace prehend::motion {
 struct ConvexFaces {
   std::vector<geometry::Plane> faces;
   Eigen::AlignedBox3d bounds;
+  std::vector<Eigen::Vector3d> points;  // whose hull it is: the mesh's, those inside left out
   double radius = 0;  // m: of the ball round all of it, about the middle of the bounds
 };
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 #include "prehend/motion/pick_ledger.h"
 #include "prehend/motion/pick_scenes.h"
+#include "prehend/motion/plan_path.h"
 
 namespace prehend::motion {
 namespace {
@@ -64,7 +66,11 @@ class Picker {
  public:
   Picker(const RobotInWorld& robot, const robot::InverseKinematics& inverse, const PickTask& task,
          const PickOptions& options)
-      : inverse_(inverse), task_(task), options_(options), scenes_(robot, task) {}
+      : inverse_(inverse),
+        task_(task),
+        options_(options),
+        scenes_(robot, task),
+        planner_(PlannerRegistry().create(options.planner)) {}
 
   PickMotion plan() {
     if (task_.grasps.empty()) return failed("there are no grasps");
@@ -118,10 +124,10 @@ class Picker {
   }
 
   /// The search's options with what is left of the tier's time.
-  RrtOptions searching() const {
-    RrtOptions rrt = options_.rrt;
-    rrt.budget = options_.budget > 0 ? std::max(1e-6, slice_begin_ + slice_ - elapsed()) : 0;
-    return rrt;
+  PathOptions searching() const {
+    PathOptions path = options_.path;
+    path.budget = options_.budget > 0 ? std::max(1e-6, slice_begin_ + slice_ - elapsed()) : 0;
+    return path;
   }
 
   JointPath straight(const RobotInWorld& scene, const Positions& from,
@@ -138,7 +144,7 @@ class Picker {
     while (!goals_.empty()) {
       std::vector<Positions> ends;
       for (const Goal& goal : goals_) ends.push_back(goal.approach.front());
-      JointPath reach = plan_path(scenes_.reach(), task_.start, ends, searching());
+      JointPath reach = plan_path(*planner_, scenes_.reach(), task_.start, ends, searching());
       lap("reach");
       if (!reach.found()) {
         for (const Goal& goal : goals_) drop(goal.grasp, reach.reason);
@@ -331,7 +337,7 @@ class Picker {
     while (!place.ways.empty()) {
       std::vector<Positions> ends;
       for (const WayDown& way : place.ways) ends.push_back(way.down.front());
-      JointPath carry = plan_path(scene, goal.lift.back(), ends, searching());
+      JointPath carry = plan_path(*planner_, scene, goal.lift.back(), ends, searching());
       lap("carry");
       if (carry.found()) {
         const WayDown& way = place.ways[static_cast<std::size_t>(carry.goal)];
@@ -425,6 +431,7 @@ class Picker {
   const PickTask& task_;
   const PickOptions& options_;
   PickScenes scenes_;
+  std::unique_ptr<const PathPlanner> planner_;
   Clock::time_point begin_ = Clock::now();
   double last_lap_ = 0;
   double slice_begin_ = 0, slice_ = 0;  // s, of the present tier

@@ -7,6 +7,7 @@
 
 #include "prehend/motion/ball_cover.h"
 #include "prehend/motion/blended_trajectory.h"
+#include "prehend/motion/planner_registry.h"
 #include "prehend/motion/rrt_connect.h"
 #include "prehend/robot/inverse_kinematics.h"
 
@@ -40,12 +41,13 @@ struct PickOptions {
   /// The trade between a grasp and its path, 0..1: so much less expected success is taken for the
   /// path that the search finds first. 0: the path decides between equal grasps only.
   double success_for_path = 0.05;
-  double lift_height = 0.1;      // m, before the carry and above the place, > 0
-  double straight_step = 0.01;   // m, of the straight segments, > 0
-  int goals = 24;                // positions above grasps that are looked for at most, >= 1
-  int goals_per_grasp = 4;       // >= 1
-  double budget = 0;             // s of wall time for all; 0: as long as it takes
-  RrtOptions rrt;                // of reach and carry; its budget is not used
+  double lift_height = 0.1;     // m, before the carry and above the place, > 0
+  double straight_step = 0.01;  // m, of the straight segments, > 0
+  int goals = 24;               // positions above grasps that are looked for at most, >= 1
+  int goals_per_grasp = 4;      // >= 1
+  double budget = 0;            // s of wall time for all; 0: as long as it takes
+  std::string planner = kDefaultPlanner;  // of reach and carry, see PlannerRegistry
+  PathOptions path;                       // of reach and carry; its budget is not used
   Eigen::VectorXd acceleration;  // rad/s^2 or m/s^2 of each joint; empty: segments are not timed
   TimingOptions timing;
   double straight_speed_factor = 0.3;  // of straight segments, in (0, 1]
@@ -105,9 +107,9 @@ struct PickMotion {
 std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& expected_success,
                                                     double width);
 
-/// A motion that picks an object and, if asked, places it: reach (RRT-Connect to the goal set of
-/// all solutions of the best grasps from which the rest is possible), approach (straight), lift
-/// (straight up, with the object), carry (RRT-Connect, with the object), place (straight down),
+/// A motion that picks an object and, if asked, places it: reach (`planner`, to the goal set of all
+/// solutions of the best grasps from which the rest is possible), approach (straight), lift
+/// (straight up, with the object), carry (`planner`, with the object), place (straight down),
 /// retreat (straight back). The hand closes between approach and lift, and opens between place and
 /// retreat.
 ///
@@ -123,12 +125,16 @@ std::vector<std::vector<std::size_t>> success_tiers(const std::vector<double>& e
 /// as its cover's overshoot. Everything else keeps the robot's margin. When an arm's other links
 /// touch the object, that counts.
 ///
-/// Reentrant. Same task, options and seed, same motion, unless the budget ends a search; then the
-/// best so far is given: fewer goals, or no carry, which is a failure that says so. A search among
-/// the best grasps may use half of what is left of the budget while others remain.
+/// What touches is up to the checker of `robot` (RobotInWorld::use_checker()); how near what is
+/// held is to things, always to its balls.
+///
+/// Reentrant. Same task, options and seed, same motion, as far as the planner is repeatable and
+/// unless the budget ends a search; then the best so far is given: fewer goals, or no carry, which
+/// is a failure that says so. A search among the best grasps may use half of what is left of the
+/// budget while others remain.
 /// @param robot with the object in its world and nothing attached.
-/// @throws std::invalid_argument for a bad option, a start of another size, directions that are not
-/// unit vectors, an expected success outside [0, 1], or what is not finite.
+/// @throws std::invalid_argument for a bad option, an unknown planner, a start of another size,
+/// directions that are not unit vectors, an expected success outside [0, 1], or what is not finite.
 PickMotion plan_pick(const RobotInWorld& robot, const robot::InverseKinematics& inverse,
                      const PickTask& task, const PickOptions& options = {});
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/motion/link_places.h"
 
 namespace prehend::motion {
 namespace {
@@ -54,39 +54,6 @@ std::vector<LinkBall> cover(const CollisionShape& shape, double resolution) {
   return balls;
 }
 
-double resting_position(const robot::Joint& joint) {
-  const double middle = 0.5 * (joint.lower + joint.upper);
-  return std::isfinite(middle) ? middle : 0;
-}
-
-/// The chain's joint that moves a link, and where the link's frame is in that joint's frame.
-struct LinkPlace {
-  int joint = -1;
-  RigidTransform X_JL = RigidTransform::Identity();
-};
-
-std::vector<std::optional<LinkPlace>> places(const robot::RobotModel& model,
-                                             const robot::KinematicChain& chain, int base) {
-  std::vector<std::optional<LinkPlace>> result(model.links.size());
-  result[static_cast<std::size_t>(base)] = LinkPlace{};
-  for (const robot::Joint& joint : model.joints) {
-    const auto& parent = result[static_cast<std::size_t>(joint.parent)];
-    if (!parent) continue;  // not below the base
-    LinkPlace place;
-    const auto moving =
-        std::find_if(chain.joints().begin(), chain.joints().end(),
-                     [&](const robot::ChainJoint& j) { return j.name == joint.name; });
-    if (moving != chain.joints().end()) {
-      place.joint = static_cast<int>(moving - chain.joints().begin());
-    } else {
-      place.joint = parent->joint;
-      place.X_JL = parent->X_JL * joint.pose_at(resting_position(joint));
-    }
-    result[static_cast<std::size_t>(joint.child)] = place;
-  }
-  return result;
-}
-
 }  // namespace
 
 void RobotSpheres::centers(const robot::KinematicChain& chain,
@@ -109,7 +76,7 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
     throw std::invalid_argument("make_robot_spheres: resolution must be positive");
   }
   const robot::KinematicChain chain(model, base, tip);
-  const auto all = places(model, chain, model.link_index(base));
+  const auto all = link_places(model, chain, model.link_index(base));
   RobotSpheres result;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (!all[i]) continue;

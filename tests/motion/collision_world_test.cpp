@@ -1,4 +1,4 @@
-#include "prehend/motion/collision_world.h"
+#include "prehend/motion/robot_in_world.h"
 
 #include <cmath>
 #include <limits>

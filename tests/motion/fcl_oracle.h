@@ -5,7 +5,7 @@
 
 #include <fcl/fcl.h>
 
-#include "prehend/motion/collision_world.h"
+#include "prehend/motion/robot_in_world.h"
 
 namespace prehend::motion {
 

@@ -119,7 +119,7 @@ TEST_P(PlanPick, OtherSeedsTouchNothingEither) {
   const PickScene scene = cluttered(GetParam());
   PickOptions options;
   for (std::uint64_t seed = 2; seed < 8; ++seed) {
-    options.rrt.seed = seed;
+    options.path.seed = seed;
     const PickMotion motion = plan(scene, options);
     ASSERT_TRUE(motion.found()) << motion.problem;
     EXPECT_EQ(scene.problem(motion), "");
@@ -203,7 +203,7 @@ TEST_P(PlanPick, TheLedgerNamesWhatIsInTheWay) {
   // A start among walls.
   open.task.X_BO_places.clear();
   PickOptions few;
-  few.rrt.iterations = 1;
+  few.path.iterations = 1;
   PickScene walled = cluttered(GetParam());
   const PickMotion motion = plan(walled, few);
   if (!motion.found()) {
