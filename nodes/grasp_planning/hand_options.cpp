@@ -22,9 +22,10 @@ constexpr Misfit kNotOfFingers[] = {
     {"largest_force", "the hand's motors set the force"},
 };
 constexpr Misfit kOfPlatforms[] = {
-    {"platforms", "no platform is named"}, {"home", "no platform is named"},
-    {"place", "no platform is named"},     {"arm_budget", "no platform is named"},
-    {"motions", "no platform is named"},
+    {"platforms", "no platform is named"},    {"home", "no platform is named"},
+    {"place", "no platform is named"},        {"arm_budget", "no platform is named"},
+    {"motions", "no platform is named"},      {"path_planner", "there is no arm"},
+    {"collision_checker", "there is no arm"},
 };
 constexpr Misfit kChosenByFronts[] = {
     {"rolls", "front and budget choose it"},

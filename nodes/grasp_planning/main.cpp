@@ -125,6 +125,15 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   return options;
 }
 
+// Says which plug-ins are there but cannot be chosen.
+template <class Registry>
+std::vector<std::string> usable_names(graph::Node& node, const Registry& registry) {
+  for (const auto& problem : registry.problems()) {
+    node.log_warning("{} cannot be used: {}", problem.file.string(), problem.reason);
+  }
+  return registry.names();
+}
+
 // Set when the node plans for an arm with a hand instead of the parallel gripper on the carrier.
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
@@ -157,6 +166,21 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                     .minimum = 0.0,
                                                     .description = "for one motion of the arm",
                                                     .read_only = true});
+  arm.pick.planner = node.declare_parameter<std::string>(
+      {.name = "path_planner",
+       .default_value = arm.pick.planner,
+       .choices = usable_names(node, motion::PlannerRegistry()),
+       .description = "with a platform: finds the arm's free paths (docs/planning.md); others in "
+                      "shared libraries in PREHEND_PLANNERS",
+       .read_only = true});
+  arm.checker = node.declare_parameter<std::string>(
+      {.name = "collision_checker",
+       .default_value = arm.checker,
+       .choices = usable_names(node, motion::CheckerRegistry()),
+       .description = "with a platform: balls: those that hold the links, with vectors; else the "
+                      "links' own shapes by that library, slower; others in shared libraries in "
+                      "PREHEND_CHECKERS",
+       .read_only = true});
   const int motions =
       node.declare_parameter<int>({.name = "motions",
                                    .default_value = 3,

@@ -13,6 +13,7 @@
 
 #include "prehend/geometry/rotation_between.h"
 #include "prehend/motion/pick_ledger.h"
+#include "prehend/motion/robot_shapes.h"
 #include "prehend/motion/robot_spheres.h"
 #include "prehend/text/require.h"
 
@@ -139,7 +140,8 @@ class PlatformPicker {
         grasps_(grasps),
         options_(options),
         X_BW_(platform.X_WB.inverse()),
-        inverse_(platform.arm_chain()) {
+        inverse_(platform.arm_chain()),
+        checker_(motion::CheckerRegistry().create(options.checker)) {
     const Eigen::Vector3d p_WO = middle_of(scene.object_pieces_W);
     world_ = world_of(scene, X_BW_, TableSlab(platform, scene.table_W, p_WO));
     task_.start = start;
@@ -210,12 +212,15 @@ class PlatformPicker {
       if (shapes_[k].preshape == grasp.preshape && shapes_[k].open == open) return k;
     }
     const robot::RobotModel model = platform_.with_hand_at(platform_.hand.all_positions(open));
-    shapes_.push_back(
-        {grasp.preshape, open,
-         motion::RobotInWorld(inverse_.chain(),
-                              motion::make_robot_spheres(model, platform_.base, platform_.flange,
-                                                         options_.sphere_resolution),
-                              world_, options_.margin)});
+    motion::RobotInWorld robot(inverse_.chain(),
+                               motion::make_robot_spheres(model, platform_.base, platform_.flange,
+                                                          options_.sphere_resolution),
+                               world_, options_.margin);
+    if (checker_) {
+      robot.use_checker(checker_,
+                        motion::make_robot_shapes(model, platform_.base, platform_.flange));
+    }
+    shapes_.push_back({grasp.preshape, open, std::move(robot)});
     return shapes_.size() - 1;
   }
 
@@ -261,6 +266,7 @@ class PlatformPicker {
   const PlatformPickOptions& options_;
   RigidTransform X_BW_;
   robot::InverseKinematics inverse_;
+  std::shared_ptr<const motion::CollisionChecker> checker_;  // null: balls
   motion::CollisionWorld world_;
   motion::PickTask task_;
   motion::PickOptions pick_;

@@ -6,6 +6,7 @@
 
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/motion/checker_registry.h"
 #include "prehend/motion/pick_motion.h"
 #include "prehend/planning/free_places.h"
 #include "prehend/robot/platform.h"
@@ -36,7 +37,9 @@ struct PlatformPickOptions {
     pick.straight_speed = 0.12;
     pick.budget = 2;
   }
-  motion::PickOptions pick;         // `acceleration` is filled from arm_acceleration
+  motion::PickOptions pick;  // `acceleration` is filled from arm_acceleration
+  /// What tells whether the robot touches something, see motion::CheckerRegistry.
+  std::string checker = motion::kDefaultChecker;
   double arm_acceleration = 5;      // rad/s^2, > 0, of each joint of the arm
   double margin = 0.005;            // m, >= 0, kept from obstacles
   double sphere_resolution = 0.04;  // m, > 0, of the robot's balls
@@ -68,8 +71,8 @@ FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene&
 /// of several, the one of the best grasp first. The table is a slab under the objects that ends
 /// 0.2 m before the arm's own base. Ledgers of all are added up.
 /// @param start of the arm's joints.
-/// @throws std::invalid_argument for options out of range or a start of another size;
-/// geometry::InputError for an unknown preshape or pieces without volume.
+/// @throws std::invalid_argument for options out of range, an unknown planner or checker, or a
+/// start of another size; geometry::InputError for an unknown preshape or pieces without volume.
 PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Positions& start,
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene,

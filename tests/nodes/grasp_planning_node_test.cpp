@@ -25,6 +25,7 @@ namespace prehend::testing {
 namespace {
 
 using std::chrono::seconds;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -148,6 +149,17 @@ TEST_F(GraspPlanningNode, APlatformTakesGenerators) {
   EXPECT_GT(grasps, 0) << planning_->output();
 }
 
+TEST_F(GraspPlanningNode, PlannerAndCheckerAreChosenByName) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1", "path_planner:=ompl_rrt_connect",
+         "collision_checker:=bullet"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.15 * (id - 1.0)));
+  int with_motion = 0;
+  for (const auto& [id, plan] : plans(1)) {
+    for (const auto& grasp : plan.grasps()) with_motion += grasp.arm_size() > 0;
+  }
+  EXPECT_GT(with_motion, 0) << planning_->output();
+}
+
 // What means nothing beside the other parameters was ignored.
 TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   const auto refusal = [this](const std::vector<std::string>& parameters) {
@@ -158,6 +170,12 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),
               HasSubstr("'friction' does not apply with a hand of fingers"));
   EXPECT_THAT(refusal({"home:=side"}), HasSubstr("'home' does not apply without a platform"));
+  EXPECT_THAT(refusal({"path_planner:=ompl_bitrrt"}),
+              HasSubstr("'path_planner' does not apply without a platform"));
+  EXPECT_THAT(refusal({"collision_checker:=fcl"}),
+              HasSubstr("'collision_checker' does not apply without a platform"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "path_planner:=rrt_conect"}),
+              AllOf(HasSubstr("ompl_bitrrt"), HasSubstr("the nearest is rrt_connect")));
   EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "rolls:=4"}),
               HasSubstr("'rolls' does not apply beside a budget"));
   EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "generators:=[boxes]"}),

@@ -70,6 +70,27 @@ TEST_F(Plan, WithAnArmSaysTheSegmentsAndDrawsThem) {
   EXPECT_THAT(html, AllOf(HasSubstr("The arm at the grasp"), HasSubstr("image/png")));
 }
 
+TEST_F(Plan, TakesPlannerAndCheckerByName) {
+  const std::vector<std::string> arm{box({0.04, 0.05, 0.12}), "--platform", "kr5_pg70",
+                                     "--approach", "down"};
+  const auto with = [&arm](std::vector<std::string> words) {
+    words.insert(words.begin(), arm.begin(), arm.end());
+    return words;
+  };
+  EXPECT_THAT(run(with({"--path-planner", "ompl_bitrrt", "--collision-checker", "fcl"})),
+              AllOf(HasSubstr("found by ompl_bitrrt"), HasSubstr("tested by fcl"),
+                    HasSubstr("The arm takes grasp")));
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(run(with({"--path-planner", "ompl_bitrt"})),
+              AllOf(HasSubstr("nearest is 'ompl_bitrrt'"), HasSubstr("ompl_kpiece")));
+  EXPECT_NE(exit_code_, 0);
+  EXPECT_THAT(run(with({"--collision-checker", "ball"})),
+              AllOf(HasSubstr("nearest is 'balls'"), HasSubstr("bullet")));
+  EXPECT_NE(exit_code_, 0);
+  EXPECT_THAT(run({arm.front(), "--path-planner", "ompl_bitrrt"}), HasSubstr("--platform"));
+  EXPECT_NE(exit_code_, 0);
+}
+
 TEST_F(Plan, SaysWhyThereIsNoGrasp) {
   const std::string output = run({box({0.12, 0.1, 0.1}), "--approach", "down"});
   EXPECT_EQ(exit_code_, 3) << output;

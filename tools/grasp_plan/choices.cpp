@@ -58,11 +58,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                                       "a hand alone, without an arm, of robots/ in --config: " +
                                           joined(robot::hand_names(choices.config + "/robots")))
                           ->capture_default_str();
-  command
-      .add_option("--platform", choices.platform,
-                  "an arm with a hand, of robots/ in --config: grasps and the arm's motion; " +
-                      joined(robot::platform_names(choices.config + "/robots")))
-      ->excludes(hand);
+  CLI::Option* platform =
+      command
+          .add_option("--platform", choices.platform,
+                      "an arm with a hand, of robots/ in --config: grasps and the arm's motion; " +
+                          joined(robot::platform_names(choices.config + "/robots")))
+          ->excludes(hand);
   command.add_option("--approach", choices.approach, "directions of approach: straight down, any")
       ->check(CLI::IsMember({"down", "any"}))
       ->capture_default_str();
@@ -76,6 +77,17 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   command.add_option("--move", choices.move, "with a platform: put it this far away, x,y,z [m]")
       ->delimiter(',')
       ->expected(3);
+  command
+      .add_option(
+          "--path-planner", choices.path_planner,
+          "finds the arm's free paths: rrt_connect (default), ompl_rrt_connect, ompl_bitrrt, "
+          "ompl_kpiece, or a plug-in's in PREHEND_PLANNERS")
+      ->needs(platform);
+  command
+      .add_option("--collision-checker", choices.collision_checker,
+                  "what the arm must not touch is tested by: balls that hold its links (default), "
+                  "the links' own shapes by fcl or bullet, or a plug-in in PREHEND_CHECKERS")
+      ->needs(platform);
   command.add_option("--density", choices.density, "assumed of the object [kg/m^3]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -27,6 +27,7 @@ struct PlanChoices {
   std::vector<std::string> generators;
   std::vector<std::string> preshapes;
   std::vector<double> move;
+  std::string path_planner, collision_checker;  // of the arm; empty: the defaults
   double density = 800;
   double budget = 0;
   std::uint64_t seed = 1;

@@ -56,13 +56,26 @@ planning::HandPlanOptions options_of(const PlanChoices& choices, Planned* planne
                            : options;
 }
 
-void plan_arm(const PlanChoices& choices, const PlanTarget& target, Planned* planned) {
+// Names that are unknown are refused before anything is planned.
+planning::PlatformPickOptions arm_options(const PlanChoices& choices) {
   planning::PlatformPickOptions options;
-  options.pick.rrt.seed = choices.seed;
+  if (!choices.path_planner.empty()) {
+    options.pick.planner = motion::PlannerRegistry().create(choices.path_planner)->name();
+  }
+  if (!choices.collision_checker.empty()) {
+    motion::CheckerRegistry().create(choices.collision_checker);
+    options.checker = choices.collision_checker;
+  }
+  options.pick.path.seed = choices.seed;
   if (choices.budget > 0) options.pick.budget = choices.budget;
   if (!choices.move.empty()) {
     options.moves_W = {{choices.move[0], choices.move[1], choices.move[2]}};
   }
+  return options;
+}
+
+void plan_arm(const planning::PlatformPickOptions& options, const PlanTarget& target,
+              Planned* planned) {
   planning::PlatformScene scene;
   scene.table_W = target.table_W;
   scene.object_pieces_W = target.object.convex_pieces_W;
@@ -83,6 +96,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   if (!choices.platform.empty()) {
     planned.platform = robot::read_platform(robot::platform_file(robots, choices.platform));
   }
+  const planning::PlatformPickOptions arm = arm_options(choices);
   planned.hand = planned.platform ? planned.platform->hand
                                   : robot::read_hand_model(robot::hand_file(robots, choices.hand));
   auto start = steady_clock::now();
@@ -101,7 +115,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   stage("grasps");
   if (planned.platform && !planned.plan.grasps.empty()) {
     progress.stage("planning the arm's motion");
-    plan_arm(choices, target, &planned);
+    plan_arm(arm, target, &planned);
     stage("arm");
   }
   return planned;

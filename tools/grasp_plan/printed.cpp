@@ -158,6 +158,12 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
                                   const Planned& planned) {
   std::vector<std::string> notes = target.notes;
   if (!planned.chosen.empty()) notes.push_back("by the budget: " + planned.chosen);
+  if (!choices.path_planner.empty()) {
+    notes.push_back("the arm's paths are found by " + choices.path_planner);
+  }
+  if (!choices.collision_checker.empty()) {
+    notes.push_back("what the arm touches is tested by " + choices.collision_checker);
+  }
   if (!choices.database.empty()) {
     const int stored = planned.plan.remembered.stored;
     notes.push_back(!target.known ? "the object is not known: the database is not used"
