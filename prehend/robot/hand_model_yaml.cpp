@@ -190,7 +190,12 @@ class HandReader {
       map.read("toward_tip", toward_tip);
       HandPad pad;
       pad.name = name;
-      if (const YAML::Node model = map.child("pad"); model.IsDefined()) {
+      const YAML::Node model = map.child("pad");
+      if (hand_.gripper) {
+        if (model.IsDefined())
+          map.fail("pad", "is the gripper's, whose file has it", "Leave it out");
+        pad.model = hand_.gripper->pad;
+      } else if (model.IsDefined()) {
         read_tactile_pad(model, path_, place + ".pad", pad.model);
         try {
           validate(pad.model);

@@ -19,6 +19,8 @@ using robot::Joint;
 
 constexpr double kDensity = 1500;     // kg/m^3, of a link whose mass the file does not say
 constexpr double kLeastMass = 0.005;  // kg
+constexpr double kOnFace = 0.002;     // m, between a pad's face and the link's
+constexpr double kAlongNormal = 0.999;
 
 EngineShape engine_shape(const CollisionShape& shape, const std::string& link) {
   EngineShape result;
@@ -41,6 +43,21 @@ EngineShape engine_shape(const CollisionShape& shape, const std::string& link) {
   }
   throw geometry::InputError("link '" + link + "' has a mesh as collision shape",
                              "Give it boxes, cylinders or spheres");
+}
+
+// Of the box at X_BS, what is behind the foam of a pad on one of its faces.
+void cut_foam(const RigidTransform& X_BP, double thickness, EngineShape& box,
+              RigidTransform& X_BS) {
+  const Eigen::Vector3d normal_S = X_BS.linear().transpose() * X_BP.linear().col(2);
+  Eigen::Index axis = 0;
+  if (normal_S.cwiseAbs().maxCoeff(&axis) < kAlongNormal) return;
+  const double side = normal_S[axis] > 0 ? 1 : -1;
+  const Eigen::Vector3d p_SP = X_BS.inverse(Eigen::Isometry) * X_BP.translation();
+  const double out = side * p_SP[axis] - 0.5 * box.size[axis];  // of the pad's face over the box's
+  const double cut = thickness - out;
+  if (std::abs(out) > kOnFace || cut <= 0 || cut >= box.size[axis]) return;
+  box.size[axis] -= cut;
+  X_BS.translation() -= X_BS.linear() * (0.5 * side * cut * Eigen::Vector3d::Unit(axis));
 }
 
 double volume_of(const EngineShape& shape) {
@@ -74,6 +91,7 @@ class Builder {
   RobotBodies build() {
     find_bodies();
     for (std::size_t body = 0; body < links_.size(); ++body) add_body(static_cast<int>(body));
+    add_pads();
     add_joints();
     add_breakaways();
     add_motors();
@@ -116,7 +134,10 @@ class Builder {
       for (const int link : hand_.fingers[f].links) {
         const int body =
             out_.body_of_link[model.link_index(prefix_ + hand_.model.links[link].name)];
-        out_.finger_of_body[body] = static_cast<int>(f);
+        // A knuckle that is fixed to the palm is the palm's.
+        if (body != out_.body_of_link[out_.hand_root]) {
+          out_.finger_of_body[body] = static_cast<int>(f);
+        }
         out_.rank_of_body[body] = rank++;
       }
     }
@@ -179,6 +200,21 @@ class Builder {
     }
     for (const int link : links_[index]) out_.X_BL[link] = X_BO * out_.X_BL[link];
     out_.bodies.push_back(body);
+  }
+
+  void add_pads() {
+    for (std::size_t i = 0; i < hand_.pads.size(); ++i) {
+      const robot::HandPad& pad = hand_.pads[i];
+      const int link = out_.model.link_index(
+          prefix_ + hand_.model.links[static_cast<std::size_t>(pad.link)].name);
+      const int body = out_.body_of_link[link];
+      const RigidTransform X_BP = out_.X_BL[link] * pad.X_LP;
+      out_.pads.push_back({static_cast<int>(i), body, X_BP});
+      for (RobotBodies::Part& part : out_.parts) {
+        if (part.link != link || part.shape.kind != EngineShape::Kind::kBox) continue;
+        cut_foam(X_BP, pad.model.thickness, part.shape, part.X_BS);
+      }
+    }
   }
 
   void add_joints() {

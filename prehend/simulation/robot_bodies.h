@@ -17,6 +17,11 @@ struct RobotBodies {
     engines::EngineShape shape;
     geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();
   };
+  struct Pad {    // tactile
+    int pad = 0;  // of the hand
+    int body = 0;
+    geometry::RigidTransform X_BP = geometry::RigidTransform::Identity();
+  };
   struct Carried {  // a body on a prescribed path
     int body = 0;
     int link = 0;  // whose frame is the body's
@@ -44,7 +49,9 @@ struct RobotBodies {
   std::vector<int> coordinate;    // of each joint of the engine, in MultibodyState
   std::vector<engines::JointMechanics> mechanics;  // of the engine's joints
   std::vector<engines::JointCoupling> couplings;
+  /// Boxes with a pad on a face begin behind its foam, `thickness` below the pad's face.
   std::vector<Part> parts;
+  std::vector<Pad> pads;
   std::vector<Carried> carried;
   std::vector<int> body_of_link;
   std::vector<geometry::RigidTransform> X_BL;  // link in its body

@@ -19,6 +19,7 @@ constexpr double kLookAhead = 1e-4;    // m, looked ahead beyond what speeds say
 constexpr double kArmSpacing = 0.015;  // m, between points on the arm
 constexpr double kCell = 0.005;        // m, of the grid of what is near
 constexpr int kMostCells = 40;         // along each side
+constexpr double kBeforeFoam = 0.002;  // m, over a pad's face
 
 geometry::TriangleMesh mesh_of(const EngineShape& shape) {
   switch (shape.kind) {
@@ -36,7 +37,8 @@ geometry::TriangleMesh mesh_of(const EngineShape& shape) {
 
 }  // namespace
 
-RobotTouch::RobotTouch(const RobotBodies& robot, std::vector<Object> objects)
+RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
+                       std::vector<Object> objects)
     : objects_(std::move(objects)) {
   const int root = robot.body_of_link[0];
   for (const RobotBodies::Part& own : robot.parts) {
@@ -53,10 +55,24 @@ RobotTouch::RobotTouch(const RobotBodies& robot, std::vector<Object> objects)
               own.X_BS,
               engines::felt_shape(own.shape),
               engines::bounding_radius(own.shape),
-              sample_surface(mesh_of(own.shape), carried && !palm ? kArmSpacing : kPointSpacing)};
+              sample_surface(mesh_of(own.shape), carried && !palm ? kArmSpacing : kPointSpacing),
+              {}};
+    for (const RobotBodies::Pad& pad : robot.pads) {
+      if (pad.body != own.body) continue;
+      const robot::TactilePadModel& model = pads[static_cast<std::size_t>(pad.pad)].model;
+      part.foams.push_back({pad.X_BP.inverse(Eigen::Isometry) * own.X_BS,
+                            {0.5 * model.width(), 0.5 * model.length()},
+                            model.thickness});
+    }
     parts_.push_back(std::move(part));
   }
   for (const Object& object : objects_) near_.push_back(make_near(object.model));
+}
+
+bool RobotTouch::Foam::holds(const Eigen::Vector3d& p_S) const {
+  const Eigen::Vector3d p_P = X_PS * p_S;
+  return p_P.z() > -thickness && p_P.z() < kBeforeFoam && std::abs(p_P.x()) <= half.x() &&
+         std::abs(p_P.y()) <= half.y();
 }
 
 RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
@@ -149,17 +165,23 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
   double depth = 0;
   const bool precise = box.exteriorDistance(X_BS.translation()) < part.radius;
   if (!precise) return;
+  const auto in_foam = [&part](const Eigen::Vector3d& p_S) {
+    return std::any_of(part.foams.begin(), part.foams.end(),
+                       [&p_S](const Foam& foam) { return foam.holds(p_S); });
+  };
   for (const Eigen::Vector3d& p_S : part.points_S) {
     const Eigen::Vector3d p_B = X_BS * p_S;
-    if (!box.contains(p_B) || !surface(object, near_[index], p_B, margin, normal, depth)) continue;
+    if (!box.contains(p_B) || in_foam(p_S)) continue;
+    if (!surface(object, near_[index], p_B, margin, normal, depth)) continue;
     add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * normal), depth, touches);
   }
   const RigidTransform X_SB = X_BS.inverse(Eigen::Isometry);
   const Eigen::AlignedBox3d part_B = transformed_box(X_BS, part.felt.bounds());
   for (const Eigen::Vector3d& p_B : object.model.surface_points) {
     if (!part_B.contains(p_B)) continue;
-    depth = part.felt.depth_inside(X_SB * p_B, normal);
-    if (!(depth > 0 && depth < kDeepest)) continue;
+    const Eigen::Vector3d p_S = X_SB * p_B;
+    depth = part.felt.depth_inside(p_S, normal);
+    if (!(depth > 0 && depth < kDeepest) || in_foam(p_S)) continue;
     add(object.body, part.body, X_WB * p_B, X_WS.linear() * normal, depth, touches);
   }
 }

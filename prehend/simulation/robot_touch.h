@@ -13,7 +13,8 @@ namespace prehend::simulation {
 /// Where robot, objects and table (z = 0) touch. Robot parts are boxes, cylinders and spheres;
 /// objects are met as what they are (box, ball, can) or as their meshes: points on the parts, a few
 /// millimetres apart, against the object's surface, and points of the object's surface against the
-/// parts. Fingers meet one another as primitives. So meshes need not be convex.
+/// parts. Fingers meet one another as primitives. So meshes need not be convex. What lies before a
+/// tactile pad's foam is left to its texels (engines::EnginePad).
 class RobotTouch : public engines::TouchFinder {
  public:
   struct Object {
@@ -25,7 +26,9 @@ class RobotTouch : public engines::TouchFinder {
   static constexpr double kPointSpacing = 0.004;  // m, on fingers
   static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
 
-  RobotTouch(const RobotBodies& robot, std::vector<Object> objects);
+  /// @param pads of the hand, whose order RobotBodies::Pad means.
+  RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
+             std::vector<Object> objects);
 
   void find(const engines::Multibody& system, const engines::MultibodyState& base, double h,
             const Eigen::VectorXd& u, std::vector<engines::TouchPoint>& touches) override;
@@ -33,6 +36,13 @@ class RobotTouch : public engines::TouchFinder {
   const std::vector<Object>& objects() const { return objects_; }
 
  private:
+  /// Of a pad: what is in it, texels feel.
+  struct Foam {
+    geometry::RigidTransform X_PS;
+    Eigen::Vector2d half = Eigen::Vector2d::Zero();  // m
+    double thickness = 0;                            // m
+    bool holds(const Eigen::Vector3d& p_S) const;
+  };
   struct Part {
     int body, finger, rank;
     bool carried;
@@ -41,6 +51,7 @@ class RobotTouch : public engines::TouchFinder {
     contact::Shape felt;
     double radius;                          // m, of a ball round S's origin that holds it
     std::vector<Eigen::Vector3d> points_S;  // m
+    std::vector<Foam> foams;
   };
   /// Least distances to an object's surface over a grid of cells: what is far is not asked.
   struct Near {

@@ -15,8 +15,6 @@ using geometry::RigidTransform;
 
 namespace {
 
-constexpr double kOnFace = 0.006;  // m, from a pad's plane
-
 geometry::TriangleMesh mesh_of(const robot::CollisionShape& shape) {
   using Kind = robot::CollisionShape::Kind;
   switch (shape.kind) {
@@ -52,6 +50,11 @@ ContactWrench RobotWorld::Implementation::contact_wrench() const {
     wrench.force += force;
     wrench.torque += (touch_point.at.p_W - X_WHand.translation()).cross(force);
   }
+  for (const engines::PadLoad& load : state.pad_loads) {
+    wrench.force -= load.wrench_W.head<3>();
+    wrench.torque -=
+        load.wrench_W.tail<3>() + (load.p_W - X_WHand.translation()).cross(load.wrench_W.head<3>());
+  }
   wrench.force = X_WHand.linear().transpose() * wrench.force;
   wrench.torque = X_WHand.linear().transpose() * wrench.torque;
   return wrench;
@@ -85,6 +88,7 @@ RobotBodyReading RobotWorld::Implementation::reading(const Thing& thing) const {
     if (other < 0) reading.touches_table = true;
     if (other >= 0 && other < static_cast<int>(robot.bodies.size())) reading.touches_robot = true;
   }
+  reading.touches_robot = reading.touches_robot || pad_normal_force(thing.body) > 0;
   return reading;
 }
 
@@ -131,31 +135,36 @@ std::vector<LinkContact> RobotWorld::link_contacts() const {
     add(touch_point.a, touch_point, 1);
     add(touch_point.b, touch_point, -1);
   }
+  for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
+    const engines::PadLoad& load = world.state.pad_loads[k];
+    if (!(load.normal_force > 0)) continue;
+    const engines::PadTouch& touch = world.system->pad_touches()[k];
+    LinkContact& contact = found[touch.carrier];
+    contact.link = world.robot.bodies[static_cast<std::size_t>(touch.carrier)].name;
+    const std::vector<double>& texels = world.state.pads[k].normal_force;
+    contact.points += static_cast<int>(
+        std::count_if(texels.begin(), texels.end(), [](double force) { return force > 0; }));
+    contact.force -= load.wrench_W.head<3>();
+    contact.normal_force += load.normal_force;
+  }
   std::vector<LinkContact> contacts;
   for (auto& [body, contact] : found) contacts.push_back(std::move(contact));
   return contacts;
 }
 
-// The points that press on a pad's face, each on the texel below it.
-std::vector<double> RobotWorld::Implementation::pad_forces(const robot::HandPad& pad) const {
-  const int rows = pad.model.rows, columns = pad.model.columns;
-  std::vector<double> forces(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
-  const int link = robot.model.link_index(
-      prefix + hand_model.model.links[static_cast<std::size_t>(pad.link)].name);
-  const int body = robot.body_of_link[static_cast<std::size_t>(link)];
-  const RigidTransform X_PW = (X_WL(link) * pad.X_LP).inverse(Eigen::Isometry);
-  const double pitch = pad.model.texel_pitch;
-  for (const TouchPoint& touch_point : state.touches) {
-    if (touch_point.a != body && touch_point.b != body) continue;
-    const Eigen::Vector3d p = X_PW * touch_point.at.p_W;
-    if (std::abs(p.z()) > kOnFace) continue;
-    // Row 0 is at the tip, +y; column 0 at -x.
-    const double row = 0.5 * rows - p.y() / pitch;
-    const double column = p.x() / pitch + 0.5 * columns;
-    if (!(row >= 0 && row < rows && column >= 0 && column < columns)) continue;
-    forces[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(column)] += touch_point.normal_force;
+double RobotWorld::Implementation::pad_normal_force(int body) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < state.pad_loads.size(); ++k) {
+    if (system->pad_touches()[k].body == body) sum += state.pad_loads[k].normal_force;
   }
+  return sum;
+}
+
+std::vector<double> RobotWorld::Implementation::pad_forces(std::size_t pad) const {
+  const robot::TactilePadModel& model = hand_model.pads[pad].model;
+  std::vector<double> forces(static_cast<std::size_t>(model.rows) *
+                             static_cast<std::size_t>(model.columns));
+  engines::add_pad_forces(system->pad_touches(), state.pads, static_cast<int>(pad), forces);
   return forces;
 }
 
@@ -163,7 +172,7 @@ void RobotWorld::Implementation::read_sensors() {
   wrist = sensors.shown(contact_wrench());
   if (!sensors.frames_due(options.step)) return;
   for (std::size_t pad = 0; pad < hand_model.pads.size(); ++pad) {
-    sensors.take_frame(pad, pad_forces(hand_model.pads[pad]));
+    sensors.take_frame(pad, pad_forces(pad));
   }
 }
 
@@ -176,7 +185,7 @@ std::vector<HandPadReading> RobotWorld::pads() const {
     reading.name = pad.name;
     reading.rows = pad.model.rows;
     reading.columns = pad.model.columns;
-    reading.force = world.pad_forces(pad);
+    reading.force = world.pad_forces(i);
     for (const double force : reading.force) reading.sum += force;
     reading.counts = world.sensors.ideal_pads() ? world.sensors.ideal_counts(i, reading.force)
                                                 : world.sensors.frame(i);
@@ -207,6 +216,23 @@ std::vector<RobotWorld::ObjectTouch> RobotWorld::object_touches(const std::strin
     const std::size_t link_body = static_cast<std::size_t>(touch_point.b);
     touches.push_back({touch_point.at.p_W, touch_point.force, world.robot.bodies[link_body].name,
                        world.robot.finger_of_body[link_body]});
+  }
+  for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
+    const engines::PadTouch& pad = world.system->pad_touches()[k];
+    if (pad.body != body || !(world.state.pad_loads[k].normal_force > 0)) continue;
+    const std::size_t link_body = static_cast<std::size_t>(pad.carrier);
+    const RigidTransform X_WP = world.state.X_WB[link_body] * pad.X_CP;
+    const contact::PadState& texels = world.state.pads[k];
+    for (std::size_t i = 0; i < pad.layout.size(); ++i) {
+      if (!(texels.normal_force[i] > 0)) continue;
+      const Eigen::Vector3d n = pad.layout.normal(i);
+      const Eigen::Vector3d force = texels.normal_force[i] * n -
+                                    texels.friction_u[i] * pad.layout.first_tangent(i) -
+                                    texels.friction_v[i] * pad.layout.second_tangent(i);
+      touches.push_back({X_WP * (pad.layout.position(i) - texels.depth[i] * n),
+                         X_WP.linear() * force, world.robot.bodies[link_body].name,
+                         world.robot.finger_of_body[link_body]});
+    }
   }
   return touches;
 }
