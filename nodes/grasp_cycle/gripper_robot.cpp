@@ -6,6 +6,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
@@ -123,7 +124,7 @@ Eigen::Vector3d GripperRobot::choose_move(const View& view, const Target& target
       others.push_back(mesh_W.vertices);
     }
   }
-  planning::PlaceOptions options = options_.place;
+  planning::PlaceOptions options = places_of(options_.cycle.task, object, options_.place);
   for (const double x : {-kHandRadius, kHandRadius}) {
     for (const double y : {-kHandRadius, kHandRadius}) {
       options.hand_W.push_back(hand_W + Eigen::Vector3d(x, y, 0));

@@ -8,7 +8,6 @@
 #include <Eigen/Core>
 
 #include "prehend/control/cycle.h"
-#include "prehend/control/grasp_order.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_path.h"
@@ -71,7 +70,7 @@ struct ArmPercepts {
   double wrist_age = 0;   // s
 };
 
-struct ArmCycleOptions {
+struct ArmCycleOptions : SharedCycleOptions {
   /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
   /// otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
@@ -90,32 +89,20 @@ struct ArmCycleOptions {
   double rest_time = 0.2;    // s, >= 0, before the approach: the wrist's force at rest, its noise
   double check_time = 0.4;   // s, >= 0, at rest after the lift, and after the retreat
   HoldingOptions holding;
-  SurpriseTolerances tolerances;
   double motion_timeout = 60;   // s, > 0, of each motion
   double largest_detour = 0.5;  // rad, > 0, see joined()
-  int largest_attempts = 3;     // > 0
-  double stale_time = 0.25;     // s, > 0, after which percepts are too old to move by
-  double answer_time = 2;       // s, > 0, without a word of a motion: nobody carries it out
-  /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
-  /// plan is taken at once.
-  double look_timeout = 0;
-  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the cycle
-  /// ends when none come.
-  bool only_seen_again = false;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Executes ranked grasps with an arm and a hand until one succeeds: opens the hand, reach,
-/// approach, close, lift, weighs what is held, carry, place, open, retreat, weighs the empty hand.
-/// While it lifts, carries and lowers, what is held is watched (Holding): by its weight where
-/// nothing else bears it, which is all but the end of lowering, and by the fingers all the time. A
-/// plan without a place ends with the object lifted and held.
+/// Executes a task with an arm and a hand: opens the hand, reach, approach, close, lift, weighs
+/// what is held, carry, place, open, retreat, weighs the empty hand. While it lifts, carries and
+/// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
+/// all but the end of lowering, and by the fingers all the time.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// On a failure it opens and goes back the way it came. With `look_timeout` it waits there for
-/// grasps planned on a new look (looks_since(), take_plan()), as the object may have moved; when
-/// none come it takes the next grasp of its plan. Grasps like one that failed come last in either.
+/// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken
+/// from where the arm stood at first.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -132,16 +119,13 @@ class ArmCycle : public Cycle {
   void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
-  std::optional<double> looks_since() const override;
   /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
   /// @pre looks_since() is set
   void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "");
-  void abort(const std::string& reason) override;
-  Phase phase() const override;
 
  private:
+  /// Parts of actions.
   enum class Step {
-    kWaiting,
     kOpen,
     kReach,
     kRest,
@@ -152,41 +136,45 @@ class ArmCycle : public Cycle {
     kLift,
     kCheck,
     kCarry,
+    kLower,
+    kRaise,
     kPlace,
     kRelease,
     kRetreat,
     kVerify,
-    kGiveUpOpen,
     kGoBack,
-    kLook,
-    kDone,
-    kFailed
+    kWait
   };
-  static bool moves_hand(Step step);
-  static bool waits(Step step);
 
-  static Phase phase_of(Step step);
+  void begin(const Action& action) override;
+  void prepare_attempt() override;
+  void clear_view() override { look_now(); }
+  void stop_motion() override;
   void enter(Step step, const std::string& detail);
+  bool moves_hand() const;
+  bool waits() const;
+  /// It lets go of what is held, or leaves it: what fails then is no attempt's failure.
+  bool leaves() const;
   /// What the cycle relies on.
   std::vector<InputAge> inputs();
   void step_waiting();
   /// Stops and ends when something of it is lost; true then.
   bool stop_when_lost();
-  void begin_grasp(int index);
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
-  void follow(const JointPath& path, double contact_force);
+  void begin_move(const Action& action);
+  void follow(const JointPath& path, double contact_force, bool leads_back = true);
   const JointPath* segment(const std::string& name) const;
   MotionStatus motion_status();
   void gather();
   void close();
-  void open_hand();
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
   void advance(MotionStatus status);
   /// The present step ends as planned where something is touched.
   bool reacts_to_contact() const;
+  double contact_force_down() const;    // N, at which what is lowered is met
   double held_collision_force() const;  // N
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
@@ -194,20 +182,21 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
-  void give_up(const std::string& reason);
   void go_back();
-  void next_grasp(const std::string& why);
-  void finish(bool success, const std::string& reason);
+  void fail(const std::string& reason);
   const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
 
   ArmCycleOptions options_;
   ArmPort& arm_;
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
-  GraspOrder order_;  // of grasps_
-  Step step_ = Step::kWaiting;
+  Step step_ = Step::kWait;
+  double wait_time_ = 0;              // s
+  bool put_down_ = false;             // what is held stands where it stood, or at its place
+  std::optional<JointPath> lowered_;  // the last way down
+  bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
-  std::vector<JointPath> gone_;  // segments that were begun in this attempt
+  std::vector<JointPath> gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;
   ArmPercepts percepts_;
   Holding holding_;
