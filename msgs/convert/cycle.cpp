@@ -1,5 +1,6 @@
 #include "msgs/convert/cycle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -105,6 +106,22 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   result.lifted_mass = grasp.predicted().lifted_mass();
   result.score = grasp.score();
   result.robustness = grasp.has_robustness() ? grasp.robustness() : -1;
+  result.force = grasp.grasp_force();
+  if (grasp.effort() > 0) result.effort = std::min(1.0, grasp.effort());
+  result.largest_effort.assign(grasp.largest_effort().begin(), grasp.largest_effort().end());
+  result.contact_area = grasp.predicted().contact_area();
+  result.tactile_sum = grasp.predicted().tactile_sum();
+  const bool sound =
+      (result.largest_effort.empty() ||
+       result.largest_effort.size() == result.hand_joints.size()) &&
+      std::all_of(result.largest_effort.begin(), result.largest_effort.end(),
+                  [](double effort) { return std::isfinite(effort) && effort > 0; }) &&
+      std::isfinite(result.force) && result.force >= 0 && std::isfinite(result.effort);
+  if (!sound) {
+    throw geometry::InputError(
+        "A grasp whose force or efforts are not positive numbers, one for each joint of the hand",
+        "Look for the fault in the node that published it");
+  }
   return result;
 }
 

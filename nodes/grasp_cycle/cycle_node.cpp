@@ -11,6 +11,9 @@
 #include "nodes/grasp_cycle/gripper_robot.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace prehend::nodes {
 namespace {
@@ -64,7 +67,6 @@ struct Misfit {
 
 constexpr Misfit kNotOfPlatforms[] = {
     {"gripper", "the platform has its own hand"},
-    {"touch_counts", "its cycle feels by joints and wrist"},
     {"lift_height", "the plan says how the arm lifts"},
     {"transit_height", "the plan says how the arm gets there"},
     {"move_distance", "the planner chooses the place"},
@@ -73,6 +75,7 @@ constexpr Misfit kNotOfPlatforms[] = {
 };
 constexpr Misfit kOfPlatforms[] = {
     {"reacts", "no platform is named"},           {"contact_force", "no platform is named"},
+    {"platforms", "no platform is named"},        {"grip_force", "no platform is named"},
     {"collision_force", "no platform is named"},  {"overrun", "no platform is named"},
     {"force_resolution", "no platform is named"},
 };
@@ -134,6 +137,16 @@ std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
        .description = "arm with a hand (kr5_sdh, pa10_barrett, ...) that the plans are for; empty: "
                       "the parallel gripper on its carrier",
        .read_only = true});
+  const auto platforms = node_.declare_parameter<std::string>(
+      {.name = "platforms",
+       .default_value = text::tree_file("config/robots"),
+       .description = "folder of the platform's file, PLATFORM.yaml",
+       .read_only = true});
+  const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
+                                                         .default_value = 10,
+                                                         .minimum = 0,
+                                                         .description = "above: a texel is touched",
+                                                         .read_only = true});
   control::SharedCycleOptions shared = declare_shared_options(node_);
   shared.look_timeout = look_.timeout();
   // Predicted objects in a simulation are seen by nobody, but it says where they are.
@@ -145,8 +158,10 @@ std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
   static_cast<control::SharedCycleOptions&>(arm) = shared;
   static_cast<control::SharedCycleOptions&>(gripper.cycle) = shared;
   if (!platform.empty()) {
-    return std::make_unique<ArmRobot>(node_, arm);
+    const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
+    return std::make_unique<ArmRobot>(node_, robot.hand, ArmRobotOptions{arm, touch_counts});
   }
+  gripper.touch_counts = touch_counts;
   gripper_.listen();
   return std::make_unique<GripperRobot>(node_, gripper_, gripper);
 }

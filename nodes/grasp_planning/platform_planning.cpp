@@ -75,6 +75,11 @@ msgs::Grasp PlatformPlanning::to_message(const planning::PlannedGrasp& grasp) co
   for (const double rate : way.rate) message.add_closing_rate(rate);
   for (const double position : way.lower) message.add_least_position(position);
   for (const double position : way.upper) message.add_largest_position(position);
+  message.set_effort(std::clamp(grasp.effort, 0.0, 1.0));
+  for (const int joint : platform_.hand.actuated) {
+    message.add_largest_effort(
+        platform_.hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
+  }
   for (const Eigen::Vector3d& p_W : grasp.contacts_W) {
     *message.add_contacts() = convert::to_message(p_W);
   }

@@ -30,9 +30,9 @@ planning::PlaceOptions places_of(const control::Task& task,
                                  planning::PlaceOptions options) {
   if (task.places.empty()) return options;
   if (options.given_W) {
-    throw geometry::InputError("Parameter place does not apply: the task '" + task.name +
-                                   "' has its own places",
-                               "Leave it out, or take another task");
+    throw geometry::InputError(
+        "Parameter place does not apply: the task '" + task.name + "' has its own places",
+        "Leave it out, or take another task");
   }
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : object_W) box.extend(p);

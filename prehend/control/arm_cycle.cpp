@@ -12,6 +12,12 @@
 namespace prehend::control {
 namespace {
 
+constexpr double kFirstShare = 0.7;      // of the effort that is thought to be enough
+constexpr double kLeastShare = 0.05;     // of the hand's greatest
+constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
+constexpr double kForceTolerance = 0.1;  // of the force
+constexpr double kLeastRise = 1.05, kMostRise = 1.5;
+
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
 }
@@ -34,6 +40,9 @@ void ArmCycleOptions::validate() const {
   require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
   require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
   require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
+  require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
+  require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
+  require(std::isfinite(force_timeout) && force_timeout > 0, "force_timeout must be positive");
   require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
   require(std::isfinite(rest_time) && rest_time >= 0, "rest_time must not be negative");
   require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
@@ -56,7 +65,7 @@ ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
 
 bool ArmCycle::moves_hand() const {
   return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
-         step_ == Step::kRelease;
+         step_ == Step::kPress || step_ == Step::kRelease;
 }
 
 bool ArmCycle::waits() const {
@@ -123,7 +132,8 @@ void ArmCycle::prepare_attempt() {
 
 void ArmCycle::begin(const Action& action) {
   const auto move_hand = [this](Step step, const std::string& detail) {
-    hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false);
+    hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false,
+               {});
     enter(step, detail);
   };
   switch (action.primitive) {
@@ -132,8 +142,12 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kApproach:
     case Primitive::kTouch:
       return move_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
-    case Primitive::kGrasp:
+    case Primitive::kGrasp: {
+      const bool regulates =
+          wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
+      share_ = regulates ? std::clamp(kFirstShare * grasp().effort, kLeastShare, 1.0) : 1.0;
       return gather();
+    }
     case Primitive::kLift:
       begin_segment("lift", Step::kLift, held_collision_force());
       return;
@@ -209,14 +223,45 @@ bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_
 void ArmCycle::gather() {
   if (options_.gather == 0) return close();
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(-options_.gather)),
-             options_.closing_speed, true);
+             options_.closing_speed, true, efforts());
   enter(Step::kGather, "gathering the fingers round the object");
 }
 
 void ArmCycle::close() {
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
-             options_.closing_speed, true);
+             options_.closing_speed, true, efforts());
   enter(Step::kClose, "closing the fingers");
+}
+
+double ArmCycle::wanted_force() const {
+  return grasp().force > 0 ? grasp().force : options_.grip_force;
+}
+
+std::vector<double> ArmCycle::efforts() const {
+  std::vector<double> efforts = grasp().largest_effort;
+  for (double& effort : efforts) effort *= share_;
+  return efforts;
+}
+
+void ArmCycle::press() {
+  hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
+             options_.closing_speed, true, efforts());
+  enter(Step::kPress, fmt::format("pressing until the pads feel {:.1f} N", wanted_force()));
+}
+
+// Motors that hold do not give way when they are told to press less: they are told more, step by
+// step, until it is enough.
+void ArmCycle::after_pressing() {
+  if (spent() < kPressTime) return;
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  const double wanted = wanted_force();
+  const bool enough = felt.pads > 0 && felt.sum >= (1 - kForceTolerance) * wanted;
+  if (enough || share_ >= 1 || now() - pressed_since_ > options_.force_timeout) {
+    return enter(Step::kSettle, "pressing");
+  }
+  const double lacks = felt.pads > 0 ? wanted / felt.sum : kMostRise;
+  share_ = std::min(1.0, share_ * std::clamp(lacks, kLeastRise, kMostRise));
+  press();
 }
 
 void ArmCycle::fail(const std::string& reason) {
@@ -332,8 +377,11 @@ void ArmCycle::advance(MotionStatus status) {
       return close();
     case Step::kClose:
       return after_closing(status);
+    case Step::kPress:
+      return after_pressing();
     case Step::kSettle:
       if (spent() < options_.settle_time) return;
+      compare_touch();
       if (const auto now = closure()) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);

@@ -11,6 +11,7 @@
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_path.h"
+#include "prehend/control/pad_percept.h"
 #include "prehend/robot/closing_way.h"
 
 namespace prehend::control {
@@ -25,6 +26,11 @@ struct ArmGrasp {
   double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
   double score = 0;        // expected success, 0 to 1
   double robustness = -1;  // share of disturbed trials in which it holds; -1: not assessed
+  double force = 0;        // N, per pad, that it is to be held with; 0: as the motors press
+  double effort = 1;       // share of what the hand can that this is thought to take, in (0, 1]
+  std::vector<double> largest_effort;  // N m or N, of hand_joints; empty: not known
+  /// What the pads that touch are predicted to feel then, their mean [m^2, N]; 0: not predicted.
+  double contact_area = 0, tactile_sum = 0;
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".
@@ -48,9 +54,10 @@ class ArmPort {
 class HandPort {
  public:
   virtual ~HandPort() = default;
-  /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press.
+  /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press,
+  /// with `effort` of each joint [N m or N]; empty: the hand's own.
   virtual void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-                    double speed, bool until_contact) = 0;
+                    double speed, bool until_contact, const std::vector<double>& effort) = 0;
   virtual MotionStatus motion() = 0;         // of the last move; kContact: fingers press
   virtual double answer_age() { return 0; }  // as ArmPort's
   virtual std::string problem() = 0;
@@ -66,8 +73,9 @@ struct ArmPercepts {
   std::vector<double> positions;  // rad, of arm and hand
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
-  double joints_age = 0;  // s, at `time`; 0: read in the same instant
-  double wrist_age = 0;   // s
+  std::vector<PadPercept> pads;  // that have spoken; ages at `time`
+  double joints_age = 0;         // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;          // s
 };
 
 struct ArmCycleOptions : SharedCycleOptions {
@@ -85,6 +93,11 @@ struct ArmCycleOptions : SharedCycleOptions {
   double gather = 0.1;
   /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
   double overrun = 0.5;
+  /// N, >= 0, that the pads which touch are to feel, their mean: of a hand whose plan says no
+  /// force. 0: as the motors press.
+  double grip_force = 0;
+  double touch_force = 0.3;  // N, > 0, of a pad's sum that touches
+  double force_timeout = 4;  // s, > 0, to reach the force; then it is gripped with what there is
   double settle_time = 0.3;  // s, >= 0, after closing
   double rest_time = 0.2;    // s, >= 0, before the approach: the wrist's force at rest, its noise
   double check_time = 0.4;   // s, >= 0, at rest after the lift, and after the retreat
@@ -99,6 +112,9 @@ struct ArmCycleOptions : SharedCycleOptions {
 /// what is held, carry, place, open, retreat, weighs the empty hand. While it lifts, carries and
 /// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
 /// all but the end of lowering, and by the fingers all the time.
+///
+/// Where the plan says a force and pads speak, the motors press harder until the mean of the pads
+/// that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken
@@ -132,6 +148,7 @@ class ArmCycle : public Cycle {
     kApproach,
     kGather,
     kClose,
+    kPress,
     kSettle,
     kLift,
     kCheck,
@@ -168,6 +185,11 @@ class ArmCycle : public Cycle {
   MotionStatus motion_status();
   void gather();
   void close();
+  void press();
+  std::vector<double> efforts() const;  // N m or N, of the hand's joints now
+  void after_pressing();
+  double wanted_force() const;  // N, per pad; 0: none
+  void compare_touch();
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
@@ -192,6 +214,8 @@ class ArmCycle : public Cycle {
   std::vector<ArmGrasp> grasps_;
   Step step_ = Step::kWait;
   double wait_time_ = 0;              // s
+  double share_ = 1;                  // of the greatest effort, that the motors press with
+  double pressed_since_ = 0;          // s
   bool put_down_ = false;             // what is held stands where it stood, or at its place
   std::optional<JointPath> lowered_;  // the last way down
   bool lowers_fully_ = false;

@@ -59,7 +59,21 @@ void ArmCycle::after_closing(MotionStatus status) {
         positions.data(), static_cast<Eigen::Index>(positions.size())));
     add_surprise(SurpriseKind::kFingersAtContact, 0, beyond, "grips anyhow, weighs it when lifted");
   }
-  enter(Step::kSettle, "pressing");
+  if (share_ >= 1) return enter(Step::kSettle, "pressing");
+  pressed_since_ = now();
+  press();
+}
+
+void ArmCycle::compare_touch() {
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  if (percepts_.pads.empty()) return;
+  const std::string reaction = "grips anyhow, weighs it when lifted";
+  if (grasp().contact_area > 0) {
+    add_surprise(SurpriseKind::kContactArea, grasp().contact_area, felt.area, reaction);
+  }
+  if (grasp().tactile_sum > 0) {
+    add_surprise(SurpriseKind::kTactileSum, grasp().tactile_sum, felt.sum, reaction);
+  }
 }
 
 bool ArmCycle::watch_held() {

@@ -10,6 +10,7 @@
 #include "prehend/control/cycle.h"
 #include "prehend/control/force_controller.h"
 #include "prehend/control/input_watch.h"
+#include "prehend/control/pad_percept.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
@@ -42,13 +43,6 @@ class CarrierPort {
   virtual MotionStatus motion() = 0;         // of the last move_to
   virtual double answer_age() { return 0; }  // as GripperPort's
   virtual void stop() = 0;
-};
-
-/// One pad as felt.
-struct PadPercept {
-  double sum = 0;   // N
-  double area = 0;  // m^2, of the texels above the touch threshold
-  double age = 0;   // s, of the frame, at Percepts::time
 };
 
 /// All the cycle knows of the world. Unset: nothing has come yet. Ages in s at `time`, 0 for what

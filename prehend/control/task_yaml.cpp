@@ -17,10 +17,10 @@
 namespace prehend::control {
 namespace {
 
-constexpr Primitive kPrimitives[] = {
-    Primitive::kLook, Primitive::kApproach, Primitive::kTouch,   Primitive::kGrasp,
-    Primitive::kLift, Primitive::kMove,     Primitive::kPlace,   Primitive::kRelease,
-    Primitive::kWait, Primitive::kRetreat};
+constexpr Primitive kPrimitives[] = {Primitive::kLook,   Primitive::kApproach, Primitive::kTouch,
+                                     Primitive::kGrasp,  Primitive::kLift,     Primitive::kMove,
+                                     Primitive::kPlace,  Primitive::kRelease,  Primitive::kWait,
+                                     Primitive::kRetreat};
 constexpr int kMostStates = 100;
 constexpr int kMostTimes = 1000;
 
@@ -149,8 +149,8 @@ class TaskReader {
                      (outcome == Outcome::kDone ? "" : ", or `otherwise: STATE` for all but done"));
       }
       uses_otherwise = uses_otherwise || target.empty();
-      state.next[outcome] = target.empty() ? index_of(otherwise, "otherwise", map)
-                                           : index_of(target, key, map);
+      state.next[outcome] =
+          target.empty() ? index_of(otherwise, "otherwise", map) : index_of(target, key, map);
     }
     if (!otherwise.empty() && !uses_otherwise) {
       map.fail("otherwise", "is never used, as every outcome has its own way", "Take it out");

@@ -60,10 +60,9 @@ void write_dot(const StateChart& chart, std::ostream& out) {
 }  // namespace
 
 std::string draw_state_chart(const StateChart& chart) {
-  return drawn_by({"Graphviz", "dot -Tsvg script -o chart.svg", "graphviz"}, chart.title,
-                  [&chart](const auto& /*folder*/, std::ostream& script) {
-                    write_dot(chart, script);
-                  });
+  return drawn_by(
+      {"Graphviz", "dot -Tsvg script -o chart.svg", "graphviz"}, chart.title,
+      [&chart](const auto& /*folder*/, std::ostream& script) { write_dot(chart, script); });
 }
 
 }  // namespace prehend::report

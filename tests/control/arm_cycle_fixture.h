@@ -31,7 +31,8 @@ struct FakeArm : ArmPort {
 
 struct FakeHand : HandPort {
   void move(const std::vector<std::string>&, const std::vector<double>& positions, double,
-            bool until_contact) override {
+            bool until_contact, const std::vector<double>& effort) override {
+    efforts.push_back(effort);
     asked.push_back(positions.front());
     last_closes = until_contact;
   }
@@ -45,6 +46,7 @@ struct FakeHand : HandPort {
   }
   double touches_at = 0.62;  // rad
   std::vector<double> asked;
+  std::vector<std::vector<double>> efforts;
   bool last_closes = false;
   MotionStatus closes = MotionStatus::kContact, opens = MotionStatus::kReached;
   int stops = 0;
@@ -70,11 +72,13 @@ struct Fakes {
   FakeArm arm;
   FakeHand hand;
   ArmPercepts now{0, {"j", "f"}, {0.0, 0.0}, Eigen::Vector3d::Zero()};
+  std::vector<PadPercept> pads;
   double weight = 3;  // N, of what the hand closes on
 
   ArmPercepts& felt() {
     now.positions = {arm.position[0], hand.position()};
     now.wrist_force = Eigen::Vector3d(0, 0, hand.last_closes ? weight : 0);
+    now.pads = pads;
     return now;
   }
   /// Until it is finished, or `until` the segment of that number was asked for.

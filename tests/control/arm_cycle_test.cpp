@@ -324,5 +324,69 @@ TEST(ArmCycle, SaysWhatWentWrong) {
   EXPECT_THROW(ArmCycle(options, arm, hand), std::invalid_argument);
 }
 
+// Pads that feel half a newton for each hundredth of the effort.
+struct FeelingFakes : Fakes {
+  void run_feeling(ArmCycle& cycle) {
+    for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+      const double share = hand.efforts.empty() || hand.efforts.back().empty()
+                               ? 1.0
+                               : hand.efforts.back().front() / 2.0;
+      const double sum = hand.last_closes ? 50 * share : 0;
+      if (speak) pads = {{sum, sum > 0 ? 3e-4 : 0, 0}, {sum, sum > 0 ? 3e-4 : 0, 0}, {0, 0, 0}};
+      most = std::max(most, sum);
+      run(cycle, 1);
+    }
+  }
+  bool speak = true;
+  double most = 0;  // N
+};
+
+ArmGrasp forceful_grasp() {
+  ArmGrasp grasp = fake_grasp();
+  grasp.force = 12;
+  grasp.effort = 0.25;
+  grasp.largest_effort = {2.0};
+  grasp.contact_area = 3e-4;
+  grasp.tactile_sum = 12;
+  return grasp;
+}
+
+TEST(ArmCycle, PressesUntilThePadsFeelTheForceOfThePlan) {
+  FeelingFakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({forceful_grasp()});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_NEAR(f.most, 12, 0.1 * 12) << "not with all that the motors can, 50 N";
+  ASSERT_NE(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
+  EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
+  EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kContactArea)->surprising);
+}
+
+TEST(ArmCycle, WhatPadsDoNotSayIsNotComparedAndTheMotorsPress) {
+  FeelingFakes f;
+  f.speak = false;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({forceful_grasp()});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_NEAR(f.most, 50, 1e-9);
+  EXPECT_EQ(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
+}
+
+TEST(ArmCycle, AForceThatIsNotReachedIsASurpriseNotAFailure) {
+  FeelingFakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  ArmGrasp grasp = forceful_grasp();
+  grasp.force = grasp.tactile_sum = 80;
+  cycle.start({grasp});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
+}
+
 }  // namespace
 }  // namespace prehend::control

@@ -49,8 +49,7 @@ std::string refusal(const std::string& yaml) {
 TEST(Task, EveryOneThatShipsCanBeDone) {
   const std::filesystem::path folder = "config/tasks";
   const std::vector<std::string> names = task_names(folder);
-  for (const char* name :
-       {"pick_and_place", "work_cycle", "sort", "clear_table", "shake_test"}) {
+  for (const char* name : {"pick_and_place", "work_cycle", "sort", "clear_table", "shake_test"}) {
     EXPECT_THAT(names, Contains(name));
   }
   for (const std::string& name : names) {
@@ -97,8 +96,9 @@ TEST(Task, PutsThingsByTheirSize) {
 }
 
 TEST(Task, RefusesWhatIsMistyped) {
-  EXPECT_THAT(refusal(changed("do: look", "do: loock")),
-              AllOf(HasSubstr("mine.yaml:4"), HasSubstr("'loock'"), HasSubstr("nearest is 'look'")));
+  EXPECT_THAT(
+      refusal(changed("do: look", "do: loock")),
+      AllOf(HasSubstr("mine.yaml:4"), HasSubstr("'loock'"), HasSubstr("nearest is 'look'")));
   EXPECT_THAT(refusal(changed("done: approach", "done: aproach")),
               AllOf(HasSubstr("names no state: 'aproach'"), HasSubstr("nearest is 'approach'")));
   EXPECT_THAT(refusal(changed("start: look", "start: loook")), HasSubstr("nearest is 'look'"));
@@ -122,8 +122,9 @@ TEST(Task, RefusesWhatIsMissingOrThereTwice) {
   EXPECT_THAT(refusal("start: look\nstates: {}\n"), HasSubstr("states"));
   EXPECT_THAT(refusal(""), HasSubstr("mine.yaml"));
   EXPECT_THAT(refusal(changed("lift:", "success:")), HasSubstr("is an end of every task"));
-  EXPECT_THAT(refusal(changed("leave: {do", "alone: {do: release, done: alone, failed: alone}\n"
-                                            "  leave: {do")),
+  EXPECT_THAT(refusal(changed("leave: {do",
+                              "alone: {do: release, done: alone, failed: alone}\n"
+                              "  leave: {do")),
               HasSubstr("cannot be reached"));
 }
 
