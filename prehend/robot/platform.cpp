@@ -29,6 +29,7 @@ int append(const RobotModel& part, const std::string& prefix, RobotModel& whole)
     if (joint.mimic) joint.mimic->joint += first_joint;
     whole.joints.push_back(std::move(joint));
   }
+  whole.remarks.insert(whole.remarks.end(), part.remarks.begin(), part.remarks.end());
   return first_link;
 }
 
