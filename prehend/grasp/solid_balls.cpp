@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using CellKey = std::array<std::int64_t, 3>;
 
 constexpr double kHeld = 0.25;       // of the dip: half of the tolerance, as points tried are apart
-constexpr double kPointShare = 0.2;  // of a ball's reach along a face, between points tried
+constexpr double kPointShare = 0.3;  // of a ball's reach along a face, between points tried
 constexpr double kLeastShare = 0.03;    // of the inset: smaller balls are left out
 constexpr double kSmaller = 0.9;        // a ball so much smaller than its neighbour is at an edge
 constexpr double kEdgeRounding = 0.45;  // radii that an edge may stick out: sqrt(2) - 1, and a bit

@@ -18,6 +18,8 @@ namespace {
 
 using geometry::InputError;
 
+constexpr double kFarthest = 1000;  // rad or m, of a joint
+
 template <class Item>
 int index_of(const std::vector<Item>& items, const std::string& name, const std::string& what,
              const std::string& robot) {
@@ -192,6 +194,13 @@ class Reader {
           fail("joint '" + given.name + "' has a lower limit above the upper one",
                "Swap them, or mend them");
         }
+        if (!(std::max(std::abs(joint.lower), std::abs(joint.upper)) <= kFarthest)) {
+          fail("joint '" + given.name + "' has a limit that nothing reaches",
+               "Give rad or m, or make it continuous");
+        }
+      }
+      if (!(given.limits->velocity >= 0) || !(given.limits->effort >= 0)) {
+        fail("joint '" + given.name + "' has a negative velocity or effort", "Give what it can do");
       }
       if (given.limits->velocity > 0) joint.max_velocity = given.limits->velocity;
       if (given.limits->effort > 0) joint.max_effort = given.limits->effort;
@@ -204,8 +213,17 @@ class Reader {
     const auto found = std::find_if(model_.joints.begin(), model_.joints.end(),
                                     [&](const Joint& j) { return j.name == given.joint_name; });
     if (found == model_.joints.end()) {
+      std::vector<std::string> names;
+      for (const Joint& joint : model_.joints) {
+        if (joint.name != name) names.push_back(joint.name);
+      }
       fail("joint '" + name + "' mimics '" + given.joint_name + "', which is not there",
-           "Name a joint of the file");
+           text::nearest_match_mend(given.joint_name, names));
+    }
+    if (given.multiplier == 0 || !std::isfinite(given.multiplier) || !std::isfinite(given.offset)) {
+      fail("joint '" + name + "' mimics '" + given.joint_name +
+               "' with a multiplier of 0 or no number",
+           "Make it fixed, or give the ratio");
     }
     model_.joints[static_cast<std::size_t>(index)].mimic =
         Mimic{static_cast<int>(found - model_.joints.begin()), given.multiplier, given.offset};
