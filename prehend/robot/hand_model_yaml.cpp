@@ -140,8 +140,8 @@ class HandReader {
         const bool effort = !std::isfinite(moved.max_effort);
         map.fail(
             "actuated",
-            "names '" + name + "', which has no " + (effort ? "effort" : "velocity") +
-                " in the URDF",
+            "names '" + name + "', which has no " + (effort ? "effort" : "velocity") + " in " +
+                urdf_,
             effort ? "Give its limit there, in N m or N" : "Give its limit there, in rad/s or m/s");
       }
       if (std::count(hand_.actuated.begin(), hand_.actuated.end(), joint) > 0) {

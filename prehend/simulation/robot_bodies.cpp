@@ -21,6 +21,7 @@ constexpr double kDensity = 1500;     // kg/m^3, of a link whose mass the file d
 constexpr double kLeastMass = 0.005;  // kg
 constexpr double kOnFace = 0.002;     // m, between a pad's face and the link's
 constexpr double kAlongNormal = 0.999;
+constexpr double kNoArea = 1e-12;  // m^2, of a triangle
 
 EngineShape engine_shape(const CollisionShape& shape) {
   EngineShape result;
@@ -57,6 +58,23 @@ void cut_foam(const RigidTransform& X_BP, double thickness, EngineShape& box,
   if (std::abs(out) > kOnFace || cut <= 0 || cut >= box.size[axis]) return;
   box.size[axis] -= cut;
   X_BS.translation() -= X_BS.linear() * (0.5 * side * cut * Eigen::Vector3d::Unit(axis));
+}
+
+// Of a solid that a pad is outermost on, what is behind its foam: what stands before the plane
+// there is pressed flat onto it.
+std::shared_ptr<const geometry::TriangleMesh> behind_foam(
+    const std::shared_ptr<const geometry::TriangleMesh>& solid, const RigidTransform& X_PS,
+    double thickness) {
+  geometry::TriangleMesh mesh = geometry::transformed(*solid, X_PS);
+  const Eigen::AlignedBox3d box = geometry::bounds(mesh);
+  if (std::abs(box.max().z()) > kOnFace || box.min().z() >= -thickness) return solid;
+  for (Eigen::Vector3d& p : mesh.vertices) p.z() = std::min(p.z(), -thickness);
+  std::erase_if(mesh.triangles, [&](const Eigen::Vector3i& t) {
+    const Eigen::Vector3d& a = mesh.vertices[t[0]];
+    return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm() < kNoArea;
+  });
+  return std::make_shared<const geometry::TriangleMesh>(
+      geometry::transformed(mesh, X_PS.inverse(Eigen::Isometry)));
 }
 
 double volume_of(const EngineShape& shape) {
@@ -228,7 +246,13 @@ class Builder {
       const RigidTransform X_BP = out_.X_BL[link] * pad.X_LP;
       out_.pads.push_back({static_cast<int>(i), body, X_BP});
       for (RobotBodies::Part& part : out_.parts) {
-        if (part.link != link || part.solid || part.shape.kind != EngineShape::Kind::kBox) continue;
+        if (part.link != link) continue;
+        if (part.solid) {
+          const RigidTransform X_PS = X_BP.inverse(Eigen::Isometry) * part.X_BS;
+          part.solid = behind_foam(part.solid, X_PS, pad.model.thickness);
+          continue;
+        }
+        if (part.shape.kind != EngineShape::Kind::kBox) continue;
         cut_foam(X_BP, pad.model.thickness, part.shape, part.X_BS);
       }
     }

@@ -329,8 +329,6 @@ void RobotTouch::find(const engines::Multibody& system, const engines::Multibody
       if (a.finger < 0 || b.finger < 0 || a.finger == b.finger || (a.rank == 0 && b.rank == 0)) {
         continue;
       }
-      // As drawn, so are the next ones with the sockets that they turn in.
-      if ((a.mesh || b.mesh) && a.rank + b.rank <= 1) continue;
       found_.clear();
       if (a.mesh || b.mesh) {
         find_part_part(a, b);

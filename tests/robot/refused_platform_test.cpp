@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
             "UrdfIsAFolder", kHand, "urdf: [^\n]*", "urdf: .", {"sdh2.yaml:4", "cannot be read"}},
         Mistake{"NoFingers",
                 kHand,
-                "fingers:[^]*friction",
+                "fingers:[^]*\nfriction",
                 "fingers: {}\nfriction",
                 {"hand.fingers is empty"}},
         Mistake{"ALinkInTwoFingers",

@@ -144,6 +144,23 @@ TEST_F(MeshRobotWorld, FingersOfMeshesStopOneAnother) {
   EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 0.03) << a.transpose() << "\n" << b.transpose();
 }
 
+TEST_F(MeshRobotWorld, FingersOfAnOpenHandOfMeshesPressOnNothing) {
+  for (const auto& [urdf, file] : {std::pair{"schunk_sdh2.urdf", "sdh2.yaml"},
+                                   std::pair{"barrett_bh8.urdf", "bh8.yaml"}}) {
+    const robot::HandModel hand = hand_of_meshes(urdf, file);
+    for (const robot::Preshape& preshape : hand.preshapes) {
+      RigidTransform X_WH = RigidTransform::Identity();
+      X_WH.translation().z() = 1;
+      RobotWorld world(hand, X_WH, preshape.name);
+      for (int i = 0; i < 20; ++i) world.step();
+      for (const LinkContact& contact : world.link_contacts()) {
+        ADD_FAILURE() << file << " " << preshape.name << ": " << contact.link << " "
+                      << contact.normal_force << " N";
+      }
+    }
+  }
+}
+
 TEST_F(MeshRobotWorld, MeshesAreDrawn) {
   const robot::HandModel meshes = hand_of_meshes("pg70.urdf", "pg70.yaml");
   const RobotWorld world(meshes, RigidTransform::Identity());
