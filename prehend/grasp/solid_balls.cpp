@@ -19,7 +19,7 @@ constexpr double kHeld = 0.25;       // of the dip: half of the tolerance, as po
 constexpr double kPointShare = 0.3;  // of a ball's reach along a face, between points tried
 constexpr double kLeastShare = 0.03;    // of the inset: smaller balls are left out
 constexpr double kSmaller = 0.9;        // a ball so much smaller than its neighbour is at an edge
-constexpr double kEdgeRounding = 0.45;  // radii that an edge may stick out: sqrt(2) - 1, and a bit
+constexpr double kEdgeRounding = 0.75;  // radii that a corner may stick out: sqrt(3) - 1, and a bit
 constexpr int kShrinkSteps = 20;
 
 CellKey key_of(const Vector3d& p, double side) {

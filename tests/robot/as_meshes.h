@@ -21,7 +21,8 @@ inline std::string text_of(const std::filesystem::path& file) {
 
 /// A URDF's text with every box, cylinder and sphere written into `folder` as a mesh file, of the
 /// formats by turns, and named instead. Round ones have 48 segments.
-inline std::string with_meshes(std::string text, const std::filesystem::path& folder) {
+inline std::string with_meshes(std::string text, const std::filesystem::path& folder,
+                               const std::string& prefix = "shape") {
   static const std::regex kShape(
       R"re(<(?:box size="([^ ]+) ([^ ]+) ([^ "]+)"|cylinder radius="([^"]+)" length="([^"]+)"|sphere radius="([^"]+)")/>)re");
   const std::vector<std::string> formats{"stl", "obj", "ply"};
@@ -38,7 +39,7 @@ inline std::string with_meshes(std::string text, const std::filesystem::path& fo
       mesh = geometry::make_sphere(std::stod(found[6]), 48);
     }
     const std::string name =
-        "shape_" + std::to_string(count) + "." + formats[static_cast<std::size_t>(count) % 3];
+        prefix + "_" + std::to_string(count) + "." + formats[static_cast<std::size_t>(count) % 3];
     ++count;
     geometry::write_mesh_file(folder / name, mesh);
     result += found.prefix().str() + "<mesh filename=\"" + name + "\"/>";
@@ -50,7 +51,7 @@ inline std::string with_meshes(std::string text, const std::filesystem::path& fo
 inline std::filesystem::path write_with_meshes(const std::string& name,
                                                const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / name) << with_meshes(text_of("config/robots/" + name), folder);
+  std::ofstream(folder / name) << with_meshes(text_of("config/robots/" + name), folder, name);
   return folder / name;
 }
 

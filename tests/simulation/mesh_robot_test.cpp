@@ -145,8 +145,8 @@ TEST_F(MeshRobotWorld, FingersOfMeshesStopOneAnother) {
 }
 
 TEST_F(MeshRobotWorld, FingersOfAnOpenHandOfMeshesPressOnNothing) {
-  for (const auto& [urdf, file] : {std::pair{"schunk_sdh2.urdf", "sdh2.yaml"},
-                                   std::pair{"barrett_bh8.urdf", "bh8.yaml"}}) {
+  for (const auto& [urdf, file] :
+       {std::pair{"schunk_sdh2.urdf", "sdh2.yaml"}, std::pair{"barrett_bh8.urdf", "bh8.yaml"}}) {
     const robot::HandModel hand = hand_of_meshes(urdf, file);
     for (const robot::Preshape& preshape : hand.preshapes) {
       RigidTransform X_WH = RigidTransform::Identity();
