@@ -112,7 +112,11 @@ class SolidCover {
         const Vector3d from = place.point - ball.center;
         const double rise = place.normal.dot(from);
         const double left = ball.radius * ball.radius - (from.squaredNorm() - rise * rise);
-        if (left > 0 && std::sqrt(left) - rise >= -kHeld * dip(place.ball.radius)) return true;
+        // Of the ball's surface over the point; far over it is that of another part.
+        const double height = std::sqrt(std::max(0.0, left)) - rise;
+        if (left > 0 && height >= -kHeld * dip(place.ball.radius) && height <= dip(inset_)) {
+          return true;
+        }
         const double out = from.norm() - ball.radius;
         if (place.ball.radius < kSmaller * fitting_[k] && out <= kEdgeRounding * ball.radius) {
           return true;

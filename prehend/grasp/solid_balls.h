@@ -22,11 +22,13 @@ inline double ball_inset(double smallest_side) {
 
 /// Balls beneath the surface of a closed mesh, by which it is touched: faces are true to
 /// `tolerance` [m], convex edges are rounded by about ball_inset() of the smallest side of the
-/// mesh's bounds. A ball touches the surface from within and is the largest that fits there (J. Ma,
-/// S. Bae, S. Choi, "3D medial axis point approximation using nearest neighbors and the normal
-/// field", 2012), up to that inset, so what is thin has small ones; then it grows by the tolerance,
-/// since between balls the surface is as much too low. The largest are taken first, until all
-/// points of the surface, half a millimetre apart, are held. `solid` need not be convex.
+/// mesh's bounds, and thin things that stand out by less than three quarters of it are lost. A ball
+/// touches the surface from within and is the largest that fits there (J. Ma, S. Bae, S. Choi, "3D
+/// medial axis point approximation using nearest neighbors and the normal field", 2012), up to that
+/// inset, so what is thin has small ones; then it grows by the tolerance, since between balls the
+/// surface is as much too low. The largest are taken first, until all points of the surface, half a
+/// millimetre apart, are held. `solid` need not be convex. Where its shells overlap, faces inside
+/// count as walls: a millimetre may be missing above their edges.
 /// @throws geometry::InputError for a mesh without triangles, or with NaN.
 std::vector<SolidBall> balls_within(const geometry::TriangleMesh& solid, double tolerance);
 

@@ -30,7 +30,9 @@ std::filesystem::path file_of(const std::filesystem::path& folder, const std::st
                               const std::string& kind, const char* key) {
   std::error_code ignored;
   if (name.ends_with(".yaml") || name.find('/') != std::string::npos) {
-    if (std::filesystem::is_regular_file(name, ignored)) return name;
+    for (const std::filesystem::path& own : {std::filesystem::path(name), folder / name}) {
+      if (std::filesystem::is_regular_file(own, ignored)) return own;
+    }
     throw text::InputError("There is no file '" + name + "' of a " + kind,
                            "Check the path, or name one of '" + folder.string() + "'");
   }

@@ -78,6 +78,24 @@ TEST(SolidBalls, ThinPlatesHollowsAndBallsAreTrue) {
   EXPECT_THROW(balls_within({}, kTolerance), geometry::InputError);
 }
 
+// A shelf's balls are over the floor beneath it, and do not hold it.
+TEST(SolidBalls, WhatIsUnderALedgeIsHeld) {
+  const auto at = [](const Vector3d& size, const Vector3d& p) {
+    return moved(geometry::make_box(size), p);
+  };
+  const geometry::TriangleMesh solid = geometry::concatenated(
+      {at({0.08, 0.08, 0.02}, {0, 0, 0}), at({0.08, 0.02, 0.046}, {0, 0.03, 0.013}),
+       at({0.08, 0.08, 0.02}, {0, 0, 0.026})});
+  const std::vector<SolidBall> balls = balls_within(solid, kTolerance);
+  for (double x = -0.03; x < 0.031; x += 0.002) {
+    for (double y = -0.03; y < 0.0115; y += 0.002) {
+      for (const double z : {0.01, 0.016}) {
+        EXPECT_NEAR(distance_to(balls, {x, y, z}), 0, 1.2 * kTolerance) << x << " " << y;
+      }
+    }
+  }
+}
+
 // The hand of config/robots with its shapes written out as meshes closes as the hand does.
 TEST(SolidBalls, AHandOfMeshesClosesAsOneOfBoxes) {
   const std::filesystem::path folder =

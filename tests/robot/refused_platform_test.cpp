@@ -274,6 +274,7 @@ TEST_F(NamedRobot, IsANameInTheFolderOrAFilesPath) {
   EXPECT_EQ(platform_file("config/robots", "config/robots/kr5_sdh.yaml"),
             "config/robots/kr5_sdh.yaml");
   EXPECT_EQ(platform_file(folder_, "kr5_sdh"), own);
+  EXPECT_EQ(platform_file(folder_, "kr5_sdh.yaml"), own);
   EXPECT_EQ(hand_file(folder_, (folder_ / "sdh2.yaml").string()), folder_ / "sdh2.yaml");
   EXPECT_THAT(error_of([&] { platform_file(folder_, "kr5_sdhh"); }),
               HasSubstr("The nearest is 'kr5_sdh'"));
