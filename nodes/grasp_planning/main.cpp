@@ -131,13 +131,13 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...); empty: the parallel gripper "
-                      "on the carrier",
+       .description = "arm with a hand, its name (kr5_sdh, pa10_barrett, ...) or file; empty: the "
+                      "parallel gripper on the carrier",
        .read_only = true});
   const auto folder = node.declare_parameter<std::string>(
       {.name = "platforms",
        .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platform's file, PLATFORM.yaml",
+       .description = "folder of the platforms that have names, NAME.yaml",
        .read_only = true});
   const auto home = node.declare_parameter<std::string>(
       {.name = "home",
@@ -172,6 +172,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
     return nullptr;
   }
   robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   nodes::refuse_what_does_not_apply(
       node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
       front_chooses);

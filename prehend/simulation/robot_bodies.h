@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct RobotBodies {
     int link = 0;
     engines::EngineShape shape;
     geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();
+    /// Of a mesh: closed, in S; `shape` then means nothing.
+    std::shared_ptr<const geometry::TriangleMesh> solid;
   };
   struct Pad {    // tactile
     int pad = 0;  // of the hand
@@ -75,8 +78,8 @@ struct HandMechanics {
 
 /// `prefix` stands before the hand's names in `model` ("hand_" on a platform, none alone). The root
 /// stands at X_WR, the arm's joints at `all`.
-/// @throws geometry::InputError for a mesh as collision shape, a joint that mimics with an offset,
-/// or one that moves without a velocity or effort limit, naming it.
+/// @throws geometry::InputError for a joint that mimics with an offset, or one that moves without a
+/// velocity or effort limit, naming it.
 RobotBodies make_robot_bodies(const robot::RobotModel& model, const robot::HandModel& hand,
                               const std::string& prefix, const geometry::RigidTransform& X_WR,
                               const Eigen::VectorXd& all, const HandMechanics& mechanics = {});

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "prehend/simulation/robot_world_implementation.h"
 
@@ -15,20 +17,23 @@ using geometry::RigidTransform;
 
 namespace {
 
-geometry::TriangleMesh mesh_of(const robot::CollisionShape& shape) {
+std::shared_ptr<const geometry::TriangleMesh> mesh_of(const robot::CollisionShape& shape) {
   using Kind = robot::CollisionShape::Kind;
+  const auto owned = [](geometry::TriangleMesh mesh) {
+    return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
+  };
   switch (shape.kind) {
     case Kind::kBox:
-      return geometry::make_box(shape.size);
+      return owned(geometry::make_box(shape.size));
     case Kind::kSphere:
-      return geometry::make_sphere(shape.radius, 32);
+      return owned(geometry::make_sphere(shape.radius, 32));
     case Kind::kCylinder:
-      return geometry::make_revolution(
-          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 48);
+      return owned(geometry::make_revolution(
+          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 48));
     case Kind::kMesh:
       break;
   }
-  return {};
+  return shape.solid;
 }
 
 }  // namespace
@@ -252,7 +257,7 @@ std::vector<VisibleBody> RobotWorld::visible_bodies() const {
   for (std::size_t l = 0; l < world.robot.model.links.size(); ++l) {
     const robot::Link& link = world.robot.model.links[l];
     for (const robot::CollisionShape& shape : link.shapes) {
-      auto mesh = std::make_shared<geometry::TriangleMesh>(mesh_of(shape));
+      const auto mesh = mesh_of(shape);
       bodies.push_back({link.name, mesh, world.X_WL(static_cast<int>(l)) * shape.X_LS, metal,
                         geometry::bounds(*mesh).sizes().z()});
     }
