@@ -1,5 +1,6 @@
 #include "msgs/convert/cycle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -105,6 +106,22 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   result.lifted_mass = grasp.predicted().lifted_mass();
   result.score = grasp.score();
   result.robustness = grasp.has_robustness() ? grasp.robustness() : -1;
+  result.force = grasp.grasp_force();
+  if (grasp.effort() > 0) result.effort = std::min(1.0, grasp.effort());
+  result.largest_effort.assign(grasp.largest_effort().begin(), grasp.largest_effort().end());
+  result.contact_area = grasp.predicted().contact_area();
+  result.tactile_sum = grasp.predicted().tactile_sum();
+  const bool sound =
+      (result.largest_effort.empty() ||
+       result.largest_effort.size() == result.hand_joints.size()) &&
+      std::all_of(result.largest_effort.begin(), result.largest_effort.end(),
+                  [](double effort) { return std::isfinite(effort) && effort > 0; }) &&
+      std::isfinite(result.force) && result.force >= 0 && std::isfinite(result.effort);
+  if (!sound) {
+    throw geometry::InputError(
+        "A grasp whose force or efforts are not positive numbers, one for each joint of the hand",
+        "Look for the fault in the node that published it");
+  }
   return result;
 }
 
@@ -127,6 +144,42 @@ msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t st
   message.set_reason(result.reason);
   message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
+  message.set_placed(static_cast<std::uint32_t>(result.placed));
+  return message;
+}
+
+msgs::CycleResult to_message(const control::Cycle& cycle, std::int64_t stamp) {
+  msgs::CycleResult message = to_message(cycle.result(), stamp);
+  for (const control::Surprise& surprise : cycle.surprises()) {
+    *message.add_surprises() = to_message(surprise, stamp);
+  }
+  for (const auto& [phase, seconds] : cycle.phase_times()) {
+    auto& time = *message.add_times();
+    time.set_stage(phase);
+    time.set_seconds(seconds);
+  }
+  for (const int state : cycle.path()) message.add_task_path(cycle.task().name_of(state));
+  return message;
+}
+
+msgs::Task to_message(const control::Task& task, std::int64_t stamp) {
+  msgs::Task message;
+  message.mutable_header()->set_stamp(stamp);
+  message.set_name(task.name);
+  message.set_description(task.description);
+  message.set_start(task.name_of(task.start));
+  for (const control::TaskState& state : task.states) {
+    msgs::Task::State& out = *message.add_states();
+    out.set_name(state.name);
+    out.set_action(control::to_string(state.action.primitive));
+    for (const auto& [outcome, next] : state.next) {
+      msgs::Task::Way& way = *out.add_ways();
+      way.set_outcome(control::to_string(outcome));
+      way.set_next(task.name_of(next));
+    }
+    out.set_times(static_cast<std::uint32_t>(state.times));
+    if (state.times > 0) out.set_then(task.name_of(state.then));
+  }
   return message;
 }
 

@@ -6,6 +6,7 @@
 #include "msgs/joints.pb.h"
 #include "prehend/control/arm_cycle.h"
 #include "prehend/control/cycle.h"
+#include "prehend/control/task.h"
 
 // What cycles execute and say.
 namespace prehend::convert {
@@ -25,5 +26,8 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp);
 /// Fills everything but the object.
 msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t stamp);
+/// The same with surprises, times and the task's path.
+msgs::CycleResult to_message(const control::Cycle& cycle, std::int64_t stamp);
+msgs::Task to_message(const control::Task& task, std::int64_t stamp);
 
 }  // namespace prehend::convert

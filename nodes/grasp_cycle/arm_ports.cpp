@@ -29,12 +29,13 @@ MotionStatus ArmActions::motion() {
 HandActions::HandActions(graph::Node& node) : node_(node), goal_(node, "/hand/move") {}
 
 void HandActions::move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-                       double speed, bool until_contact) {
+                       double speed, bool until_contact, const std::vector<double>& effort) {
   msgs::MoveHandGoal goal;
   for (const std::string& name : joints) goal.add_joint_name(name);
   for (const double position : positions) goal.add_position(position);
   goal.set_speed(speed);
   goal.set_until_contact(until_contact);
+  for (const double most : effort) goal.add_effort(most);
   goal.set_stamp(node_.clock().now());
   problem_.clear();
   positions_.clear();

@@ -32,7 +32,7 @@ class HandActions : public control::HandPort {
  public:
   explicit HandActions(graph::Node& node);
   void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-            double speed, bool until_contact) override;
+            double speed, bool until_contact, const std::vector<double>& effort) override;
   control::MotionStatus motion() override;
   double answer_age() override { return goal_.answer_age(); }
   std::string problem() override { return problem_; }

@@ -4,6 +4,7 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "nodes/grasp_cycle/touched_area.h"
 
 namespace prehend::nodes {
 namespace {
@@ -49,6 +50,14 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .description = "with a platform: how far fingers go on beyond where they were predicted to "
                       "touch, within their limits",
        .read_only = true});
+  options.grip_force = node.declare_parameter<double>(
+      {.name = "grip_force",
+       .default_value = options.grip_force,
+       .unit = "N",
+       .minimum = 0.0,
+       .description = "with a platform: that the pads which touch are to feel, their mean, where "
+                      "the plan says no force; 0: as the motors press",
+       .read_only = true});
   options.holding.resolution = node.declare_parameter<double>(
       {.name = "force_resolution",
        .default_value = options.holding.resolution,
@@ -60,8 +69,12 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   return options;
 }
 
-ArmRobot::ArmRobot(graph::Node& node, const control::ArmCycleOptions& options)
-    : node_(node), arm_(node), hand_(node), cycle_(options, arm_, hand_) {
+ArmRobot::ArmRobot(graph::Node& node, const robot::HandModel& hand, const ArmRobotOptions& options)
+    : node_(node),
+      arm_(node),
+      hand_(node),
+      cycle_(options.cycle, arm_, hand_),
+      touch_counts_(options.touch_counts) {
   using graph::QoS;
   subscriptions_.push_back(node.subscribe<msgs::JointState>(
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
@@ -71,6 +84,11 @@ ArmRobot::ArmRobot(graph::Node& node, const control::ArmCycleOptions& options)
         wrist_force_ = convert::from_message(message->wrench().force());
         wrist_stamp_ = message->header().stamp();
       }));
+  for (const robot::HandPad& pad : hand.pads) {
+    subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
+        "/tactile/" + pad.name, QoS::latest(),
+        [this, name = pad.name](const auto& message) { pads_[name] = message.shared(); }));
+  }
 }
 
 std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
@@ -96,6 +114,10 @@ control::ArmPercepts ArmRobot::percepts() const {
   }
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
+  for (const auto& [name, frame] : pads_) {
+    percepts.pads.push_back({frame->sum(), touched_area(*frame, touch_counts_),
+                             percepts.time - graph::seconds(frame->header().stamp())});
+  }
   return percepts;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,16 +11,24 @@
 #include "nodes/grasp_cycle/cycle_robot.h"
 #include "prehend/control/arm_cycle.h"
 #include "prehend/graph/node.h"
+#include "prehend/robot/hand_model.h"
 
 namespace prehend::nodes {
 
 /// Declares the parameters of ArmCycleOptions that arms alone have.
 control::ArmCycleOptions declare_arm_options(graph::Node& node);
 
-/// An arm with a hand: /arm/follow and /hand/move, /joint_states and /wrench.
+/// What the cycle of an arm needs to know besides the plan.
+struct ArmRobotOptions {
+  control::ArmCycleOptions cycle;
+  int touch_counts = 10;  // above: a texel is touched
+};
+
+/// An arm with a hand: /arm/follow and /hand/move, /joint_states, /wrench and /tactile of its pads.
 class ArmRobot : public CycleRobot {
  public:
-  ArmRobot(graph::Node& node, const control::ArmCycleOptions& options);
+  /// @param hand that the robot has.
+  ArmRobot(graph::Node& node, const robot::HandModel& hand, const ArmRobotOptions& options);
 
   std::string lacks(const msgs::Grasp& grasp) const override;
   std::string prepare(const View& view, const Target& target) override;
@@ -40,6 +49,8 @@ class ArmRobot : public CycleRobot {
   std::shared_ptr<const msgs::JointState> joints_;
   std::optional<Eigen::Vector3d> wrist_force_;  // N
   std::int64_t wrist_stamp_ = 0;                // ns
+  int touch_counts_;
+  std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;  // that have spoken
   std::vector<control::ArmGrasp> prepared_;
 };
 

@@ -1,5 +1,6 @@
 #include "nodes/grasp_cycle/cycle_node.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -8,7 +9,11 @@
 #include "msgs/convert/geometry.h"
 #include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/gripper_robot.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace prehend::nodes {
 namespace {
@@ -17,6 +22,7 @@ using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
 constexpr auto kExitDelay = std::chrono::milliseconds(500);  // for the last messages
+constexpr double kSameObject = 0.04;                         // m, between an object's centroids
 constexpr auto kRobotPatience = std::chrono::seconds(20);    // for the robot to say what it has
 
 bool declare_flag(graph::Node& node, const std::string& name, const std::string& description) {
@@ -25,14 +31,10 @@ bool declare_flag(graph::Node& node, const std::string& name, const std::string&
 }
 
 /// What both kinds of robots have.
-struct CommonOptions {
-  double stale_time, answer_time;  // s
-  int largest_attempts;
-};
-
-CommonOptions declare_common_options(graph::Node& node) {
-  const control::CycleOptions defaults;
-  CommonOptions options{};
+control::SharedCycleOptions declare_shared_options(graph::Node& node) {
+  const control::SharedCycleOptions defaults;
+  control::SharedCycleOptions options;
+  options.task = declare_task(node);
   options.stale_time = node.declare_parameter<double>(
       {.name = "stale_time",
        .default_value = defaults.stale_time,
@@ -53,7 +55,7 @@ CommonOptions declare_common_options(graph::Node& node) {
       node.declare_parameter<int>({.name = "largest_attempts",
                                    .default_value = defaults.largest_attempts,
                                    .minimum = 1,
-                                   .description = "grasps tried before giving up",
+                                   .description = "grasps of an object tried before giving it up",
                                    .read_only = true});
   return options;
 }
@@ -65,7 +67,6 @@ struct Misfit {
 
 constexpr Misfit kNotOfPlatforms[] = {
     {"gripper", "the platform has its own hand"},
-    {"touch_counts", "its cycle feels by joints and wrist"},
     {"lift_height", "the plan says how the arm lifts"},
     {"transit_height", "the plan says how the arm gets there"},
     {"move_distance", "the planner chooses the place"},
@@ -74,6 +75,7 @@ constexpr Misfit kNotOfPlatforms[] = {
 };
 constexpr Misfit kOfPlatforms[] = {
     {"reacts", "no platform is named"},           {"contact_force", "no platform is named"},
+    {"platforms", "no platform is named"},        {"grip_force", "no platform is named"},
     {"collision_force", "no platform is named"},  {"overrun", "no platform is named"},
     {"force_resolution", "no platform is named"},
 };
@@ -121,7 +123,9 @@ CycleNode::CycleNode(graph::Node& node)
       robot_(declare_robot()),
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
-      results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))) {
+      results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),
+      tasks_(node.advertise<msgs::Task>("/cycle/task", graph::QoS::latched(1))) {
+  tasks_.publish(convert::to_message(task_, node_.clock().now()));
   predicted_.listen();
   subscribe();
   timer_ = node.create_timer(kPeriod, [this] { tick(); });
@@ -133,23 +137,31 @@ std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
        .description = "arm with a hand (kr5_sdh, pa10_barrett, ...) that the plans are for; empty: "
                       "the parallel gripper on its carrier",
        .read_only = true});
-  const CommonOptions common = declare_common_options(node_);
+  const auto platforms = node_.declare_parameter<std::string>(
+      {.name = "platforms",
+       .default_value = text::tree_file("config/robots"),
+       .description = "folder of the platform's file, PLATFORM.yaml",
+       .read_only = true});
+  const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
+                                                         .default_value = 10,
+                                                         .minimum = 0,
+                                                         .description = "above: a texel is touched",
+                                                         .read_only = true});
+  control::SharedCycleOptions shared = declare_shared_options(node_);
+  shared.look_timeout = look_.timeout();
+  // Predicted objects in a simulation are seen by nobody, but it says where they are.
+  shared.only_seen_again = predicted_.wanted();
+  task_ = shared.task;
   GripperRobotOptions gripper = declare_gripper_options(node_);
   control::ArmCycleOptions arm = declare_arm_options(node_);
   refuse_what_does_not_apply(node_, !platform.empty());
-  const auto fill = [&](auto& options) {
-    options.stale_time = common.stale_time;
-    options.answer_time = common.answer_time;
-    options.largest_attempts = common.largest_attempts;
-    options.look_timeout = look_.timeout();
-    // Predicted objects in a simulation are seen by nobody, but it says where they are.
-    options.only_seen_again = predicted_.wanted();
-  };
+  static_cast<control::SharedCycleOptions&>(arm) = shared;
+  static_cast<control::SharedCycleOptions&>(gripper.cycle) = shared;
   if (!platform.empty()) {
-    fill(arm);
-    return std::make_unique<ArmRobot>(node_, arm);
+    const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
+    return std::make_unique<ArmRobot>(node_, robot.hand, ArmRobotOptions{arm, touch_counts});
   }
-  fill(gripper.cycle);
+  gripper.touch_counts = touch_counts;
   gripper_.listen();
   return std::make_unique<GripperRobot>(node_, gripper_, gripper);
 }
@@ -212,7 +224,19 @@ bool CycleNode::waits_for_robot() {
 }
 
 Target CycleNode::target_in(const View& view, int object) const {
-  return choose_target(view, object, [this](const msgs::Grasp& g) { return robot_->lacks(g); });
+  return choose_target(
+      view, object, [this](const msgs::Grasp& g) { return robot_->lacks(g); },
+      [this](const msgs::GraspPlan& plan) { return is_settled(plan); });
+}
+
+// With a task of all objects: it is at its place, or was given up.
+bool CycleNode::is_settled(const msgs::GraspPlan& plan) const {
+  if (!task_.all_objects) return false;
+  const Eigen::Vector3d p_W = convert::from_message(plan.centroid());
+  return task_.is_placed(p_W.head<2>()) ||
+         std::any_of(given_up_W_.begin(), given_up_W_.end(), [&p_W](const Eigen::Vector3d& other) {
+           return (p_W - other).norm() < kSameObject;
+         });
 }
 
 void CycleNode::start(const View& view) {
@@ -221,6 +245,7 @@ void CycleNode::start(const View& view) {
   target_ = target.id;
   if (target.grasps.empty()) {
     control::CycleResult nothing;
+    nothing.success = target.none_left;
     nothing.reason = target.problem;
     return finish(nothing, target.ungraspable);
   }
@@ -231,7 +256,7 @@ void CycleNode::start(const View& view) {
                  target.grasps.size(), target.grasps.front()->score(), destination);
   if (!predicted_.wanted()) return begin();
   preparing_ = true;
-  predicted_.put(view, target.id, [this](const std::string& problem) {
+  predicted_.put(view, target.id, task_.all_objects, [this](const std::string& problem) {
     preparing_ = false;
     if (!problem.empty()) return fail(problem);
     publish_state("spawn", 0,
@@ -244,6 +269,7 @@ void CycleNode::start(const View& view) {
 void CycleNode::begin() {
   surprises_sent_ = 0;
   last_detail_.clear();
+  given_up_W_.clear();
   robot_->start();
   running_ = true;
 }
@@ -260,10 +286,14 @@ void CycleNode::look_again(double since) {
   const View* view = views_.newest_ready(steady_clock::now(), graph::nanoseconds(since));
   if (!view) return;
   const std::string failure = node_.shield("plan", [&] {
+    const bool any = robot_->cycle().any_object();
+    if (static_cast<int>(given_up_W_.size()) < robot_->cycle().given_up()) {
+      given_up_W_.push_back(centroid_W_);
+    }
     // Ids are of one view: the object asked for is what lies nearest to where it was. A simulation
     // of predicted objects keeps them.
-    int object = object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
-    if (predicted_.wanted()) object = static_cast<int>(target_);
+    int object = any || object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
+    if (predicted_.wanted() && !any) object = static_cast<int>(target_);
     const Target target = target_in(*view, object);
     if (target.grasps.empty()) return robot_->take_nothing(target.problem);
     const std::string destination = robot_->prepare(*view, target);
@@ -288,7 +318,7 @@ void CycleNode::publish_progress() {
     }
     surprises_.publish(message);
   }
-  if (cycle.detail() == last_detail_) return;
+  if (cycle.detail() == last_detail_) return;  // every action's step has words of its own
   last_detail_ = cycle.detail();
   publish_state(control::to_string(cycle.phase()), cycle.grasp_index(), last_detail_);
 }
@@ -301,6 +331,9 @@ void CycleNode::publish_state(const std::string& phase, int grasp_index,
   state.set_object_id(target_);
   state.set_grasp_index(static_cast<std::uint32_t>(grasp_index));
   state.set_detail(detail);
+  if (running_ && !robot_->cycle().path().empty()) {
+    state.set_task_state(task_.name_of(robot_->cycle().path().back()));
+  }
   states_.publish(state);
   node_.log_info("{}: {}", state.phase(), state.detail());
 }
@@ -313,19 +346,9 @@ void CycleNode::fail(const std::string& reason) {
 
 void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
   const std::int64_t now = node_.clock().now();
-  msgs::CycleResult message = convert::to_message(result, now);
+  msgs::CycleResult message =
+      running_ ? convert::to_message(robot_->cycle(), now) : convert::to_message(result, now);
   message.set_object_id(target_);
-  if (running_) {
-    const control::Cycle& cycle = robot_->cycle();
-    for (const auto& surprise : cycle.surprises()) {
-      *message.add_surprises() = convert::to_message(surprise, now);
-    }
-    for (const auto& [phase, seconds] : cycle.phase_times()) {
-      auto& time = *message.add_times();
-      time.set_stage(phase);
-      time.set_seconds(seconds);
-    }
-  }
   results_.publish(message);
   running_ = preparing_ = false;
   if (result.success) {

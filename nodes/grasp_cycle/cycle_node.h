@@ -32,6 +32,7 @@ class CycleNode {
   /// True while the robot may still say what it has.
   bool waits_for_robot();
   Target target_in(const View& view, int object) const;
+  bool is_settled(const msgs::GraspPlan& plan) const;
   void start(const View& view);
   void begin();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
@@ -49,16 +50,19 @@ class CycleNode {
   GripperSource gripper_;
   LookAgain look_;
   ViewCollector views_;
+  control::Task task_;
   std::unique_ptr<CycleRobot> robot_;
   graph::Publisher<msgs::Surprise> surprises_;
   graph::Publisher<msgs::CycleState> states_;
   graph::Publisher<msgs::CycleResult> results_;
+  graph::Publisher<msgs::Task> tasks_;
   std::vector<graph::Subscription> subscriptions_;
   graph::Service start_service_;
   graph::Node::Timer timer_;
 
   std::uint32_t target_ = 0;
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
+  std::vector<Eigen::Vector3d> given_up_W_;               // m, where objects were given up
   bool armed_ = true;                                     // waits for plans to start on
   bool preparing_ = false;  // objects are being put into the simulation
   bool running_ = false;

@@ -6,6 +6,8 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "nodes/grasp_cycle/touched_area.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
@@ -23,22 +25,10 @@ double declare_length(graph::Node& node, const std::string& name, double value, 
                                          .read_only = true});
 }
 
-double touched_area(const msgs::TactileFrame& frame, int counts) {
-  const auto touched = std::count_if(
-      frame.intensity().begin(), frame.intensity().end(),
-      [counts](std::uint32_t value) { return value > static_cast<std::uint32_t>(counts); });
-  return static_cast<double>(touched) * frame.texel_width() * frame.texel_height();
-}
-
 }  // namespace
 
 GripperRobotOptions declare_gripper_options(graph::Node& node) {
   GripperRobotOptions options;
-  options.touch_counts = node.declare_parameter<int>({.name = "touch_counts",
-                                                      .default_value = options.touch_counts,
-                                                      .minimum = 0,
-                                                      .description = "above: a texel is touched",
-                                                      .read_only = true});
   control::CycleOptions& cycle = options.cycle;
   cycle.lift_height = declare_length(node, "lift_height", cycle.lift_height, 0.12, "of the object");
   cycle.transit_height = declare_length(node, "transit_height", cycle.transit_height, 0,
@@ -123,7 +113,7 @@ Eigen::Vector3d GripperRobot::choose_move(const View& view, const Target& target
       others.push_back(mesh_W.vertices);
     }
   }
-  planning::PlaceOptions options = options_.place;
+  planning::PlaceOptions options = places_of(options_.cycle.task, object, options_.place);
   for (const double x : {-kHandRadius, kHandRadius}) {
     for (const double y : {-kHandRadius, kHandRadius}) {
       options.hand_W.push_back(hand_W + Eigen::Vector3d(x, y, 0));

@@ -18,6 +18,7 @@ namespace {
 constexpr auto kServiceTimeout = std::chrono::seconds(10);
 constexpr double kLevel = 0.02;       // rad, of the table
 constexpr double kTableNoise = 0.01;  // m, of its height at the target
+constexpr double kMoved = 0.001;      // m
 
 std::string body_name(std::uint32_t id) { return "object_" + std::to_string(id); }
 
@@ -85,7 +86,7 @@ void PredictedObjects::listen() {
       "/ground_truth", QoS::latest(), [this](const auto& truth) { truth_ = truth.shared(); });
 }
 
-void PredictedObjects::put(const View& view, std::uint32_t target,
+void PredictedObjects::put(const View& view, std::uint32_t target, bool all_move,
                            std::function<void(const std::string&)> done) {
   if (view.models.count(target) == 0) {
     throw geometry::InputError("the model of object " + std::to_string(target) + " did not come",
@@ -95,7 +96,8 @@ void PredictedObjects::put(const View& view, std::uint32_t target,
   view_ = view;
   target_ = target;
   done_ = std::move(done);
-  X_WB_start_.reset();
+  X_WB_start_.clear();
+  movable_.clear();
   looked_.reset();
   waiting_.clear();
   for (const auto& [id, model] : view.models) {
@@ -106,7 +108,9 @@ void PredictedObjects::put(const View& view, std::uint32_t target,
     *waiting.request.mutable_mesh() = model->mesh();
     *waiting.request.mutable_convex_pieces() = model->convex_pieces();
     waiting.request.set_density(density_);
-    waiting.request.set_is_static(id != target);
+    const bool moves = all_move || id == target;
+    waiting.request.set_is_static(!moves);
+    if (moves) movable_.push_back(id);
   }
   put_next();
 }
@@ -133,20 +137,31 @@ void PredictedObjects::put_next() {
 }
 
 void PredictedObjects::watch() {
-  if (wanted_ && !X_WB_start_) X_WB_start_ = pose_of(truth_.get(), body_name(target_), 0);
+  if (!wanted_) return;
+  for (const std::uint32_t id : movable_) {
+    if (X_WB_start_.count(id) > 0) continue;
+    if (const auto X_WB = pose_of(truth_.get(), body_name(id), 0)) X_WB_start_.emplace(id, *X_WB);
+  }
 }
 
 std::string PredictedObjects::look(double since) {
   if (looked_ == since) return {};
-  const auto X_WB = pose_of(truth_.get(), body_name(target_), graph::nanoseconds(since));
-  if (!X_WB) return {};  // the cycle gives up when it does not come
+  const auto body = [&](std::uint32_t id) {
+    return pose_of(truth_.get(), body_name(id), graph::nanoseconds(since));
+  };
+  if (!body(target_)) return {};  // the cycle gives up when it does not come
   looked_ = since;
-  if (!X_WB_start_) return "the simulation did not say where the object was";
-  const geometry::RigidTransform X_moved = *X_WB * X_WB_start_->inverse();
-  node_.log_info("object {} lies {:.0f} mm from where it was", target_,
-                 1e3 * (X_WB->translation() - X_WB_start_->translation()).norm());
+  if (X_WB_start_.count(target_) == 0) return "the simulation did not say where the object was";
   for (const auto& [id, model] : view_.models) {
-    msgs::ObjectModel now = id == target_ && model->valid() ? moved_model(*model, X_moved) : *model;
+    msgs::ObjectModel now = *model;
+    const auto start = X_WB_start_.find(id);
+    if (const auto X_WB = body(id); X_WB && start != X_WB_start_.end() && model->valid()) {
+      const double way = (X_WB->translation() - start->second.translation()).norm();
+      if (way > kMoved) {
+        node_.log_info("object {} lies {:.0f} mm from where it was", id, 1e3 * way);
+      }
+      now = moved_model(*model, *X_WB * start->second.inverse());
+    }
     now.mutable_header()->set_stamp(truth_->header().stamp());
     models_.publish(std::move(now));
   }

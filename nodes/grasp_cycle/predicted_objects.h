@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "msgs/actions.pb.h"
 #include "msgs/sensors.pb.h"
@@ -32,13 +33,15 @@ class PredictedObjects {
 
   bool wanted() const { return wanted_; }
 
-  /// Puts the meshes of the view into the simulation, one after another; all but `target`'s stay
-  /// where they are, as neighbours that were predicted a little too large would push each other
-  /// about. Then calls `done` with the reason why that failed for the target, or with nothing.
+  /// Puts the meshes of the view into the simulation, one after another; unless `all_move`, all but
+  /// `target`'s stay where they are, as neighbours that were predicted a little too large would
+  /// push each other about. Then calls `done` with the reason why that failed for the target, or
+  /// with nothing.
   /// @throws geometry::InputError when the target's model has not come, or when the view's table is
   /// not the plane z = 0.
-  void put(const View& view, std::uint32_t target, std::function<void(const std::string&)> done);
-  /// Where the target was at the start is known as soon as the simulation has said it.
+  void put(const View& view, std::uint32_t target, bool all_move,
+           std::function<void(const std::string&)> done);
+  /// Where objects were at the start is known as soon as the simulation has said it.
   void watch();
   /// Publishes the models as they lie at `since` [s] or later, once for each such time, for new
   /// plans. @return why that cannot be, in words; empty: it was, or will be at a later call.
@@ -63,8 +66,9 @@ class PredictedObjects {
   std::function<void(const std::string&)> done_;
   View view_;
   std::uint32_t target_ = 0;
-  std::optional<geometry::RigidTransform> X_WB_start_;  // of the target's body, when it was put
-  std::optional<double> looked_;                        // s
+  std::vector<std::uint32_t> movable_;
+  std::map<std::uint32_t, geometry::RigidTransform> X_WB_start_;  // of movable bodies, when put
+  std::optional<double> looked_;                                  // s
 };
 
 }  // namespace prehend::nodes

@@ -98,8 +98,19 @@ const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point no
   return nullptr;
 }
 
-Target choose_target(const View& view, int object, const Lacks& lacks) {
+Target choose_target(const View& whole, int object, const Lacks& lacks,
+                     const LeavesOut& leaves_out) {
   Target target;
+  View left = whole;
+  if (object < 0 && leaves_out) {
+    std::erase_if(left.plans, [&](const auto& entry) { return leaves_out(*entry.second); });
+  }
+  const View& view = left;
+  if (view.plans.empty()) {
+    target.problem = "none is left of " + std::to_string(whole.plans.size()) + " objects in view";
+    target.none_left = true;
+    return target;
+  }
   const msgs::GraspPlan* best = nullptr;
   const auto has_grasps = [&lacks](const msgs::GraspPlan& plan) {
     return !plan.grasps().empty() && lacks(plan.grasps(0)).empty();

@@ -53,16 +53,22 @@ struct Target {
   std::vector<const msgs::Grasp*> grasps;  // of its plan, best first; empty: see problem
   std::string problem;       // "cannot be grasped: ..." or why the choice is impossible
   bool ungraspable = false;  // the planner's answer, not a failure
+  bool none_left = false;    // all that is in the view is left out
 };
 
 /// What a grasp lacks to be executed, in words; empty: nothing.
 using Lacks = std::function<std::string(const msgs::Grasp&)>;
 
+/// Whether an object is to be left alone.
+using LeavesOut = std::function<bool(const msgs::GraspPlan&)>;
+
 /// The object whose best grasp promises most, score / (1 + vote), or the one with id `object` when
 /// that is >= 0; of its grasps those before the first that lacks something. Objects cut by the
 /// image's border are taken last. When it has no grasp, the problem tells why; of several objects,
-/// each one's. The target refers to the view's plans.
-Target choose_target(const View& view, int object, const Lacks& lacks);
+/// each one's. Objects that `leaves_out` says are not taken unless asked for. The target refers to
+/// the view's plans.
+Target choose_target(const View& view, int object, const Lacks& lacks,
+                     const LeavesOut& leaves_out = nullptr);
 
 /// The id of the planned object whose centroid is nearest to `p_W` [m]: ids are of one view. -1
 /// without plans.

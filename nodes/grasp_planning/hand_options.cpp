@@ -24,7 +24,8 @@ constexpr Misfit kNotOfFingers[] = {
 constexpr Misfit kOfPlatforms[] = {
     {"platforms", "no platform is named"},    {"home", "no platform is named"},
     {"place", "no platform is named"},        {"arm_budget", "no platform is named"},
-    {"motions", "no platform is named"},      {"path_planner", "there is no arm"},
+    {"motions", "no platform is named"},      {"task", "no platform is named"},
+    {"tasks", "no platform is named"},        {"path_planner", "there is no arm"},
     {"collision_checker", "there is no arm"},
 };
 constexpr Misfit kChosenByFronts[] = {

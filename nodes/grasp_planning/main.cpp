@@ -16,6 +16,7 @@
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
 #include "nodes/gripper_source/gripper_source.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
@@ -139,13 +140,13 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...); empty: the parallel gripper "
-                      "on the carrier",
+       .description = "arm with a hand, its name (kr5_sdh, pa10_barrett, ...) or file; empty: the "
+                      "parallel gripper on the carrier",
        .read_only = true});
   const auto folder = node.declare_parameter<std::string>(
       {.name = "platforms",
        .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platform's file, PLATFORM.yaml",
+       .description = "folder of the platforms that have names, NAME.yaml",
        .read_only = true});
   const auto home = node.declare_parameter<std::string>(
       {.name = "home",
@@ -160,6 +161,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
            "with a platform: x,y of the world [m] where the object is put; empty: a free "
            "place is chosen",
        .read_only = true}));
+  control::Task task = nodes::declare_task(node);
   arm.pick.budget = node.declare_parameter<double>({.name = "arm_budget",
                                                     .default_value = arm.pick.budget,
                                                     .unit = "s",
@@ -194,12 +196,14 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
     return nullptr;
   }
   robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   nodes::refuse_what_does_not_apply(
       node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
       front_chooses);
   return std::make_unique<nodes::PlatformPlanning>(
       std::move(platform), home,
-      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place, motions);
+      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
+      std::move(task), motions);
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -257,7 +261,13 @@ class GraspPlanning {
       throw geometry::InputError("Parameter gripper does not apply: platform has its own hand",
                                  "Give one of the two");
     }
-    if (!platform_) gripper_.listen([this] { plan_ready(); });
+    if (!platform_) {
+      gripper_.listen([this] { plan_ready(); });
+      return;
+    }
+    joints_ = node_.subscribe<msgs::JointState>(
+        "/joint_states", graph::QoS::latest(),
+        [this](const auto& state) { platform_->start_from(*state); });
   }
 
  private:
@@ -414,7 +424,7 @@ class GraspPlanning {
       obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
-  graph::Subscription results_;
+  graph::Subscription results_, joints_;
   graph::Node::Timer timer_;
 };
 

@@ -8,29 +8,46 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/robot/closing_way.h"
 
 namespace prehend::nodes {
 namespace {
 
 constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
+constexpr double kAtHome = 1e-3;        // rad
 
 }  // namespace
 
 PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& home,
                                    const planning::HandPlanOptions& grasps,
                                    planning::PlatformPickOptions arm, planning::PlaceOptions place,
-                                   int motions)
+                                   control::Task task, int motions)
     : platform_(std::move(platform)),
-      start_(platform_.home(home).arm),
+      home_(platform_.home(home).arm),
+      start_(home_),
       hand_(platform_.hand),
       options_(planning::within_reach(grasps, platform_)),
       arm_options_(std::move(arm)),
       place_(std::move(place)),
+      task_(std::move(task)),
       motions_(motions) {
   options_.pads.validate();
   options_.fingers.validate();
   place_.validate();
+}
+
+void PlatformPlanning::start_from(const msgs::JointState& joints) {
+  const robot::KinematicChain chain = platform_.arm_chain();
+  robot::Positions now = home_;
+  for (int i = 0; i < chain.size(); ++i) {
+    const std::string& name = chain.joints()[static_cast<std::size_t>(i)].name;
+    const auto found = std::find(joints.name().begin(), joints.name().end(), name);
+    const int k = static_cast<int>(found - joints.name().begin());
+    if (k >= joints.position_size() || !std::isfinite(joints.position(k))) return;
+    now[i] = joints.position(k);
+  }
+  start_ = (now - home_).cwiseAbs().maxCoeff() < kAtHome ? home_ : now;
 }
 
 msgs::Grasp PlatformPlanning::to_message(const planning::PlannedGrasp& grasp) const {
@@ -58,6 +75,11 @@ msgs::Grasp PlatformPlanning::to_message(const planning::PlannedGrasp& grasp) co
   for (const double rate : way.rate) message.add_closing_rate(rate);
   for (const double position : way.lower) message.add_least_position(position);
   for (const double position : way.upper) message.add_largest_position(position);
+  message.set_effort(std::clamp(grasp.effort, 0.0, 1.0));
+  for (const int joint : platform_.hand.actuated) {
+    message.add_largest_effort(
+        platform_.hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
+  }
   for (const Eigen::Vector3d& p_W : grasp.contacts_W) {
     *message.add_contacts() = convert::to_message(p_W);
   }
@@ -109,7 +131,12 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
 void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& grasps,
                                    const planning::PlatformScene& scene,
                                    msgs::GraspPlan* message) const {
-  const planning::FreePlaces places = planning::free_places_for(platform_, scene, place_);
+  std::vector<Eigen::Vector3d> object;
+  for (const auto& piece : scene.object_pieces_W) {
+    object.insert(object.end(), piece.vertices.begin(), piece.vertices.end());
+  }
+  const planning::FreePlaces places =
+      planning::free_places_for(platform_, scene, places_of(task_, object, place_));
   if (!places.problem.empty()) {
     message->set_problem("cannot be grasped: " + places.problem + ". " + planning::kPlaceMend);
     return;

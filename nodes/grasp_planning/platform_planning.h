@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "msgs/grasp.pb.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/control/task.h"
 #include "prehend/geometry/plane.h"
 #include "prehend/planning/hand_plan.h"
 #include "prehend/robot/platform.h"
@@ -21,7 +23,7 @@ class PlatformPlanning {
   /// @throws geometry::InputError for an unknown home.
   PlatformPlanning(robot::Platform platform, const std::string& home,
                    const planning::HandPlanOptions& grasps, planning::PlatformPickOptions arm,
-                   planning::PlaceOptions place, int motions);
+                   planning::PlaceOptions place, control::Task task, int motions);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
   /// without any motion has the arm's reason, or the place's, as its problem. Obstacles are convex
@@ -33,6 +35,10 @@ class PlatformPlanning {
                        const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known) const;
 
+  /// Where the arm stands now: motions start there, or at home while it is within 1 mrad of it.
+  /// Without all joints of the arm nothing changes.
+  void start_from(const msgs::JointState& joints);
+
   /// The hand's name.
   const std::string& hand() const { return platform_.hand.name; }
 
@@ -43,11 +49,12 @@ class PlatformPlanning {
   msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
 
   robot::Platform platform_;
-  robot::Positions start_;
+  robot::Positions home_, start_;
   grasp::HandToClose hand_;
   planning::HandPlanOptions options_;
   planning::PlatformPickOptions arm_options_;
   planning::PlaceOptions place_;
+  control::Task task_;
   int motions_;
 };
 

@@ -42,6 +42,7 @@ struct Collected {
   std::map<std::uint32_t, msgs::GraspPlan> plans;
   std::vector<msgs::Surprise> surprises;
   std::optional<msgs::CycleResult> result;
+  std::optional<msgs::Task> task;
 
   std::vector<std::pair<double, std::string>> phases;  // when each began
   bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation

@@ -51,6 +51,7 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
                          [&c](const auto& m) { c.surprises.push_back(m); });
   listen<msgs::CycleState>("/cycle/state", QoS::queue(64), [this](const auto& m) { on_phase(m); });
   listen<msgs::CycleResult>("/cycle/result", QoS::queue(2), [&c](const auto& m) { c.result = m; });
+  listen<msgs::Task>("/cycle/task", QoS::latched(1), [&c](const auto& m) { c.task = m; });
   for (const std::string& pad : pads) {
     listen<msgs::TactileFrame>("/tactile/" + pad, stream, [&c, pad](const auto& m) {
       c.pads[pad] = m;

@@ -16,6 +16,7 @@
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
+#include "prehend/report/state_chart.h"
 #include "prehend/surface/size_on_table.h"
 
 namespace prehend::nodes {
@@ -510,6 +511,37 @@ std::vector<Row> stage_times(const Collected& collected) {
   return rows;
 }
 
+namespace {
+
+void add_task(Page& page, const msgs::Task& task, const std::optional<msgs::CycleResult>& result) {
+  report::StateChart chart;
+  chart.title = task.name();
+  chart.start = task.start();
+  std::set<std::string> names;
+  for (const auto& state : task.states()) {
+    chart.states.push_back({state.name(), state.action()});
+    names.insert(state.name());
+    for (const auto& way : state.ways()) {
+      chart.ways.push_back({state.name(), way.next(), way.outcome()});
+    }
+    if (state.times() > 0) {
+      chart.ways.push_back(
+          {state.name(), state.then(), fmt::format("done {} times", state.times())});
+    }
+  }
+  std::set<std::string> ends;
+  for (const auto& way : chart.ways) {
+    if (names.count(way.to) == 0 && ends.insert(way.to).second)
+      chart.states.push_back({way.to, ""});
+  }
+  if (result) chart.path.assign(result->task_path().begin(), result->task_path().end());
+  page.add_chart(report::draw_state_chart(chart),
+                 fmt::format("The task {} ({}), with the path that was taken.", task.name(),
+                             task.description()));
+}
+
+}  // namespace
+
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
                   const DrawnRobot& robot, const std::vector<Process>& processes) {
   Page page(title);
@@ -528,6 +560,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   }
   for (const auto& [id, shape] : collected.shapes) {
     if (id != shown) add_object(page, collected, shape, robot, fmt::format("Object {}", id));
+  }
+  if (collected.task) {
+    section(page, "What was done", [&] { add_task(page, *collected.task, collected.result); });
   }
   section(page, "What the pads felt", [&] { add_touch(page, collected); });
   section(page, "Over time", [&] { add_charts(page, collected); });

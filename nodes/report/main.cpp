@@ -69,13 +69,14 @@ int run(graph::Node& node) {
        .read_only = true});
   const auto platform = node.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...) that is drawn; empty: the "
-                      "parallel gripper",
+       .description =
+           "arm with a hand, its name (kr5_sdh, pa10_barrett, ...) or file, that is drawn; "
+           "empty: the parallel gripper",
        .read_only = true});
   const auto platforms = node.declare_parameter<std::string>(
       {.name = "platforms",
        .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platform's file, PLATFORM.yaml",
+       .description = "folder of the platforms that have names, NAME.yaml",
        .read_only = true});
   nodes::GripperSource gripper(node);
   const double timeout = node.declare_parameter<double>(

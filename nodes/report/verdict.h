@@ -2,19 +2,21 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "nodes/report/collected.h"
 
 namespace prehend::nodes {
 
-/// What the simulator says about the body that was raised highest.
+/// What the simulator says about a body that was raised.
 struct Lift {
   std::string body;       // empty: nothing was raised
   double raised = 0;      // m, highest over its first height
   double moved = 0;       // m, horizontally, between first and last
   double end_height = 0;  // m, last height over the table
 };
-Lift measure_lift(const Collected& collected);
+/// Of all that were raised at all, the highest first.
+std::vector<Lift> measure_lifts(const Collected& collected);
 
 /// The grasp that the cycle executed last; nullptr when it executed none, or its plan is not known.
 const msgs::Grasp* executed_grasp(const Collected& collected);
@@ -30,7 +32,7 @@ std::optional<std::string> why_not_graspable(const std::string& problem);
 /// How the run ended.
 struct Verdict {
   enum class Kind {
-    kSuccess,       // an object was raised by 100 mm, moved and put down
+    kSuccess,       // an object was raised by 100 mm and put down, elsewhere if the task places it
     kNotGraspable,  // nothing could be tried, as no grasp was found: an answer, not a failure
     kFailure
   };

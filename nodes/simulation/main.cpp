@@ -16,6 +16,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/text/tree_file.h"
 
@@ -44,9 +45,14 @@ Settings declare_settings(graph::Node& node) {
   s.robot = node.declare_parameter<std::string>(
       {.name = "robot",
        .default_value = "",
-       .description = "platform (config/robots) that stands in the scene in place of its gripper",
-       .read_only = true,
-       .reads_file = true});
+       .description = "platform that stands in the scene in place of its gripper: its name or file",
+       .read_only = true});
+  const auto platforms = node.declare_parameter<std::string>(
+      {.name = "platforms",
+       .default_value = text::tree_file("config/robots"),
+       .description = "folder of the platforms that have names, NAME.yaml",
+       .read_only = true});
+  if (!s.robot.empty()) s.robot = robot::platform_file(platforms, s.robot).string();
   s.robot_home = node.declare_parameter<std::string>(
       {.name = "robot_home",
        .default_value = "",
@@ -202,6 +208,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
              graph::ClockPacer& pacer) {
   using namespace prehend::nodes;
   const robot::Platform platform = robot::read_platform(scene.robot);
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   RobotPublisher sensors(node, platform.hand);
   PictureClock pictures(settings.camera_period);
   ReaderPace pace(node, pacer);

@@ -12,6 +12,12 @@
 namespace prehend::control {
 namespace {
 
+constexpr double kFirstShare = 0.7;      // of the effort that is thought to be enough
+constexpr double kLeastShare = 0.05;     // of the hand's greatest
+constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
+constexpr double kForceTolerance = 0.1;  // of the force
+constexpr double kLeastRise = 1.05, kMostRise = 1.5;
+
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
 }
@@ -25,6 +31,7 @@ std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
 }  // namespace
 
 void ArmCycleOptions::validate() const {
+  SharedCycleOptions::validate();
   const text::Require require{"ArmCycleOptions."};
   require(std::isfinite(contact_force) && contact_force > 0, "contact_force must be positive");
   require(std::isfinite(collision_force) && collision_force > 0,
@@ -33,17 +40,15 @@ void ArmCycleOptions::validate() const {
   require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
   require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
   require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
+  require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
+  require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
+  require(std::isfinite(force_timeout) && force_timeout > 0, "force_timeout must be positive");
   require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
   require(std::isfinite(rest_time) && rest_time >= 0, "rest_time must not be negative");
   require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
   require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
   require(std::isfinite(largest_detour) && largest_detour > 0, "largest_detour must be positive");
-  require(largest_attempts > 0, "largest_attempts must be positive");
-  require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
-  require(std::isfinite(answer_time) && answer_time > 0, "answer_time must be positive");
-  require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
   holding.validate();
-  tolerances.validate();
 }
 
 std::string described(const ArmGrasp& grasp, int index) {
@@ -54,59 +59,23 @@ std::string described(const ArmGrasp& grasp, int index) {
 }
 
 ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
-    : Cycle(options.tolerances),
-      options_(options),
-      arm_(arm),
-      hand_(hand),
-      holding_(options.holding) {
+    : Cycle(options), options_(options), arm_(arm), hand_(hand), holding_(options.holding) {
   options.validate();
 }
 
-bool ArmCycle::moves_hand(Step step) {
-  return step == Step::kOpen || step == Step::kGather || step == Step::kClose ||
-         step == Step::kRelease || step == Step::kGiveUpOpen;
+bool ArmCycle::moves_hand() const {
+  return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
+         step_ == Step::kPress || step_ == Step::kRelease;
 }
 
-bool ArmCycle::waits(Step step) {
-  return step == Step::kRest || step == Step::kSettle || step == Step::kCheck ||
-         step == Step::kVerify || step == Step::kLook;
+bool ArmCycle::waits() const {
+  return step_ == Step::kRest || step_ == Step::kSettle || step_ == Step::kCheck ||
+         step_ == Step::kVerify || step_ == Step::kWait;
 }
 
-Phase ArmCycle::phase_of(Step step) {
-  switch (step) {
-    case Step::kWaiting:
-    case Step::kLook:
-      return Phase::kWaiting;
-    case Step::kOpen:
-    case Step::kReach:
-    case Step::kRest:
-    case Step::kApproach:
-      return Phase::kApproach;
-    case Step::kGather:
-    case Step::kClose:
-    case Step::kSettle:
-      return Phase::kGrasp;
-    case Step::kLift:
-    case Step::kCheck:
-      return Phase::kLift;
-    case Step::kCarry:
-    case Step::kPlace:
-      return Phase::kMove;
-    case Step::kRelease:
-    case Step::kRetreat:
-    case Step::kVerify:
-    case Step::kGiveUpOpen:
-    case Step::kGoBack:
-      return Phase::kRelease;
-    case Step::kDone:
-      return Phase::kDone;
-    case Step::kFailed:
-      return Phase::kFailed;
-  }
-  return Phase::kFailed;
+bool ArmCycle::leaves() const {
+  return step_ == Step::kRelease || step_ == Step::kRetreat || step_ == Step::kGoBack;
 }
-
-Phase ArmCycle::phase() const { return phase_of(step_); }
 
 void ArmCycle::enter(Step step, const std::string& detail) {
   step_ = step;
@@ -115,11 +84,8 @@ void ArmCycle::enter(Step step, const std::string& detail) {
 
 void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
-  order_.start(poses_of(grasps_));
-  clear();
-  step_ = Step::kWaiting;
-  if (grasps_.empty()) return finish(false, problem.empty() ? "the plan has no grasps" : problem);
-  step_waiting();
+  start_task(poses_of(grasps_), problem);
+  if (!finished()) step_waiting();
 }
 
 std::vector<InputAge> ArmCycle::inputs() {
@@ -137,7 +103,7 @@ std::vector<InputAge> ArmCycle::inputs() {
 void ArmCycle::step_waiting() {
   if (grasps_.empty()) return;  // not started
   const std::vector<InputAge> missing = stale_inputs(inputs());
-  if (missing.empty()) return begin_grasp(0);
+  if (missing.empty()) return begin_task();
   detail_ = "waiting for " + names_of(missing);
   if (spent() > options_.motion_timeout) {
     finish(false, "nothing was moved, for want of " + describe(missing));
@@ -145,29 +111,95 @@ void ArmCycle::step_waiting() {
 }
 
 bool ArmCycle::stop_when_lost() {
-  if (step_ == Step::kLook) return false;
   const std::vector<InputAge> lost = watch_.lost(now(), inputs());
   if (lost.empty()) return false;
   abort("lost " + describe(lost) + " while " + detail_ + "; arm and hand were stopped");
   return true;
 }
 
-void ArmCycle::begin_grasp(int index) {
-  watch_.begin(now());
-  begin_attempt(index);
-  order_.begin(index);
-  gone_.clear();
-  holding_.begin();
-  open_hand();
-  enter(Step::kOpen, described(grasp(), index) + ": opening the hand");
+void ArmCycle::stop_motion() {
+  arm_.stop();
+  hand_.stop();
 }
 
-void ArmCycle::follow(const JointPath& path, double contact_force) {
+void ArmCycle::prepare_attempt() {
+  watch_.begin(now());
+  gone_.clear();
+  lowered_.reset();
+  put_down_ = false;
+  holding_.begin();
+}
+
+void ArmCycle::begin(const Action& action) {
+  const auto move_hand = [this](Step step, const std::string& detail) {
+    hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false,
+               {});
+    enter(step, detail);
+  };
+  switch (action.primitive) {
+    case Primitive::kLook:
+      return;  // Cycle's
+    case Primitive::kApproach:
+    case Primitive::kTouch:
+      return move_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
+    case Primitive::kGrasp: {
+      const bool regulates =
+          wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
+      share_ = regulates ? std::clamp(kFirstShare * grasp().effort, kLeastShare, 1.0) : 1.0;
+      return gather();
+    }
+    case Primitive::kLift:
+      begin_segment("lift", Step::kLift, held_collision_force());
+      return;
+    case Primitive::kMove:
+      return begin_move(action);
+    case Primitive::kPlace:
+      begin_segment("place", Step::kPlace, contact_force_down());
+      return;
+    case Primitive::kRelease:
+      return move_hand(Step::kRelease,
+                       failure().empty() ? "opening the hand" : failure() + "; opening");
+    case Primitive::kRetreat:
+      if (!is_at_place() || !failure().empty()) return go_back();
+      begin_segment("retreat", Step::kRetreat, options_.collision_force);
+      return;
+    case Primitive::kWait:
+      wait_time_ = action.seconds;
+      return enter(Step::kWait, fmt::format("waiting for {:.3g} s", action.seconds));
+  }
+}
+
+void ArmCycle::begin_move(const Action& action) {
+  switch (action.goal) {
+    case Action::Goal::kPlace:
+      if (!segment("place")) return ended(Outcome::kNothing, "the plan puts it nowhere");
+      begin_segment("carry", Step::kCarry, held_collision_force());
+      return;
+    case Action::Goal::kLowered: {
+      const JointPath* lift = segment("lift");
+      if (!lift) return ended(Outcome::kDone);
+      enter(Step::kLower, "lowering it");
+      lowers_fully_ = action.share >= 1;
+      lowered_ = part_of(reversed(*lift), action.share);
+      return follow(*lowered_, lowers_fully_ ? contact_force_down() : held_collision_force(),
+                    false);
+    }
+    case Action::Goal::kLifted:
+      enter(Step::kRaise, "lifting it again");
+      if (!lowered_) return;
+      // It is as high as it was lifted: there is another way back again.
+      if (lowers_fully_) gone_.push_back(reversed(*lowered_));
+      return follow(reversed(*lowered_), held_collision_force(), false);
+  }
+}
+
+// `leads_back`: it is to be gone back when the arm goes back.
+void ArmCycle::follow(const JointPath& path, double contact_force, bool leads_back) {
   refused_.clear();
   try {
     const JointPath from_here =
         joined(path, percepts_.names, percepts_.positions, options_.largest_detour);
-    gone_.push_back(from_here);
+    if (leads_back) gone_.push_back(from_here);
     arm_.follow(from_here, contact_force);
   } catch (const std::invalid_argument& error) {
     refused_ = error.what();
@@ -188,71 +220,72 @@ bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_
   return path != nullptr;
 }
 
-void ArmCycle::open_hand() {
-  hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false);
-}
-
 void ArmCycle::gather() {
   if (options_.gather == 0) return close();
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(-options_.gather)),
-             options_.closing_speed, true);
+             options_.closing_speed, true, efforts());
   enter(Step::kGather, "gathering the fingers round the object");
 }
 
 void ArmCycle::close() {
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
-             options_.closing_speed, true);
+             options_.closing_speed, true, efforts());
   enter(Step::kClose, "closing the fingers");
 }
 
-void ArmCycle::give_up(const std::string& reason) {
-  fail_attempt(static_cast<int>(step_), fmt::format("grasp {}: {}", grasp_index(), reason),
-               SurpriseKind::kMotion, "opens and goes back");
-  arm_.stop();
-  open_hand();
-  enter(Step::kGiveUpOpen, failure() + "; opening");
+double ArmCycle::wanted_force() const {
+  return grasp().force > 0 ? grasp().force : options_.grip_force;
+}
+
+std::vector<double> ArmCycle::efforts() const {
+  std::vector<double> efforts = grasp().largest_effort;
+  for (double& effort : efforts) effort *= share_;
+  return efforts;
+}
+
+void ArmCycle::press() {
+  hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
+             options_.closing_speed, true, efforts());
+  enter(Step::kPress, fmt::format("pressing until the pads feel {:.1f} N", wanted_force()));
+}
+
+// Motors that hold do not give way when they are told to press less: they are told more, step by
+// step, until it is enough.
+void ArmCycle::after_pressing() {
+  if (spent() < kPressTime) return;
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  const double wanted = wanted_force();
+  const bool enough = felt.pads > 0 && felt.sum >= (1 - kForceTolerance) * wanted;
+  if (enough || share_ >= 1 || now() - pressed_since_ > options_.force_timeout) {
+    return enter(Step::kSettle, "pressing");
+  }
+  const double lacks = felt.pads > 0 ? wanted / felt.sum : kMostRise;
+  share_ = std::min(1.0, share_ * std::clamp(lacks, kLeastRise, kMostRise));
+  press();
+}
+
+void ArmCycle::fail(const std::string& reason) {
+  if (leaves()) return ended(Outcome::kFailed, reason);
+  give_up(fmt::format("grasp {}: {}", grasp_index(), reason));
 }
 
 void ArmCycle::go_back() {
   if (gone_.empty()) {
-    order_.fail(grasp_index());
-    if (options_.look_timeout > 0 && result_.attempts < options_.largest_attempts) {
-      return enter(Step::kLook, failure() + "; looking again");
-    }
-    return next_grasp("");
+    if (!put_down_ || !failure().empty()) return ended(Outcome::kDone);
+    holding_.begin_weighing();
+    return enter(Step::kVerify, "looking whether the hand is empty");
   }
-  JointPath back = reversed(gone_.back());
+  const JointPath back = reversed(gone_.back());
   gone_.pop_back();
   enter(Step::kGoBack, "going back the way it came");
-  follow(back, 0);
-  // It was pushed: follow() counts what is gone, and this is no way that is to be gone back.
-  if (refused_.empty()) gone_.pop_back();
-}
-
-std::optional<double> ArmCycle::looks_since() const {
-  return step_ == Step::kLook ? std::optional(entered_) : std::nullopt;
+  follow(back, 0, false);
 }
 
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem) {
-  if (step_ != Step::kLook) return;
-  if (grasps.empty()) {
-    return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
-  }
-  grasps_ = std::move(grasps);
-  order_.take(poses_of(grasps_));
-  ++result_.plans;
-  begin_grasp(order_.next().value_or(0));
-}
-
-// `why` it is not a grasp of a new look, in words; empty: nobody looked.
-void ArmCycle::next_grasp(const std::string& why) {
-  const std::optional<int> next = order_.next();
-  const bool out_of_date = options_.only_seen_again && !why.empty();
-  if (!next || out_of_date || result_.attempts >= options_.largest_attempts) {
-    return finish(false, failed_attempts().text() + (why.empty() ? "" : "; " + why));
-  }
-  begin_grasp(*next);
-  if (!why.empty()) detail_ = why + ": the next grasp of the plan before; " + detail_;
+  if (!waits_for_plan()) return;
+  std::vector<GraspPose> poses = poses_of(grasps);
+  if (!grasps.empty()) grasps_ = std::move(grasps);
+  plan_taken(std::move(poses), problem);
 }
 
 // A segment that the plan does not have ends at once.
@@ -260,10 +293,11 @@ MotionStatus ArmCycle::motion_status() {
   static const std::pair<Step, const char*> kSegments[] = {
       {Step::kReach, "reach"}, {Step::kApproach, "approach"}, {Step::kLift, "lift"},
       {Step::kCarry, "carry"}, {Step::kPlace, "place"},       {Step::kRetreat, "retreat"}};
-  if (moves_hand(step_)) return hand_.motion();
-  if (waits(step_)) return MotionStatus::kReached;
+  if (moves_hand()) return hand_.motion();
+  if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
-  bool planned = step_ == Step::kGoBack;
+  bool planned = step_ == Step::kGoBack || step_ == Step::kLower ||
+                 (step_ == Step::kRaise && lowered_.has_value());
   for (const auto& [step, name] : kSegments) {
     planned = planned || (step == step_ && segment(name) != nullptr);
   }
@@ -274,45 +308,51 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   advance_to(percepts.time);
   percepts_ = percepts;
   if (finished()) return;
-  if (step_ == Step::kWaiting) return step_waiting();
+  if (waits_for_inputs()) return step_waiting();
+  if (waits_for_plan()) return step_look();
   if (stop_when_lost()) return;
   if (watch_held()) return;
   const MotionStatus status = motion_status();
-  const bool gives_up = step_ == Step::kGiveUpOpen || step_ == Step::kGoBack;
   if (status == MotionStatus::kMoving) {
     if (spent() <= options_.motion_timeout) return;
-    arm_.stop();
-    hand_.stop();
-    if (gives_up) return finish(false, failure() + "; " + detail_ + " took too long");
-    return give_up(detail_ + " took too long");
+    stop_motion();
+    return fail(detail_ + " took too long");
   }
   if (status == MotionStatus::kFailed) {
     std::string why = detail_ + ": ";
-    why += moves_hand(step_) ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
-    if (gives_up) return finish(false, failure() + "; " + why);
-    if (step_ == Step::kRetreat) {
-      add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
-      return finish(false, why);
-    }
-    return give_up(why);
+    why += moves_hand() ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
+    if (step_ == Step::kRetreat) add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
+    return fail(why);
   }
-  if (status == MotionStatus::kContact && !moves_hand(step_) && !reacts_to_contact()) {
-    const std::string why =
-        fmt::format("{}: the arm hit something, the wrist felt {:.0f} N", detail_, felt_contact(0));
-    if (gives_up || step_ == Step::kRetreat) return finish(false, why);
-    return give_up(why);
+  if (status == MotionStatus::kContact && !moves_hand() && !reacts_to_contact()) {
+    return fail(fmt::format("{}: the arm hit something, the wrist felt {:.0f} N", detail_,
+                            felt_contact(0)));
   }
   advance(status);
 }
 
 bool ArmCycle::reacts_to_contact() const {
-  return step_ == Step::kPlace || (options_.reacts && step_ == Step::kApproach);
+  switch (step_) {
+    case Step::kPlace:
+      return true;
+    case Step::kLower:
+      return lowers_fully_;
+    case Step::kApproach:
+      return options_.reacts || primitive() == Primitive::kTouch;
+    default:
+      return false;
+  }
 }
 
 // What is predicted to be held counts double, as its mass is a guess.
 double ArmCycle::held_collision_force() const {
   return options_.collision_force +
          std::max(2 * geometry::kGravity * grasp().lifted_mass, holding_.weight().value_or(0));
+}
+
+double ArmCycle::contact_force_down() const {
+  return options_.reacts ? holding_.weight().value_or(0) + options_.contact_force
+                         : held_collision_force();
 }
 
 // To the next step, as this one has ended by `status` or waits.
@@ -323,26 +363,30 @@ void ArmCycle::advance(MotionStatus status) {
       return;
     case Step::kReach:
       return enter(Step::kRest, "reading the wrist at rest");
-    case Step::kRest:
+    case Step::kRest: {
       holding_.feel_free(percepts_.wrist_force);
       if (spent() < options_.rest_time) return;
+      const bool feels = options_.reacts || primitive() == Primitive::kTouch;
       begin_segment("approach", Step::kApproach,
-                    options_.reacts ? options_.contact_force : options_.collision_force);
+                    feels ? options_.contact_force : options_.collision_force);
       return;
+    }
     case Step::kApproach:
       return after_approach(status);
     case Step::kGather:
       return close();
     case Step::kClose:
       return after_closing(status);
+    case Step::kPress:
+      return after_pressing();
     case Step::kSettle:
       if (spent() < options_.settle_time) return;
+      compare_touch();
       if (const auto now = closure()) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);
       }
-      begin_segment("lift", Step::kLift, held_collision_force());
-      return;
+      return ended(Outcome::kDone);
     case Step::kLift:
       holding_.begin_weighing();
       return enter(Step::kCheck, "weighing what is held");
@@ -350,18 +394,18 @@ void ArmCycle::advance(MotionStatus status) {
       holding_.weigh(percepts_.wrist_force);
       if (spent() < options_.check_time) return;
       return check();
-    case Step::kCarry: {
-      // What reacts to contact lowers the object until something bears it.
-      const double weight = holding_.weight().value_or(0);
-      begin_segment("place", Step::kPlace,
-                    options_.reacts ? weight + options_.contact_force : held_collision_force());
-      return;
-    }
     case Step::kPlace:
       return after_placing(status);
+    case Step::kLower:
+      if (lowers_fully_) {
+        put_down_ = true;
+        if (!gone_.empty()) gone_.pop_back();
+      }
+      return ended(Outcome::kDone);
+    case Step::kCarry:
+    case Step::kRaise:
     case Step::kRelease:
-      begin_segment("retreat", Step::kRetreat, options_.collision_force);
-      return;
+      return ended(Outcome::kDone);
     case Step::kRetreat:
       holding_.begin_weighing();
       return enter(Step::kVerify, "looking whether the hand is empty");
@@ -369,30 +413,12 @@ void ArmCycle::advance(MotionStatus status) {
       holding_.weigh(percepts_.wrist_force);
       if (spent() < options_.check_time) return;
       return verify();
-    case Step::kGiveUpOpen:
     case Step::kGoBack:
       return go_back();
-    case Step::kLook:
-      if (spent() > options_.look_timeout) next_grasp("no new plan came");
-      return;
-    case Step::kWaiting:
-    case Step::kDone:
-    case Step::kFailed:
-      return;
+    case Step::kWait:
+      if (spent() < wait_time_) return;
+      return ended(Outcome::kDone);
   }
-}
-
-void ArmCycle::abort(const std::string& reason) {
-  if (finished()) return;
-  arm_.stop();
-  hand_.stop();
-  finish(false, reason);
-}
-
-void ArmCycle::finish(bool success, const std::string& reason) {
-  result_.success = success;
-  result_.reason = reason;
-  enter(success ? Step::kDone : Step::kFailed, reason);
 }
 
 }  // namespace prehend::control

@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "prehend/control/cycle.h"
-#include "prehend/control/grasp_order.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_path.h"
+#include "prehend/control/pad_percept.h"
 #include "prehend/robot/closing_way.h"
 
 namespace prehend::control {
@@ -26,6 +26,11 @@ struct ArmGrasp {
   double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
   double score = 0;        // expected success, 0 to 1
   double robustness = -1;  // share of disturbed trials in which it holds; -1: not assessed
+  double force = 0;        // N, per pad, that it is to be held with; 0: as the motors press
+  double effort = 1;       // share of what the hand can that this is thought to take, in (0, 1]
+  std::vector<double> largest_effort;  // N m or N, of hand_joints; empty: not known
+  /// What the pads that touch are predicted to feel then, their mean [m^2, N]; 0: not predicted.
+  double contact_area = 0, tactile_sum = 0;
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".
@@ -49,9 +54,10 @@ class ArmPort {
 class HandPort {
  public:
   virtual ~HandPort() = default;
-  /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press.
+  /// Speeds are shares of the joints' greatest. @param until_contact fingers stop where they press,
+  /// with `effort` of each joint [N m or N]; empty: the hand's own.
   virtual void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-                    double speed, bool until_contact) = 0;
+                    double speed, bool until_contact, const std::vector<double>& effort) = 0;
   virtual MotionStatus motion() = 0;         // of the last move; kContact: fingers press
   virtual double answer_age() { return 0; }  // as ArmPort's
   virtual std::string problem() = 0;
@@ -67,11 +73,12 @@ struct ArmPercepts {
   std::vector<double> positions;  // rad, of arm and hand
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
-  double joints_age = 0;  // s, at `time`; 0: read in the same instant
-  double wrist_age = 0;   // s
+  std::vector<PadPercept> pads;  // that have spoken; ages at `time`
+  double joints_age = 0;         // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;          // s
 };
 
-struct ArmCycleOptions {
+struct ArmCycleOptions : SharedCycleOptions {
   /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
   /// otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
@@ -86,36 +93,32 @@ struct ArmCycleOptions {
   double gather = 0.1;
   /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
   double overrun = 0.5;
+  /// N, >= 0, that the pads which touch are to feel, their mean: of a hand whose plan says no
+  /// force. 0: as the motors press.
+  double grip_force = 0;
+  double touch_force = 0.3;  // N, > 0, of a pad's sum that touches
+  double force_timeout = 4;  // s, > 0, to reach the force; then it is gripped with what there is
   double settle_time = 0.3;  // s, >= 0, after closing
   double rest_time = 0.2;    // s, >= 0, before the approach: the wrist's force at rest, its noise
   double check_time = 0.4;   // s, >= 0, at rest after the lift, and after the retreat
   HoldingOptions holding;
-  SurpriseTolerances tolerances;
   double motion_timeout = 60;   // s, > 0, of each motion
   double largest_detour = 0.5;  // rad, > 0, see joined()
-  int largest_attempts = 3;     // > 0
-  double stale_time = 0.25;     // s, > 0, after which percepts are too old to move by
-  double answer_time = 2;       // s, > 0, without a word of a motion: nobody carries it out
-  /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
-  /// plan is taken at once.
-  double look_timeout = 0;
-  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the cycle
-  /// ends when none come.
-  bool only_seen_again = false;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Executes ranked grasps with an arm and a hand until one succeeds: opens the hand, reach,
-/// approach, close, lift, weighs what is held, carry, place, open, retreat, weighs the empty hand.
-/// While it lifts, carries and lowers, what is held is watched (Holding): by its weight where
-/// nothing else bears it, which is all but the end of lowering, and by the fingers all the time. A
-/// plan without a place ends with the object lifted and held.
+/// Executes a task with an arm and a hand: opens the hand, reach, approach, close, lift, weighs
+/// what is held, carry, place, open, retreat, weighs the empty hand. While it lifts, carries and
+/// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
+/// all but the end of lowering, and by the fingers all the time.
+///
+/// Where the plan says a force and pads speak, the motors press harder until the mean of the pads
+/// that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// On a failure it opens and goes back the way it came. With `look_timeout` it waits there for
-/// grasps planned on a new look (looks_since(), take_plan()), as the object may have moved; when
-/// none come it takes the next grasp of its plan. Grasps like one that failed come last in either.
+/// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken
+/// from where the arm stood at first.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -132,61 +135,68 @@ class ArmCycle : public Cycle {
   void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
-  std::optional<double> looks_since() const override;
   /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
   /// @pre looks_since() is set
   void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "");
-  void abort(const std::string& reason) override;
-  Phase phase() const override;
 
  private:
+  /// Parts of actions.
   enum class Step {
-    kWaiting,
     kOpen,
     kReach,
     kRest,
     kApproach,
     kGather,
     kClose,
+    kPress,
     kSettle,
     kLift,
     kCheck,
     kCarry,
+    kLower,
+    kRaise,
     kPlace,
     kRelease,
     kRetreat,
     kVerify,
-    kGiveUpOpen,
     kGoBack,
-    kLook,
-    kDone,
-    kFailed
+    kWait
   };
-  static bool moves_hand(Step step);
-  static bool waits(Step step);
 
-  static Phase phase_of(Step step);
+  void begin(const Action& action) override;
+  void prepare_attempt() override;
+  void clear_view() override { look_now(); }
+  void stop_motion() override;
   void enter(Step step, const std::string& detail);
+  bool moves_hand() const;
+  bool waits() const;
+  /// It lets go of what is held, or leaves it: what fails then is no attempt's failure.
+  bool leaves() const;
   /// What the cycle relies on.
   std::vector<InputAge> inputs();
   void step_waiting();
   /// Stops and ends when something of it is lost; true then.
   bool stop_when_lost();
-  void begin_grasp(int index);
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
-  void follow(const JointPath& path, double contact_force);
+  void begin_move(const Action& action);
+  void follow(const JointPath& path, double contact_force, bool leads_back = true);
   const JointPath* segment(const std::string& name) const;
   MotionStatus motion_status();
   void gather();
   void close();
-  void open_hand();
+  void press();
+  std::vector<double> efforts() const;  // N m or N, of the hand's joints now
+  void after_pressing();
+  double wanted_force() const;  // N, per pad; 0: none
+  void compare_touch();
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
   void advance(MotionStatus status);
   /// The present step ends as planned where something is touched.
   bool reacts_to_contact() const;
+  double contact_force_down() const;    // N, at which what is lowered is met
   double held_collision_force() const;  // N
   std::optional<double> closure() const;
   double felt_contact(double borne) const;
@@ -194,20 +204,23 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
-  void give_up(const std::string& reason);
   void go_back();
-  void next_grasp(const std::string& why);
-  void finish(bool success, const std::string& reason);
+  void fail(const std::string& reason);
   const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
 
   ArmCycleOptions options_;
   ArmPort& arm_;
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
-  GraspOrder order_;  // of grasps_
-  Step step_ = Step::kWaiting;
+  Step step_ = Step::kWait;
+  double wait_time_ = 0;              // s
+  double share_ = 1;                  // of the greatest effort, that the motors press with
+  double pressed_since_ = 0;          // s
+  bool put_down_ = false;             // what is held stands where it stood, or at its place
+  std::optional<JointPath> lowered_;  // the last way down
+  bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
-  std::vector<JointPath> gone_;  // segments that were begun in this attempt
+  std::vector<JointPath> gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;
   ArmPercepts percepts_;
   Holding holding_;

@@ -38,30 +38,49 @@ double ArmCycle::felt_contact(double borne) const {
 }
 
 void ArmCycle::after_approach(MotionStatus status) {
-  if (status == MotionStatus::kContact) {
+  const bool touches = status == MotionStatus::kContact;
+  if (primitive() == Primitive::kTouch) {
+    return ended(touches ? Outcome::kDone : Outcome::kNothing, touches ? "" : "nothing was met");
+  }
+  if (touches) {
     add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), "closes where it touches");
   }
-  gather();
+  ended(Outcome::kDone);
 }
 
 void ArmCycle::after_closing(MotionStatus status) {
   // Fingers that get to the end of their way touch nothing.
   const bool touch = status == MotionStatus::kContact;
-  add_surprise(SurpriseKind::kFingersTouch, 1, touch ? 1 : 0, "opens and tries the next grasp");
-  if (!touch) return give_up("the fingers closed on nothing");
+  add_surprise(SurpriseKind::kFingersTouch, 1, touch ? 1 : 0, "lets go and looks again");
+  if (!touch) return fail("the fingers closed on nothing");
   const std::vector<double> positions = hand_.positions();
   if (positions.size() == grasp().hand_joints.size()) {
     const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
         positions.data(), static_cast<Eigen::Index>(positions.size())));
     add_surprise(SurpriseKind::kFingersAtContact, 0, beyond, "grips anyhow, weighs it when lifted");
   }
-  enter(Step::kSettle, "pressing");
+  if (share_ >= 1) return enter(Step::kSettle, "pressing");
+  pressed_since_ = now();
+  press();
+}
+
+void ArmCycle::compare_touch() {
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  if (percepts_.pads.empty()) return;
+  const std::string reaction = "grips anyhow, weighs it when lifted";
+  if (grasp().contact_area > 0) {
+    add_surprise(SurpriseKind::kContactArea, grasp().contact_area, felt.area, reaction);
+  }
+  if (grasp().tactile_sum > 0) {
+    add_surprise(SurpriseKind::kTactileSum, grasp().tactile_sum, felt.sum, reaction);
+  }
 }
 
 bool ArmCycle::watch_held() {
   const bool lifting = step_ == Step::kLift, carrying = step_ == Step::kCarry,
              placing = step_ == Step::kPlace;
-  if (!lifting && !carrying && !placing) return false;
+  const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
+  if (!lifting && !carrying && !placing && !shaking) return false;
   bool by_weight = carrying;
   if (placing) {
     const JointPath* path = segment("place");
@@ -70,25 +89,29 @@ bool ArmCycle::watch_held() {
   const std::string why = holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
   if (why.empty()) return false;
   add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
-               "opens and tries the next grasp");
-  give_up(fmt::format("lost while {}: {}",
-                      lifting ? "lifting" : (carrying ? "carrying" : "lowering"), why));
+               "lets go and looks again");
+  give_up(
+      fmt::format(
+          "grasp {}: lost while {}: {}", grasp_index(),
+          lifting || step_ == Step::kRaise ? "lifting" : (carrying ? "carrying" : "lowering"), why),
+      SurpriseKind::kMotion, Outcome::kLost);
   return true;
 }
 
 void ArmCycle::check() {
   const Holding::Verdict held = holding_.held(closure());
-  add_surprise(SurpriseKind::kHeldAfterLift, 1, held.yes ? 1 : 0, "opens and tries the next grasp");
-  if (!held.yes) return give_up("nothing is held after the lift: " + held.why);
+  add_surprise(SurpriseKind::kHeldAfterLift, 1, held.yes ? 1 : 0, "lets go and looks again");
+  if (!held.yes) {
+    return give_up(
+        fmt::format("grasp {}: nothing is held after the lift: {}", grasp_index(), held.why),
+        SurpriseKind::kMotion, Outcome::kLost);
+  }
   if (grasp().lifted_mass > 0 && holding_.weight()) {
     add_surprise(SurpriseKind::kLiftedWeight, grasp().lifted_mass * geometry::kGravity,
                  *holding_.weight(), "carries what it weighs");
   }
-  if (!segment("place")) {
-    return finish(true, fmt::format("{}: lifted and held ({}); the plan puts it nowhere",
-                                    described(grasp(), grasp_index()), held.why));
-  }
-  begin_segment("carry", Step::kCarry, held_collision_force());
+  achieved(fmt::format("{}: lifted and held ({})", described(grasp(), grasp_index()), held.why));
+  ended(Outcome::kDone);
 }
 
 void ArmCycle::after_placing(MotionStatus status) {
@@ -98,8 +121,8 @@ void ArmCycle::after_placing(MotionStatus status) {
                  "opens where it touches");
   }
   add_surprise(SurpriseKind::kHeldWhileCarried, 1, 1, "");
-  open_hand();
-  enter(Step::kRelease, "opening the hand");
+  put_down_ = true;
+  ended(Outcome::kDone);
 }
 
 void ArmCycle::verify() {
@@ -107,11 +130,13 @@ void ArmCycle::verify() {
   add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0, "ends");
   const std::string name = described(grasp(), grasp_index());
   if (!empty.yes) {
-    return finish(false, name + ": what was to be put down did not leave the hand: " + empty.why);
+    return ended(Outcome::kFailed,
+                 name + ": what was to be put down did not leave the hand: " + empty.why);
   }
-  finish(true, fmt::format("{}: lifted{}, held all the way, put down; {}", name,
-                           holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
-                           empty.why));
+  achieved(fmt::format("{}: lifted{}, held all the way, put down{}; {}", name,
+                       holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
+                       is_at_place() ? "" : " where it stood", empty.why));
+  ended(Outcome::kDone);
 }
 
 }  // namespace prehend::control

@@ -1,6 +1,12 @@
 #include "prehend/control/cycle.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "prehend/text/require.h"
 
 namespace prehend::control {
 
@@ -26,14 +32,226 @@ std::string to_string(Phase phase) {
   return "unknown";
 }
 
-void Cycle::clear() {
+void SharedCycleOptions::validate() const {
+  const text::Require require{"CycleOptions."};
+  require(!task.states.empty(), "task must have states");
+  require(largest_attempts > 0, "largest_attempts must be positive");
+  require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
+  require(std::isfinite(answer_time) && answer_time > 0, "answer_time must be positive");
+  require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
+  tolerances.validate();
+}
+
+Primitive Cycle::primitive() const {
+  return task().states[static_cast<std::size_t>(state_)].action.primitive;
+}
+
+Phase Cycle::phase() const {
+  switch (stage_) {
+    case Stage::kWaiting:
+      return Phase::kWaiting;
+    case Stage::kDone:
+      return Phase::kDone;
+    case Stage::kFailed:
+      return Phase::kFailed;
+    case Stage::kActing:
+      break;
+  }
+  switch (primitive()) {
+    case Primitive::kLook:
+    case Primitive::kWait:
+      return Phase::kWaiting;
+    case Primitive::kApproach:
+    case Primitive::kTouch:
+      return Phase::kApproach;
+    case Primitive::kGrasp:
+      return Phase::kGrasp;
+    case Primitive::kLift:
+      return Phase::kLift;
+    case Primitive::kMove:
+    case Primitive::kPlace:
+      return Phase::kMove;
+    case Primitive::kRelease:
+    case Primitive::kRetreat:
+      return Phase::kRelease;
+  }
+  return Phase::kWaiting;
+}
+
+void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem) {
   result_ = {};
   surprises_.clear();
   phase_times_.clear();
   failed_attempts_.clear();
   failure_.clear();
-  grasp_index_ = 0;
+  achieved_.clear();
+  path_.clear();
+  grasp_index_ = attempts_ = given_up_ = 0;
+  looking_ = any_object_ = at_place_ = false;
   entered_ = now_;
+  stage_ = Stage::kWaiting;
+  const bool none = grasps.empty();
+  order_.start(std::move(grasps));
+  fresh_ = true;
+  if (none) finish(false, problem.empty() ? "the plan has no grasps" : problem);
+}
+
+void Cycle::begin_task() {
+  done_.assign(task().states.size(), 0);
+  enter(task().start);
+}
+
+void Cycle::enter(int state) {
+  path_.push_back(state);
+  if (state < 0) return;
+  stage_ = Stage::kActing;
+  state_ = state;
+  const Action& action = task().states[static_cast<std::size_t>(state)].action;
+  if (action.primitive == Primitive::kLook) return look();
+  begin(action);
+}
+
+void Cycle::ended(Outcome outcome, const std::string& reason) {
+  const std::size_t index = static_cast<std::size_t>(state_);
+  const TaskState& state = task().states[index];
+  if (outcome == Outcome::kDone && state.action.primitive == Primitive::kPlace) at_place_ = true;
+  if (outcome == Outcome::kDone && state.action.primitive == Primitive::kRetreat && at_place_ &&
+      failure_.empty()) {
+    ++result_.placed;
+  }
+  int next = state.next.at(outcome);
+  if (outcome == Outcome::kDone && state.times > 0 && ++done_[index] >= state.times) {
+    done_[index] = 0;
+    next = state.then;
+  }
+  if (next >= 0) return enter(next);
+  path_.push_back(next);
+  if (next == kSuccess) {
+    std::string text = achieved_;
+    if (task().all_objects) {
+      text = fmt::format("{} {} put at {} place{}", result_.placed,
+                         result_.placed == 1 ? "object was" : "objects were",
+                         result_.placed == 1 ? "its" : "their",
+                         achieved_.empty() ? "" : "; the last: " + achieved_);
+    }
+    if (!reason.empty()) text += (text.empty() ? "" : "; ") + reason;
+    return finish(true, text.empty() ? "the task is done" : text);
+  }
+  const bool said = failure_.empty() || reason.find(failure_) != std::string::npos;
+  finish(false, said ? reason : failure_ + (reason.empty() ? "" : "; " + reason));
+}
+
+void Cycle::finish(bool success, const std::string& reason) {
+  result_.success = success;
+  result_.reason = reason;
+  looking_ = false;
+  stage_ = success ? Stage::kDone : Stage::kFailed;
+  entered(reason);
+}
+
+void Cycle::abort(const std::string& reason) {
+  if (finished()) return;
+  stop_motion();
+  finish(false, reason);
+}
+
+// The first grasp of a plan, or another after a failure, or of another object.
+void Cycle::look() {
+  if (fresh_) {
+    const std::optional<int> first = order_.next();
+    return attempt(first.value_or(0));
+  }
+  const bool failed = !failure_.empty() || (task().all_objects && !at_place_);
+  any_object_ = !failed;
+  if (failed) {
+    if (failure_.empty()) {
+      failure_ = fmt::format("grasp {}: the object was not put at its place", grasp_index_);
+      failed_attempts_.add(0, failure_);
+    }
+    order_.fail(grasp_index_);
+    if (attempts_ >= shared_.largest_attempts) {
+      if (!task().all_objects) return ended(Outcome::kFailed, failed_attempts_.text());
+      object_ended();
+    }
+  }
+  if (any_object_) {
+    if (result_.placed + given_up_ >= task().most_objects) {
+      return ended(given_up_ > 0 ? Outcome::kFailed : Outcome::kNothing,
+                   fmt::format("{} objects are the most of this task", task().most_objects));
+    }
+    if (shared_.look_timeout == 0) {
+      return ended(Outcome::kFailed, "nothing new is seen, as look_timeout is 0");
+    }
+    return clear_view();
+  }
+  if (shared_.look_timeout > 0) return clear_view();
+  next_grasp("");
+}
+
+// What the last attempt was with is given up; any other is looked for.
+void Cycle::object_ended() {
+  ++given_up_;
+  any_object_ = true;
+}
+
+void Cycle::look_now() {
+  looking_ = true;
+  entered(any_object_ ? "looking for what is left" : failure_ + "; looking again");
+}
+
+std::optional<double> Cycle::looks_since() const {
+  return looking_ ? std::optional(entered_) : std::nullopt;
+}
+
+void Cycle::step_look() {
+  if (spent() > shared_.look_timeout) next_grasp("no new plan came");
+}
+
+void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem) {
+  if (grasps.empty()) {
+    return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
+  }
+  if (any_object_) {
+    order_.start(std::move(grasps));
+    attempts_ = 0;
+  } else {
+    order_.take(std::move(grasps));
+  }
+  ++result_.plans;
+  attempt(order_.next().value_or(0));
+}
+
+// `why` it is not a grasp of a new look, in words; empty: nobody looked.
+void Cycle::next_grasp(const std::string& why) {
+  looking_ = false;
+  if (any_object_) {
+    const std::string left =
+        given_up_ == 0 ? why : fmt::format("{} given up: {}", given_up_, failed_attempts_.text());
+    return ended(given_up_ > 0 ? Outcome::kFailed : Outcome::kNothing, left);
+  }
+  const std::optional<int> next = order_.next();
+  const bool out_of_date = shared_.only_seen_again && !why.empty();
+  if (!next || out_of_date || attempts_ >= shared_.largest_attempts) {
+    const std::string text = failed_attempts_.text() + (why.empty() ? "" : "; " + why);
+    if (!task().all_objects) return ended(Outcome::kFailed, text);
+    object_ended();
+    return clear_view();
+  }
+  const std::string before = why.empty() ? "" : why + ": the next grasp of the plan before; ";
+  attempt(*next);
+  if (!before.empty()) detail_ = before + detail_;
+}
+
+void Cycle::attempt(int grasp_index) {
+  looking_ = fresh_ = at_place_ = false;
+  ++result_.attempts;
+  ++attempts_;
+  result_.grasp_index = grasp_index_ = grasp_index;
+  failure_.clear();
+  attempts_surprises_ = surprises_.size();
+  order_.begin(grasp_index);
+  prepare_attempt();
+  ended(Outcome::kDone);
 }
 
 void Cycle::advance_to(double time) {
@@ -49,26 +267,20 @@ void Cycle::entered(const std::string& detail) {
   phase_times_.emplace_back(name, 0.0);
 }
 
-void Cycle::begin_attempt(int grasp_index) {
-  ++result_.attempts;
-  result_.grasp_index = grasp_index_ = grasp_index;
-  failure_.clear();
-  attempts_surprises_ = surprises_.size();
-}
-
 void Cycle::add_surprise(SurpriseKind kind, double predicted, double felt,
                          const std::string& reaction) {
-  surprises_.push_back(compare(kind, predicted, felt, tolerances_, reaction));
+  surprises_.push_back(compare(kind, predicted, felt, shared_.tolerances, reaction));
 }
 
-void Cycle::fail_attempt(int step, const std::string& reason, SurpriseKind kind,
-                         const std::string& reaction) {
+void Cycle::give_up(const std::string& reason, SurpriseKind kind, Outcome outcome) {
   failure_ = reason;
-  failed_attempts_.add(step, reason);
+  failed_attempts_.add(static_cast<int>(primitive()), reason);
   const bool surprised =
       std::any_of(surprises_.begin() + static_cast<std::ptrdiff_t>(attempts_surprises_),
                   surprises_.end(), [](const Surprise& surprise) { return surprise.surprising; });
-  if (!surprised) add_surprise(kind, 1, 0, reaction);
+  if (!surprised) add_surprise(kind, 1, 0, "lets go and looks again");
+  stop_motion();
+  ended(outcome, reason);
 }
 
 }  // namespace prehend::control

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "prehend/control/failed_attempts.h"
+#include "prehend/control/grasp_order.h"
 #include "prehend/control/surprise.h"
+#include "prehend/control/task.h"
 
 namespace prehend::control {
 
@@ -23,58 +25,134 @@ struct CycleResult {
   std::string reason;   // in words, for success too
   int grasp_index = 0;  // in the list given to start(), or to take_plan() since
   int attempts = 0;
-  int plans = 1;  // that were used: 1 + those taken after a new look
+  int plans = 1;   // that were used: 1 + those taken after a new look
+  int placed = 0;  // objects that were put at their place
 };
 
-/// What every cycle tells of itself, whatever robot it moves: how far it is, what surprised it, how
-/// it ended.
+/// What every cycle can be told, whatever robot it moves.
+struct SharedCycleOptions {
+  Task task = pick_and_place();
+  int largest_attempts = 3;  // > 0, with one object
+  double stale_time = 0.25;  // s, > 0, after which percepts are too old to move by
+  double answer_time = 2;    // s, > 0, without a word of a motion: nobody carries it out
+  /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
+  /// plan is taken at once.
+  double look_timeout = 0;
+  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the look
+  /// fails when none come.
+  bool only_seen_again = false;
+  SurpriseTolerances tolerances;
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// Executes a task (Task) on ranked grasps, whatever the robot: which action comes next, which
+/// grasp is tried, when to look again, what surprised it, how it ended. How an action is carried
+/// out, its robot's cycle knows.
+///
+/// `look` takes the first grasp of the plan. After a failed attempt with `look_timeout` it waits
+/// for grasps planned on a new look (looks_since(), take_plan()), as the object may have moved;
+/// when none come it takes the next grasp of the plan before. Grasps like one that failed come last
+/// in either. It fails when `largest_attempts` were made. With a task of all objects it goes on
+/// with the others then (any_object()), finds nothing when none is left, and fails when only those
+/// are left that it gave up.
 class Cycle {
  public:
   virtual ~Cycle() = default;
 
-  virtual Phase phase() const = 0;
-  bool finished() const { return phase() == Phase::kDone || phase() == Phase::kFailed; }
+  Phase phase() const;
+  bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
   const std::string& detail() const { return detail_; }  // in words
   int grasp_index() const { return grasp_index_; }       // as CycleResult's
   const CycleResult& result() const { return result_; }  // final once finished()
   const std::vector<Surprise>& surprises() const { return surprises_; }
   /// Seconds of each phase in the order they were entered.
   const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
+  const Task& task() const { return shared_.task; }
+  /// The task's states in the order they were entered, with the ends: indices as TaskState::next.
+  const std::vector<int>& path() const { return path_; }
 
   /// Set while it waits for a new plan: of what was seen at this time [s] or later.
-  virtual std::optional<double> looks_since() const = 0;
+  std::optional<double> looks_since() const;
+  /// It waits for a plan of any object that is at no place and was not given up; else of the one of
+  /// the last attempt.
+  bool any_object() const { return any_object_; }
+  /// How many objects were given up so far: the last attempt's is the newest of them.
+  int given_up() const { return given_up_; }
   /// Stops all motion and ends as failed.
-  virtual void abort(const std::string& reason) = 0;
+  void abort(const std::string& reason);
 
  protected:
-  explicit Cycle(const SurpriseTolerances& tolerances) : tolerances_(tolerances) {}
+  explicit Cycle(const SharedCycleOptions& options) : shared_(options) {}
 
-  /// As before the first grasp.
-  void clear();
+  /// Starts the action; it calls ended(), now or later.
+  virtual void begin(const Action& action) = 0;
+  /// A new attempt, with grasp grasp_index(), begins.
+  virtual void prepare_attempt() = 0;
+  /// Before a new look: gets out of the way and calls look_now().
+  virtual void clear_view() = 0;
+  virtual void stop_motion() = 0;
+
+  /// Waits until begin_task(). Without grasps it has failed, with `problem` as reason.
+  void start_task(std::vector<GraspPose> grasps, const std::string& problem);
+  void begin_task();
+  bool waits_for_inputs() const { return stage_ == Stage::kWaiting; }
+  /// The present action ended so. `reason`: in words, of all but kDone, and of an end reached by
+  /// it.
+  void ended(Outcome outcome, const std::string& reason = "");
+  /// What the task has come to, as reason of a success.
+  void achieved(const std::string& text) { achieved_ = text; }
+  void finish(bool success, const std::string& reason);
+
+  /// The view is clear: waits for a plan of what is seen from now on.
+  void look_now();
+  /// While waits_for_plan().
+  void step_look();
+  bool waits_for_plan() const { return looking_; }
+  /// The robot's cycle has taken these grasps, or none for the reason `problem`.
+  /// @pre waits_for_plan()
+  void plan_taken(std::vector<GraspPose> grasps, const std::string& problem);
+
   /// The clock of the percepts goes on to `time` [s].
   void advance_to(double time);
   double now() const { return now_; }               // s
   double spent() const { return now_ - entered_; }  // s, since the present step was entered
-
-  /// @pre phase() is already that of the new step
+  /// A step of the present action begins.
   void entered(const std::string& detail);
-  void begin_attempt(int grasp_index);
   void add_surprise(SurpriseKind kind, double predicted, double felt, const std::string& reaction);
-  /// No attempt fails as predicted: `kind` is the surprise of one that had none. `step`: how far it
-  /// had come.
-  void fail_attempt(int step, const std::string& reason, SurpriseKind kind,
-                    const std::string& reaction);
-  const std::string& failure() const { return failure_; }  // of the present attempt
-  const FailedAttempts& failed_attempts() const { return failed_attempts_; }
+  void add_surprise(const Surprise& surprise) { surprises_.push_back(surprise); }
+  /// The attempt has failed, and so has the present action. No attempt fails as predicted: `kind`
+  /// is the surprise of one that had none.
+  void give_up(const std::string& reason, SurpriseKind kind = SurpriseKind::kMotion,
+               Outcome outcome = Outcome::kFailed);
+  const std::string& failure() const { return failure_; }  // of the present attempt; empty: none
+  Primitive primitive() const;                             // of the present action
+  bool is_at_place() const { return at_place_; }           // the object was put there
 
   std::string detail_ = "waiting for a plan";
-  CycleResult result_;
-  std::vector<Surprise> surprises_;
-  double entered_ = 0;  // s, when the present step was
 
  private:
-  SurpriseTolerances tolerances_;
-  double now_ = 0;  // s
+  enum class Stage { kWaiting, kActing, kDone, kFailed };
+  void enter(int state);
+  void look();
+  void next_grasp(const std::string& why);
+  void attempt(int grasp_index);
+  void object_ended();
+
+  SharedCycleOptions shared_;
+  Stage stage_ = Stage::kWaiting;
+  int state_ = 0;
+  std::vector<int> done_;  // how often each state was, since `times` led on
+  std::vector<int> path_;
+  bool looking_ = false;  // waits for a plan
+  bool fresh_ = false;    // a plan was taken of which nothing was tried
+  bool any_object_ = false, at_place_ = false;
+  int attempts_ = 0, given_up_ = 0;  // attempts: with the present object
+  std::string achieved_;
+  GraspOrder order_;
+  CycleResult result_;
+  std::vector<Surprise> surprises_;
+  double entered_ = 0, now_ = 0;  // s
   int grasp_index_ = 0;
   std::string failure_;
   FailedAttempts failed_attempts_;

@@ -8,6 +8,7 @@
 namespace prehend::control {
 
 void CycleOptions::validate() const {
+  SharedCycleOptions::validate();
   const text::Require require{"CycleOptions."};
   require(std::abs(up_W.norm() - 1) < 1e-6, "up_W must be a unit vector");
   require(std::isfinite(transit_height), "transit_height must be finite");
@@ -29,15 +30,10 @@ void CycleOptions::validate() const {
   require(check_time >= 0, "check_time must not be negative");
   require(lift_height >= 0.12, "lift_height must be at least 0.12 m");
   require(move_W.allFinite(), "move_W must be finite");
-  require(largest_attempts > 0, "largest_attempts must be positive");
-  require(stale_time > 0, "stale_time must be positive");
-  require(answer_time > 0, "answer_time must be positive");
   require(motion_timeout > 0, "motion_timeout must be positive");
   require(closing_timeout > 0, "closing_timeout must be positive");
   require(force_timeout > 0, "force_timeout must be positive");
-  require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
   force.validate();
-  tolerances.validate();
 }
 
 }  // namespace prehend::control

@@ -9,8 +9,8 @@
 
 #include "prehend/control/cycle.h"
 #include "prehend/control/force_controller.h"
-#include "prehend/control/grasp_order.h"
 #include "prehend/control/input_watch.h"
+#include "prehend/control/pad_percept.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
@@ -45,13 +45,6 @@ class CarrierPort {
   virtual void stop() = 0;
 };
 
-/// One pad as felt.
-struct PadPercept {
-  double sum = 0;   // N
-  double area = 0;  // m^2, of the texels above the touch threshold
-  double age = 0;   // s, of the frame, at Percepts::time
-};
-
 /// All the cycle knows of the world. Unset: nothing has come yet. Ages in s at `time`, 0 for what
 /// is read in the same instant.
 struct Percepts {
@@ -68,7 +61,7 @@ struct Percepts {
   double carrier_age = 0;
 };
 
-struct CycleOptions {
+struct CycleOptions : SharedCycleOptions {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  // unit, away from the table
   double transit_height = 0.30;  // m along up_W, of G above which it may cross the scene; 0: none
   double travel_speed = 0.25;    // m/s, > 0, in free space
@@ -87,9 +80,6 @@ struct CycleOptions {
   double check_time = 0.4;    // s, >= 0, to wait after the lift before looking whether it is held
   double lift_height = 0.15;  // m, >= 0.12
   Eigen::Vector3d move_W{0, 0.15, 0};  // m, sideways with the object
-  int largest_attempts = 3;            // > 0
-  double stale_time = 0.25;            // s, > 0, after which percepts are too old to move by
-  double answer_time = 2;              // s, > 0, without a word of a motion: nobody carries it out
   double motion_timeout = 20;          // s, > 0, of each motion of carrier or gripper
   double closing_timeout = 8;   // s, > 0, from the start of closing to the touch of both pads
   double force_timeout = 4;     // s, > 0, to reach the grasp force
@@ -97,34 +87,23 @@ struct CycleOptions {
   /// In (0, 1], of the grasp force, that is taken then too: a finger that meets the object beside
   /// its pad keeps it from more. Whether that holds is seen after the lift.
   double least_share = 0.6;
-  /// s, >= 0, to wait for a plan of what is there after a failed attempt, see GraspCycle; 0: the
-  /// next grasp of the plan is taken at once.
-  double look_timeout = 0;
-  /// With a look_timeout: only grasps of a new look are tried after a failed attempt, and the cycle
-  /// ends when none come. Else it takes up the plan before, made for where the object was.
-  bool only_seen_again = false;
   ForceControllerOptions force;
-  SurpriseTolerances tolerances;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Executes ranked grasps until one succeeds.
+/// Executes a task with a parallel gripper on its carrier. The approach opens, crosses at the
+/// transit height to the pregrasp and goes straight on; the grasp closes with a constant speed
+/// until both pads touch and controls the mean of the pads' sums through the motor's current until
+/// it is settled; the lift looks whether the object is still held (the opening has not collapsed
+/// and both pads still feel it); then it is carried sideways, lowered to where it stood over the
+/// table, let go. What is felt is compared with what was predicted (surprises). Every wait ends by
+/// its time-out on the percepts' clock. It begins when pads, gripper, wrist and carrier have
+/// spoken. From then on, whenever one of them falls silent (`stale_time`), or who carries out a
+/// motion (`answer_time`), gripper and carrier are stopped and the cycle ends with that reason; not
+/// while it stands and waits for a new look.
 ///
-/// For each: opens, crosses at the transit height to the pregrasp, goes straight down the approach;
-/// closes with a constant speed until both pads touch; controls the mean of the pads' sums through
-/// the motor's current until it is settled; lifts; looks whether the object is still held (the
-/// opening has not collapsed and both pads still feel it); carries it sideways; lowers it to where
-/// it stood over the table; opens; retreats. What is felt is compared with what was predicted
-/// (surprises). Every wait ends by its time-out on the percepts' clock. It begins when pads,
-/// gripper, wrist and carrier have spoken. From then on, whenever one of them falls silent
-/// (`stale_time`), or who carries out a motion (`answer_time`), gripper and carrier are stopped and
-/// the cycle ends with that reason; not while it stands and waits for a new look.
-///
-/// After a failed attempt it opens and retreats. What was to be grasped may have moved: with
-/// `look_timeout` the hand goes back to where the cycle began, out of the camera's view, and waits
-/// there for grasps planned on a new look (looks_since(), take_plan()). When none come it takes the
-/// next grasp of the plan before. Grasps like one that failed come last in either.
+/// Before a new look the hand goes back to where the cycle began, out of the camera's view.
 ///
 /// Not thread-safe. Never blocks, never throws after start().
 class GraspCycle : public Cycle {
@@ -139,20 +118,17 @@ class GraspCycle : public Cycle {
   /// One step; call it at 50 Hz or more. @pre percepts.time does not decrease.
   void step(const Percepts& percepts);
 
-  std::optional<double> looks_since() const override;
   /// Goes on with these, best first, carrying by `move_W` [m]; none of a new look when empty, for
   /// the reason `problem`. @pre looks_since() is set
   void take_plan(std::vector<grasp::Grasp> grasps, const Eigen::Vector3d& move_W,
                  const std::string& problem = "");
 
-  void abort(const std::string& reason) override;
-  Phase phase() const override;
   /// That of the present or last attempt. @pre the cycle was started with a grasp
   const grasp::Grasp& grasp() const { return current_grasp(); }
 
  private:
+  /// Parts of actions.
   enum class Step {
-    kWaiting,
     kOpen,
     kRise,
     kCross,
@@ -162,48 +138,43 @@ class GraspCycle : public Cycle {
     kPress,
     kLift,
     kCheck,
-    kMove,
+    kCarry,  // sideways, down or up again
     kLower,
     kRelease,
     kRetreat,
-    kGiveUpOpen,
-    kGiveUpRetreat,
-    kGiveUpRise,
-    kGiveUpClear,
-    kLook,
-    kDone,
-    kFailed
+    kRiseClear,
+    kClear,
+    kWait
   };
 
-  static std::vector<GraspPose> poses_of(const std::vector<grasp::Grasp>& grasps);
+  void begin(const Action& action) override;
+  void prepare_attempt() override;
+  void clear_view() override;
+  void stop_motion() override;
   void enter(Step step, const std::string& detail);
-  void begin_grasp(int index);
-  void step_transit(const Percepts& percepts);
-  void step_approach(const Percepts& percepts);
-  void step_close(const Percepts& percepts);
-  void step_press(const Percepts& percepts);
-  void step_lift(const Percepts& percepts);
-  void step_check(const Percepts& percepts);
-  void step_carry(const Percepts& percepts);
-  void step_release(const Percepts& percepts);
-  void step_give_up(const Percepts& percepts);
-  void step_look();
-  void step_waiting(const Percepts& percepts);
+  void begin_move(const Action& action);
+  void step_transit();
+  void step_approach();
+  void step_close();
+  void step_press();
+  void step_lift();
+  void step_check();
+  void step_carry();
+  void step_release();
+  void step_clear();
+  void step_waiting();
   /// What the cycle relies on.
-  std::vector<InputAge> inputs(const Percepts& percepts);
+  std::vector<InputAge> inputs();
   /// Stops and ends when something of it is lost; true then.
-  bool stop_when_lost(const Percepts& percepts);
-  void next_grasp(const std::string& why);
-  void regulate_force(const Percepts& percepts);
-  std::string why_not_held(const Percepts& percepts) const;
-  void give_up_attempt(const std::string& reason);
-  void finish(bool success, const std::string& reason);
+  bool stop_when_lost();
+  void regulate_force();
+  std::string why_not_held() const;
   void move_carrier(const geometry::RigidTransform& X_WG, double speed, double contact_force);
   geometry::RigidTransform raised_to_transit(const geometry::RigidTransform& X_WG) const;
   geometry::RigidTransform pregrasp() const;
+  geometry::RigidTransform lifted(double share = 1) const;
   const grasp::Grasp& current_grasp() const { return grasps_[static_cast<size_t>(grasp_index())]; }
   bool timed_out(double limit) const { return spent() > limit; }
-  static Phase phase_of(Step step);
 
   robot::GripperModel gripper_;
   CycleOptions options_;
@@ -211,10 +182,13 @@ class GraspCycle : public Cycle {
   CarrierPort& carrier_port_;
   ForceController force_controller_;
   InputWatch watch_;
+  Percepts percepts_;
 
   std::vector<grasp::Grasp> grasps_;
-  GraspOrder order_;  // of grasps_
-  Step step_ = Step::kWaiting;
+  Step step_ = Step::kWait;
+  double wait_time_ = 0;       // s
+  bool holds_ = false;         // the force is controlled
+  bool stands_ = false;        // what is held was put down
   double last_update_ = 0;     // s, of the force controller
   double settled_since_ = -1;  // s, negative: not settled
   double grasp_opening_ = 0;   // m, when the force settled

@@ -4,7 +4,7 @@
 
 namespace prehend::control {
 
-std::vector<InputAge> GraspCycle::inputs(const Percepts& percepts) {
+std::vector<InputAge> GraspCycle::inputs() {
   const auto age = [](bool has_come, double seconds) {
     return has_come ? std::optional(seconds) : std::nullopt;
   };
@@ -12,21 +12,21 @@ std::vector<InputAge> GraspCycle::inputs(const Percepts& percepts) {
     return pad ? std::optional(pad->age) : std::nullopt;
   };
   const double stale = options_.stale_time;
-  return {{"the gripper's state", age(percepts.opening.has_value(), percepts.gripper_age), stale},
-          {"the left pad's frames", pad_age(percepts.left), stale},
-          {"the right pad's frames", pad_age(percepts.right), stale},
-          {"the wrist's force", age(percepts.wrist_force.has_value(), percepts.wrist_age), stale},
-          {"the carrier's state", age(percepts.X_WG.has_value(), percepts.carrier_age), stale},
+  return {{"the gripper's state", age(percepts_.opening.has_value(), percepts_.gripper_age), stale},
+          {"the left pad's frames", pad_age(percepts_.left), stale},
+          {"the right pad's frames", pad_age(percepts_.right), stale},
+          {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age), stale},
+          {"the carrier's state", age(percepts_.X_WG.has_value(), percepts_.carrier_age), stale},
           {"the server of the gripper's motion", gripper_port_.answer_age(), options_.answer_time},
           {"the server of the carrier's motion", carrier_port_.answer_age(), options_.answer_time}};
 }
 
-void GraspCycle::step_waiting(const Percepts& percepts) {
+void GraspCycle::step_waiting() {
   if (phase_times().empty()) entered(detail_);
-  const std::vector<InputAge> missing = stale_inputs(inputs(percepts));
+  const std::vector<InputAge> missing = stale_inputs(inputs());
   if (missing.empty()) {
-    X_WG_start_ = *percepts.X_WG;
-    return begin_grasp(0);
+    X_WG_start_ = *percepts_.X_WG;
+    return begin_task();
   }
   detail_ = "waiting for " + names_of(missing);
   if (timed_out(options_.motion_timeout)) {
@@ -34,9 +34,8 @@ void GraspCycle::step_waiting(const Percepts& percepts) {
   }
 }
 
-bool GraspCycle::stop_when_lost(const Percepts& percepts) {
-  if (step_ == Step::kWaiting || step_ == Step::kLook) return false;
-  const std::vector<InputAge> lost = watch_.lost(now(), inputs(percepts));
+bool GraspCycle::stop_when_lost() {
+  const std::vector<InputAge> lost = watch_.lost(now(), inputs());
   if (lost.empty()) return false;
   abort("lost " + describe(lost) + " while " + detail_ + "; gripper and carrier were stopped");
   return true;

@@ -57,6 +57,34 @@ JointPath reversed(const JointPath& path) {
   return back;
 }
 
+JointPath part_of(const JointPath& path, double share) {
+  if (share >= 1 || path.points.size() < 2) return path;
+  constexpr int kPoints = 40;
+  constexpr double kPeak = 1.875;  // of ds/dt
+  const double way = share * path.duration(), duration = kPeak * way;
+  JointPath part;
+  part.joints = path.joints;
+  std::size_t after = 1;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double t = static_cast<double>(i) / kPoints;
+    const double s = t * t * t * (10 + t * (6 * t - 15));
+    const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;  // ds/dt, 1/s
+    while (after + 1 < path.points.size() && path.points[after].time < s * way) ++after;
+    const JointPath::Point &a = path.points[after - 1], &b = path.points[after];
+    const double span = b.time - a.time;
+    const double u = span > 0 ? std::clamp((s * way - a.time) / span, 0.0, 1.0) : 1.0;
+    JointPath::Point point;
+    point.time = t * duration;
+    for (std::size_t k = 0; k < a.position.size(); ++k) {
+      point.position.push_back(a.position[k] + u * (b.position[k] - a.position[k]));
+      const double speed = span > 0 ? (b.position[k] - a.position[k]) / span : 0.0;
+      point.velocity.push_back(speed * way * rate);
+    }
+    part.points.push_back(std::move(point));
+  }
+  return part;
+}
+
 JointPath joined(JointPath path, const std::vector<std::string>& names,
                  const std::vector<double>& positions, double most) {
   if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");

@@ -20,6 +20,11 @@ struct JointPath {
 /// The same way back.
 JointPath reversed(const JointPath& path);
 
+/// The first `share` of the path, in (0, 1], that begins and ends at rest: the way that the path
+/// has gone by that share of its time, along s(t) = 10 t^3 - 15 t^4 + 6 t^5, as slowly as keeps
+/// below the path's speeds. The whole path for 1.
+JointPath part_of(const JointPath& path, double share);
+
 /// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
 /// 15s^4 + 10s^3) along the way, which takes longer where it would ask a joint for more speed or
 /// acceleration than planned (and more than 0.5 rad/s, 2.5 rad/s^2). For an arm that contact

@@ -9,7 +9,8 @@
 #include "prehend/geometry/rigid_transform.h"
 
 // Headers of PCD and PLY files, checked against the size of the file before a library reads (and
-// allocates for) what they promise. Internal to prehend::geometry_files.
+// allocates for) what they promise. Internal to prehend::mesh_files and
+// prehend::geometry_files.
 namespace prehend::geometry {
 
 struct PcdHeader {

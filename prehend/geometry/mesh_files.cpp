@@ -8,6 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -139,8 +140,9 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
   if (extension == ".stl") {
     // Assimp takes a text STL that stops in the middle for a whole one.
     if (is_binary_stl(path, size)) return joined_stl(path, scale);
-  } else if (extension != ".obj") {
-    fail(path, "is neither an .obj, .ply nor .stl file", "Convert it, e.g. with MeshLab");
+  } else if (extension != ".obj" && extension != ".off" && extension != ".dae") {
+    fail(path, "is neither a .dae, .obj, .off, .ply nor .stl file",
+         "Convert it, e.g. with MeshLab");
   }
 
   Assimp::Importer importer;
@@ -149,6 +151,8 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
                               aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                   aiComponent_COLORS | aiComponent_TEXCOORDS |
                                   aiComponent_MATERIALS | aiComponent_TEXTURES);
+  // Assimp applies COLLADA's unit, so that its meshes are in metres, and would turn all to y up.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(
       path.string(), aiProcess_Triangulate | aiProcess_RemoveComponent |
                          aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices);

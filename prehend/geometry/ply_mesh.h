@@ -4,7 +4,7 @@
 
 #include "prehend/geometry/triangle_mesh.h"
 
-// Internal to prehend::geometry_files.
+// Internal to prehend::mesh_files.
 namespace prehend::geometry {
 
 /// Reads vertices and faces of a PLY mesh (ascii or binary, either byte order), times `scale`;

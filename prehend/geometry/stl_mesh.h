@@ -5,7 +5,7 @@
 
 #include "prehend/geometry/triangle_mesh.h"
 
-// Internal to prehend::geometry_files.
+// Internal to prehend::mesh_files.
 namespace prehend::geometry {
 
 /// Whether the STL file of `size` bytes is binary; else it is text.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/solid_balls.h"
 
 namespace prehend::grasp {
 namespace {
@@ -24,7 +25,7 @@ struct Cover {
   double spacing;  // m
 
   Cover(double smallest_side, double tolerance) {
-    inset = std::min(smallest_side / 2, std::clamp(0.18 * smallest_side, 0.003, 0.010));
+    inset = ball_inset(smallest_side);
     const double dip = std::min(2 * tolerance, inset / 2);
     spacing = std::sqrt(2 * (inset * inset - (inset - dip) * (inset - dip)));
     radius = inset + dip / 2;
@@ -76,8 +77,11 @@ std::vector<Vector3d> on_cylinder(double radius, double length, const Cover& cov
 void add_shape(const CollisionShape& shape, const std::string& link, double tolerance,
                LinkBalls& balls) {
   if (shape.kind == CollisionShape::Kind::kMesh) {
-    throw geometry::InputError("Link '" + link + "' of the hand has a mesh as collision shape",
-                               "Give boxes, cylinders or spheres for it");
+    for (const SolidBall& ball : balls_within(*shape.solid, tolerance)) {
+      balls.centers.push_back(shape.X_LS * ball.center);
+      balls.radii.push_back(ball.radius);
+    }
+    return;
   }
   const bool is_box = shape.kind == CollisionShape::Kind::kBox;
   const bool is_ball = shape.kind == CollisionShape::Kind::kSphere;

@@ -23,10 +23,11 @@ struct LinkBalls {
   double reach = 0;                      // m, farthest point of a ball from the frame's origin
 };
 
-/// Surface of a hand for touching things with: every box, cylinder and ball of every link covered
-/// from inside by balls. Faces are true to `tolerance`; edges are rounded, as real fingers' are, by
-/// a fifth of the shape's smallest side, 3 to 10 mm. A thing thinner than the gaps between balls is
-/// felt too, since the balls' radius is larger than their distance from one another.
+/// Surface of a hand for touching things with: every box, cylinder, ball and mesh (balls_within())
+/// of every link covered from inside by balls. Faces are true to `tolerance`; edges are rounded, as
+/// real fingers' are, by a fifth of the shape's smallest side, 3 to 10 mm. A thing thinner than the
+/// gaps between balls is felt too, since the balls' radius is larger than their distance from one
+/// another.
 struct HandBalls {
   std::vector<LinkBalls> links;  // as in the model
   /// Bound of a point's way on link l while joint j alone moves by 1: [l][j] in m/rad or 1; 0 when
@@ -35,7 +36,7 @@ struct HandBalls {
 };
 
 /// @throws std::invalid_argument for a tolerance that is not positive and finite;
-/// geometry::InputError for a mesh as shape, or for a shape without volume.
+/// geometry::InputError for a shape without volume.
 HandBalls make_hand_balls(const robot::HandModel& hand, double tolerance = 0.00025);
 
 }  // namespace prehend::grasp

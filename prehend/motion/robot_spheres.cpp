@@ -4,14 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "prehend/geometry/errors.h"
 #include "prehend/motion/link_places.h"
+#include "prehend/motion/solid_cover.h"
 
 namespace prehend::motion {
 namespace {
 
 using Eigen::Vector3d;
-using geometry::InputError;
 using geometry::RigidTransform;
 using robot::CollisionShape;
 
@@ -19,14 +18,10 @@ int pieces(double length, double resolution) {
   return std::max(1, static_cast<int>(std::ceil(length / resolution - 1e-9)));
 }
 
-struct LinkBall {
-  Vector3d center;
-  double radius;
-};
-
 /// Balls that hold a shape, in its own frame.
-std::vector<LinkBall> cover(const CollisionShape& shape, double resolution) {
-  std::vector<LinkBall> balls;
+std::vector<Ball> balls_of(const CollisionShape& shape, double resolution) {
+  if (shape.kind == CollisionShape::Kind::kMesh) return cover_solid(*shape.solid, resolution);
+  std::vector<Ball> balls;
   if (shape.kind == CollisionShape::Kind::kSphere) return {{Vector3d::Zero(), shape.radius}};
   if (shape.kind == CollisionShape::Kind::kCylinder) {
     // Slices of a cylinder; a fine one does not need more of them than its radius asks for.
@@ -81,12 +76,7 @@ RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::strin
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     if (!all[i]) continue;
     for (const CollisionShape& shape : model.links[i].shapes) {
-      if (shape.kind == CollisionShape::Kind::kMesh) {
-        throw InputError("Link '" + model.links[i].name + "' of robot '" + model.name +
-                             "' has a mesh as collision shape",
-                         "Give boxes, cylinders or spheres for it");
-      }
-      for (const LinkBall& ball : cover(shape, resolution)) {
+      for (const Ball& ball : balls_of(shape, resolution)) {
         result.spheres.push_back(
             {all[i]->joint, all[i]->X_JL * (shape.X_LS * ball.center), ball.radius});
       }

@@ -26,12 +26,13 @@ struct RobotSpheres {
                std::vector<Eigen::Vector3d>& centers) const;
 };
 
-/// Covers the boxes, cylinders and spheres of all links that the chain carries (branches beside it
-/// included, their joints at 0 or the middle of their limits) with balls about `resolution` [m]
-/// apart. Every point of a shape is in a ball; a ball reaches beyond its shape by at most 1.8
-/// resolutions.
+/// Covers the shapes of all links that the chain carries (branches beside it included, their joints
+/// at 0 or the middle of their limits) with balls: boxes, cylinders and spheres about `resolution`
+/// [m] apart, or as far as the shape is thick, meshes by cover_solid(). Every point of a shape is
+/// in a ball; a ball reaches beyond a mesh by at most one resolution, beyond another shape by at
+/// most 1.8 resolutions or half of its smallest side.
 /// @throws std::invalid_argument for a resolution that is not positive; geometry::InputError for a
-/// mesh (name simple shapes for it), and as KinematicChain.
+/// mesh that needs more than 20000 balls, and as KinematicChain.
 RobotSpheres make_robot_spheres(const robot::RobotModel& model, const std::string& base,
                                 const std::string& tip, double resolution = 0.06);
 

@@ -16,8 +16,9 @@
 namespace prehend::planning {
 namespace {
 
-constexpr std::size_t kSides = 64;   // directions in which outlines are compared
-constexpr double kSamePlace = 0.02;  // m
+constexpr std::size_t kSides = 64;    // directions in which outlines are compared
+constexpr double kSamePlace = 0.02;   // m
+constexpr double kRegionStep = 0.04;  // m
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Sides = std::array<Eigen::Vector2d, kSides>;
@@ -106,9 +107,7 @@ class Chooser {
       places.problem = name + " says nothing on a table that stands upright";
       return places;
     }
-    // Straight up or down to the table.
-    const double z = (table.offset - table.normal.head<2>().dot(at)) / table.normal.z();
-    const Eigen::Vector3d move_W = Eigen::Vector3d(at.x(), at.y(), z) - middle_W_;
+    const Eigen::Vector3d move_W = on_table(table, at) - middle_W_;
     if (move_W.norm() < kSamePlace) {
       places.problem = "the object stands at " + name + " already";
       return places;
@@ -130,34 +129,86 @@ class Chooser {
   }
 
   FreePlaces chosen() const {
-    struct Found {
-      Eigen::Vector3d move_W;
-      double room = 0;
-    };
-    std::vector<Found> roomy, narrow;
+    Choice choice;
     for (int ring = 0;; ++ring) {
       const double distance = options_.distance + ring * options_.step;
       if (distance > options_.farthest + 1e-9) break;
       for (int i = 0; i < options_.directions; ++i) {
         const double angle = std::numbers::pi * (0.5 + 2.0 * i / options_.directions);
-        const Eigen::Vector2d move = distance * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-        const double found = room_at(move, nullptr);
-        const Eigen::Vector3d move_W = axes_.in_world(move);
-        if (found < options_.clearance || !unreachable(move_W).empty()) continue;
-        (found >= options_.enough ? roomy : narrow).push_back({move_W, found});
+        consider(axes_.in_world(distance * Eigen::Vector2d(std::cos(angle), std::sin(angle))),
+                 choice);
       }
     }
-    std::stable_sort(narrow.begin(), narrow.end(),
-                     [](const Found& a, const Found& b) { return a.room > b.room; });
     FreePlaces places;
-    for (const auto* all : {&roomy, &narrow}) {
-      for (const Found& found : *all) places.moves_W.push_back(found.move_W);
-    }
+    places.moves_W = choice.ordered();
     places.moves_W.push_back(Eigen::Vector3d::Zero());
     return places;
   }
 
+  // The middle first, then rings of squares round it.
+  FreePlaces in_region(const geometry::Plane& table) const {
+    const PlaceOptions::Region& region = *options_.region_W;
+    FreePlaces places;
+    if (std::abs(table.normal.z()) < 0.1) {
+      places.problem =
+          "the place '" + region.name + "' says nothing on a table that stands upright";
+      return places;
+    }
+    const Eigen::Array2i most = (0.5 * region.size / kRegionStep).array().floor().cast<int>();
+    Choice choice;
+    for (int ring = 0; ring <= most.maxCoeff(); ++ring) {
+      for (int i = -std::min(ring, most.x()); i <= std::min(ring, most.x()); ++i) {
+        for (int j = -std::min(ring, most.y()); j <= std::min(ring, most.y()); ++j) {
+          if (std::max(std::abs(i), std::abs(j)) != ring) continue;
+          const Eigen::Vector2d at = region.center + kRegionStep * Eigen::Vector2d(i, j);
+          consider(on_table(table, at) - middle_W_, choice);
+        }
+      }
+    }
+    places.moves_W = choice.ordered();
+    if (!places.moves_W.empty()) return places;
+    places.problem = fmt::format("the place '{}' at {:.3f}, {:.3f} is full{}", region.name,
+                                 region.center.x(), region.center.y(),
+                                 choice.why.empty() ? "" : ", or cannot be reached: " + choice.why);
+    return places;
+  }
+
  private:
+  struct Choice {
+    struct Found {
+      Eigen::Vector3d move_W;
+      double room = 0;
+    };
+    std::vector<Found> roomy, narrow;
+    std::string why;  // of a place with room that cannot be reached
+
+    std::vector<Eigen::Vector3d> ordered() {
+      std::stable_sort(narrow.begin(), narrow.end(),
+                       [](const Found& a, const Found& b) { return a.room > b.room; });
+      std::vector<Eigen::Vector3d> moves_W;
+      for (const auto* all : {&roomy, &narrow}) {
+        for (const Found& found : *all) moves_W.push_back(found.move_W);
+      }
+      return moves_W;
+    }
+  };
+
+  void consider(const Eigen::Vector3d& move_W, Choice& choice) const {
+    const double found = room_at(axes_.flat(move_W), nullptr);
+    if (found < options_.clearance) return;
+    if (const std::string why = unreachable(move_W); !why.empty()) {
+      choice.why = why;
+      return;
+    }
+    (found >= options_.enough ? choice.roomy : choice.narrow).push_back({move_W, found});
+  }
+
+  /// Straight up or down to the table.
+  static Eigen::Vector3d on_table(const geometry::Plane& table, const Eigen::Vector2d& at) {
+    const double z = (table.offset - table.normal.head<2>().dot(at)) / table.normal.z();
+    return {at.x(), at.y(), z};
+  }
+
   double room_at(const Eigen::Vector2d& move, std::size_t* nearest) const {
     double least = kInfinity;
     for (std::size_t i = 0; i < others_.size(); ++i) {
@@ -192,6 +243,9 @@ void PlaceOptions::validate() const {
   require(clearance >= 0, "clearance must not be negative");
   require(enough >= clearance, "enough must be at least clearance");
   require(!given_W || given_W->allFinite(), "given_W must be finite");
+  require(!region_W || (!given_W && region_W->center.allFinite() && region_W->size.allFinite() &&
+                        region_W->size.minCoeff() > 0),
+          "region_W must be finite, with positive sides, and no given_W");
   require(!straight_height || *straight_height >= 0, "straight_height must not be negative");
 }
 
@@ -201,7 +255,8 @@ FreePlaces free_places(const geometry::Plane& table_W, const std::vector<Eigen::
   options.validate();
   if (object_W.empty()) throw std::invalid_argument("free_places: the object has no points");
   const Chooser chooser(table_W, object_W, others_W, options);
-  return options.given_W ? chooser.given(table_W) : chooser.chosen();
+  if (options.given_W) return chooser.given(table_W);
+  return options.region_W ? chooser.in_region(table_W) : chooser.chosen();
 }
 
 std::optional<Eigen::Vector2d> read_place(const std::string& text) {

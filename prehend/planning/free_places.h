@@ -21,6 +21,14 @@ struct PlaceOptions {
   double enough = 0.05;      // m, >= clearance: places with so much room come before others
   /// Where the middle of the object is to stand, x and y of the world [m]: this place or none.
   std::optional<Eigen::Vector2d> given_W;
+  /// The part of the table in which the object's middle is to stand, along x and y of the world
+  /// [m]; its middle is tried first.
+  struct Region {
+    std::string name;
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();
+    Eigen::Vector2d size = Eigen::Vector2d::Zero();  // > 0
+  };
+  std::optional<Region> region_W;  // not with given_W
   /// Points [m] of what goes with the object and needs room beside it too: a hand that nobody plans
   /// a motion for.
   std::vector<Eigen::Vector3d> hand_W;
@@ -38,9 +46,11 @@ inline constexpr const char* kPlaceMend = "Give another place, or none to have o
 
 struct FreePlaces {
   /// Displacements of the object along the table [m], best first: what is put there stands as it
-  /// stood. Last, unless a place was given, where it stands now (zero): that is free by then.
+  /// stood. Last, unless a place or a region was given, where it stands now (zero): that is free by
+  /// then.
   std::vector<Eigen::Vector3d> moves_W;
-  /// Why a place that was given cannot be used, in words (kPlaceMend would help); else empty.
+  /// Why a place or a region that was given cannot be used, in words (kPlaceMend would help); else
+  /// empty.
   std::string problem;
 };
 

@@ -24,7 +24,9 @@ using geometry::RigidTransform;
 using geometry::TriangleMesh;
 using std::chrono::steady_clock;
 
-constexpr double kTableReach = 0.6;      // m, of the slab from the object, at most
+constexpr double kTableReach = 0.8;      // m, of the slab from the object
+constexpr double kLeastTable = 0.05;     // m
+constexpr double kBaseOnTable = 0.3;     // m, height of a base over the table, that stands on it
 constexpr double kTableThickness = 0.2;  // m
 constexpr double kBaseClearance = 0.2;   // m, round the arm's base, where it stands on the table
 constexpr int kElbowAngles = 8;          // for what the arm reaches at all
@@ -43,20 +45,32 @@ Eigen::Vector3d middle_of(const std::vector<TriangleMesh>& meshes) {
   return box.center();
 }
 
-/// The slab of table that motions are planned on, in the world: a square with its middle under the
-/// object, in the axes of X_WT (z the normal).
+/// The slab of table that motions are planned on, in the world: a rectangle that ends before the
+/// arm's base where that stands on the table. Origin of X_WT under the object, x away from the
+/// base, z the normal.
 struct TableSlab {
   RigidTransform X_WT = RigidTransform::Identity();  // of its surface
-  double reach = 0;                                  // m, half of its side
+  double back = kTableReach;                         // m, from the object towards the base
 
   TableSlab(const robot::Platform& platform, const geometry::Plane& table,
             const Eigen::Vector3d& p_WO) {
-    const Eigen::Vector3d on_table = table.project(p_WO);
-    const double to_base = (table.project(platform.X_WB.translation()) - on_table).norm();
-    reach = std::clamp(to_base / std::sqrt(2.0) - kBaseClearance, 0.05, kTableReach);
-    X_WT.linear() =
-        geometry::rotation_between(Eigen::Vector3d::UnitZ(), table.normal).toRotationMatrix();
+    const Eigen::Vector3d on_table = table.project(p_WO), base = platform.X_WB.translation();
+    Eigen::Vector3d away = on_table - table.project(base);
+    const double to_base = away.norm();
+    if (std::abs(table.signed_distance(base)) < kBaseOnTable) {
+      back = std::clamp(to_base - kBaseClearance, kLeastTable, kTableReach);
+    }
+    if (to_base < kLeastTable) away = table.normal.unitOrthogonal();
+    X_WT.linear().col(0) = (away - away.dot(table.normal) * table.normal).normalized();
+    X_WT.linear().col(2) = table.normal;
+    X_WT.linear().col(1) = table.normal.cross(Eigen::Vector3d(X_WT.linear().col(0)));
     X_WT.translation() = on_table;
+  }
+
+  /// How far a point is beyond the slab's edges [m]; not above 0 on it.
+  double beyond(const Eigen::Vector3d& p_W) const {
+    const Eigen::Vector3d p_T = X_WT.inverse(Eigen::Isometry) * p_W;
+    return std::max({-back - p_T.x(), p_T.x() - kTableReach, std::abs(p_T.y()) - kTableReach});
   }
 };
 
@@ -65,8 +79,10 @@ motion::CollisionWorld world_of(const PlatformScene& scene, const RigidTransform
                                 const TableSlab& slab) {
   motion::CollisionWorld world;
   RigidTransform X_WMiddle = slab.X_WT;
-  X_WMiddle.translation() -= kTableThickness / 2 * scene.table_W.normal;
-  world.add_box("table", X_BW * X_WMiddle, {2 * slab.reach, 2 * slab.reach, kTableThickness});
+  X_WMiddle.translation() += slab.X_WT.linear() * Eigen::Vector3d(0.5 * (kTableReach - slab.back),
+                                                                  0, -kTableThickness / 2);
+  world.add_box("table", X_BW * X_WMiddle,
+                {kTableReach + slab.back, 2 * kTableReach, kTableThickness});
   for (const auto& piece : moved(scene.object_pieces_W, X_BW)) world.add_convex(kObject, piece);
   for (const auto& piece : moved(scene.obstacle_pieces_W, X_BW)) {
     world.add_convex("another object", piece);
@@ -117,13 +133,12 @@ FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene&
   const TableSlab slab(platform, scene.table_W, middle_of(scene.object_pieces_W));
   options.unreachable = [&slab, &object](const Eigen::Vector3d& move_W) -> std::string {
     double beyond = 0;
-    for (const Eigen::Vector3d& p : object) {
-      const Eigen::Vector3d at = slab.X_WT.inverse() * (p + move_W);
-      beyond = std::max(beyond, at.head<2>().cwiseAbs().maxCoeff() - slab.reach);
-    }
+    for (const Eigen::Vector3d& p : object) beyond = std::max(beyond, slab.beyond(p + move_W));
     if (beyond <= 0) return {};
-    return fmt::format("the table that is known ends {:.2f} m from the object, {:.2f} m before it",
-                       slab.reach, beyond);
+    return fmt::format(
+        "the table that motions are planned on ends {:.2f} m from the object towards the arm and "
+        "{:.2f} m elsewhere, {:.2f} m before it",
+        slab.back, kTableReach, beyond);
   };
   return free_places(scene.table_W, object, others, options);
 }

@@ -1,33 +1,14 @@
 #include "prehend/report/charts.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 
-#include <unistd.h>
+#include "prehend/report/drawing_program.h"
 
 namespace prehend::report {
 namespace {
-
-// A private folder that goes with its owner.
-struct TemporaryFolder {
-  std::filesystem::path path;
-  TemporaryFolder() {
-    std::string pattern = std::filesystem::temp_directory_path() / "prehend-chart-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) {
-      throw std::runtime_error("cannot make a temporary folder for a chart");
-    }
-    path = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;  // a left-over in /tmp is no reason to fail
-    std::filesystem::remove_all(path, ignored);
-  }
-};
 
 // In gnuplot's single-quoted strings only the quote itself is special.
 std::string quoted(const std::string& text) {
@@ -153,29 +134,9 @@ void write_stacked_script(const BarChart& chart, const std::filesystem::path& fo
   out << "'sums.txt' using 1:2:3 with labels left offset 0.5,0 notitle\n";
 }
 
-// Runs gnuplot on the script that `write` puts into a folder.
 template <typename Write>
 std::string draw(const std::string& title, const Write& write) {
-  const TemporaryFolder folder;
-  {
-    std::ofstream script(folder.path / "script");
-    write(folder.path, script);
-  }
-  const std::string command =
-      "cd " + quoted(folder.path.string()) + " && gnuplot script >errors 2>&1 </dev/null";
-  const int status = std::system(command.c_str());
-  std::ifstream svg(folder.path / "chart.svg");
-  std::stringstream text;
-  text << svg.rdbuf();
-  if (status != 0 || text.str().find("</svg>") == std::string::npos) {
-    std::ifstream errors(folder.path / "errors");
-    std::stringstream reason;
-    reason << errors.rdbuf();
-    throw std::runtime_error("gnuplot could not draw '" + title + "': " + reason.str() +
-                             "(is the package gnuplot-nox installed?)");
-  }
-  // Without the XML prologue, so that it can stand inside a page.
-  return text.str().substr(text.str().find("<svg"));
+  return drawn_by({"gnuplot", "gnuplot script", "gnuplot-nox"}, title, write);
 }
 
 void check_bars(const BarChart& chart) {

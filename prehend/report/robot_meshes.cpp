@@ -23,7 +23,7 @@ TriangleMesh shape_mesh(const CollisionShape& shape) {
     case CollisionShape::Kind::kMesh:
       break;
   }
-  return {};
+  return *shape.solid;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/at_line.h"
 #include "prehend/robot/hand_model.h"
 #include "prehend/robot/pose_yaml.h"
 #include "prehend/robot/tactile_pad_yaml.h"
@@ -22,10 +23,19 @@ class HandReader {
   explicit HandReader(const std::filesystem::path& path) : path_(path) {}
 
   HandModel read() {
-    text::YamlMap map(text::load_yaml_map(path_), path_, "hand");
-    std::string urdf, palm, gripper;
+    const YAML::Node file = text::load_yaml_map(path_);
+    if (!file["fingers"] && file["arm"]) {
+      throw InputError(path_.string() + " is a platform, and no hand",
+                       "Name the file that it names by `hand`");
+    }
+    if (!file["fingers"] && file["max_opening"]) {
+      throw InputError(path_.string() + " is a gripper, and no hand",
+                       "Write a hand's file that names it by `gripper`, as pg70.yaml does");
+    }
+    text::YamlMap map(file, path_, "hand");
+    std::string palm, gripper;
     map.read("name", hand_.name);
-    map.read("urdf", urdf);
+    map.read("urdf", urdf_);
     map.read("palm", palm);
     map.read("friction", hand_.friction);
     map.read("gripper", gripper);
@@ -34,10 +44,10 @@ class HandReader {
                      tool = map.child("tool"), preshapes = map.child("preshapes");
     map.finish();
     if (hand_.name.empty()) map.fail("name", "is missing", "Name the hand");
-    if (urdf.empty()) map.fail("urdf", "is missing", "Name the URDF file, relative to this one");
+    if (urdf_.empty()) map.fail("urdf", "is missing", "Name the URDF file, relative to this one");
     if (palm.empty()) map.fail("palm", "is missing", "Name the palm's link");
     if (!(hand_.friction > 0)) map.fail("friction", "is not positive", "Give a coefficient");
-    hand_.model = read_urdf(path_.parent_path() / urdf);
+    hand_.model = at_line(map, "urdf", [&] { return read_urdf(path_.parent_path() / urdf_); });
     hand_.palm = at_line(map, "palm", [&] { return hand_.model.link_index(palm); });
     set_palm_pose(map);
     read_actuated(map, actuated);
@@ -54,7 +64,8 @@ class HandReader {
 
  private:
   void read_gripper(const text::YamlMap& map, const std::string& file) {
-    hand_.gripper = read_gripper_model(path_.parent_path() / file);
+    hand_.gripper =
+        at_line(map, "gripper", [&] { return read_gripper_model(path_.parent_path() / file); });
     const auto fail = [&map](const std::string& what, const std::string& mend) {
       map.fail("gripper", ": " + what, mend);
     };
@@ -68,20 +79,6 @@ class HandReader {
                " m is not twice the way of joint '" + joint.name + "', which is 0 to " +
                std::to_string(joint.upper),
            "Give both the same opening: the joint is half of it");
-    }
-  }
-
-  /// Runs `find`; a name that is not there becomes an error at the line of `key`.
-  template <class Find>
-  static int at_line(const text::YamlMap& map, const std::string& key, Find find) {
-    try {
-      return find();
-    } catch (const InputError& error) {
-      std::string what = error.what();
-      if (!what.empty() && what.back() == '.') what.pop_back();
-      const std::size_t end = what.rfind(". ");
-      map.fail(key, ": " + what.substr(0, end),
-               end == std::string::npos ? "Correct the name" : what.substr(end + 2));
     }
   }
 
@@ -139,9 +136,13 @@ class HandReader {
         map.fail("actuated", "names '" + name + "', which does not move by itself",
                  "Name joints that are neither fixed nor mimic another");
       }
-      if (!std::isfinite(moved.max_effort)) {
-        map.fail("actuated", "names '" + name + "', which has no effort in the URDF",
-                 "Give its limit there, in N m or N");
+      if (!std::isfinite(moved.max_effort) || !std::isfinite(moved.max_velocity)) {
+        const bool effort = !std::isfinite(moved.max_effort);
+        map.fail(
+            "actuated",
+            "names '" + name + "', which has no " + (effort ? "effort" : "velocity") + " in " +
+                urdf_,
+            effort ? "Give its limit there, in N m or N" : "Give its limit there, in rad/s or m/s");
       }
       if (std::count(hand_.actuated.begin(), hand_.actuated.end(), joint) > 0) {
         map.fail("actuated", "names '" + name + "' twice", "Name it once");
@@ -151,6 +152,12 @@ class HandReader {
     for (std::size_t i = 0; i < hand_.model.joints.size(); ++i) {
       const Joint& joint = hand_.model.joints[i];
       const bool listed = std::count(hand_.actuated.begin(), hand_.actuated.end(), i) > 0;
+      if (joint.kind != Joint::Kind::kFixed && !std::isfinite(joint.upper - joint.lower)) {
+        map.fail("actuated",
+                 ": joint '" + joint.name + "' of " + urdf_ +
+                     " turns without end, and so would the hand",
+                 "Give it type=\"revolute\" and a lower and an upper limit");
+      }
       if (joint.kind != Joint::Kind::kFixed && !joint.mimic && !listed) {
         map.fail("actuated", "leaves out '" + joint.name + "', which moves",
                  "Name it too, or fix it in the URDF");
@@ -172,7 +179,18 @@ class HandReader {
                map.fail(name, "lists '" + link + "', which does not follow on the link before",
                         "List the links from the palm's child to the tip");
              }
+             for (const Finger& other : hand_.fingers) {
+               if (std::count(other.links.begin(), other.links.end(), index) == 0) continue;
+               map.fail(name, "lists '" + link + "', which '" + other.name + "' has already",
+                        "A link is of one finger");
+             }
              finger.links.push_back(index);
+           }
+           if (std::all_of(finger.links.begin(), finger.links.end(), [&](int link) {
+                 return hand_.model.links[place_of(link)].shapes.empty();
+               })) {
+             map.fail(name, "could touch nothing: no link of it has a collision shape",
+                      "Give its links <collision> in the URDF");
            }
            hand_.fingers.push_back(std::move(finger));
          });
@@ -190,7 +208,12 @@ class HandReader {
       map.read("toward_tip", toward_tip);
       HandPad pad;
       pad.name = name;
-      if (const YAML::Node model = map.child("pad"); model.IsDefined()) {
+      const YAML::Node model = map.child("pad");
+      if (hand_.gripper) {
+        if (model.IsDefined())
+          map.fail("pad", "is the gripper's, whose file has it", "Leave it out");
+        pad.model = hand_.gripper->pad;
+      } else if (model.IsDefined()) {
         read_tactile_pad(model, path_, place + ".pad", pad.model);
         try {
           validate(pad.model);
@@ -293,6 +316,7 @@ class HandReader {
   }
 
   std::filesystem::path path_;
+  std::string urdf_;  // as the file names it
   HandModel hand_;
   RigidTransform X_PG_ = RigidTransform::Identity();
 };

@@ -1,9 +1,11 @@
 #include "prehend/robot/platform.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/at_line.h"
 #include "prehend/robot/pose_yaml.h"
 #include "prehend/text/nearest_match.h"
 #include "prehend/text/yaml_map.h"
@@ -29,6 +31,7 @@ int append(const RobotModel& part, const std::string& prefix, RobotModel& whole)
     if (joint.mimic) joint.mimic->joint += first_joint;
     whole.joints.push_back(std::move(joint));
   }
+  whole.remarks.insert(whole.remarks.end(), part.remarks.begin(), part.remarks.end());
   return first_link;
 }
 
@@ -49,6 +52,20 @@ Positions read_home(const YAML::Node& node, const std::filesystem::path& path,
         "Stay within the URDF's limits");
   }
   return q;
+}
+
+/// That base and flange are of the arm, and what is between them can move and be timed.
+void check_arm(const text::YamlMap& map, const RobotModel& arm, const std::string& file,
+               const std::string& base, const std::string& flange) {
+  at_line(map, "base", [&] { return arm.link_index(base); });
+  at_line(map, "flange", [&] { return arm.link_index(flange); });
+  const KinematicChain chain =
+      at_line(map, "flange", [&] { return KinematicChain(arm, base, flange); });
+  for (const ChainJoint& joint : chain.joints()) {
+    if (std::isfinite(joint.max_velocity)) continue;
+    map.fail("arm", ": joint '" + joint.name + "' of " + file + " has no velocity limit",
+             "Write velocity=\"...\" [rad/s or m/s] into its <limit>");
+  }
 }
 
 }  // namespace
@@ -83,7 +100,13 @@ const Platform::Home& Platform::home(const std::string& home_name) const {
 
 Platform read_platform(const std::filesystem::path& path) {
   Platform platform;
-  text::YamlMap map(text::load_yaml_map(path), path, "platform");
+  const YAML::Node file = text::load_yaml_map(path);
+  if (!file["arm"] && file["fingers"]) {
+    throw geometry::InputError(path.string() + " is a hand, and no platform: it has no arm",
+                               "Write a platform's file with `arm` and `hand`, as kr5_sdh.yaml is, "
+                               "or plan for the hand alone");
+  }
+  text::YamlMap map(file, path, "platform");
   std::string arm, base, flange, hand;
   map.read("name", platform.name);
   map.read("arm", arm);
@@ -102,8 +125,9 @@ Platform read_platform(const std::filesystem::path& path) {
   if (world.IsDefined()) platform.X_WB = read_pose(world, path, "platform.world");
 
   const std::filesystem::path folder = path.parent_path();
-  const RobotModel arm_model = read_urdf(folder / arm);
-  platform.hand = read_hand_model(folder / hand);
+  const RobotModel arm_model = at_line(map, "arm", [&] { return read_urdf(folder / arm); });
+  check_arm(map, arm_model, arm, base, flange);
+  platform.hand = at_line(map, "hand", [&] { return read_hand_model(folder / hand); });
   platform.model.name = platform.name;
   append(arm_model, kArm, platform.model);
   const int flange_link = platform.model.link_index(kArm + flange);
@@ -127,6 +151,11 @@ Platform read_platform(const std::filesystem::path& path) {
     const std::string name = entry.first.Scalar();
     platform.homes.push_back(
         {name, read_home(entry.second, path, "platform.homes." + name, chain)});
+  }
+  const auto is_home = [](const Platform::Home& one) { return one.name == "home"; };
+  if (std::none_of(platform.homes.begin(), platform.homes.end(), is_home)) {
+    map.fail("homes", "has none that is called home",
+             "Call one so: where the arm stands unless another is asked for");
   }
   return platform;
 }

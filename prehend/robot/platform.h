@@ -25,7 +25,7 @@ struct Platform {
   std::string flange;  // link of the flange F in `model`
   geometry::RigidTransform X_FH = geometry::RigidTransform::Identity();  // hand on the flange
   geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();  // base in the world
-  std::vector<Home> homes;                                               // the first is `home`
+  std::vector<Home> homes;  // as in the file; one is called home
 
   /// From the base to the flange.
   KinematicChain arm_chain() const { return {model, base, flange}; }

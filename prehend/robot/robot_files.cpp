@@ -28,8 +28,16 @@ std::vector<std::string> files_with(const std::filesystem::path& folder, const c
 
 std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& name,
                               const std::string& kind, const char* key) {
+  std::error_code ignored;
+  if (name.ends_with(".yaml") || name.find('/') != std::string::npos) {
+    for (const std::filesystem::path& own : {std::filesystem::path(name), folder / name}) {
+      if (std::filesystem::is_regular_file(own, ignored)) return own;
+    }
+    throw text::InputError("There is no file '" + name + "' of a " + kind,
+                           "Check the path, or name one of '" + folder.string() + "'");
+  }
   const std::filesystem::path file = folder / (name + ".yaml");
-  if (!name.empty() && std::filesystem::is_regular_file(file)) return file;
+  if (!name.empty() && std::filesystem::is_regular_file(file, ignored)) return file;
   throw text::InputError("There is no " + kind + " '" + name + "' in '" + folder.string() + "'",
                          text::nearest_match_mend(name, files_with(folder, key)));
 }

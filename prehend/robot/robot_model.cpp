@@ -1,12 +1,15 @@
 #include "prehend/robot/robot_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <urdf_model/model.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/mesh_shape.h"
 #include "prehend/robot/urdf_document.h"
 #include "prehend/text/nearest_match.h"
 
@@ -14,6 +17,8 @@ namespace prehend::robot {
 namespace {
 
 using geometry::InputError;
+
+constexpr double kFarthest = 1000;  // rad or m, of a joint
 
 template <class Item>
 int index_of(const std::vector<Item>& items, const std::string& name, const std::string& what,
@@ -61,8 +66,9 @@ CollisionShape shape_of(const urdf::Collision& given) {
 
 class Reader {
  public:
-  Reader(const urdf::ModelInterface& document, const std::string& file)
-      : document_(document), file_(file) {
+  Reader(const urdf::ModelInterface& document, const std::string& file,
+         std::filesystem::path folder)
+      : document_(document), file_(file), folder_(std::move(folder)) {
     model_.name = document.getName();
   }
 
@@ -86,7 +92,13 @@ class Reader {
       fail("link '" + given.name + "' has a mass that cannot be", "Give kilograms, 0 or more");
     }
     for (const auto& collision : given.collision_array) {
-      if (collision && collision->geometry) link.shapes.push_back(shape_of(*collision));
+      if (!collision || !collision->geometry) continue;
+      link.shapes.push_back(shape_of(*collision));
+      complete(link.shapes.back(), given.name);
+    }
+    if (link.shapes.empty() && !given.visual_array.empty()) {
+      model_.remarks.push_back("link '" + given.name +
+                               "' can be seen but has no <collision>: nothing can touch it");
     }
     const int parent = static_cast<int>(model_.links.size());
     model_.links.push_back(std::move(link));
@@ -99,6 +111,55 @@ class Reader {
       }
       model_.joints.push_back(std::move(joint));
       add(*document_.getLink(given_joint->child_link_name));
+    }
+  }
+
+  /// Checks a shape's sizes, and reads a mesh.
+  void complete(CollisionShape& shape, const std::string& link) {
+    const std::string place = "link '" + link + "'";
+    if (!shape.X_LS.matrix().allFinite()) {
+      fail(place + " has a collision shape at a place that is no number", "Mend its <origin>");
+    }
+    using Kind = CollisionShape::Kind;
+    if (shape.kind == Kind::kMesh) {
+      read_mesh(shape, place);
+      return;
+    }
+    const double least = shape.kind == Kind::kBox      ? shape.size.minCoeff()
+                         : shape.kind == Kind::kSphere ? shape.radius
+                                                       : std::min(shape.radius, shape.length);
+    const double sum = shape.size.sum() + shape.radius + shape.length;
+    if (!(least > 0) || !std::isfinite(sum)) {
+      fail(place + " has a collision shape without volume", "Give positive sizes in metres");
+    }
+  }
+
+  void read_mesh(CollisionShape& shape, const std::string& place) {
+    std::vector<std::filesystem::path> looked;
+    const std::filesystem::path file = find_mesh_file(shape.mesh, folder_, &looked);
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      std::string places;
+      for (const auto& one : looked) places += (places.empty() ? "'" : ", '") + one.string() + "'";
+      const bool packed = shape.mesh.find("://") != std::string::npos && looked.size() != 1;
+      fail(place + ": its mesh '" + shape.mesh + "' is not there; looked for " + places,
+           packed ? "Put the package's folder beside or above the URDF, or where ROS_PACKAGE_PATH "
+                    "lists it"
+                  : "Paths are relative to the URDF's folder");
+    }
+    try {
+      const std::array<double, 3> scale{shape.size.x(), shape.size.y(), shape.size.z()};
+      auto known = meshes_.find({file, scale});
+      if (known == meshes_.end()) {
+        known = meshes_.emplace(std::pair{file, scale}, read_solid_mesh(file, shape.size)).first;
+      }
+      shape.solid = known->second.mesh;
+      if (!known->second.remark.empty()) {
+        model_.remarks.push_back(place + ": " + known->second.remark);
+      }
+    } catch (const InputError& error) {
+      const std::string mend = std::string(error.what()).substr(error.problem().size() + 2);
+      fail(place + ": its mesh " + error.problem(), mend.substr(0, mend.size() - 1));
     }
   }
 
@@ -133,6 +194,13 @@ class Reader {
           fail("joint '" + given.name + "' has a lower limit above the upper one",
                "Swap them, or mend them");
         }
+        if (!(std::max(std::abs(joint.lower), std::abs(joint.upper)) <= kFarthest)) {
+          fail("joint '" + given.name + "' has a limit that nothing reaches",
+               "Give rad or m, or make it continuous");
+        }
+      }
+      if (!(given.limits->velocity >= 0) || !(given.limits->effort >= 0)) {
+        fail("joint '" + given.name + "' has a negative velocity or effort", "Give what it can do");
       }
       if (given.limits->velocity > 0) joint.max_velocity = given.limits->velocity;
       if (given.limits->effort > 0) joint.max_effort = given.limits->effort;
@@ -145,8 +213,17 @@ class Reader {
     const auto found = std::find_if(model_.joints.begin(), model_.joints.end(),
                                     [&](const Joint& j) { return j.name == given.joint_name; });
     if (found == model_.joints.end()) {
+      std::vector<std::string> names;
+      for (const Joint& joint : model_.joints) {
+        if (joint.name != name) names.push_back(joint.name);
+      }
       fail("joint '" + name + "' mimics '" + given.joint_name + "', which is not there",
-           "Name a joint of the file");
+           text::nearest_match_mend(given.joint_name, names));
+    }
+    if (given.multiplier == 0 || !std::isfinite(given.multiplier) || !std::isfinite(given.offset)) {
+      fail("joint '" + name + "' mimics '" + given.joint_name +
+               "' with a multiplier of 0 or no number",
+           "Make it fixed, or give the ratio");
     }
     model_.joints[static_cast<std::size_t>(index)].mimic =
         Mimic{static_cast<int>(found - model_.joints.begin()), given.multiplier, given.offset};
@@ -166,7 +243,10 @@ class Reader {
 
   const urdf::ModelInterface& document_;
   const std::string& file_;
+  std::filesystem::path folder_;
   RobotModel model_;
+  /// By file and scale: fingers share theirs.
+  std::map<std::pair<std::filesystem::path, std::array<double, 3>>, SolidMesh> meshes_;
   std::vector<std::pair<int, const urdf::JointMimic*>> mimics_;
 };
 
@@ -198,11 +278,12 @@ std::optional<int> RobotModel::joint_above(int link) const {
 }
 
 RobotModel read_urdf(const std::filesystem::path& file) {
-  return Reader(*read_urdf_document(file), file.string()).read();
+  return Reader(*read_urdf_document(file), file.string(), file.parent_path()).read();
 }
 
-RobotModel parse_urdf(const std::string& text, const std::string& name) {
-  return Reader(*parse_urdf_document(text, name), name).read();
+RobotModel parse_urdf(const std::string& text, const std::string& name,
+                      const std::filesystem::path& folder) {
+  return Reader(*parse_urdf_document(text, name), name, folder).read();
 }
 
 }  // namespace prehend::robot

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
 
 namespace prehend::robot {
 
@@ -21,6 +23,9 @@ struct CollisionShape {
   double radius = 0;                               // m
   double length = 0;                               // m, of a cylinder, along z
   std::string mesh;                                // as the file names it
+  /// Of a mesh, and then never null: what it bounds, closed, triangles outward, `size` applied [m,
+  /// in S].
+  std::shared_ptr<const geometry::TriangleMesh> solid;
 };
 
 struct Link {
@@ -59,6 +64,8 @@ struct RobotModel {
   std::string name;
   std::vector<Link> links;  // the first is the root
   std::vector<Joint> joints;
+  /// What is taken otherwise than the file may mean it, each naming a link, for the user to read.
+  std::vector<std::string> remarks;
 
   /// @throws geometry::InputError naming the nearest link (joint) there is.
   int link_index(const std::string& name) const;
@@ -69,9 +76,13 @@ struct RobotModel {
 
 /// Reads a URDF: links with their collision shapes (visual parts have no part in it) and masses,
 /// joints fixed, revolute, continuous (without limits) and prismatic, with limits and mimics.
+/// Meshes are found by find_mesh_file() and become solids by read_solid_mesh() (mesh_shape.h).
 /// @throws geometry::InputError naming file, link or joint, and the mend: a joint of another kind,
-/// an axis without length, limits that cross, a mimic of a joint that is not there or in a circle.
+/// an axis without length, limits that cross, a mimic of a joint that is not there or in a circle,
+/// a shape without size, a mesh that is not there or bounds no solid.
 RobotModel read_urdf(const std::filesystem::path& file);
-RobotModel parse_urdf(const std::string& text, const std::string& name);
+/// The same of a text: `name` stands for the file in messages, meshes are found from `folder`.
+RobotModel parse_urdf(const std::string& text, const std::string& name,
+                      const std::filesystem::path& folder = ".");
 
 }  // namespace prehend::robot

@@ -27,17 +27,36 @@ class Complaints : public console_bridge::OutputHandler {
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
     if (level < console_bridge::CONSOLE_BRIDGE_LOG_WARN) return;
     text_ += (text_.empty() ? "" : "; ") + text;
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
+      errors_ += (errors_.empty() ? "" : "; ") + text;
   }
   const std::string& text() const { return text_; }
+  const std::string& errors() const { return errors_; }
 
  private:
-  std::string text_;
+  std::string text_, errors_;
 };
+
+/// The parser passes over xacro's elements, so that of a file of macros next to nothing is left.
+/// What xacro has made of one may still name its namespace, and have macros in comments.
+void refuse_macros(std::string text, const std::string& name) {
+  for (std::size_t begin = text.find("<!--"); begin != std::string::npos;
+       begin = text.find("<!--", begin)) {
+    const std::size_t end = text.find("-->", begin);
+    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
+  }
+  for (const char* sign : {"<xacro:", "${", "$("}) {
+    if (text.find(sign) == std::string::npos) continue;
+    throw InputError("'" + name + "' has xacro macros, which are not read",
+                     "Expand them: xacro " + name + " > robot.urdf");
+  }
+}
 
 }  // namespace
 
 std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& text,
                                                           const std::string& name) {
+  refuse_macros(text, name);
   std::shared_ptr<urdf::ModelInterface> document;
   const Complaints complaints;
   try {
@@ -47,6 +66,10 @@ std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& tex
   }
   if (!document || !document->getRoot()) {
     throw InputError("'" + name + "' is no URDF: " + complaints.text(), kMend);
+  }
+  // It leaves out the shape or link that it cannot read, and goes on.
+  if (!complaints.errors().empty()) {
+    throw InputError("'" + name + "': " + complaints.errors(), kMend);
   }
   return document;
 }

@@ -15,7 +15,8 @@ class Pose;
 namespace prehend::robot {
 
 /// The document in `text`; `name` stands for the file in messages. Never null, with a root link.
-/// @throws geometry::InputError with what the parser complains of.
+/// @throws geometry::InputError with what the parser complains of, also when it would leave out a
+/// part and go on, or for macros of xacro.
 std::shared_ptr<urdf::ModelInterface> parse_urdf_document(const std::string& text,
                                                           const std::string& name);
 

@@ -19,28 +19,62 @@ using robot::Joint;
 
 constexpr double kDensity = 1500;     // kg/m^3, of a link whose mass the file does not say
 constexpr double kLeastMass = 0.005;  // kg
+constexpr double kOnFace = 0.002;     // m, between a pad's face and the link's
+constexpr double kAlongNormal = 0.999;
+constexpr double kNoArea = 1e-12;  // m^2, of a triangle
 
-EngineShape engine_shape(const CollisionShape& shape, const std::string& link) {
+EngineShape engine_shape(const CollisionShape& shape) {
   EngineShape result;
   switch (shape.kind) {
     case CollisionShape::Kind::kBox:
       result.kind = EngineShape::Kind::kBox;
       result.size = shape.size;
-      return result;
+      break;
     case CollisionShape::Kind::kSphere:
       result.kind = EngineShape::Kind::kSphere;
       result.radius = shape.radius;
-      return result;
+      break;
     case CollisionShape::Kind::kCylinder:
       result.kind = EngineShape::Kind::kCylinder;
       result.radius = shape.radius;
       result.length = shape.length;
-      return result;
-    case CollisionShape::Kind::kMesh:
       break;
+    case CollisionShape::Kind::kMesh:
+      break;  // RobotBodies::Part::solid
   }
-  throw geometry::InputError("link '" + link + "' has a mesh as collision shape",
-                             "Give it boxes, cylinders or spheres");
+  return result;
+}
+
+// Of the box at X_BS, what is behind the foam of a pad on one of its faces.
+void cut_foam(const RigidTransform& X_BP, double thickness, EngineShape& box,
+              RigidTransform& X_BS) {
+  const Eigen::Vector3d normal_S = X_BS.linear().transpose() * X_BP.linear().col(2);
+  Eigen::Index axis = 0;
+  if (normal_S.cwiseAbs().maxCoeff(&axis) < kAlongNormal) return;
+  const double side = normal_S[axis] > 0 ? 1 : -1;
+  const Eigen::Vector3d p_SP = X_BS.inverse(Eigen::Isometry) * X_BP.translation();
+  const double out = side * p_SP[axis] - 0.5 * box.size[axis];  // of the pad's face over the box's
+  const double cut = thickness - out;
+  if (std::abs(out) > kOnFace || cut <= 0 || cut >= box.size[axis]) return;
+  box.size[axis] -= cut;
+  X_BS.translation() -= X_BS.linear() * (0.5 * side * cut * Eigen::Vector3d::Unit(axis));
+}
+
+// Of a solid that a pad is outermost on, what is behind its foam: what stands before the plane
+// there is pressed flat onto it.
+std::shared_ptr<const geometry::TriangleMesh> behind_foam(
+    const std::shared_ptr<const geometry::TriangleMesh>& solid, const RigidTransform& X_PS,
+    double thickness) {
+  geometry::TriangleMesh mesh = geometry::transformed(*solid, X_PS);
+  const Eigen::AlignedBox3d box = geometry::bounds(mesh);
+  if (std::abs(box.max().z()) > kOnFace || box.min().z() >= -thickness) return solid;
+  for (Eigen::Vector3d& p : mesh.vertices) p.z() = std::min(p.z(), -thickness);
+  std::erase_if(mesh.triangles, [&](const Eigen::Vector3i& t) {
+    const Eigen::Vector3d& a = mesh.vertices[t[0]];
+    return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm() < kNoArea;
+  });
+  return std::make_shared<const geometry::TriangleMesh>(
+      geometry::transformed(mesh, X_PS.inverse(Eigen::Isometry)));
 }
 
 double volume_of(const EngineShape& shape) {
@@ -54,6 +88,24 @@ double volume_of(const EngineShape& shape) {
       return M_PI * shape.radius * shape.radius * shape.length;
   }
   return 0;
+}
+
+/// What a part weighs with, if it were solid and alike all through; frame B of its body.
+struct PartMass {
+  double volume;                    // m^3
+  Eigen::Vector3d center;           // m
+  Eigen::Matrix3d inertia_of_unit;  // m^2, of 1 kg about the centre
+};
+
+PartMass part_mass(const RobotBodies::Part& part) {
+  const Eigen::Matrix3d R = part.X_BS.linear();
+  if (part.solid) {
+    const geometry::MassProperties of = geometry::mass_properties(*part.solid);
+    return {of.volume, part.X_BS * of.center_of_mass,
+            R * (of.unit_density_inertia / of.volume) * R.transpose()};
+  }
+  return {volume_of(part.shape), part.X_BS.translation(),
+          R * engines::principal_inertia(part.shape, 1).asDiagonal() * R.transpose()};
 }
 
 class Builder {
@@ -74,6 +126,7 @@ class Builder {
   RobotBodies build() {
     find_bodies();
     for (std::size_t body = 0; body < links_.size(); ++body) add_body(static_cast<int>(body));
+    add_pads();
     add_joints();
     add_breakaways();
     add_motors();
@@ -116,7 +169,10 @@ class Builder {
       for (const int link : hand_.fingers[f].links) {
         const int body =
             out_.body_of_link[model.link_index(prefix_ + hand_.model.links[link].name)];
-        out_.finger_of_body[body] = static_cast<int>(f);
+        // A knuckle that is fixed to the palm is the palm's.
+        if (body != out_.body_of_link[out_.hand_root]) {
+          out_.finger_of_body[body] = static_cast<int>(f);
+        }
         out_.rank_of_body[body] = rank++;
       }
     }
@@ -131,15 +187,17 @@ class Builder {
     const std::size_t first_part = out_.parts.size();
     double mass = 0, volume = 0;
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    std::vector<PartMass> masses;
     for (const int link : links_[index]) {
       const RigidTransform X_OL = X_WO.inverse(Eigen::Isometry) * X_WL_[link];
       mass += out_.model.links[link].mass;
       out_.X_BL[link] = X_OL;
       for (const CollisionShape& shape : out_.model.links[link].shapes) {
-        RobotBodies::Part part{index, link, engine_shape(shape, out_.model.links[link].name),
-                               X_OL * shape.X_LS};
-        volume += volume_of(part.shape);
-        center += volume_of(part.shape) * part.X_BS.translation();
+        const RobotBodies::Part part{index, link, engine_shape(shape), X_OL * shape.X_LS,
+                                     shape.solid};
+        masses.push_back(part_mass(part));
+        volume += masses.back().volume;
+        center += masses.back().volume * masses.back().center;
         out_.parts.push_back(part);
       }
     }
@@ -157,13 +215,11 @@ class Builder {
     body.mass = std::max(mass, kLeastMass);
     if (volume > 0) center /= volume;
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-    for (std::size_t p = first_part; p < out_.parts.size(); ++p) {
-      const RobotBodies::Part& part = out_.parts[p];
-      const double share = body.mass * volume_of(part.shape) / volume;
-      const Eigen::Matrix3d R = part.X_BS.linear();
-      const Eigen::Vector3d arm = part.X_BS.translation() - center;
-      inertia += R * engines::principal_inertia(part.shape, share).asDiagonal() * R.transpose() +
-                 share * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+    for (const PartMass& part : masses) {
+      const double share = body.mass * part.volume / volume;
+      const Eigen::Vector3d arm = part.center - center;
+      inertia += share * (part.inertia_of_unit + arm.squaredNorm() * Eigen::Matrix3d::Identity() -
+                          arm * arm.transpose());
     }
     if (first_part == out_.parts.size()) inertia.diagonal().setConstant(body.mass * 1e-4);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
@@ -179,6 +235,27 @@ class Builder {
     }
     for (const int link : links_[index]) out_.X_BL[link] = X_BO * out_.X_BL[link];
     out_.bodies.push_back(body);
+  }
+
+  void add_pads() {
+    for (std::size_t i = 0; i < hand_.pads.size(); ++i) {
+      const robot::HandPad& pad = hand_.pads[i];
+      const int link = out_.model.link_index(
+          prefix_ + hand_.model.links[static_cast<std::size_t>(pad.link)].name);
+      const int body = out_.body_of_link[link];
+      const RigidTransform X_BP = out_.X_BL[link] * pad.X_LP;
+      out_.pads.push_back({static_cast<int>(i), body, X_BP});
+      for (RobotBodies::Part& part : out_.parts) {
+        if (part.link != link) continue;
+        if (part.solid) {
+          const RigidTransform X_PS = X_BP.inverse(Eigen::Isometry) * part.X_BS;
+          part.solid = behind_foam(part.solid, X_PS, pad.model.thickness);
+          continue;
+        }
+        if (part.shape.kind != EngineShape::Kind::kBox) continue;
+        cut_foam(X_BP, pad.model.thickness, part.shape, part.X_BS);
+      }
+    }
   }
 
   void add_joints() {

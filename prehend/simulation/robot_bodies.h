@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,13 @@ struct RobotBodies {
     int link = 0;
     engines::EngineShape shape;
     geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();
+    /// Of a mesh: closed, in S; `shape` then means nothing.
+    std::shared_ptr<const geometry::TriangleMesh> solid;
+  };
+  struct Pad {    // tactile
+    int pad = 0;  // of the hand
+    int body = 0;
+    geometry::RigidTransform X_BP = geometry::RigidTransform::Identity();
   };
   struct Carried {  // a body on a prescribed path
     int body = 0;
@@ -44,7 +52,9 @@ struct RobotBodies {
   std::vector<int> coordinate;    // of each joint of the engine, in MultibodyState
   std::vector<engines::JointMechanics> mechanics;  // of the engine's joints
   std::vector<engines::JointCoupling> couplings;
+  /// Boxes with a pad on a face begin behind its foam, `thickness` below the pad's face.
   std::vector<Part> parts;
+  std::vector<Pad> pads;
   std::vector<Carried> carried;
   std::vector<int> body_of_link;
   std::vector<geometry::RigidTransform> X_BL;  // link in its body
@@ -68,8 +78,8 @@ struct HandMechanics {
 
 /// `prefix` stands before the hand's names in `model` ("hand_" on a platform, none alone). The root
 /// stands at X_WR, the arm's joints at `all`.
-/// @throws geometry::InputError for a mesh as collision shape, a joint that mimics with an offset,
-/// or one that moves without a velocity or effort limit, naming it.
+/// @throws geometry::InputError for a joint that mimics with an offset, or one that moves without a
+/// velocity or effort limit, naming it.
 RobotBodies make_robot_bodies(const robot::RobotModel& model, const robot::HandModel& hand,
                               const std::string& prefix, const geometry::RigidTransform& X_WR,
                               const Eigen::VectorXd& all, const HandMechanics& mechanics = {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "prehend/simulation/contact_detection.h"
 #include "prehend/simulation/engines/convex_contact.h"
@@ -15,10 +16,12 @@ using engines::TouchPoint;
 using engines::Vector6;
 using geometry::RigidTransform;
 
-constexpr double kLookAhead = 1e-4;    // m, looked ahead beyond what speeds say
-constexpr double kArmSpacing = 0.015;  // m, between points on the arm
-constexpr double kCell = 0.005;        // m, of the grid of what is near
-constexpr int kMostCells = 40;         // along each side
+constexpr double kLookAhead = 1e-4;           // m, looked ahead beyond what speeds say
+constexpr double kArmSpacing = 0.015;         // m, between points on the arm
+constexpr double kCell = 0.005;               // m, of the grid of what is near
+constexpr int kMostCells = 40;                // along each side
+constexpr std::size_t kMostPartContacts = 4;  // of two links of which one is a mesh
+constexpr double kBeforeFoam = 0.002;         // m, over a pad's face
 
 geometry::TriangleMesh mesh_of(const EngineShape& shape) {
   switch (shape.kind) {
@@ -34,9 +37,47 @@ geometry::TriangleMesh mesh_of(const EngineShape& shape) {
   return {};
 }
 
+/// How deep a point is within a mesh's surface [m], negative outside, and the normal of the nearest
+/// face; false when it is farther from the surface than `reach`.
+bool mesh_depth(const geometry::MeshQuery& query, const Eigen::Vector3d& p, double reach,
+                Eigen::Vector3d& normal, double& depth) {
+  const auto nearest = query.nearest(p, reach);
+  if (!nearest) return false;
+  const geometry::TriangleMesh& mesh = query.mesh();
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+               .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+               .normalized();
+  depth = normal.dot(p - nearest->point) < 0 ? nearest->distance : -nearest->distance;
+  return true;
+}
+
+/// Leaves the deepest and those farthest from what is left already: as many as primitives have, so
+/// that links do not become stiffer with the number of points on them.
+void keep_apart(std::vector<engines::ConvexContact>& contacts, std::size_t most) {
+  if (contacts.size() <= most) return;
+  const auto deepest =
+      std::max_element(contacts.begin(), contacts.end(),
+                       [](const auto& a, const auto& b) { return a.depth < b.depth; });
+  std::iter_swap(contacts.begin(), deepest);
+  std::vector<double> apart(contacts.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t kept = 1; kept < most; ++kept) {
+    for (std::size_t i = kept; i < contacts.size(); ++i) {
+      apart[i] = std::min(apart[i], (contacts[i].p_W - contacts[kept - 1].p_W).norm());
+    }
+    const auto farthest =
+        std::max_element(apart.begin() + static_cast<std::ptrdiff_t>(kept), apart.end()) -
+        apart.begin();
+    std::swap(contacts[kept], contacts[static_cast<std::size_t>(farthest)]);
+    std::swap(apart[kept], apart[static_cast<std::size_t>(farthest)]);
+  }
+  contacts.resize(most);
+}
+
 }  // namespace
 
-RobotTouch::RobotTouch(const RobotBodies& robot, std::vector<Object> objects)
+RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
+                       std::vector<Object> objects)
     : objects_(std::move(objects)) {
   const int root = robot.body_of_link[0];
   for (const RobotBodies::Part& own : robot.parts) {
@@ -45,18 +86,43 @@ RobotTouch::RobotTouch(const RobotBodies& robot, std::vector<Object> objects)
     const bool palm = own.body == robot.body_of_link[robot.hand_root];
     // The arm's base is bolted to the table.
     if (own.body == root && !palm) continue;
+    const geometry::TriangleMesh mesh = own.solid ? *own.solid : mesh_of(own.shape);
     Part part{own.body,
               robot.finger_of_body[body],
               robot.rank_of_body[body],
               carried,
               own.shape,
               own.X_BS,
-              engines::felt_shape(own.shape),
-              engines::bounding_radius(own.shape),
-              sample_surface(mesh_of(own.shape), carried && !palm ? kArmSpacing : kPointSpacing)};
+              {},
+              0,
+              sample_surface(mesh, carried && !palm ? kArmSpacing : kPointSpacing),
+              {},
+              geometry::bounds(mesh),
+              nullptr};
+    if (own.solid) {
+      part.mesh = std::make_shared<geometry::MeshQuery>(mesh);
+      for (const Eigen::Vector3d& p : mesh.vertices) part.radius = std::max(part.radius, p.norm());
+    } else {
+      part.felt = engines::felt_shape(own.shape);
+      part.box_S = part.felt.bounds();
+      part.radius = engines::bounding_radius(own.shape);
+    }
+    for (const RobotBodies::Pad& pad : robot.pads) {
+      if (pad.body != own.body) continue;
+      const robot::TactilePadModel& model = pads[static_cast<std::size_t>(pad.pad)].model;
+      part.foams.push_back({pad.X_BP.inverse(Eigen::Isometry) * own.X_BS,
+                            {0.5 * model.width(), 0.5 * model.length()},
+                            model.thickness});
+    }
     parts_.push_back(std::move(part));
   }
   for (const Object& object : objects_) near_.push_back(make_near(object.model));
+}
+
+bool RobotTouch::Foam::holds(const Eigen::Vector3d& p_S) const {
+  const Eigen::Vector3d p_P = X_PS * p_S;
+  return p_P.z() > -thickness && p_P.z() < kBeforeFoam && std::abs(p_P.x()) <= half.x() &&
+         std::abs(p_P.y()) <= half.y();
 }
 
 RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
@@ -101,16 +167,19 @@ bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Ve
     return depth > 0 && depth < kDeepest;
   }
   if (!near.at(p_B)) return false;
-  const auto nearest = object.model.query->nearest(p_B, kDeepest);
-  if (!nearest) return false;
-  const geometry::TriangleMesh& mesh = *object.model.mesh;
-  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
-  normal_B = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-                 .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-                 .normalized();
-  const double out = normal_B.dot(p_B - nearest->point);
-  depth = out < 0 ? nearest->distance : -nearest->distance;
+  if (!mesh_depth(*object.model.query, p_B, kDeepest, normal_B, depth)) return false;
   return depth > -margin;
+}
+
+bool RobotTouch::Part::holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S,
+                             double& depth) const {
+  if (!box_S.contains(p_S)) return false;
+  if (!mesh) {
+    depth = felt.depth_inside(p_S, normal_S);
+  } else if (!mesh_depth(*mesh, p_S, kDeepest, normal_S, depth)) {
+    return false;
+  }
+  return depth > 0 && depth < kDeepest;
 }
 
 void RobotTouch::add(int a, int b, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W,
@@ -149,19 +218,44 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
   double depth = 0;
   const bool precise = box.exteriorDistance(X_BS.translation()) < part.radius;
   if (!precise) return;
+  const auto in_foam = [&part](const Eigen::Vector3d& p_S) {
+    return std::any_of(part.foams.begin(), part.foams.end(),
+                       [&p_S](const Foam& foam) { return foam.holds(p_S); });
+  };
   for (const Eigen::Vector3d& p_S : part.points_S) {
     const Eigen::Vector3d p_B = X_BS * p_S;
-    if (!box.contains(p_B) || !surface(object, near_[index], p_B, margin, normal, depth)) continue;
+    if (!box.contains(p_B) || in_foam(p_S)) continue;
+    if (!surface(object, near_[index], p_B, margin, normal, depth)) continue;
     add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * normal), depth, touches);
   }
   const RigidTransform X_SB = X_BS.inverse(Eigen::Isometry);
-  const Eigen::AlignedBox3d part_B = transformed_box(X_BS, part.felt.bounds());
+  const Eigen::AlignedBox3d part_B = transformed_box(X_BS, part.box_S);
   for (const Eigen::Vector3d& p_B : object.model.surface_points) {
     if (!part_B.contains(p_B)) continue;
-    depth = part.felt.depth_inside(X_SB * p_B, normal);
-    if (!(depth > 0 && depth < kDeepest)) continue;
+    const Eigen::Vector3d p_S = X_SB * p_B;
+    if (!part.holds(p_S, normal, depth) || in_foam(p_S)) continue;
     add(object.body, part.body, X_WB * p_B, X_WS.linear() * normal, depth, touches);
   }
+}
+
+void RobotTouch::find_part_part(const Part& a, const Part& b) {
+  const RigidTransform X_WA = base_->X_WB[static_cast<std::size_t>(a.body)] * a.X_BS;
+  const RigidTransform X_WB = base_->X_WB[static_cast<std::size_t>(b.body)] * b.X_BS;
+  if ((X_WA.translation() - X_WB.translation()).norm() > a.radius + b.radius) return;
+  Eigen::Vector3d normal;
+  double depth = 0;
+  // Normals point into a.
+  const auto points_in = [&](const Part& of, const RigidTransform& X_WOf, const Part& in,
+                             const RigidTransform& X_WIn, double sign) {
+    const RigidTransform X_InOf = X_WIn.inverse(Eigen::Isometry) * X_WOf;
+    for (const Eigen::Vector3d& p : of.points_S) {
+      if (!in.holds(X_InOf * p, normal, depth)) continue;
+      found_.push_back({X_WOf * p, sign * (X_WIn.linear() * normal), depth});
+    }
+  };
+  points_in(a, X_WA, b, X_WB, 1);
+  points_in(b, X_WB, a, X_WA, -1);
+  keep_apart(found_, kMostPartContacts);
 }
 
 void RobotTouch::find_objects(std::size_t a, std::size_t b, std::vector<TouchPoint>& touches) {
@@ -236,9 +330,13 @@ void RobotTouch::find(const engines::Multibody& system, const engines::Multibody
         continue;
       }
       found_.clear();
-      engines::find_contacts(a.shape, base.X_WB[static_cast<std::size_t>(a.body)] * a.X_BS, b.shape,
-                             base.X_WB[static_cast<std::size_t>(b.body)] * b.X_BS,
-                             margin(a.body, b.body), found_);
+      if (a.mesh || b.mesh) {
+        find_part_part(a, b);
+      } else {
+        engines::find_contacts(a.shape, base.X_WB[static_cast<std::size_t>(a.body)] * a.X_BS,
+                               b.shape, base.X_WB[static_cast<std::size_t>(b.body)] * b.X_BS,
+                               margin(a.body, b.body), found_);
+      }
       for (const engines::ConvexContact& at : found_) {
         add(a.body, b.body, at.p_W, at.n_W, at.depth, touches);
       }

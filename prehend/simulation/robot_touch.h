@@ -4,16 +4,19 @@
 #include <vector>
 
 #include "prehend/contact/shape.h"
+#include "prehend/geometry/mesh_query.h"
 #include "prehend/simulation/engines/multibody.h"
 #include "prehend/simulation/rigid_body.h"
 #include "prehend/simulation/robot_bodies.h"
 
 namespace prehend::simulation {
 
-/// Where robot, objects and table (z = 0) touch. Robot parts are boxes, cylinders and spheres;
-/// objects are met as what they are (box, ball, can) or as their meshes: points on the parts, a few
-/// millimetres apart, against the object's surface, and points of the object's surface against the
-/// parts. Fingers meet one another as primitives. So meshes need not be convex.
+/// Where robot, objects and table (z = 0) touch. Robot parts are boxes, cylinders, spheres and
+/// meshes; objects are met as what they are (box, ball, can) or as their meshes: points on the
+/// parts, a few millimetres apart, against the object's surface, and points of the object's surface
+/// against the parts. Fingers meet one another as primitives, or where one of them is a mesh by
+/// points of each in the other. So meshes need not be convex. What lies before a tactile pad's foam
+/// is left to its texels (engines::EnginePad).
 class RobotTouch : public engines::TouchFinder {
  public:
   struct Object {
@@ -25,7 +28,9 @@ class RobotTouch : public engines::TouchFinder {
   static constexpr double kPointSpacing = 0.004;  // m, on fingers
   static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
 
-  RobotTouch(const RobotBodies& robot, std::vector<Object> objects);
+  /// @param pads of the hand, whose order RobotBodies::Pad means.
+  RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
+             std::vector<Object> objects);
 
   void find(const engines::Multibody& system, const engines::MultibodyState& base, double h,
             const Eigen::VectorXd& u, std::vector<engines::TouchPoint>& touches) override;
@@ -33,6 +38,13 @@ class RobotTouch : public engines::TouchFinder {
   const std::vector<Object>& objects() const { return objects_; }
 
  private:
+  /// Of a pad: what is in it, texels feel.
+  struct Foam {
+    geometry::RigidTransform X_PS;
+    Eigen::Vector2d half = Eigen::Vector2d::Zero();  // m
+    double thickness = 0;                            // m
+    bool holds(const Eigen::Vector3d& p_S) const;
+  };
   struct Part {
     int body, finger, rank;
     bool carried;
@@ -41,6 +53,12 @@ class RobotTouch : public engines::TouchFinder {
     contact::Shape felt;
     double radius;                          // m, of a ball round S's origin that holds it
     std::vector<Eigen::Vector3d> points_S;  // m
+    std::vector<Foam> foams;
+    Eigen::AlignedBox3d box_S;                        // m
+    std::shared_ptr<const geometry::MeshQuery> mesh;  // of a mesh; `shape` and `felt` mean nothing
+
+    /// Whether a point is inside, less than kDeepest deep, and the nearest face's normal.
+    bool holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S, double& depth) const;
   };
   /// Least distances to an object's surface over a grid of cells: what is far is not asked.
   struct Near {
@@ -59,6 +77,8 @@ class RobotTouch : public engines::TouchFinder {
   void find_table(int body, const std::vector<Eigen::Vector3d>& points,
                   const geometry::RigidTransform& X_WP, double reach,
                   std::vector<engines::TouchPoint>& touches);
+  /// Points of two parts in one another, into found_.
+  void find_part_part(const Part& a, const Part& b);
   void find_objects(std::size_t a, std::size_t b, std::vector<engines::TouchPoint>& touches);
   void add(int a, int b, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W, double depth,
            std::vector<engines::TouchPoint>& touches) const;

@@ -95,6 +95,15 @@ void RobotWorld::Implementation::build() {
   scene.ground_friction = options.table_friction;
   scene.bodies = robot.bodies;
   scene.joints = robot.joints;
+  for (engines::EngineBody& body : scene.bodies) body.collides = false;  // RobotTouch meets them
+  for (const RobotBodies::Pad& pad : robot.pads) {
+    const robot::TactilePadModel& model = hand_model.pads[static_cast<std::size_t>(pad.pad)].model;
+    scene.pads.push_back(
+        {pad.body,
+         pad.X_BP,
+         {model.rows, model.columns, model.width(), model.length(), model.thickness},
+         model.law});
+  }
   std::vector<RobotTouch::Object> touched;
   for (Thing& thing : things) {
     thing.body = static_cast<int>(scene.bodies.size());
@@ -107,11 +116,15 @@ void RobotWorld::Implementation::build() {
     body.X_WB = thing.motion.X_WB;
     body.velocity = thing.motion.velocity;
     body.angular_velocity = thing.motion.angular_velocity;
+    body.shape.kind = engines::EngineShape::Kind::kSphere;
+    body.shape.radius = thing.model.radius;
+    body.felt = std::make_shared<contact::Shape>(thing.model.felt.shape);
+    body.X_BS = thing.X_CB * thing.model.felt.X_BS;
     scene.bodies.push_back(body);
     touched.push_back({thing.body, thing.model, thing.X_CB});
   }
   engines::validate(scene);
-  touch = std::make_unique<RobotTouch>(robot, std::move(touched));
+  touch = std::make_unique<RobotTouch>(robot, hand_model.pads, std::move(touched));
   system = std::make_unique<engines::Multibody>(scene);
   system->set_contact_stiffness(options.contact_stiffness, options.contact_damping);
   system->set_touch_finder(touch.get());
@@ -210,6 +223,7 @@ void RobotWorld::Implementation::put_to_sleep() {
         mover_touches = mover_touches || motion.velocity.norm() > kStill;
       }
     }
+    robot_touches = robot_touches || pad_normal_force(thing.body) > 0;
     const engines::BodyMotion motion = system->motion(state, thing.body);
     const bool still = motion.velocity.norm() < kStill &&
                        motion.angular_velocity.norm() * thing.model.radius < kStill;

@@ -38,7 +38,8 @@ struct RobotWorld::Implementation {
   void put_to_sleep();
   void step();
   ContactWrench contact_wrench() const;
-  std::vector<double> pad_forces(const robot::HandPad& pad) const;  // N, of its texels
+  std::vector<double> pad_forces(std::size_t pad) const;  // N, of its texels
+  double pad_normal_force(int body) const;                // N, of all pads on the body
   void read_sensors();
   Thing& thing(const std::string& name);
   RobotBodyReading reading(const Thing& thing) const;

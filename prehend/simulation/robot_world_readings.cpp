@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "prehend/simulation/robot_world_implementation.h"
 
@@ -15,22 +17,23 @@ using geometry::RigidTransform;
 
 namespace {
 
-constexpr double kOnFace = 0.006;  // m, from a pad's plane
-
-geometry::TriangleMesh mesh_of(const robot::CollisionShape& shape) {
+std::shared_ptr<const geometry::TriangleMesh> mesh_of(const robot::CollisionShape& shape) {
   using Kind = robot::CollisionShape::Kind;
+  const auto owned = [](geometry::TriangleMesh mesh) {
+    return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
+  };
   switch (shape.kind) {
     case Kind::kBox:
-      return geometry::make_box(shape.size);
+      return owned(geometry::make_box(shape.size));
     case Kind::kSphere:
-      return geometry::make_sphere(shape.radius, 32);
+      return owned(geometry::make_sphere(shape.radius, 32));
     case Kind::kCylinder:
-      return geometry::make_revolution(
-          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 48);
+      return owned(geometry::make_revolution(
+          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 48));
     case Kind::kMesh:
       break;
   }
-  return {};
+  return shape.solid;
 }
 
 }  // namespace
@@ -51,6 +54,11 @@ ContactWrench RobotWorld::Implementation::contact_wrench() const {
     const Eigen::Vector3d force = (a ? 1.0 : -1.0) * touch_point.force;
     wrench.force += force;
     wrench.torque += (touch_point.at.p_W - X_WHand.translation()).cross(force);
+  }
+  for (const engines::PadLoad& load : state.pad_loads) {
+    wrench.force -= load.wrench_W.head<3>();
+    wrench.torque -=
+        load.wrench_W.tail<3>() + (load.p_W - X_WHand.translation()).cross(load.wrench_W.head<3>());
   }
   wrench.force = X_WHand.linear().transpose() * wrench.force;
   wrench.torque = X_WHand.linear().transpose() * wrench.torque;
@@ -85,6 +93,7 @@ RobotBodyReading RobotWorld::Implementation::reading(const Thing& thing) const {
     if (other < 0) reading.touches_table = true;
     if (other >= 0 && other < static_cast<int>(robot.bodies.size())) reading.touches_robot = true;
   }
+  reading.touches_robot = reading.touches_robot || pad_normal_force(thing.body) > 0;
   return reading;
 }
 
@@ -131,31 +140,36 @@ std::vector<LinkContact> RobotWorld::link_contacts() const {
     add(touch_point.a, touch_point, 1);
     add(touch_point.b, touch_point, -1);
   }
+  for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
+    const engines::PadLoad& load = world.state.pad_loads[k];
+    if (!(load.normal_force > 0)) continue;
+    const engines::PadTouch& touch = world.system->pad_touches()[k];
+    LinkContact& contact = found[touch.carrier];
+    contact.link = world.robot.bodies[static_cast<std::size_t>(touch.carrier)].name;
+    const std::vector<double>& texels = world.state.pads[k].normal_force;
+    contact.points += static_cast<int>(
+        std::count_if(texels.begin(), texels.end(), [](double force) { return force > 0; }));
+    contact.force -= load.wrench_W.head<3>();
+    contact.normal_force += load.normal_force;
+  }
   std::vector<LinkContact> contacts;
   for (auto& [body, contact] : found) contacts.push_back(std::move(contact));
   return contacts;
 }
 
-// The points that press on a pad's face, each on the texel below it.
-std::vector<double> RobotWorld::Implementation::pad_forces(const robot::HandPad& pad) const {
-  const int rows = pad.model.rows, columns = pad.model.columns;
-  std::vector<double> forces(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
-  const int link = robot.model.link_index(
-      prefix + hand_model.model.links[static_cast<std::size_t>(pad.link)].name);
-  const int body = robot.body_of_link[static_cast<std::size_t>(link)];
-  const RigidTransform X_PW = (X_WL(link) * pad.X_LP).inverse(Eigen::Isometry);
-  const double pitch = pad.model.texel_pitch;
-  for (const TouchPoint& touch_point : state.touches) {
-    if (touch_point.a != body && touch_point.b != body) continue;
-    const Eigen::Vector3d p = X_PW * touch_point.at.p_W;
-    if (std::abs(p.z()) > kOnFace) continue;
-    // Row 0 is at the tip, +y; column 0 at -x.
-    const double row = 0.5 * rows - p.y() / pitch;
-    const double column = p.x() / pitch + 0.5 * columns;
-    if (!(row >= 0 && row < rows && column >= 0 && column < columns)) continue;
-    forces[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(column)] += touch_point.normal_force;
+double RobotWorld::Implementation::pad_normal_force(int body) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < state.pad_loads.size(); ++k) {
+    if (system->pad_touches()[k].body == body) sum += state.pad_loads[k].normal_force;
   }
+  return sum;
+}
+
+std::vector<double> RobotWorld::Implementation::pad_forces(std::size_t pad) const {
+  const robot::TactilePadModel& model = hand_model.pads[pad].model;
+  std::vector<double> forces(static_cast<std::size_t>(model.rows) *
+                             static_cast<std::size_t>(model.columns));
+  engines::add_pad_forces(system->pad_touches(), state.pads, static_cast<int>(pad), forces);
   return forces;
 }
 
@@ -163,7 +177,7 @@ void RobotWorld::Implementation::read_sensors() {
   wrist = sensors.shown(contact_wrench());
   if (!sensors.frames_due(options.step)) return;
   for (std::size_t pad = 0; pad < hand_model.pads.size(); ++pad) {
-    sensors.take_frame(pad, pad_forces(hand_model.pads[pad]));
+    sensors.take_frame(pad, pad_forces(pad));
   }
 }
 
@@ -176,7 +190,7 @@ std::vector<HandPadReading> RobotWorld::pads() const {
     reading.name = pad.name;
     reading.rows = pad.model.rows;
     reading.columns = pad.model.columns;
-    reading.force = world.pad_forces(pad);
+    reading.force = world.pad_forces(i);
     for (const double force : reading.force) reading.sum += force;
     reading.counts = world.sensors.ideal_pads() ? world.sensors.ideal_counts(i, reading.force)
                                                 : world.sensors.frame(i);
@@ -208,6 +222,23 @@ std::vector<RobotWorld::ObjectTouch> RobotWorld::object_touches(const std::strin
     touches.push_back({touch_point.at.p_W, touch_point.force, world.robot.bodies[link_body].name,
                        world.robot.finger_of_body[link_body]});
   }
+  for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
+    const engines::PadTouch& pad = world.system->pad_touches()[k];
+    if (pad.body != body || !(world.state.pad_loads[k].normal_force > 0)) continue;
+    const std::size_t link_body = static_cast<std::size_t>(pad.carrier);
+    const RigidTransform X_WP = world.state.X_WB[link_body] * pad.X_CP;
+    const contact::PadState& texels = world.state.pads[k];
+    for (std::size_t i = 0; i < pad.layout.size(); ++i) {
+      if (!(texels.normal_force[i] > 0)) continue;
+      const Eigen::Vector3d n = pad.layout.normal(i);
+      const Eigen::Vector3d force = texels.normal_force[i] * n -
+                                    texels.friction_u[i] * pad.layout.first_tangent(i) -
+                                    texels.friction_v[i] * pad.layout.second_tangent(i);
+      touches.push_back({X_WP * (pad.layout.position(i) - texels.depth[i] * n),
+                         X_WP.linear() * force, world.robot.bodies[link_body].name,
+                         world.robot.finger_of_body[link_body]});
+    }
+  }
   return touches;
 }
 
@@ -226,7 +257,7 @@ std::vector<VisibleBody> RobotWorld::visible_bodies() const {
   for (std::size_t l = 0; l < world.robot.model.links.size(); ++l) {
     const robot::Link& link = world.robot.model.links[l];
     for (const robot::CollisionShape& shape : link.shapes) {
-      auto mesh = std::make_shared<geometry::TriangleMesh>(mesh_of(shape));
+      const auto mesh = mesh_of(shape);
       bodies.push_back({link.name, mesh, world.X_WL(static_cast<int>(l)) * shape.X_LS, metal,
                         geometry::bounds(*mesh).sizes().z()});
     }

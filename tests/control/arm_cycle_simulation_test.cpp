@@ -53,14 +53,16 @@ struct WorldArm : ArmPort {
 struct WorldHand : HandPort {
   explicit WorldHand(simulation::RobotWorld& world_in) : world(world_in) {}
   void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-            double speed, bool until_contact) override {
+            double speed, bool until_contact, const std::vector<double>& effort) override {
     simulation::HandCommand command;
     command.position = world.hand().targets();
+    if (!effort.empty()) command.effort = world.hand().most_efforts();
     const std::vector<std::string>& names = world.motor_names();
     for (std::size_t i = 0; i < joints.size(); ++i) {
       const auto found = std::find(names.begin(), names.end(), "hand_" + joints[i]);
       ASSERT_NE(found, names.end()) << joints[i];
       command.position[found - names.begin()] = positions[i];
+      if (!effort.empty()) command.effort[found - names.begin()] = effort[i];
     }
     command.speed = speed;
     command.until_contact = until_contact;

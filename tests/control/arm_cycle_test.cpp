@@ -1,12 +1,11 @@
 // The cycle of arm and hand, against ports that say what the test wants.
 
-#include <map>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "prehend/control/arm_cycle.h"
+#include "tests/control/arm_cycle_fixture.h"
 
 namespace prehend::control {
 namespace {
@@ -14,83 +13,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-/// Does at once what is asked; keeps it.
-struct FakeArm : ArmPort {
-  void follow(const JointPath& path, double contact_force) override {
-    asked.push_back(path);
-    forces.push_back(contact_force);
-    position = path.points.back().position;
-  }
-  MotionStatus motion() override {
-    const auto found = says.find(asked.size());
-    return found == says.end() ? MotionStatus::kReached : found->second;
-  }
-  std::string problem() override { return "the arm's words"; }
-  void stop() override { ++stops; }
-  std::vector<JointPath> asked;
-  std::vector<double> forces;
-  std::vector<double> position{0.0};
-  std::map<std::size_t, MotionStatus> says;  // of the n-th path
-  int stops = 0;
-};
-
-struct FakeHand : HandPort {
-  void move(const std::vector<std::string>&, const std::vector<double>& positions, double,
-            bool until_contact) override {
-    asked.push_back(positions.front());
-    last_closes = until_contact;
-  }
-  MotionStatus motion() override { return last_closes ? closes : opens; }
-  std::string problem() override { return "the hand's words"; }
-  std::vector<double> positions() override { return {position()}; }
-  void stop() override { ++stops; }
-  double position() const {
-    if (asked.empty()) return 0;
-    return last_closes && closes == MotionStatus::kContact ? touches_at : asked.back();
-  }
-  double touches_at = 0.62;  // rad
-  std::vector<double> asked;
-  bool last_closes = false;
-  MotionStatus closes = MotionStatus::kContact, opens = MotionStatus::kReached;
-  int stops = 0;
-};
-
-JointPath path(double from, double to) {
-  return {{"j"}, {{0, {from}, {0}, {}}, {2, {to}, {0}, {}}}};
-}
-
-ArmGrasp fake_grasp() {
-  ArmGrasp grasp;
-  grasp.segments = {{"reach", path(0, 1)}, {"approach", path(1, 2)}, {"lift", path(2, 3)},
-                    {"carry", path(3, 4)}, {"place", path(4, 5)},    {"retreat", path(5, 6)}};
-  grasp.hand_joints = {"f"};
-  const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
-  grasp.hand = {one(0.1), one(0.6), one(1), one(-1), one(2)};
-  grasp.lifted_mass = 0.3;
-  grasp.score = 0.71;
-  return grasp;
-}
-
-struct Fakes {
-  FakeArm arm;
-  FakeHand hand;
-  ArmPercepts now{0, {"j", "f"}, {0.0, 0.0}, Eigen::Vector3d::Zero()};
-  double weight = 3;  // N, of what the hand closes on
-
-  ArmPercepts& felt() {
-    now.positions = {arm.position[0], hand.position()};
-    now.wrist_force = Eigen::Vector3d(0, 0, hand.last_closes ? weight : 0);
-    return now;
-  }
-  /// Until it is finished, or `until` the segment of that number was asked for.
-  void run(ArmCycle& cycle, int steps = 4000, std::size_t until = 1000) {
-    for (int i = 0; i < steps && !cycle.finished() && arm.asked.size() < until; ++i) {
-      now.time += 0.02;
-      cycle.step(felt());
-    }
-  }
-};
 
 const Surprise* surprise_of(const ArmCycle& cycle, SurpriseKind kind) {
   for (const Surprise& surprise : cycle.surprises()) {
@@ -400,6 +322,70 @@ TEST(ArmCycle, SaysWhatWentWrong) {
   FakeArm arm;
   FakeHand hand;
   EXPECT_THROW(ArmCycle(options, arm, hand), std::invalid_argument);
+}
+
+// Pads that feel half a newton for each hundredth of the effort.
+struct FeelingFakes : Fakes {
+  void run_feeling(ArmCycle& cycle) {
+    for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+      const double share = hand.efforts.empty() || hand.efforts.back().empty()
+                               ? 1.0
+                               : hand.efforts.back().front() / 2.0;
+      const double sum = hand.last_closes ? 50 * share : 0;
+      if (speak) pads = {{sum, sum > 0 ? 3e-4 : 0, 0}, {sum, sum > 0 ? 3e-4 : 0, 0}, {0, 0, 0}};
+      most = std::max(most, sum);
+      run(cycle, 1);
+    }
+  }
+  bool speak = true;
+  double most = 0;  // N
+};
+
+ArmGrasp forceful_grasp() {
+  ArmGrasp grasp = fake_grasp();
+  grasp.force = 12;
+  grasp.effort = 0.25;
+  grasp.largest_effort = {2.0};
+  grasp.contact_area = 3e-4;
+  grasp.tactile_sum = 12;
+  return grasp;
+}
+
+TEST(ArmCycle, PressesUntilThePadsFeelTheForceOfThePlan) {
+  FeelingFakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({forceful_grasp()});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_NEAR(f.most, 12, 0.1 * 12) << "not with all that the motors can, 50 N";
+  ASSERT_NE(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
+  EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
+  EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kContactArea)->surprising);
+}
+
+TEST(ArmCycle, WhatPadsDoNotSayIsNotComparedAndTheMotorsPress) {
+  FeelingFakes f;
+  f.speak = false;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({forceful_grasp()});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_NEAR(f.most, 50, 1e-9);
+  EXPECT_EQ(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
+}
+
+TEST(ArmCycle, AForceThatIsNotReachedIsASurpriseNotAFailure) {
+  FeelingFakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  ArmGrasp grasp = forceful_grasp();
+  grasp.force = grasp.tactile_sum = 80;
+  cycle.start({grasp});
+  f.run_feeling(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
 }
 
 }  // namespace

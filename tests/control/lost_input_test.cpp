@@ -105,8 +105,8 @@ struct SlowArm : ArmPort {
 };
 
 struct QuickHand : HandPort {
-  void move(const std::vector<std::string>&, const std::vector<double>&, double,
-            bool until_contact) override {
+  void move(const std::vector<std::string>&, const std::vector<double>&, double, bool until_contact,
+            const std::vector<double>&) override {
     closes = until_contact;
     stopped = false;
   }

@@ -94,6 +94,55 @@ TEST_F(MeshFiles, QuadsAndGroupsBecomeOneTriangleMesh) {
   EXPECT_EQ(mesh.triangles.size(), 3U);
 }
 
+TEST_F(MeshFiles, OffIsRead) {
+  const TriangleMesh mesh = read_mesh_file(
+      scratch_.write("a.off", "OFF\n4 2 0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n3 0 1 2\n3 0 2 3\n"));
+  ASSERT_EQ(mesh.triangles.size(), 2U);
+  EXPECT_NEAR(surface_area(mesh), 4, 1e-12);
+}
+
+/// A tetrahedron with legs of 1, 2 and 3 units along x, y and z, moved by its node by one along x.
+std::string collada(const std::string& unit, const std::string& up) {
+  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
+         "version='1.4.1'><asset>" +
+         unit + "<up_axis>" + up +
+         "</up_axis></asset><library_geometries><geometry id='g'><mesh><source id='p'><float_array "
+         "id='pa' count='12'>0 0 0 1 0 0 0 2 0 0 0 3</float_array><technique_common><accessor "
+         "source='#pa' count='4' stride='3'><param name='X' type='float'/><param name='Y' "
+         "type='float'/><param name='Z' type='float'/></accessor></technique_common></source>"
+         "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles count='4'>"
+         "<input semantic='VERTEX' source='#v' offset='0'/><p>0 2 1 0 1 3 0 3 2 1 2 3</p>"
+         "</triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
+         "id='s'><node id='n'><translate>1 0 0</translate><instance_geometry url='#g'/></node>"
+         "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene>"
+         "</COLLADA>";
+}
+
+TEST_F(MeshFiles, ColladasUnitIsAppliedAndItsUpAxisIsNot) {
+  const struct {
+    std::string unit;
+    double metres;
+  } kUnits[] = {{"<unit name='metre' meter='1'/>", 1},
+                {"<unit name='millimetre' meter='0.001'/>", 0.001},
+                {"<unit name='inch' meter='0.0254'/>", 0.0254},
+                {"", 1}};
+  for (const auto& [unit, metres] : kUnits) {
+    for (const char* up : {"X_UP", "Y_UP", "Z_UP"}) {
+      const TriangleMesh mesh = read_mesh_file(scratch_.write("a.dae", collada(unit, up)));
+      EXPECT_NEAR(mass_properties(mesh).volume, std::pow(metres, 3), 1e-5 * std::pow(metres, 3))
+          << unit << up;
+      EXPECT_TRUE(bounds(mesh).sizes().isApprox(metres * Eigen::Vector3d(1, 2, 3), 1e-5))
+          << unit << up;
+      EXPECT_TRUE(bounds(mesh).min().isApprox(metres * Eigen::Vector3d(1, 0, 0), 1e-5))
+          << unit << up;
+    }
+  }
+  // The caller's scale comes on top.
+  const TriangleMesh mesh =
+      read_mesh_file(scratch_.write("a.dae", collada(kUnits[1].unit, "Z_UP")), 10);
+  EXPECT_TRUE(bounds(mesh).sizes().isApprox(0.01 * Eigen::Vector3d(1, 2, 3), 1e-5));
+}
+
 TEST_F(MeshFiles, PlyOfEitherByteOrderWithPolygonsAndOtherElements) {
   const std::string header =
       "element vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
@@ -125,7 +174,9 @@ TEST_F(MeshFiles, MissingForeignAndEmpty) {
     EXPECT_THAT(error_of(name, ""), HasSubstr("empty")) << name;
     EXPECT_THAT(error_of(name, "\x89PNG\r\n\x1a\n0123456789"), HasSubstr(name)) << name;
   }
-  EXPECT_THAT(error_of("a.dae", "<xml/>"), HasSubstr(".stl"));
+  EXPECT_THAT(error_of("a.wrl", "#VRML V2.0 utf8"), HasSubstr(".stl"));
+  EXPECT_THAT(error_of("a.dae", "<xml/>"), HasSubstr("a.dae"));
+  EXPECT_THAT(error_of("a.off", "FOO"), HasSubstr("a.off"));
   EXPECT_THAT(error_of("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), HasSubstr("points.obj"));
   EXPECT_THAT(error_of("points.ply",
                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"

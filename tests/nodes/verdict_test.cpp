@@ -15,6 +15,7 @@ Collected successful_run(double raised, double moved, double end_height) {
   Collected collected;
   collected.result.emplace();
   collected.result->set_success(true);
+  collected.result->set_attempts(1);
   collected.result->set_reason("lifted");
   collected.bodies["other"].height = {{0, 0.0}, {1, 0.002}};
   collected.bodies["other"].horizontal = {{0, 0.0}, {1, 0.0}};
@@ -29,7 +30,26 @@ TEST(Verdict, BelievesTheSimulatorsTruthNotTheCycle) {
   EXPECT_FALSE(judge(successful_run(0.09, 0.15, 0.0), "").kind == Verdict::Kind::kSuccess);
   EXPECT_FALSE(judge(successful_run(0.15, 0.0, 0.0), "").kind == Verdict::Kind::kSuccess);
   EXPECT_FALSE(judge(successful_run(0.15, 0.15, 0.12), "").kind == Verdict::Kind::kSuccess);
-  EXPECT_EQ(measure_lift(successful_run(0.15, 0.15, 0.0)).body, "carton");
+  EXPECT_EQ(measure_lifts(successful_run(0.15, 0.15, 0.0)).front().body, "carton");
+}
+
+// A work cycle that did what it should was once called a failure.
+TEST(Verdict, IsOfTheTask) {
+  Collected lifted = successful_run(0.15, 0.0, 0.0);
+  lifted.result->set_attempts(1);
+  msgs::Task& task = lifted.task.emplace();
+  for (const char* name : {"lift", "place"}) {
+    task.add_states()->set_name(name);
+    task.mutable_states(task.states_size() - 1)->set_action(name);
+  }
+  lifted.result->add_task_path("lift");
+  EXPECT_EQ(judge(lifted, "").kind, Verdict::Kind::kSuccess) << "it was to be put back";
+  lifted.result->add_task_path("place");
+  EXPECT_EQ(judge(lifted, "").kind, Verdict::Kind::kFailure) << "it was to be put elsewhere";
+  Collected two = successful_run(0.15, 0.15, 0.0);
+  two.bodies["can"] = two.bodies["carton"];
+  EXPECT_EQ(judge(two, "").kind, Verdict::Kind::kSuccess);
+  EXPECT_NE(judge(two, "").text.find("2 objects were moved"), std::string::npos);
 }
 
 TEST(Verdict, CannotBeGraspedIsAnAnswerOfItsOwn) {

@@ -62,6 +62,7 @@ std::string objection(const Place& from, const Place& to) {
     static const std::vector<std::string> kShared{"segmentation_parameters",
                                                   "shape_fidelity",
                                                   "gripper_source",
+                                                  "task_source",
                                                   "motion_goal",
                                                   "look_again",
                                                   "report"};

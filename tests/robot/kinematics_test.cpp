@@ -37,8 +37,8 @@ TEST(RobotModel, ReadsLinksJointsShapesLimitsAndMimics) {
       "<robot name=\"hand\">"
       "<link name=\"palm\"><inertial><mass value=\"1.5\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" "
       "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><collision><origin xyz=\"0 0 1\"/><geometry>"
-      "<box size=\"1 2 3\"/></geometry></collision><collision><geometry><mesh "
-      "filename=\"package://x/y.stl\" scale=\"2 2 2\"/></geometry></collision></link>"
+      "<box size=\"1 2 3\"/></geometry></collision><collision><geometry>"
+      "<cylinder radius=\"1\" length=\"2\"/></geometry></collision></link>"
       "<link name=\"left\"/><link name=\"right\"/>"
       "<joint name=\"jl\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"left\"/>"
       "<origin xyz=\"0 0.1 0\" rpy=\"0 0 1.5707963267948966\"/><axis xyz=\"0 2 0\"/>"
@@ -53,7 +53,8 @@ TEST(RobotModel, ReadsLinksJointsShapesLimitsAndMimics) {
   ASSERT_EQ(model.links[0].shapes.size(), 2u);
   EXPECT_EQ(model.links[0].shapes[0].size, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(model.links[0].shapes[0].X_LS.translation().z(), 1);
-  EXPECT_EQ(model.links[0].shapes[1].mesh, "package://x/y.stl");
+  EXPECT_EQ(model.links[0].shapes[1].kind, CollisionShape::Kind::kCylinder);
+  EXPECT_EQ(model.links[0].shapes[1].length, 2);
   const Joint& left = model.joints[static_cast<std::size_t>(model.joint_index("jl"))];
   EXPECT_EQ(left.axis_J, Eigen::Vector3d::UnitY());  // made unit
   EXPECT_EQ(left.upper, 0.03);

@@ -90,7 +90,7 @@ class PlatformFile : public RobotFile {
 #define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 TEST_F(PlatformFile, ErrorsNameLineNearestAndMend) {
-  EXPECT_HAS(error("flange: tool0", "flange: tol0"), "'arm_tool0'");
+  EXPECT_HAS(error("flange: tool0", "flange: tol0"), "The nearest is 'tool0'");
   EXPECT_HAS(error("mount:", "mout:"), "The nearest is 'mount'");
   EXPECT_HAS(error("axis_5: 1.5707963", "axis_5: 2.5"), "is beyond 120.0 deg");
   EXPECT_HAS(error("axis_6: 0}", "axis_7: 0}"), "home.axis_6 is missing");

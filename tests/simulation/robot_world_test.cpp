@@ -1,6 +1,7 @@
 // Arm and hand in the simulated world: what they hold through a lift, and what their sensors say.
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 
@@ -12,6 +13,7 @@
 #include "prehend/simulation/robot_world.h"
 #include "prehend/simulation/shapes.h"
 #include "tests/grasp/hand_scene.h"
+#include "tests/simulation/grasping.h"
 
 namespace prehend::simulation {
 namespace {
@@ -92,7 +94,7 @@ geometry::TriangleMesh at(const geometry::TriangleMesh& mesh, const Eigen::Vecto
   return geometry::transformed(mesh, X);
 }
 
-class Holds : public testing::TestWithParam<std::tuple<const char*, const char*, double>> {};
+class Holds : public ::testing::TestWithParam<std::tuple<const char*, const char*, double>> {};
 
 TEST_P(Holds, ABoxThroughALift) {
   const auto [file, preshape, mass] = GetParam();
@@ -109,11 +111,11 @@ TEST_P(Holds, ABoxThroughALift) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Hands, Holds,
-                         testing::Values(std::tuple("sdh2.yaml", "parallel", 0.2),
-                                         std::tuple("sdh2.yaml", "parallel", 1.0),
-                                         std::tuple("sdh2.yaml", "cylindrical", 0.5),
-                                         std::tuple("bh8.yaml", "spread_0", 0.2),
-                                         std::tuple("bh8.yaml", "spread_0", 1.0)));
+                         ::testing::Values(std::tuple("sdh2.yaml", "parallel", 0.2),
+                                           std::tuple("sdh2.yaml", "parallel", 1.0),
+                                           std::tuple("sdh2.yaml", "cylindrical", 0.5),
+                                           std::tuple("bh8.yaml", "spread_0", 0.2),
+                                           std::tuple("bh8.yaml", "spread_0", 1.0)));
 
 TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
   const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
@@ -195,9 +197,65 @@ TEST(RobotWorld, PadsFeelWhatTheFingersPressWith) {
     force += contact.force;
   }
   EXPECT_GT(pads, 5.0);
-  EXPECT_LE(pads, links * (1 + 1e-9));
+  EXPECT_NEAR(pads, links, 1e-9) << "the box lies on the pads alone";
   EXPECT_NEAR((world.X_WH().linear().transpose() * force - world.wrist_wrench().force).norm(), 0,
               1e-9);
+}
+
+// The parallel gripper's own World is the oracle: the same texels bear the same share.
+TEST(RobotWorld, PadsShowTheImageThatTheGrippersWorldShows) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/pg70.yaml");
+  constexpr double kAside = 0.0301;  // m, so that the box's edge lies within the pads
+  Scene scene = testing::grasp_scene(0.3);
+  scene.gripper = *hand.gripper;
+  scene.objects.front().x = kAside;
+  World gripper(scene);
+  testing::grasp(gripper, 1.0);
+  RobotWorld world(hand, above(hand, "open", {0, 0, testing::kGraspHeight}), "open");
+  world.add_object("box", at(make_standing_box({0.07, 0.048, 0.1}), {kAside, 0, 0}), 0.3);
+  HandCommand close;
+  close.position = Eigen::VectorXd::Zero(1);
+  close.until_contact = true;
+  close.effort = Eigen::VectorXd::Constant(1, 22);
+  world.move_hand(close);
+  run(world, 2);
+  const std::vector<HandPadReading> pads = world.pads();
+  ASSERT_EQ(pads.size(), 2u);
+  for (const PadSide side : {PadSide::kLeft, PadSide::kRight}) {
+    const TactileImage image = gripper.tactile_image(side);
+    const HandPadReading& pad = pads[side == PadSide::kLeft ? 0 : 1];
+    ASSERT_GT(image.sum, 10);
+    ASSERT_GT(pad.sum, 10);
+    ASSERT_EQ(pad.counts.size(), image.counts.size());
+    // Columns of a hand's pad run along x of its own frame, those of the gripper along its x.
+    double differing = 0;
+    int dark = 0;
+    for (int row = 0; row < image.rows; ++row) {
+      for (int column = 0; column < image.columns; ++column) {
+        const int mirrored = side == PadSide::kLeft ? column : image.columns - 1 - column;
+        const double felt = pad.force[static_cast<std::size_t>(row * image.columns + mirrored)];
+        const double oracle = image.counts[static_cast<std::size_t>(row * image.columns + column)] *
+                              hand.gripper->pad.newton_per_count;
+        differing += std::abs(felt / pad.sum - oracle / image.sum);
+        dark += felt == 0;
+      }
+    }
+    EXPECT_EQ(dark, 2 * image.rows) << "beside the box";
+    EXPECT_LT(differing, 0.02) << pad.name;
+  }
+}
+
+// The thumb's knuckle is fixed to the palm, which then pressed 200 N on the other fingers.
+TEST(RobotWorld, TheFingersOfAnOpenHandPressOnNothing) {
+  for (const char* file : {"sdh2.yaml", "bh8.yaml", "pg70.yaml"}) {
+    const robot::HandModel hand =
+        robot::read_hand_model(std::filesystem::path("config/robots") / file);
+    for (const robot::Preshape& preshape : hand.preshapes) {
+      RobotWorld world(hand, above(hand, preshape.name, {0, 0, 0.5}), preshape.name);
+      run(world, 0.05);
+      EXPECT_TRUE(world.link_contacts().empty()) << file << " " << preshape.name;
+    }
+  }
 }
 
 // 5 N of noise were asked for, and the wrist was exactly zero.

@@ -92,10 +92,9 @@ TEST(UnknownPlatform, IsRefusedWithTheNearest) {
       std::chrono::seconds(60));
   EXPECT_TRUE(outcome.exit_code) << "still running";
   EXPECT_NE(outcome.exit_code, 0);
-  EXPECT_NE(outcome.output.find("there is no config/robots/kr5_sdhh.yaml; did you mean "
-                                "\"kr5_sdh.yaml\"?"),
-            std::string::npos)
+  EXPECT_NE(outcome.output.find("There is no platform 'kr5_sdhh'"), std::string::npos)
       << outcome.output;
+  EXPECT_NE(outcome.output.find("The nearest is 'kr5_sdh'"), std::string::npos) << outcome.output;
 }
 
 }  // namespace

@@ -44,6 +44,21 @@ TEST_F(Plan, PrintsGraspsLedgerAndStages) {
                             HasSubstr("NEAREST MISS"), HasSubstr("STAGE"), HasSubstr("grasps")));
 }
 
+TEST_F(Plan, TakesAPlatformOfOnesOwnByItsFile) {
+  const std::filesystem::path own = folder_.path("robots");
+  std::filesystem::copy("config/robots", own);
+  std::filesystem::rename(own / "kr5_pg70.yaml", own / "mine.yaml");
+  std::string output = run({box({0.04, 0.05, 0.12}), "--platform", own / "mine.yaml"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("SEGMENT"), HasSubstr("approach")));
+  output = run({box({0.04, 0.05, 0.12}), "--platform", own / "yours.yaml"});
+  EXPECT_EQ(exit_code_, 1) << output;
+  EXPECT_THAT(output, HasSubstr("yours.yaml' of a platform"));
+  output = run({box({0.04, 0.05, 0.12}), "--platform", own / "sdh2.yaml"});
+  EXPECT_EQ(exit_code_, 1) << output;
+  EXPECT_THAT(output, HasSubstr("sdh2.yaml is a hand, and no platform"));
+}
+
 // "config/robots/pg70_dsa.yaml does not exist", anywhere but in the source tree.
 TEST_F(Plan, WorksFromAnyFolder) {
   const std::string file = box({0.04, 0.05, 0.1});

@@ -53,15 +53,17 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                   "symmetry: grasps are tried on them too")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  CLI::Option* hand = command
-                          .add_option("--hand", choices.hand,
-                                      "a hand alone, without an arm, of robots/ in --config: " +
-                                          joined(robot::hand_names(choices.config + "/robots")))
-                          ->capture_default_str();
+  CLI::Option* hand =
+      command
+          .add_option("--hand", choices.hand,
+                      "a hand alone, without an arm, of robots/ in --config or a file: " +
+                          joined(robot::hand_names(choices.config + "/robots")))
+          ->capture_default_str();
   CLI::Option* platform =
       command
           .add_option("--platform", choices.platform,
-                      "an arm with a hand, of robots/ in --config: grasps and the arm's motion; " +
+                      "an arm with a hand, of robots/ in --config or a file: grasps and the arm's "
+                      "motion; " +
                           joined(robot::platform_names(choices.config + "/robots")))
           ->excludes(hand);
   command.add_option("--approach", choices.approach, "directions of approach: straight down, any")

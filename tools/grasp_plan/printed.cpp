@@ -157,6 +157,8 @@ bool succeeded(const Planned& planned) {
 std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& target,
                                   const Planned& planned) {
   std::vector<std::string> notes = target.notes;
+  const robot::RobotModel& robot = planned.platform ? planned.platform->model : planned.hand.model;
+  notes.insert(notes.end(), robot.remarks.begin(), robot.remarks.end());
   if (!planned.chosen.empty()) notes.push_back("by the budget: " + planned.chosen);
   if (!choices.path_planner.empty()) {
     notes.push_back("the arm's paths are found by " + choices.path_planner);

@@ -11,6 +11,10 @@
 #include "prehend/contact/texel_law.h"
 #include "prehend/geometry/rigid_transform.h"
 
+namespace prehend::contact {
+class Shape;
+}
+
 /// Physics engines behind one interface: prehend's own and others as plug-ins. A plug-in includes
 /// this header only; engines/README.md is the recipe.
 namespace prehend::simulation::engines {
@@ -30,7 +34,9 @@ struct EngineBody {
   std::string name;
   EngineShape shape;
   geometry::RigidTransform X_BS = geometry::RigidTransform::Identity();  // where the shape is
-  double mass = 0.1;                                                     // kg
+  /// What pads feel in place of `shape`, in the same frame; null: `shape`. Of `native` only.
+  std::shared_ptr<const contact::Shape> felt;
+  double mass = 0.1;  // kg
   /// Principal moments along B's axes [kg m^2]; zero: those of the homogeneous shape.
   Eigen::Vector3d moments = Eigen::Vector3d::Zero();
   double friction = 0.8;  // Coulomb, with every other body; of two the smaller counts
@@ -144,6 +150,6 @@ void validate(const EngineScene& scene);
 
 // What a plug-in exports, extern "C": prehend_engine_interface() returns kEngineInterface, and
 // prehend_create_engine() a new Engine.
-constexpr int kEngineInterface = 2;
+constexpr int kEngineInterface = 3;
 
 }  // namespace prehend::simulation::engines

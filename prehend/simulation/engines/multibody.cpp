@@ -126,6 +126,7 @@ MultibodyState Multibody::initial_state() const {
         joint.kind == EngineJoint::Kind::kPrismatic ? body.velocity : body.angular_velocity);
   }
   for (const PadTouch& touch : pads_) state.pads.emplace_back(touch.layout);
+  state.pad_loads.resize(pads_.size());
   complete(state);
   return state;
 }

@@ -31,6 +31,14 @@ struct TouchPoint {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, world, on A in the step
 };
 
+/// What a pad does to a body that it feels, in a step.
+struct PadLoad {
+  bool is_near = false;                           // else all is zero
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  // m, P's origin
+  Vector6 wrench_W = Vector6::Zero();             // on the body, about p_W
+  double normal_force = 0;                        // N, sum over texels
+};
+
 struct MultibodyState {
   double time = 0;  // s
   /// Of all bodies, and momenta about their centres of mass [kg m/s, kg m^2/s].
@@ -39,7 +47,9 @@ struct MultibodyState {
   Eigen::VectorXd positions;   // of joints that follow none [m, rad]
   Eigen::VectorXd velocities;  // generalised: joints that follow none, then 6 of each free body
   std::vector<TouchPoint> touches;
+  // Of pad_touches().
   std::vector<contact::PadState> pads;
+  std::vector<PadLoad> pad_loads;
 };
 
 class Multibody;

@@ -116,6 +116,7 @@ void MultibodyEngine::restore(const std::vector<double>& numbers) {
   }
   auto next = numbers.begin();
   visit_multibody_state(state, [&](double& value) { value = *next++; });
+  for (PadLoad& load : state.pad_loads) load.is_near = true;  // so that nothing stays behind
   state.touches.clear();
   for (; next != numbers.end(); next += kTouchNumbers) {
     TouchPoint touch;

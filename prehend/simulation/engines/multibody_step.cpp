@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prehend/contact/pad_readings.h"
 #include "prehend/contact/rotation.h"
 #include "prehend/contact/texel.h"
 #include "prehend/geometry/symmetric_solve.h"
@@ -266,7 +267,10 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
   }
   place(base.positions, base.X_WB, at_);
   find_touches(base, h, u_, end);
-  end.pads = base.pads;
+  if (end.pads.size() != pads_.size()) {
+    end.pads = base.pads;
+    end.pad_loads = base.pad_loads;
+  }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     PadTouch& touch = pads_[k];
     pad_places_[k] = touch.place(base.X_WB[touch.carrier], base.X_WB[touch.body]);
@@ -279,6 +283,10 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     touch.response.pressing = 0;
     pad_near_[k] = touch.find_depths(pad_places_[k], base.X_WB[touch.body],
                                      2 * h * (speed + h * acceleration), end.pads[k]);
+    // What was not near is released already.
+    if (!pad_near_[k] && end.pad_loads[k].is_near) release(end.pads[k]);
+    end.pad_loads[k] = {};
+    end.pad_loads[k].is_near = pad_near_[k] != 0;
   }
   solved_ = u_;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
@@ -354,12 +362,20 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
     if (touch.b >= 0 && (free_[touch.a] < 0 || free_[touch.b] < 0)) touch.turn = h * spin * n;
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
-    if (pad_near_[k] && pads_[k].response.pressing > 0) {
-      contact::advance(pads_[k].layout, pads_[k].law, h, pad_twist(k, u), end.pads[k],
-                       pads_[k].scratch);
-    } else {
+    if (!pad_near_[k]) continue;
+    const PadTouch& touch = pads_[k];
+    if (touch.response.pressing == 0) {
       release(end.pads[k]);
+      continue;
     }
+    const Vector6 twist = pad_twist(k, u);
+    contact::advance(touch.layout, touch.law, h, twist, end.pads[k], touch.scratch);
+    const Vector6 wrench_P = touch.response.constant - touch.response.resistance * twist;
+    const Eigen::Matrix3d R = pad_places_[k].X_WP.linear();
+    PadLoad& load = end.pad_loads[k];
+    load.p_W = pad_places_[k].X_WP.translation();
+    load.wrench_W << R * wrench_P.head<3>(), R * wrench_P.tail<3>();
+    load.normal_force = contact::total_normal_force(touch.layout, end.pads[k]);
   }
   for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
     drive_force_[j] = drive_row_[j] < 0 ? 0.0 : rows_[drive_row_[j]].force(u);

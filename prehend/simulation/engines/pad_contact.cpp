@@ -36,7 +36,8 @@ PadTouch::PadTouch(const EngineScene& scene, int pad_index, int body_index)
       X_BS(scene.bodies[body_index].X_BS),
       layout(contact::PadLayout::flat(scene.pads[pad_index].grid)),
       reach(layout),
-      shape(felt_shape(scene.bodies[body_index].shape)),
+      shape(scene.bodies[body_index].felt ? *scene.bodies[body_index].felt
+                                          : felt_shape(scene.bodies[body_index].shape)),
       law(mounted_law(scene.pads[pad_index], scene.bodies[carrier], scene.bodies[body_index])),
       scratch(layout) {}
 

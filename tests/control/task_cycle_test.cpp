@@ -1,0 +1,241 @@
+// Tasks as the cycles of both kinds of robots carry them out.
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "tests/control/arm_cycle_fixture.h"
+#include "tests/control/grasp_cycle_fixture.h"
+
+namespace prehend::control {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Task task_named(const std::string& name) { return read_task(task_file("config/tasks", name)); }
+
+std::vector<std::string> states_of(const Cycle& cycle) {
+  std::vector<std::string> names;
+  for (const int state : cycle.path()) names.push_back(cycle.task().name_of(state));
+  return names;
+}
+
+template <class Options>
+Options doing(const Task& task) {
+  Options options;
+  options.task = task;
+  options.look_timeout = task.all_objects ? 5 : 0;
+  return options;
+}
+
+class TaskOfTheGripper : public GraspCycleTest {
+ protected:
+  void step(GraspCycle& driven) {
+    driven.step(world.percepts());
+    world.advance();
+  }
+  void run_to_the_end(GraspCycle& driven) {
+    for (int i = 0; i < 60000 && !driven.finished(); ++i) step(driven);
+    ASSERT_TRUE(driven.finished()) << driven.detail();
+  }
+  void run_until_it_looks(GraspCycle& driven) {
+    for (int i = 0; i < 60000 && !driven.finished() && !driven.looks_since(); ++i) step(driven);
+    ASSERT_TRUE(driven.looks_since()) << driven.detail();
+  }
+};
+
+TEST_F(TaskOfTheGripper, WorkCyclePutsItBackWhereItStood) {
+  GraspCycle working{robot::GripperModel{}, doing<CycleOptions>(task_named("work_cycle")), gripper,
+                     carrier};
+  working.start({grasp_at(0)});
+  run_to_the_end(working);
+  EXPECT_TRUE(working.result().success) << working.result().reason;
+  EXPECT_THAT(states_of(working), ElementsAre("look", "approach", "grasp", "lift", "move_down",
+                                              "release", "leave", "success"));
+  EXPECT_NEAR(world.highest_object(), 0.15, 1e-3);
+  EXPECT_NEAR(world.X_WG().translation().y(), 0, 1e-9) << "it was not carried";
+  EXPECT_EQ(working.result().placed, 0);
+}
+
+TEST_F(TaskOfTheGripper, ShakesFiveTimes) {
+  GraspCycle shaking{robot::GripperModel{}, doing<CycleOptions>(task_named("shake_test")), gripper,
+                     carrier};
+  shaking.start({grasp_at(0)});
+  int ways = 0;
+  bool high = false;
+  for (int i = 0; i < 60000 && !shaking.finished(); ++i) {
+    step(shaking);
+    const bool now = world.object_height() > 0.1001;
+    ways += now != high ? 1 : 0;
+    high = now;
+  }
+  EXPECT_TRUE(shaking.result().success) << shaking.result().reason;
+  EXPECT_EQ(ways, 2 + 2 * 5) << "lifted, five times down and up, lowered";
+}
+
+TEST_F(TaskOfTheGripper, WhatIsLostInAShakeIsALoss) {
+  world.lost_when_carried = false;
+  GraspCycle shaking{robot::GripperModel{}, doing<CycleOptions>(task_named("shake_test")), gripper,
+                     carrier};
+  shaking.start({grasp_at(0)});
+  for (int i = 0; i < 60000 && !shaking.finished(); ++i) {
+    if (shaking.detail() == "lifting it again") world.object_width = 0;
+    step(shaking);
+  }
+  EXPECT_FALSE(shaking.result().success);
+  EXPECT_THAT(shaking.result().reason, HasSubstr("lost while carrying"));
+}
+
+TEST_F(TaskOfTheGripper, ClearsTheTableOfEveryObject) {
+  GraspCycle clearing{robot::GripperModel{}, doing<CycleOptions>(task_named("clear_table")),
+                      gripper, carrier};
+  clearing.start({grasp_at(0)});
+  run_until_it_looks(clearing);
+  EXPECT_TRUE(clearing.any_object());
+  EXPECT_EQ(clearing.result().placed, 1);
+  clearing.take_plan({grasp_at(0.1)}, {0, 0.2, 0});
+  run_until_it_looks(clearing);
+  EXPECT_EQ(clearing.result().placed, 2);
+  clearing.take_plan({}, {}, "none is left");
+  EXPECT_TRUE(clearing.result().success) << clearing.result().reason;
+  EXPECT_THAT(clearing.result().reason, HasSubstr("2 objects were put at their place"));
+  EXPECT_THAT(clearing.result().reason, HasSubstr("none is left"));
+}
+
+TEST_F(TaskOfTheGripper, GoesOnWithTheOthersWhereOneCannotBeHeld) {
+  GraspCycle clearing{robot::GripperModel{}, doing<CycleOptions>(task_named("clear_table")),
+                      gripper, carrier};
+  world.object_is_anywhere = false;
+  world.object_x = 0.2;
+  clearing.start({grasp_at(0)});
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    run_until_it_looks(clearing);
+    EXPECT_FALSE(clearing.any_object()) << "the same object again";
+    clearing.take_plan({grasp_at(0.03 * (attempt + 1))}, {0, 0.2, 0});
+  }
+  run_until_it_looks(clearing);
+  EXPECT_TRUE(clearing.any_object());
+  EXPECT_EQ(clearing.given_up(), 1);
+  clearing.take_plan({grasp_at(0.2)}, {0, 0.2, 0});
+  run_until_it_looks(clearing);
+  EXPECT_EQ(clearing.result().placed, 1);
+  clearing.take_plan({}, {}, "none is left");
+  EXPECT_FALSE(clearing.result().success) << "one was given up";
+  EXPECT_THAT(clearing.result().reason, HasSubstr("1 given up"));
+}
+
+TEST_F(TaskOfTheGripper, TouchesWithoutClosing) {
+  const Task touching = parse_task(R"(start: look
+states:
+  look: {do: look, done: touch, otherwise: failure}
+  touch: {do: touch, done: rest, nothing: leave_it, failed: leave_it}
+  rest: {do: wait, seconds: 0.5, done: back}
+  leave_it: {do: release, done: back_in_vain, failed: failure}
+  back: {do: retreat, done: success, failed: failure}
+  back_in_vain: {do: retreat, done: failure, failed: failure}
+)",
+                                   "touching.yaml");
+  world.obstacle_height = 0.06;
+  GraspCycle cautious{robot::GripperModel{}, doing<CycleOptions>(touching), gripper, carrier};
+  cautious.start({grasp_at(0)});
+  double before = 0;
+  for (int i = 0; i < 60000 && !cautious.finished(); ++i) {
+    if (cautious.detail() == "approaching") before = world.percepts().time;
+    step(cautious);
+  }
+  EXPECT_TRUE(cautious.result().success) << cautious.result().reason;
+  EXPECT_THAT(states_of(cautious), ElementsAre("look", "touch", "rest", "back", "success"));
+  EXPECT_GT(world.percepts().time - before, 0.5);
+  for (const Surprise& surprise : cautious.surprises()) EXPECT_FALSE(surprise.surprising);
+  world.obstacle_height = -1;
+  GraspCycle in_vain{robot::GripperModel{}, doing<CycleOptions>(touching), gripper, carrier};
+  in_vain.start({grasp_at(0)});
+  run_to_the_end(in_vain);
+  EXPECT_FALSE(in_vain.result().success);
+}
+
+TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
+  Fakes f;
+  ArmCycle cycle(doing<ArmCycleOptions>(task_named("work_cycle")), f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_THAT(cycle.result().reason, HasSubstr("put down where it stood"));
+  std::vector<double> ends;
+  for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
+  EXPECT_THAT(ends, ElementsAre(1, 2, 3, 2, 1, 0)) << "reach, approach, lift, and back";
+}
+
+TEST(TaskOfTheArm, ShakesAlongItsLift) {
+  Fakes f;
+  ArmCycle cycle(doing<ArmCycleOptions>(task_named("shake_test")), f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  std::vector<double> ends;
+  for (const JointPath& asked : f.arm.asked) {
+    ends.push_back(std::round(100 * asked.points.back().position[0]) / 100);
+  }
+  EXPECT_THAT(ends, ElementsAre(1, 2, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2, 1, 0));
+}
+
+TEST(TaskOfTheArm, ClearsTheTableOfEveryObject) {
+  Fakes f;
+  ArmCycle cycle(doing<ArmCycleOptions>(task_named("clear_table")), f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  for (int object = 1; object <= 2; ++object) {
+    for (int i = 0; i < 4000 && !cycle.looks_since() && !cycle.finished(); ++i) f.run(cycle, 1);
+    ASSERT_TRUE(cycle.looks_since()) << cycle.detail();
+    EXPECT_TRUE(cycle.any_object());
+    EXPECT_EQ(cycle.result().placed, object);
+    if (object == 2) break;
+    // Planned from where the arm stands.
+    ArmGrasp next = fake_grasp();
+    next.segments[0].second = path(6, 1);
+    cycle.take_plan({next});
+  }
+  cycle.take_plan({}, "none is left");
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_THAT(cycle.result().reason, HasSubstr("2 objects were put at their place"));
+}
+
+TEST(TaskOfTheArm, APlanWithoutAPlaceIsPutBack) {
+  Fakes f;
+  ArmCycleOptions options = doing<ArmCycleOptions>(task_named("sort"));
+  options.largest_attempts = 1;
+  ArmCycle cycle(options, f.arm, f.hand);
+  cycle.step(f.now);
+  ArmGrasp grasp = fake_grasp();
+  grasp.segments.resize(3);
+  cycle.start({grasp});
+  for (int i = 0; i < 4000 && !cycle.looks_since() && !cycle.finished(); ++i) f.run(cycle, 1);
+  ASSERT_TRUE(cycle.looks_since()) << cycle.detail();
+  EXPECT_EQ(cycle.given_up(), 1);
+  EXPECT_EQ(f.arm.position[0], 0) << "lowered again, and back where it began";
+  cycle.take_plan({}, "none is left");
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_THAT(cycle.result().reason, HasSubstr("not put at its place"));
+}
+
+TEST(JointPathPart, EndsAtRestWhereThePathIsByThen) {
+  const JointPath half = part_of(path(2, 3), 0.5);
+  EXPECT_NEAR(half.points.front().position[0], 2, 1e-12);
+  EXPECT_NEAR(half.points.back().position[0], 2.5, 1e-12);
+  EXPECT_NEAR(half.points.back().velocity[0], 0, 1e-12);
+  double peak = 0;
+  for (std::size_t i = 1; i < half.points.size(); ++i) {
+    const auto &a = half.points[i - 1], &b = half.points[i];
+    peak = std::max(peak, (b.position[0] - a.position[0]) / (b.time - a.time));
+    EXPECT_LE(b.velocity[0], 0.5 * (1 + 1e-9)) << "the path's speed";
+  }
+  EXPECT_NEAR(peak, 0.5, 0.01);
+  EXPECT_EQ(part_of(path(2, 3), 1).points.size(), 2u);
+}
+
+}  // namespace
+}  // namespace prehend::control

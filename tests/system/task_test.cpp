@@ -1,0 +1,93 @@
+// Every task of config/tasks on every robot of config/robots, as launched for people, as fast as it
+// can; judged by what was recorded.
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "msgs/grasp.pb.h"
+#include "prehend/control/task.h"
+#include "prehend/robot/robot_files.h"
+#include "tests/system/carried.h"
+#include "tests/system/launched.h"
+#include "tests/system/recorded_box.h"
+
+namespace prehend::testing {
+namespace {
+
+std::vector<std::string> all_robots() {
+  std::vector<std::string> names = robot::platform_names("config/robots");
+  names.emplace_back("stage_pg70");
+  return names;
+}
+
+std::string page_text(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A platform and a task.
+class TaskOnPlatform : public ::testing::TestWithParam<std::tuple<std::string, std::string>> {};
+
+// On a recorded cloud, as that is quick. One object: a task of all finds none left then.
+TEST_P(TaskOnPlatform, IsDoneAndDrawn) {
+  const auto& [platform, task] = GetParam();
+  const ScratchFolder scratch;
+  const std::filesystem::path out = scratch.path() / "out";
+  std::filesystem::create_directories(out);
+  const auto cloud = scratch.path() / "box.pcd";
+  std::ofstream(cloud) << image_of_a_box({0.05, 0.06, 0.12});
+  const Outcome outcome =
+      run_program("prehend",
+                  {"launch", "launch/replay_cloud.yaml", "cloud:=" + cloud.string(),
+                   "platform:=" + platform, "task:=" + task, "speed:=0", "record:=true",
+                   "out:=" + out.string(), "--log-dir", (out / "log").string()},
+                  std::chrono::seconds(120));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto recording = read_recording(out / "recording.mcap");
+  const Carried carried = carried_body(recording);
+  const bool places = task != "work_cycle" && task != "shake_test";
+  EXPECT_GE(carried.raised, 0.05);
+  EXPECT_LT(carried.last_height, 0.01);
+  if (places) {
+    EXPECT_GE(carried.moved, 0.08);
+  } else {
+    EXPECT_LT(carried.moved, 0.08) << "it is put back where the hand had gathered it";
+  }
+  const auto results = decode_all<msgs::CycleResult>(recording, "/cycle/result");
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_TRUE(results[0].success()) << results[0].reason();
+  EXPECT_EQ(results[0].placed(), places ? 1u : 0u);
+  ASSERT_GT(results[0].task_path_size(), 2);
+  EXPECT_EQ(results[0].task_path(0), "look");
+  EXPECT_EQ(results[0].task_path(results[0].task_path_size() - 1), "success");
+  const std::string page = page_text(out / "report.html");
+  EXPECT_NE(page.find("with the path that was taken"), std::string::npos);
+  EXPECT_EQ(page.find("could not be drawn"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, TaskOnPlatform,
+    ::testing::Combine(::testing::ValuesIn(all_robots()),
+                       ::testing::ValuesIn(control::task_names("config/tasks"))),
+    [](const auto& info) { return std::get<0>(info.param) + "_" + std::get<1>(info.param); });
+
+TEST(UnknownTask, IsRefusedBeforeAnythingMoves) {
+  const ScratchFolder scratch;
+  const Outcome outcome = run_program(
+      "prehend",
+      {"launch", "launch/demo.yaml", "task:=work_cylce", "out:=" + scratch.path().string(),
+       "--log-dir", (scratch.path() / "log").string()},
+      std::chrono::seconds(60));
+  ASSERT_TRUE(outcome.exit_code) << "still running";
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_NE(outcome.output.find("The nearest is 'work_cycle'"), std::string::npos)
+      << outcome.output;
+}
+
+}  // namespace
+}  // namespace prehend::testing
