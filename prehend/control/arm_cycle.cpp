@@ -12,7 +12,7 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kFirstShare = 0.7;      // of the effort that is thought to be enough
+constexpr double kFirstShare = 0.35;     // of the effort that is thought to be enough
 constexpr double kLeastShare = 0.05;     // of the hand's greatest
 constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
 constexpr double kForceTolerance = 0.1;  // of the force
