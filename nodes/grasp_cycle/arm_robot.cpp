@@ -4,7 +4,6 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
-#include "nodes/grasp_cycle/touched_area.h"
 
 namespace prehend::nodes {
 namespace {
@@ -115,7 +114,9 @@ control::ArmPercepts ArmRobot::percepts() const {
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
-    percepts.pads.push_back({frame->sum(), touched_area(*frame, touch_counts_),
+    percepts.pads.push_back({frame->sum(),
+                             robot::touched_area(frame->intensity(), touch_counts_,
+                                                 frame->texel_width() * frame->texel_height()),
                              percepts.time - graph::seconds(frame->header().stamp())});
   }
   return percepts;

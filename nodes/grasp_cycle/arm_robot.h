@@ -11,6 +11,7 @@
 #include "nodes/grasp_cycle/cycle_robot.h"
 #include "prehend/control/arm_cycle.h"
 #include "prehend/graph/node.h"
+#include "prehend/robot/grip.h"
 #include "prehend/robot/hand_model.h"
 
 namespace prehend::nodes {
@@ -21,7 +22,7 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node);
 /// What the cycle of an arm needs to know besides the plan.
 struct ArmRobotOptions {
   control::ArmCycleOptions cycle;
-  int touch_counts = 10;  // above: a texel is touched
+  int touch_counts = robot::kTouchCounts;  // above: a texel is touched
 };
 
 /// An arm with a hand: /arm/follow and /hand/move, /joint_states, /wrench and /tactile of its pads.

@@ -143,7 +143,7 @@ std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
        .description = "folder of the platform's file, PLATFORM.yaml",
        .read_only = true});
   const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
-                                                         .default_value = 10,
+                                                         .default_value = robot::kTouchCounts,
                                                          .minimum = 0,
                                                          .description = "above: a texel is touched",
                                                          .read_only = true});

@@ -6,7 +6,6 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
-#include "nodes/grasp_cycle/touched_area.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/geometry/errors.h"
 
@@ -135,7 +134,9 @@ control::Percepts GripperRobot::percepts() const {
     return percepts.time - graph::seconds(stamp);
   };
   const auto pad = [&](const msgs::TactileFrame& frame) {
-    return control::PadPercept{frame.sum(), touched_area(frame, options_.touch_counts),
+    return control::PadPercept{frame.sum(),
+                               robot::touched_area(frame.intensity(), options_.touch_counts,
+                                                   frame.texel_width() * frame.texel_height()),
                                age(frame.header().stamp())};
   };
   if (left_) percepts.left = pad(*left_);

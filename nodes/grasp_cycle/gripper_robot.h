@@ -13,6 +13,7 @@
 #include "prehend/control/grasp_cycle.h"
 #include "prehend/graph/node.h"
 #include "prehend/planning/free_places.h"
+#include "prehend/robot/grip.h"
 
 namespace prehend::nodes {
 
@@ -20,8 +21,8 @@ namespace prehend::nodes {
 struct GripperRobotOptions {
   control::CycleOptions cycle;
   planning::PlaceOptions place;
-  int touch_counts = 10;    // above: a texel is touched
-  double workspace = 0.55;  // m, half the side of the square the carrier reaches
+  int touch_counts = robot::kTouchCounts;  // above: a texel is touched
+  double workspace = 0.55;                 // m, half the side of the square the carrier reaches
 };
 
 /// Declares the parameters that the parallel gripper alone has.

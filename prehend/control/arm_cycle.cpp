@@ -12,12 +12,6 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kFirstShare = 0.35;     // of the effort that is thought to be enough
-constexpr double kLeastShare = 0.05;     // of the hand's greatest
-constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
-constexpr double kForceTolerance = 0.1;  // of the force
-constexpr double kLeastRise = 1.05, kMostRise = 1.5;
-
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
 }
@@ -32,18 +26,12 @@ std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
 
 void ArmCycleOptions::validate() const {
   SharedCycleOptions::validate();
+  GripOptions::validate("ArmCycleOptions.");
   const text::Require require{"ArmCycleOptions."};
   require(std::isfinite(contact_force) && contact_force > 0, "contact_force must be positive");
   require(std::isfinite(collision_force) && collision_force > 0,
           "collision_force must be positive");
   require(opening_speed > 0 && opening_speed <= 1, "opening_speed must be in (0, 1]");
-  require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
-  require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
-  require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
-  require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
-  require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
-  require(std::isfinite(force_timeout) && force_timeout > 0, "force_timeout must be positive");
-  require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
   require(std::isfinite(rest_time) && rest_time >= 0, "rest_time must not be negative");
   require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
   require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
@@ -145,7 +133,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kGrasp: {
       const bool regulates =
           wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
-      share_ = regulates ? std::clamp(kFirstShare * grasp().effort, kLeastShare, 1.0) : 1.0;
+      share_ = regulates ? robot::first_effort_share(grasp().effort) : 1.0;
       return gather();
     }
     case Primitive::kLift:
@@ -249,18 +237,14 @@ void ArmCycle::press() {
   enter(Step::kPress, fmt::format("pressing until the pads feel {:.1f} N", wanted_force()));
 }
 
-// Motors that hold do not give way when they are told to press less: they are told more, step by
-// step, until it is enough.
 void ArmCycle::after_pressing() {
-  if (spent() < kPressTime) return;
+  if (spent() < robot::kPressTime) return;
   const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
-  const double wanted = wanted_force();
-  const bool enough = felt.pads > 0 && felt.sum >= (1 - kForceTolerance) * wanted;
-  if (enough || share_ >= 1 || now() - pressed_since_ > options_.force_timeout) {
+  const auto share = robot::next_effort_share(share_, felt, wanted_force());
+  if (!share || now() - pressed_since_ > options_.force_timeout) {
     return enter(Step::kSettle, "pressing");
   }
-  const double lacks = felt.pads > 0 ? wanted / felt.sum : kMostRise;
-  share_ = std::min(1.0, share_ * std::clamp(lacks, kLeastRise, kMostRise));
+  share_ = *share;
   press();
 }
 

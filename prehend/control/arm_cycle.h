@@ -13,6 +13,7 @@
 #include "prehend/control/joint_path.h"
 #include "prehend/control/pad_percept.h"
 #include "prehend/robot/closing_way.h"
+#include "prehend/robot/grip.h"
 
 namespace prehend::control {
 
@@ -78,7 +79,7 @@ struct ArmPercepts {
   double wrist_age = 0;          // s
 };
 
-struct ArmCycleOptions : SharedCycleOptions {
+struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
   /// otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
@@ -87,20 +88,8 @@ struct ArmCycleOptions : SharedCycleOptions {
   /// something.
   double collision_force = 60;
   double opening_speed = 0.6;  // share of the joints' greatest, in (0, 1]
-  double closing_speed = 0.3;
-  /// Fingers first go to where they are predicted to be this much [rad] before they touch, >= 0,
-  /// and close from there together: one that touches long before the others would push the object.
-  double gather = 0.1;
-  /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
-  double overrun = 0.5;
-  /// N, >= 0, that the pads which touch are to feel, their mean: of a hand whose plan says no
-  /// force. 0: as the motors press.
-  double grip_force = 0;
-  double touch_force = 0.3;  // N, > 0, of a pad's sum that touches
-  double force_timeout = 4;  // s, > 0, to reach the force; then it is gripped with what there is
-  double settle_time = 0.3;  // s, >= 0, after closing
-  double rest_time = 0.2;    // s, >= 0, before the approach: the wrist's force at rest, its noise
-  double check_time = 0.4;   // s, >= 0, at rest after the lift, and after the retreat
+  double rest_time = 0.2;      // s, >= 0, before the approach: the wrist's force at rest, its noise
+  double check_time = 0.4;     // s, >= 0, at rest after the lift, and after the retreat
   HoldingOptions holding;
   double motion_timeout = 60;   // s, > 0, of each motion
   double largest_detour = 0.5;  // rad, > 0, see joined()
