@@ -111,15 +111,20 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   result.largest_effort.assign(grasp.largest_effort().begin(), grasp.largest_effort().end());
   result.contact_area = grasp.predicted().contact_area();
   result.tactile_sum = grasp.predicted().tactile_sum();
+  const Eigen::VectorXd stopped = vector_of(grasp.predicted().stop_position());
+  if (stopped.size() == result.hand.closed.size()) result.closure = result.hand.closure(stopped);
   const bool sound =
       (result.largest_effort.empty() ||
        result.largest_effort.size() == result.hand_joints.size()) &&
       std::all_of(result.largest_effort.begin(), result.largest_effort.end(),
                   [](double effort) { return std::isfinite(effort) && effort > 0; }) &&
-      std::isfinite(result.force) && result.force >= 0 && std::isfinite(result.effort);
+      std::isfinite(result.force) && result.force >= 0 && std::isfinite(result.effort) &&
+      (stopped.size() == 0 || stopped.size() == result.hand.closed.size()) &&
+      std::isfinite(result.closure);
   if (!sound) {
     throw geometry::InputError(
-        "A grasp whose force or efforts are not positive numbers, one for each joint of the hand",
+        "A grasp whose force, efforts or predicted stop are not numbers, one for each joint of "
+        "the hand, the first two positive",
         "Look for the fault in the node that published it");
   }
   return result;

@@ -22,10 +22,12 @@ constexpr Misfit kNotOfFingers[] = {
     {"largest_force", "the hand's motors set the force"},
 };
 constexpr Misfit kOfPlatforms[] = {
-    {"platforms", "no platform is named"},    {"home", "no platform is named"},
-    {"place", "no platform is named"},        {"arm_budget", "no platform is named"},
-    {"motions", "no platform is named"},      {"task", "no platform is named"},
-    {"tasks", "no platform is named"},        {"path_planner", "there is no arm"},
+    {"platforms", "no platform is named"},     {"home", "no platform is named"},
+    {"place", "no platform is named"},         {"arm_budget", "no platform is named"},
+    {"motions", "no platform is named"},       {"task", "no platform is named"},
+    {"tasks", "no platform is named"},         {"path_planner", "there is no arm"},
+    {"predict_touch", "no platform is named"},
+
     {"collision_checker", "there is no arm"},
 };
 constexpr Misfit kChosenByFronts[] = {

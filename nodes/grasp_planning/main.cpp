@@ -37,6 +37,18 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   }
 }
 
+// What is predicted to be felt, of the grasps that get a motion.
+void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {
+  for (const auto& time : plan.times()) {
+    if (time.stage() != "touch_prediction") continue;
+    node.log_info("  touch of the grasps with a motion was simulated in {:.2f} s", time.seconds());
+  }
+  for (int i = 0; i < plan.grasps_size(); ++i) {
+    const std::string& why = plan.grasps(i).predicted().not_predicted();
+    if (!why.empty()) node.log_info("  touch of grasp {} is not predicted: {}", i, why);
+  }
+}
+
 // A table whose normal is no further from the world's z axis is approached straight down.
 constexpr double kLevelTable = 0.17;  // rad
 
@@ -135,6 +147,17 @@ std::vector<std::string> usable_names(graph::Node& node, const Registry& registr
   return registry.names();
 }
 
+std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node) {
+  const bool predict = node.declare_parameter<bool>(
+      {.name = "predict_touch",
+       .default_value = true,
+       .description = "with a platform: close its hand in simulation, for the grasps that get a "
+                      "motion, to tell what its pads should feel",
+       .read_only = true});
+  if (!predict) return std::nullopt;
+  return planning::TouchPredictionOptions();
+}
+
 // Set when the node plans for an arm with a hand instead of the parallel gripper on the carrier.
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
@@ -189,6 +212,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
+  const auto touch = declare_touch(node);
   const bool front_chooses =
       !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
   if (file.empty()) {
@@ -203,7 +227,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
   return std::make_unique<nodes::PlatformPlanning>(
       std::move(platform), home,
       planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
-      std::move(task), motions);
+      std::move(task), motions, touch);
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -405,6 +429,7 @@ class GraspPlanning {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
     log_ledger(node_, plan);
+    log_touch(node_, plan);
     if (records_) {
       node_.shield("record of object " + std::to_string(plan.id()),
                    [&] { records_->planned(message, plan); });

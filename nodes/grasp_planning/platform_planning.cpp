@@ -1,6 +1,7 @@
 #include "nodes/grasp_planning/platform_planning.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -8,11 +9,14 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/touch.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/robot/closing_way.h"
 
 namespace prehend::nodes {
 namespace {
+
+using std::chrono::steady_clock;
 
 constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
 constexpr double kAtHome = 1e-3;        // rad
@@ -22,7 +26,8 @@ constexpr double kAtHome = 1e-3;        // rad
 PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& home,
                                    const planning::HandPlanOptions& grasps,
                                    planning::PlatformPickOptions arm, planning::PlaceOptions place,
-                                   control::Task task, int motions)
+                                   control::Task task, int motions,
+                                   std::optional<planning::TouchPredictionOptions> touch)
     : platform_(std::move(platform)),
       home_(platform_.home(home).arm),
       start_(home_),
@@ -31,10 +36,12 @@ PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& 
       arm_options_(std::move(arm)),
       place_(std::move(place)),
       task_(std::move(task)),
-      motions_(motions) {
+      motions_(motions),
+      touch_(std::move(touch)) {
   options_.pads.validate();
   options_.fingers.validate();
   place_.validate();
+  if (touch_) touch_->validate();
 }
 
 void PlatformPlanning::start_from(const msgs::JointState& joints) {
@@ -113,24 +120,29 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
                                        const grasp::Reachability& reachability,
                                        grasp::GraspDatabase* database,
                                        const std::optional<grasp::PlacedObject>& known) const {
+  const auto begin = steady_clock::now();
   grasp::Obstacles obstacles;
   obstacles.meshes_W = obstacles_W;
   const planning::HandPlanResult plan = planning::plan_hand(
       hand_, object, table_W, obstacles, reachability, options_, database, known);
+  const std::chrono::duration<double> planned = steady_clock::now() - begin;
   msgs::GraspPlan message;
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);
   convert::add_rejections(plan.rejections, &message);
   if (!plan.grasps.empty()) {
-    add_motions(plan.grasps, {table_W, object.convex_pieces_W, obstacles_W}, &message);
+    auto picked =
+        add_motions(plan.grasps, {table_W, object.convex_pieces_W, obstacles_W}, &message);
+    if (touch_) add_touch(object, table_W, planned.count(), std::move(picked), &message);
   }
   return message;
 }
 
 // The grasps that the arm can execute, best first, and then the others; or why there is none.
-void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& grasps,
-                                   const planning::PlatformScene& scene,
-                                   msgs::GraspPlan* message) const {
+std::vector<planning::PlannedGrasp> PlatformPlanning::add_motions(
+    const std::vector<planning::PlannedGrasp>& grasps, const planning::PlatformScene& scene,
+    msgs::GraspPlan* message) const {
+  std::vector<planning::PlannedGrasp> picked;
   std::vector<Eigen::Vector3d> object;
   for (const auto& piece : scene.object_pieces_W) {
     object.insert(object.end(), piece.vertices.begin(), piece.vertices.end());
@@ -139,7 +151,7 @@ void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& gr
       planning::free_places_for(platform_, scene, places_of(task_, object, place_));
   if (!places.problem.empty()) {
     message->set_problem("cannot be grasped: " + places.problem + ". " + planning::kPlaceMend);
-    return;
+    return picked;
   }
   planning::PlatformPickOptions options = arm_options_;
   options.moves_W = places.moves_W;
@@ -162,7 +174,8 @@ void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& gr
       arm_problem = pick.motion.problem;
       break;
     }
-    msgs::Grasp grasp = to_message(left[static_cast<std::size_t>(pick.grasp)]);
+    picked.push_back(left[static_cast<std::size_t>(pick.grasp)]);
+    msgs::Grasp grasp = to_message(picked.back());
     for (const auto& segment : pick.motion.segments) *grasp.add_arm() = to_message(segment);
     if (pick.motion.place >= 0) {
       *grasp.mutable_move() =
@@ -174,9 +187,29 @@ void PlatformPlanning::add_motions(const std::vector<planning::PlannedGrasp>& gr
   if (message->grasps_size() == 0) {
     message->set_problem(fmt::format("cannot be grasped: the arm can execute none of {} grasps: {}",
                                      grasps.size(), arm_problem));
-    return;
+    return picked;
   }
   for (const auto& g : left) *message->add_grasps() = to_message(g);
+  return picked;
+}
+
+void PlatformPlanning::add_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
+                                 double spent, std::vector<planning::PlannedGrasp> grasps,
+                                 msgs::GraspPlan* message) const {
+  planning::TouchPredictionOptions options = *touch_;
+  const bool has_pads = platform_.hand.gripper.has_value();
+  const double budget = has_pads ? options_.pads.budget : options_.fingers.budget;
+  if (budget > 0) options.budget = std::max(budget - spent, 1e-6);
+  const auto begin = steady_clock::now();
+  planning::add_touch(platform_.hand, object, table_W, options, &grasps);
+  auto& time = *message->add_times();
+  time.set_stage("touch_prediction");
+  time.set_seconds(std::chrono::duration<double>(steady_clock::now() - begin).count());
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    auto& predicted = *message->mutable_grasps(static_cast<int>(i))->mutable_predicted();
+    predicted = convert::to_message(grasps[i].predicted);
+    convert::add_touch(grasps[i].touch, platform_.hand, &predicted);
+  }
 }
 
 }  // namespace prehend::nodes

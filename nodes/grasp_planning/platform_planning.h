@@ -20,10 +20,12 @@ class PlatformPlanning {
  public:
   /// @param home of the platform: where the arm stands.
   /// @param motions how many of the grasps get the arm's motion, > 0: one for each attempt.
+  /// @param touch of these grasps: how what the pads will feel is predicted; none: it is not.
   /// @throws geometry::InputError for an unknown home.
   PlatformPlanning(robot::Platform platform, const std::string& home,
                    const planning::HandPlanOptions& grasps, planning::PlatformPickOptions arm,
-                   planning::PlaceOptions place, control::Task task, int motions);
+                   planning::PlaceOptions place, control::Task task, int motions,
+                   std::optional<planning::TouchPredictionOptions> touch);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
   /// without any motion has the arm's reason, or the place's, as its problem. Obstacles are convex
@@ -44,8 +46,14 @@ class PlatformPlanning {
 
  private:
   msgs::Grasp to_message(const planning::PlannedGrasp& grasp) const;
-  void add_motions(const std::vector<planning::PlannedGrasp>& grasps,
-                   const planning::PlatformScene& scene, msgs::GraspPlan* message) const;
+  /// Those that the arm can execute are returned; they are the first of the message.
+  std::vector<planning::PlannedGrasp> add_motions(const std::vector<planning::PlannedGrasp>& grasps,
+                                                  const planning::PlatformScene& scene,
+                                                  msgs::GraspPlan* message) const;
+  /// What is predicted to be felt of the grasps that are the first of the message, in what the
+  /// budget leaves after `spent` [s].
+  void add_touch(const surface::ObjectModel& object, const geometry::Plane& table_W, double spent,
+                 std::vector<planning::PlannedGrasp> grasps, msgs::GraspPlan* message) const;
   msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
 
   robot::Platform platform_;
@@ -56,6 +64,7 @@ class PlatformPlanning {
   planning::PlaceOptions place_;
   control::Task task_;
   int motions_;
+  std::optional<planning::TouchPredictionOptions> touch_;
 };
 
 }  // namespace prehend::nodes

@@ -32,6 +32,7 @@ struct ArmGrasp {
   std::vector<double> largest_effort;  // N m or N, of hand_joints; empty: not known
   /// What the pads that touch are predicted to feel then, their mean [m^2, N]; 0: not predicted.
   double contact_area = 0, tactile_sum = 0;
+  double closure = 0;  // rad, predicted, that the hand has closed when it meets it, by ClosingWay
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".

@@ -57,7 +57,8 @@ void ArmCycle::after_closing(MotionStatus status) {
   if (positions.size() == grasp().hand_joints.size()) {
     const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
         positions.data(), static_cast<Eigen::Index>(positions.size())));
-    add_surprise(SurpriseKind::kFingersAtContact, 0, beyond, "grips anyhow, weighs it when lifted");
+    add_surprise(SurpriseKind::kFingersAtContact, grasp().closure, beyond,
+                 "grips anyhow, weighs it when lifted");
   }
   if (share_ >= 1) return enter(Step::kSettle, "pressing");
   pressed_since_ = now();

@@ -8,6 +8,8 @@ namespace {
 
 using geometry::RigidTransform;
 
+constexpr double kLeastEffort = 1e-3;  // share; of grasps that need next to none
+
 template <class Plan>
 HandPlanResult common_part(const Plan& plan) {
   HandPlanResult result;
@@ -97,6 +99,27 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
   }
   result.remembered = remembered;
   return result;
+}
+
+void add_touch(const robot::HandModel& hand, const surface::ObjectModel& object,
+               const geometry::Plane& table, const TouchPredictionOptions& options,
+               std::vector<PlannedGrasp>* grasps) {
+  if (grasps->empty()) return;
+  std::vector<GraspToFeel> to_feel;
+  for (const PlannedGrasp& grasp : *grasps) {
+    to_feel.push_back({grasp.pose.X_WG, grasp.pose.preshape, grasp.pose.open, grasp.closed,
+                       grasp.force, std::clamp(grasp.effort, kLeastEffort, 1.0)});
+  }
+  const ObjectToFeel body{object.mesh_W, table, grasps->front().predicted.lifted_mass};
+  std::vector<PredictedTouch> touches = predict_touches(hand, to_feel, body, options);
+  for (std::size_t i = 0; i < grasps->size(); ++i) {
+    PlannedGrasp& grasp = (*grasps)[i];
+    grasp.touch = std::move(touches[i]);
+    const bool known = grasp.touch.outcome == TouchOutcome::kPredicted;
+    if (!known && !grasp.touch.is_refuted()) continue;
+    grasp.predicted.contact_area = grasp.touch.mean.area;
+    grasp.predicted.tactile_sum = grasp.touch.mean.sum;
+  }
 }
 
 HandPlanOptions within_reach(HandPlanOptions options, const robot::Platform& platform) {

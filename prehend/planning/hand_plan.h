@@ -11,6 +11,7 @@
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_pick.h"
+#include "prehend/planning/touch_prediction.h"
 #include "prehend/surface/object_model.h"
 
 // One way to ask for grasps, whichever hand closes.
@@ -28,7 +29,8 @@ struct PlannedGrasp {
   double quality = 0;          // epsilon, see grasp/wrench_hull.h
   double robustness = -1;      // share of disturbed trials in which it holds; -1: not assessed
   double guessed_contact = 0;  // share of the contact on surface that nobody saw
-  grasp::PredictedPercepts predicted;       // of fingers only the lifted mass
+  grasp::PredictedPercepts predicted;       // of fingers only the lifted mass, and add_touch()'s
+  PredictedTouch touch;                     // of add_touch()
   std::vector<Eigen::Vector3d> contacts_W;  // m
   std::string generator;                    // whose candidate it was
   std::string remark;                       // what to know of it, in words; often empty
@@ -56,6 +58,14 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
                          const grasp::Reachability& reachability, const HandPlanOptions& options,
                          grasp::GraspDatabase* database = nullptr,
                          const std::optional<grasp::PlacedObject>& known = std::nullopt);
+
+/// Predicts what the hand's pads feel in each of the grasps (predict_touches()), into `touch` and
+/// `predicted`. Where the simulation says that they feel nothing, `predicted` has no touch either;
+/// where it does not know, it stays what it was.
+/// @throws as predict_touches().
+void add_touch(const robot::HandModel& hand, const surface::ObjectModel& object,
+               const geometry::Plane& table, const TouchPredictionOptions& options,
+               std::vector<PlannedGrasp>* grasps);
 
 /// The options with an arm that must reach each grasp and its pregrasp (arm_reach()).
 HandPlanOptions within_reach(HandPlanOptions options, const robot::Platform& platform);

@@ -198,6 +198,10 @@ void RobotWorld::Implementation::move_carried() {
       path.reset();
     }
   }
+  prescribe_carried();
+}
+
+void RobotWorld::Implementation::prescribe_carried() {
   robot.link_poses(X_WR, all, link_poses);
   for (const RobotBodies::Carried& carried : robot.carried) {
     system->prescribe(carried.body, link_poses[static_cast<std::size_t>(carried.link)]);
@@ -325,6 +329,22 @@ void RobotWorld::carry(const RigidTransform& X_WH, double duration) {
   path.duration = std::max(duration, implementation_->options.step);
 }
 bool RobotWorld::carried() const { return !implementation_->path.has_value(); }
+
+void RobotWorld::set_carrier(const RigidTransform& X_WH) {
+  if (has_arm()) throw std::logic_error("this hand is carried by its arm");
+  contact::require(X_WH.matrix().allFinite(), "X_WH", "finite");
+  Implementation& world = *implementation_;
+  world.path.reset();
+  world.X_WR = X_WH;
+  world.prescribe_carried();
+  for (const RobotBodies::Carried& carried : world.robot.carried) {
+    world.state.X_WB[static_cast<std::size_t>(carried.body)] =
+        world.link_poses[static_cast<std::size_t>(carried.link)];
+  }
+  world.state.velocities.head(world.state.positions.size()).setZero();
+  world.system->complete(world.state);
+  stop_hand();
+}
 
 const std::vector<std::string>& RobotWorld::motor_names() const {
   return implementation_->motor_names;

@@ -117,6 +117,8 @@ class RobotWorld {
   // The carrier of a hand alone: straight to X_WH in `duration` [s] (at least one step), smoothly.
   void carry(const geometry::RigidTransform& X_WH, double duration);
   bool carried() const;  // it is there
+  /// Sets the hand's root at once, at rest with all that hangs on it, before anything touches.
+  void set_carrier(const geometry::RigidTransform& X_WH);
 
   // The hand: positions of its motors.
   const std::vector<std::string>& motor_names() const;

@@ -35,6 +35,7 @@ struct RobotWorld::Implementation {
   void read_motions();
   void set_arm_positions();
   void move_carried();
+  void prescribe_carried();
   void put_to_sleep();
   void step();
   ContactWrench contact_wrench() const;

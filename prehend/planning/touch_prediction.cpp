@@ -1,0 +1,344 @@
+#include "prehend/planning/touch_prediction.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/grasp/parallel.h"
+#include "prehend/robot/closing_way.h"
+#include "prehend/text/require.h"
+
+namespace prehend::planning {
+namespace {
+
+using geometry::RigidTransform;
+using std::chrono::steady_clock;
+
+constexpr double kStandingTime = 0.5;  // s, until an object that stands has come to rest
+// Fingers that press creep on, and chatter on rough meshes, for seconds; what they feel is known by
+// then: the mean over a while.
+constexpr double kSamplePeriod = 0.01;               // s
+constexpr double kSteadyTime = 0.2, kSteady = 0.05;  // s, change of the pads' mean in it
+constexpr double kFeltTime = 0.2;                    // s, at the end
+constexpr double kFarAbove = 10;                     // m, of a hand that is not to touch
+constexpr double kMotionTimeout = 10;                // s, of one motion of the fingers
+constexpr double kFarthest = 0.3;                    // m, that a closing hand may push it
+constexpr double kDegrees = 180 / M_PI;
+const std::string kFelt = "object";
+
+// The world whose z = 0 is the table.
+RigidTransform on_table(const geometry::Plane& table_W) {
+  RigidTransform X_TW = RigidTransform::Identity();
+  X_TW.linear() =
+      Eigen::Quaterniond::FromTwoVectors(table_W.normal, Eigen::Vector3d::UnitZ()).matrix();
+  X_TW.translation().z() = -table_W.offset;
+  return X_TW;
+}
+
+void check(const robot::HandModel& hand, const GraspToFeel& grasp, const ObjectToFeel& object) {
+  const text::Require require{"predict_touch: "};
+  require(grasp.X_WG.matrix().allFinite(), "X_WG must be finite");
+  require(grasp.closed.size() == hand.size() && grasp.closed.allFinite(),
+          "closed must be one finite position for each motor of the hand");
+  require(grasp.open.size() == 0 || (grasp.open.size() == hand.size() && grasp.open.allFinite()),
+          "open must be empty or one finite position for each motor of the hand");
+  hand.preshape(grasp.preshape);
+  require(std::isfinite(grasp.force) && grasp.force >= 0, "force must not be negative");
+  require(grasp.effort > 0 && grasp.effort <= 1, "effort must be in (0, 1]");
+  require(std::isfinite(object.mass) && object.mass > 0, "mass must be positive");
+  require(std::isfinite(object.table_W.offset) && std::abs(object.table_W.normal.norm() - 1) < 1e-6,
+          "the table's normal must be a unit vector");
+}
+
+// Why a run ends early.
+struct NotPredicted {
+  TouchOutcome outcome;
+  std::string why;
+};
+
+// A hand and an object that stands on its table, to be closed on again and again.
+class FeltObject {
+ public:
+  FeltObject(const robot::HandModel& hand, const ObjectToFeel& object,
+             const TouchPredictionOptions& options, steady_clock::time_point until)
+      : hand_(hand),
+        options_(options),
+        until_(until),
+        X_TW_(on_table(object.table_W)),
+        world_(hand, far_above(), "", options.world) {
+    world_.add_object(kFelt, geometry::transformed(object.mesh_W, X_TW_), object.mass, false,
+                      options.friction);
+    X_TB_start_ = world_.body(kFelt).X_WB;
+    const double end = world_.time() + kStandingTime;
+    while (world_.time() < end && !world_.body(kFelt).asleep) step();
+    check_object(TouchOutcome::kNotStanding, "does not stand as it was predicted");
+    standing_ = world_.save();
+  }
+
+  PredictedTouch close(const GraspToFeel& grasp) {
+    const robot::Preshape& shape = hand_.preshape(grasp.preshape);
+    way_ = robot::closing_way(hand_, shape, grasp.open, grasp.closed);
+    world_.restore(*standing_);
+    world_.set_carrier(X_TW_ * grasp.X_WG * (hand_.X_HP * shape.X_PG).inverse(Eigen::Isometry));
+    world_.set_hand(way_.open);
+    const double wanted = grasp.force > 0 ? grasp.force : options_.grip.grip_force;
+    double share = wanted > 0 ? robot::first_effort_share(grasp.effort) : 1.0;
+    if (options_.grip.gather > 0) move(-options_.grip.gather, share);
+    move(options_.grip.overrun, share);
+    stopped_ = world_.hand_positions();
+    if (share < 1) press(wanted, share);
+    run_for(options_.grip.settle_time - kFeltTime);
+    const std::vector<Feeling> feelings = feel_for(kFeltTime, false);
+    check_object(TouchOutcome::kFallsOver, "falls over when the hand closes");
+    return felt(feelings);
+  }
+
+ private:
+  void step() {
+    world_.step();
+    constexpr long kCheckEvery = 16;
+    if (++steps_ % kCheckEvery == 0 && steady_clock::now() > until_) {
+      throw NotPredicted{TouchOutcome::kBudgetUsed, "the budget is used up"};
+    }
+  }
+
+  void run_for(double seconds) {
+    const double end = world_.time() + seconds - 0.5 * world_.options().step;
+    while (world_.time() < end) step();
+  }
+
+  static RigidTransform far_above() {
+    RigidTransform X_TH = RigidTransform::Identity();
+    X_TH.translation().z() = kFarAbove;
+    return X_TH;
+  }
+
+  void check_object(TouchOutcome outcome, const std::string& what) const {
+    const RigidTransform X_TB = world_.body(kFelt).X_WB;
+    if (!X_TB.matrix().allFinite()) throw NotPredicted{outcome, "the object flies off"};
+    const Eigen::Matrix3d turn = X_TB.linear() * X_TB_start_.linear().transpose();
+    const double tilt = std::acos(std::clamp(turn(2, 2), -1.0, 1.0));
+    if (tilt > options_.largest_tilt) {
+      throw NotPredicted{
+          outcome, fmt::format("the object {}: it tilts by {:.0f} degrees", what, tilt * kDegrees)};
+    }
+    if ((X_TB.translation() - X_TB_start_.translation()).norm() > kFarthest) {
+      throw NotPredicted{outcome, "the object is thrown out of the hand"};
+    }
+  }
+
+  void move(double beyond, double share) {
+    simulation::HandCommand command;
+    command.speed = options_.grip.closing_speed;
+    command.until_contact = true;
+    command.position = way_.at(beyond);
+    command.effort = share * world_.hand().most_efforts();
+    world_.move_hand(command);
+    const double end = world_.time() + kMotionTimeout;
+    double felt = 0;
+    while (world_.hand().moving() && world_.time() < end) {
+      const double now = mean(feel_for(kSteadyTime, true)).sum;
+      if (now > 0 && std::abs(now - felt) < kSteady * now) return;
+      felt = now;
+    }
+  }
+
+  void press(double wanted, double share) {
+    const double begin = world_.time();
+    while (true) {
+      const double moved = world_.time();
+      move(options_.grip.overrun, share);
+      run_for(moved + robot::kPressTime - world_.time());
+      const auto next = robot::next_effort_share(share, mean(read()), wanted);
+      if (!next || world_.time() - begin > options_.grip.force_timeout) return;
+      share = *next;
+    }
+  }
+
+  // One pad, now or over a time.
+  struct Feeling {
+    double sum = 0, area = 0;  // N, m^2
+    Eigen::ArrayXd counts;     // of its texels
+  };
+
+  std::vector<Feeling> read() const {
+    std::vector<Feeling> feelings;
+    for (const simulation::HandPadReading& reading : world_.pads()) {
+      const double pitch = hand_.pads[feelings.size()].model.texel_pitch;
+      Feeling& pad = feelings.emplace_back();
+      pad.sum = reading.sum;
+      pad.area = robot::touched_area(reading.counts, options_.touch_counts, pitch * pitch);
+      pad.counts = Eigen::Map<const Eigen::Array<std::uint16_t, Eigen::Dynamic, 1>>(
+                       reading.counts.data(), static_cast<Eigen::Index>(reading.counts.size()))
+                       .cast<double>();
+    }
+    return feelings;
+  }
+
+  // Their mean over `seconds`, or until the hand is still if that is sooner and `moving`.
+  std::vector<Feeling> feel_for(double seconds, bool moving) {
+    std::vector<Feeling> mean = read();
+    int samples = 1;
+    const double end = world_.time() + seconds - 0.5 * world_.options().step;
+    while (world_.time() < end && !(moving && !world_.hand().moving())) {
+      const double next = world_.time() + kSamplePeriod;
+      while (world_.time() < next && !(moving && !world_.hand().moving())) step();
+      const std::vector<Feeling> now = read();
+      ++samples;
+      for (std::size_t i = 0; i < mean.size(); ++i) {
+        mean[i].sum += now[i].sum;
+        mean[i].area += now[i].area;
+        mean[i].counts += now[i].counts;
+      }
+    }
+    for (Feeling& pad : mean) {
+      pad.sum /= samples;
+      pad.area /= samples;
+      pad.counts /= samples;
+    }
+    return mean;
+  }
+
+  robot::MeanTouch mean(const std::vector<Feeling>& feelings) const {
+    std::vector<robot::PadPercept> percepts;
+    for (const Feeling& pad : feelings) percepts.push_back({pad.sum, pad.area, 0});
+    return robot::mean_touch(percepts, options_.grip.touch_force,
+                             std::numeric_limits<double>::infinity());
+  }
+
+  PredictedTouch felt(const std::vector<Feeling>& feelings) const {
+    PredictedTouch touch;
+    touch.outcome = TouchOutcome::kPredicted;
+    touch.mean = mean(feelings);
+    if (touch.mean.pads == 0) {
+      if (!world_.body(kFelt).touches_robot) {
+        throw NotPredicted{TouchOutcome::kMissed, "the fingers close beside the object"};
+      }
+      throw NotPredicted{TouchOutcome::kBesidePads, "the hand touches the object beside its pads"};
+    }
+    for (std::size_t i = 0; i < feelings.size(); ++i) touch.pads.push_back(pad(i, feelings[i]));
+    touch.stopped = stopped_;
+    return touch;
+  }
+
+  PredictedPad pad(std::size_t index, const Feeling& feeling) const {
+    const robot::TactilePadModel& model = hand_.pads[index].model;
+    PredictedPad pad;
+    pad.name = hand_.pads[index].name;
+    pad.rows = model.rows;
+    pad.columns = model.columns;
+    pad.sum = feeling.sum;
+    pad.area = feeling.area;
+    double counts = 0;
+    for (Eigen::Index i = 0; i < feeling.counts.size(); ++i) {
+      const double count = feeling.counts[i];
+      pad.counts.push_back(static_cast<std::uint16_t>(std::lround(count)));
+      if (count <= options_.touch_counts) continue;
+      const int row = static_cast<int>(i) / model.columns;
+      const int column = static_cast<int>(i) % model.columns;
+      counts += count;
+      pad.center_P += count * model.texel_pitch *
+                      Eigen::Vector2d(column - 0.5 * (model.columns - 1),
+                                      0.5 * (model.rows - 1) - row);  // row 0 is at the tip
+    }
+    if (counts > 0) pad.center_P /= counts;
+    return pad;
+  }
+
+  const robot::HandModel& hand_;
+  const TouchPredictionOptions& options_;
+  steady_clock::time_point until_;
+  RigidTransform X_TW_;
+  simulation::RobotWorld world_;
+  std::shared_ptr<const simulation::RobotWorld::State> standing_;
+  robot::ClosingWay way_;
+  RigidTransform X_TB_start_ = RigidTransform::Identity();
+  Eigen::VectorXd stopped_;
+  long steps_ = 0;
+};
+
+steady_clock::time_point end_of(double budget) {
+  if (budget <= 0) return steady_clock::time_point::max();
+  return steady_clock::now() +
+         std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(budget));
+}
+
+// What `simulate` predicts, or why it does not.
+PredictedTouch told(const std::function<PredictedTouch()>& simulate) {
+  PredictedTouch none;
+  try {
+    return simulate();
+  } catch (const NotPredicted& end) {
+    none.outcome = end.outcome;
+    none.problem = end.why;
+  } catch (const geometry::InputError& error) {
+    none.outcome = TouchOutcome::kNotSimulated;
+    none.problem = fmt::format("it cannot be simulated: {}", error.what());
+  }
+  return none;
+}
+
+}  // namespace
+
+simulation::RobotWorldOptions TouchPredictionOptions::coarse() {
+  simulation::RobotWorldOptions world;
+  world.step = 0.002;
+  return world;
+}
+
+void TouchPredictionOptions::validate() const {
+  grip.validate("TouchPredictionOptions::grip.");
+  const text::Require require{"TouchPredictionOptions::"};
+  require(touch_counts >= 0, "touch_counts must not be negative");
+  require(std::isfinite(friction) && friction >= 0, "friction must not be negative");
+  require(std::isfinite(largest_tilt) && largest_tilt > 0, "largest_tilt must be positive");
+  require(std::isfinite(budget) && budget >= 0, "budget must not be negative");
+  require(threads >= 0, "threads must not be negative");
+}
+
+PredictedTouch predict_touch(const robot::HandModel& hand, const GraspToFeel& grasp,
+                             const ObjectToFeel& object, const TouchPredictionOptions& options) {
+  return predict_touches(hand, {grasp}, object, options).front();
+}
+
+std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
+                                            const std::vector<GraspToFeel>& grasps,
+                                            const ObjectToFeel& object,
+                                            const TouchPredictionOptions& options) {
+  options.validate();
+  for (const GraspToFeel& grasp : grasps) check(hand, grasp, object);
+  std::vector<PredictedTouch> touches(grasps.size());
+  if (hand.pads.empty()) {
+    PredictedTouch none;
+    none.outcome = TouchOutcome::kNoPads;
+    none.problem = fmt::format("the hand '{}' has no tactile pads", hand.name);
+    touches.assign(grasps.size(), none);
+    return touches;
+  }
+  const auto until = end_of(options.budget);
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t worlds = std::min(
+      options.threads > 0 ? static_cast<std::size_t>(options.threads) : cores, grasps.size());
+  grasp::for_each_index(worlds, static_cast<int>(worlds), [&](std::size_t world) {
+    std::optional<FeltObject> felt;
+    const PredictedTouch standing = told([&] {
+      felt.emplace(hand, object, options, until);
+      return PredictedTouch();
+    });
+    for (std::size_t i = world; i < grasps.size(); i += worlds) {
+      touches[i] = felt ? told([&] { return felt->close(grasps[i]); }) : standing;
+    }
+  });
+  return touches;
+}
+
+}  // namespace prehend::planning
