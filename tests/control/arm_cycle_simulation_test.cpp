@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "prehend/control/arm_cycle.h"
+#include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/platform.h"
 #include "prehend/simulation/robot_world.h"
@@ -156,7 +157,7 @@ struct PlatformSetup {
 class InSimulation : public testing::TestWithParam<PlatformSetup> {
  protected:
   explicit InSimulation(double mass = 0.4) {
-    world.add_object("box", simulation::make_standing_box({0.06, 0.06, 0.14}), mass);
+    world.add_object("box", box, mass);
     RigidTransform at = RigidTransform::Identity();
     at.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
     at.translation() = Eigen::Vector3d(0, 0, setup.height);
@@ -165,6 +166,7 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
       X.translation() += Eigen::Vector3d(0, y, dz);
       return X;
     };
+    X_WG = at;
     const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
     PlanByHand plan(platform, preshape);
     grasp.segments.emplace_back("reach", plan.jump(over(0, 0.12)));
@@ -190,6 +192,13 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
       now.positions.push_back(joint.position);
     }
     now.wrist_force = world.wrist_wrench().force;
+    const auto pads = world.pads();
+    for (std::size_t i = 0; i < pads.size(); ++i) {
+      const double pitch = platform.hand.pads[i].model.texel_pitch;
+      now.pads.push_back({pads[i].sum,
+                          robot::touched_area(pads[i].counts, robot::kTouchCounts, pitch * pitch),
+                          0});
+    }
     return now;
   }
 
@@ -213,7 +222,9 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
   const PlatformSetup setup = GetParam();
   const robot::Platform platform =
       robot::read_platform(std::string("config/robots/") + setup.platform);
+  const geometry::TriangleMesh box = simulation::make_standing_box({0.06, 0.06, 0.14});
   simulation::RobotWorld world{platform, simulation::Scene()};
+  RigidTransform X_WG = RigidTransform::Identity();  // of the grasp
   ArmGrasp grasp;
   WorldArm arm{world};
   WorldHand hand{world};
@@ -269,10 +280,54 @@ TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
   }));
 }
 
+// What is predicted on the true shape, by a hand alone in coarser steps, is what the arm's hand
+// feels.
+class FeltInSimulation : public InSimulation {
+ protected:
+  void expect_felt_as_predicted(double force) {
+    grasp.force = force;
+    grasp.effort = 0.3;
+    for (const int joint : platform.hand.actuated) {
+      grasp.largest_effort.push_back(
+          platform.hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
+    }
+    const planning::PredictedTouch touch = planning::predict_touch(
+        platform.hand,
+        {X_WG, setup.preshape, grasp.hand.open, grasp.hand.closed, force, grasp.effort},
+        {box, {}, 0.4});
+    ASSERT_EQ(touch.outcome, planning::TouchOutcome::kPredicted) << touch.problem;
+    grasp.contact_area = touch.mean.area;
+    grasp.tactile_sum = touch.mean.sum;
+    grasp.closure = grasp.hand.closure(touch.stopped);
+    ArmCycle cycle(options(), arm, hand);
+    run(cycle);
+    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    int compared = 0;
+    for (const Surprise& surprise : cycle.surprises()) {
+      const bool touches =
+          surprise.kind == SurpriseKind::kContactArea || surprise.kind == SurpriseKind::kTactileSum;
+      compared += touches ? 1 : 0;
+      if (touches) EXPECT_NEAR(surprise.felt, surprise.predicted, 0.1 * surprise.predicted);
+      if (surprise.kind != SurpriseKind::kFingersAtContact) continue;
+      EXPECT_NEAR(surprise.felt, surprise.predicted, 0.01);
+    }
+    EXPECT_EQ(compared, 2);
+  }
+};
+
+TEST_P(FeltInSimulation, AsPredictedWhenTheMotorsPress) { expect_felt_as_predicted(0); }
+
+TEST_P(FeltInSimulation, AsPredictedWhenThePadsAreToFeelAForce) { expect_felt_as_predicted(8); }
+
 INSTANTIATE_TEST_SUITE_P(
     Platforms, InSimulation,
     testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09, 0.3},
                     PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09, 1.0}));
+
+INSTANTIATE_TEST_SUITE_P(Platforms, FeltInSimulation,
+                         testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09,
+                                                       0.3},
+                                         PlatformSetup{"kr5_sdh.yaml", "pinch", true, 0.09, 0.3}));
 
 }  // namespace
 }  // namespace prehend::control
