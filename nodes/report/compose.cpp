@@ -12,6 +12,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
+#include "nodes/report/touch_section.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
@@ -43,12 +44,6 @@ void section(Page& page, const std::string& heading, const std::function<void()>
   } catch (const std::exception& error) {
     page.add_paragraph(std::string("This part could not be drawn: ") + error.what());
   }
-}
-
-// "finger_1_distal" as people write it.
-std::string in_words(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
 }
 
 std::string seconds_text(double seconds) { return fmt::format("{:.3f}", seconds); }
@@ -294,31 +289,6 @@ void add_object(Page& page, const Collected& collected, const msgs::CompletedSha
     report::add_rejections(page, rejections_of(plan->second),
                            static_cast<int>(plan->second.candidates()), "candidates");
   });
-}
-
-void add_touch(Page& page, const Collected& collected) {
-  double full = 0;
-  std::set<std::string> touched;  // of a hand's many pads those that felt something at all
-  for (const auto& snapshot : collected.snapshots) {
-    for (const auto& [name, pad] : snapshot.pads) {
-      if (pad.sum() > 0) touched.insert(name);
-      for (const auto count : pad.intensity()) full = std::max(full, static_cast<double>(count));
-    }
-  }
-  std::vector<ColorImage> pictures;
-  std::vector<std::string> captions;
-  for (const auto& snapshot : collected.snapshots) {
-    for (const auto& [name, pad] : snapshot.pads) {
-      if (touched.count(name) == 0) continue;
-      const std::vector<double> values(pad.intensity().begin(), pad.intensity().end());
-      pictures.push_back(report::draw_tactile(values, static_cast<int>(pad.rows()),
-                                              static_cast<int>(pad.columns()), full));
-      captions.push_back(
-          fmt::format("end of {}: {} pad, {:.1f} N", snapshot.phase, in_words(name), pad.sum()));
-    }
-  }
-  if (pictures.empty()) page.add_paragraph("Nothing was touched.");
-  page.add_pictures(pictures, captions);
 }
 
 // Joints of arm and hand over time, each in a chart of its own.

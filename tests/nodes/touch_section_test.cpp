@@ -1,0 +1,67 @@
+#include "nodes/report/touch_section.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace prehend::nodes {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+msgs::TactileFrame frame_of(const std::string& pad, std::uint32_t counts) {
+  msgs::TactileFrame frame;
+  frame.mutable_header()->set_frame_id(pad);
+  frame.set_rows(2);
+  frame.set_columns(1);
+  frame.add_intensity(counts);
+  frame.add_intensity(0);
+  frame.set_sum(0.01 * counts);
+  return frame;
+}
+
+// A run that executed the only grasp of object 3.
+Collected run_of(const msgs::PredictedPercepts& predicted) {
+  Collected collected;
+  collected.result.emplace();
+  collected.result->set_attempts(1);
+  collected.result->set_object_id(3);
+  *collected.plans[3].add_grasps()->mutable_predicted() = predicted;
+  return collected;
+}
+
+std::string page_of(const Collected& collected) {
+  report::Page page("touch");
+  add_touch(page, collected);
+  return page.html();
+}
+
+TEST(TouchSection, PredictedBesideFelt) {
+  msgs::PredictedPercepts predicted;
+  *predicted.add_pads()->mutable_image() = frame_of("thumb_distal", 400);
+  Collected collected = run_of(predicted);
+  collected.snapshots.push_back({"grasp",
+                                 {{"thumb_distal", frame_of("thumb_distal", 390)},
+                                  {"finger_1_distal", frame_of("finger_1_distal", 120)},
+                                  {"finger_2_distal", frame_of("finger_2_distal", 0)}}});
+  const std::string html = page_of(collected);
+  const auto to_be = html.find("thumb distal pad, predicted: 4.0 N");
+  const auto is = html.find("thumb distal pad, end of grasp: 3.9 N");
+  ASSERT_NE(to_be, std::string::npos) << html;
+  ASSERT_NE(is, std::string::npos);
+  EXPECT_LT(to_be, is);
+  EXPECT_THAT(html, HasSubstr("finger 1 distal pad, end of grasp: 1.2 N")) << "a surprise";
+  EXPECT_THAT(html, Not(HasSubstr("finger 2 distal"))) << "neither felt nor predicted";
+}
+
+TEST(TouchSection, SaysWhyNothingWasPredictedAndThatNothingWasTouched) {
+  msgs::PredictedPercepts predicted;
+  predicted.set_not_predicted("the hand 'bh8' has no tactile pads");
+  const std::string html = page_of(run_of(predicted));
+  EXPECT_THAT(html, HasSubstr("was not predicted: the hand "));
+  EXPECT_THAT(html, HasSubstr("Nothing was touched."));
+  EXPECT_THAT(page_of(Collected()), HasSubstr("Nothing was touched."));
+}
+
+}  // namespace
+}  // namespace prehend::nodes
