@@ -21,6 +21,7 @@ constexpr double kArmSpacing = 0.015;         // m, between points on the arm
 constexpr double kCell = 0.005;               // m, of the grid of what is near
 constexpr int kMostCells = 40;                // along each side
 constexpr std::size_t kMostPartContacts = 4;  // of two links of which one is a mesh
+constexpr double kFaceOn = 0.99;              // cosine: nearer to a face's normal, it is the face
 constexpr double kBeforeFoam = 0.002;         // m, over a pad's face
 
 geometry::TriangleMesh mesh_of(const EngineShape& shape) {
@@ -48,7 +49,11 @@ bool mesh_depth(const geometry::MeshQuery& query, const Eigen::Vector3d& p, doub
   normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
                .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
                .normalized();
-  depth = normal.dot(p - nearest->point) < 0 ? nearest->distance : -nearest->distance;
+  const double along = normal.dot(p - nearest->point);
+  // Beside an edge or a corner one of its faces does not tell the side.
+  const bool beside_edge = std::abs(along) < kFaceOn * nearest->distance;
+  const bool inside = beside_edge ? query.contains(p) : along < 0;
+  depth = inside ? nearest->distance : -nearest->distance;
   return true;
 }
 
@@ -133,8 +138,8 @@ RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
   near.box.min().array() -= 1.5 * near.side;
   near.box.max().array() += 1.5 * near.side;
   near.cells = (near.box.sizes() / near.side).array().ceil().cast<int>();
-  near.close.assign(static_cast<std::size_t>(near.cells.prod()), 0);
-  // Points are asked for within a millimetre or two of the surface, or inside, not too deep.
+  near.clearance.assign(static_cast<std::size_t>(near.cells.prod()), 0);
+  // Points are asked for within a millimetre or two of the surface, or inside.
   const double reach = 0.5 * std::sqrt(3.0) * near.side + 0.003;
   std::size_t k = 0;
   for (int z = 0; z < near.cells.z(); ++z) {
@@ -142,20 +147,26 @@ RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
       for (int x = 0; x < near.cells.x(); ++x, ++k) {
         const Eigen::Vector3d center =
             near.box.min() + near.side * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
-        near.close[k] = model.query->nearest(center, reach).has_value() ||
-                        (model.box.contains(center) && model.query->contains(center));
+        if (model.box.contains(center) && model.query->contains(center)) continue;
+        const auto nearest = model.query->nearest(center, reach);
+        // A little less, as floats round.
+        near.clearance[k] = static_cast<float>((nearest ? nearest->distance : reach) * (1 - 1e-6));
       }
     }
   }
   return near;
 }
 
-bool RobotTouch::Near::at(const Eigen::Vector3d& p_B) const {
+double RobotTouch::Near::outside_by(const Eigen::Vector3d& p_B) const {
   const Eigen::Vector3d cell = (p_B - box.min()) / side;
-  if (!(cell.minCoeff() >= 0)) return false;
+  if (!(cell.minCoeff() >= 0)) return kDeepest;
   const Eigen::Vector3i i = cell.cast<int>();
-  if ((i.array() >= cells.array()).any()) return false;
-  return close[static_cast<std::size_t>(i.x() + cells.x() * (i.y() + cells.y() * i.z()))] != 0;
+  if ((i.array() >= cells.array()).any()) return kDeepest;
+  const double clear = static_cast<double>(
+      clearance[static_cast<std::size_t>(i.x() + cells.x() * (i.y() + cells.y() * i.z()))]);
+  // On the way from the cell's middle the surface is not crossed.
+  const double way = side * (cell - i.cast<double>() - Eigen::Vector3d::Constant(0.5)).norm();
+  return std::max(0.0, clear - way);
 }
 
 bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B,
@@ -166,8 +177,10 @@ bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Ve
     normal_B = felt.X_BS.linear() * normal_B;
     return depth > 0 && depth < kDeepest;
   }
-  if (!near.at(p_B)) return false;
-  if (!mesh_depth(*object.model.query, p_B, kDeepest, normal_B, depth)) return false;
+  const double outside = near.outside_by(p_B);
+  if (outside > margin) return false;
+  const double reach = outside > 0 ? margin : kDeepest;
+  if (!mesh_depth(*object.model.query, p_B, reach, normal_B, depth)) return false;
   return depth > -margin;
 }
 

@@ -60,13 +60,16 @@ class RobotTouch : public engines::TouchFinder {
     /// Whether a point is inside, less than kDeepest deep, and the nearest face's normal.
     bool holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S, double& depth) const;
   };
-  /// Least distances to an object's surface over a grid of cells: what is far is not asked.
+  /// Distances to an object's surface over a grid of cells: what is far is not asked, what is
+  /// outside not farther than it matters.
   struct Near {
     Eigen::AlignedBox3d box;  // m, in B
     Eigen::Vector3i cells = Eigen::Vector3i::Zero();
-    double side = 0;          // m
-    std::vector<char> close;  // of each cell: the surface passes within reach of it
-    bool at(const Eigen::Vector3d& p_B) const;
+    double side = 0;               // m
+    std::vector<float> clearance;  // m, of each cell's middle from the surface, 0 inside; at most
+                                   // what is asked for
+    /// p_B is outside, this far from the surface at least [m]; 0 when it may be inside.
+    double outside_by(const Eigen::Vector3d& p_B) const;
   };
 
   static Near make_near(const BodyModel& model);

@@ -117,6 +117,61 @@ INSTANTIATE_TEST_SUITE_P(Hands, Holds,
                                            std::tuple("bh8.yaml", "spread_0", 0.2),
                                            std::tuple("bh8.yaml", "spread_0", 1.0)));
 
+// Regression: a point beside a sharp edge was taken to be inside where the face that happened to be
+// the nearest turned its back to it, as deep as it was away: predicted meshes were pushed and
+// fingers jammed by what did not touch.
+TEST(RobotWorld, WhatIsBesideASharpEdgeTouchesNothing) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
+  RobotWorld world(hand, above(hand, "parallel", {0, 0, 0.3}), "parallel");
+  Eigen::Vector3d tip{0, 0, 1};  // the hand's lowest
+  for (const VisibleBody& body : world.visible_bodies()) {
+    for (const Eigen::Vector3d& p_B : body.mesh_B->vertices) {
+      const Eigen::Vector3d p_W = body.X_WB * p_B;
+      if (p_W.z() < tip.z()) tip = p_W;
+    }
+  }
+  // Blades along x under the tips, 4 mm below, in the box of a post that stands beside the hand.
+  std::vector<geometry::TriangleMesh> parts{at(make_standing_box({0.02, 0.02, 0.4}), {0.3, 0, 0})};
+  const double top = tip.z() - 0.004;
+  for (double y = -0.1; y <= 0.1; y += 0.003) {
+    std::vector<Eigen::Vector3d> corners;
+    for (const double x : {-0.08, 0.08}) {
+      corners.insert(corners.end(), {{x, y, top}, {x, y - 0.001, 0}, {x, y + 0.001, 0}});
+    }
+    parts.push_back(geometry::convex_hull(corners));
+  }
+  world.add_object("comb", geometry::concatenated(parts), 0.5, true);
+  run(world, 0.05);
+  EXPECT_FALSE(world.body("comb").touches_robot);
+  for (const LinkContact& contact : world.link_contacts()) {
+    ADD_FAILURE() << contact.link << " " << contact.normal_force << " N";
+  }
+  // It is there all the same.
+  world.carry(above(hand, "parallel", {0, 0, 0.3 - 0.006}), 0.1);
+  run(world, 0.1);
+  EXPECT_TRUE(world.body("comb").touches_robot);
+}
+
+TEST(RobotWorld, AHandIsSetElsewhereAtOnceAndAtRest) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
+  const RigidTransform here = above(hand, "parallel", {0, 0, 0.3});
+  RigidTransform there = above(hand, "parallel", {0.5, 0.2, 0.4});
+  there.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()));
+  RobotWorld moved(hand, here, "parallel"), made(hand, there, "parallel");
+  moved.carry(there, 1.0);
+  run(moved, 0.3);
+  moved.set_carrier(there);
+  EXPECT_TRUE(moved.carried());
+  EXPECT_EQ(moved.X_WH().matrix(), there.matrix());
+  moved.set_hand(hand.preshape("parallel").open);
+  for (RobotWorld* world : {&moved, &made}) run(*world, 0.2);
+  EXPECT_LT((moved.X_WH().matrix() - made.X_WH().matrix()).norm(), 1e-12);
+  EXPECT_LT((moved.hand_positions() - made.hand_positions()).norm(), 1e-4);
+  for (const JointReading& joint : moved.joints()) EXPECT_LT(std::abs(joint.velocity), 1e-3);
+  RobotWorld with_arm(robot::read_platform("config/robots/kr5_sdh.yaml"), Scene());
+  EXPECT_THROW(with_arm.set_carrier(here), std::logic_error);
+}
+
 TEST(RobotWorld, ContinuesBitwiseFromASavedState) {
   const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
   Scene scene;
