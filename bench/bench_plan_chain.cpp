@@ -1,5 +1,6 @@
 // The whole chain of a plan: from a completed cloud to a ranked plan with the arm's motion.
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
+#include "prehend/planning/hand_plan.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/platform.h"
 #include "prehend/shape/symmetry.h"
@@ -102,6 +104,32 @@ void chain(benchmark::State& state, const std::string& name) {
   state.counters["triangles"] = static_cast<double>(triangles);
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(state.iterations());
 }
+/// What the pads of the SDH-2 feel on the completed carton: one world, three grasps.
+void BM_PredictTouchSdh(benchmark::State& state) {
+  static const Completed completed;
+  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
+  const surface::ObjectModel object =
+      surface::make_object_model(completed.shape, completed.view.table_W, {});
+  planning::HandPlanResult plan =
+      planning::plan_hand(grasp::HandToClose(platform.hand), object, completed.view.table_W, {}, {},
+                          planning::within_reach({}, platform));
+  plan.grasps.resize(std::min<std::size_t>(plan.grasps.size(), 3));
+  planning::TouchPredictionOptions options;
+  options.threads = 1;
+  int predicted = 0;
+  for (auto _ : state) {
+    planning::add_touch(platform.hand, object, completed.view.table_W, options, &plan.grasps);
+    for (const auto& grasp : plan.grasps) {
+      predicted += grasp.touch.outcome == planning::TouchOutcome::kPredicted;
+    }
+  }
+  state.counters["triangles"] = static_cast<double>(object.mesh_W.triangles.size());
+  state.counters["grasps"] = static_cast<double>(plan.grasps.size());
+  state.counters["predicted"] =
+      static_cast<double>(predicted) / static_cast<double>(state.iterations());
+}
+BENCHMARK(BM_PredictTouchSdh)->Unit(benchmark::kMillisecond);
+
 void BM_CloudToPlanPg70(benchmark::State& state) { chain(state, "kr5_pg70"); }
 void BM_CloudToPlanSdh(benchmark::State& state) { chain(state, "kr5_sdh"); }
 void BM_CloudToPlanBarrett(benchmark::State& state) { chain(state, "pa10_barrett"); }

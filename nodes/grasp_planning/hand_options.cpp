@@ -26,7 +26,7 @@ constexpr Misfit kOfPlatforms[] = {
     {"place", "no platform is named"},         {"arm_budget", "no platform is named"},
     {"motions", "no platform is named"},       {"task", "no platform is named"},
     {"tasks", "no platform is named"},         {"path_planner", "there is no arm"},
-    {"predict_touch", "no platform is named"},
+    {"predict_touch", "no platform is named"}, {"grip_force", "no platform is named"},
 
     {"collision_checker", "there is no arm"},
 };

@@ -15,6 +15,7 @@
 #include "nodes/grasp_planning/hand_options.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
+#include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/gripper_source/gripper_source.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/fidelity/plan_settings.h"
@@ -34,18 +35,6 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
     node.log_info("  {} of {} ({}): {}{}", rejection.count(), plan.candidates(),
                   rejection.generator(), rejection.reason(),
                   rejection.nearest_miss().empty() ? "" : ", at best " + rejection.nearest_miss());
-  }
-}
-
-// What is predicted to be felt, of the grasps that get a motion.
-void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {
-  for (const auto& time : plan.times()) {
-    if (time.stage() != "touch_prediction") continue;
-    node.log_info("  touch of the grasps with a motion was simulated in {:.2f} s", time.seconds());
-  }
-  for (int i = 0; i < plan.grasps_size(); ++i) {
-    const std::string& why = plan.grasps(i).predicted().not_predicted();
-    if (!why.empty()) node.log_info("  touch of grasp {} is not predicted: {}", i, why);
   }
 }
 
@@ -147,17 +136,6 @@ std::vector<std::string> usable_names(graph::Node& node, const Registry& registr
   return registry.names();
 }
 
-std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node) {
-  const bool predict = node.declare_parameter<bool>(
-      {.name = "predict_touch",
-       .default_value = true,
-       .description = "with a platform: close its hand in simulation, for the grasps that get a "
-                      "motion, to tell what its pads should feel",
-       .read_only = true});
-  if (!predict) return std::nullopt;
-  return planning::TouchPredictionOptions();
-}
-
 // Set when the node plans for an arm with a hand instead of the parallel gripper on the carrier.
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                                           const grasp::PlannerOptions& common) {
@@ -212,7 +190,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
-  const auto touch = declare_touch(node);
+  const auto touch = nodes::declare_touch(node);
+  const double grip_force = nodes::declare_grip_force(node);
   const bool front_chooses =
       !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
   if (file.empty()) {
@@ -224,9 +203,10 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
   nodes::refuse_what_does_not_apply(
       node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
       front_chooses);
+  nodes::refuse_grip_force(node, platform.hand);
   return std::make_unique<nodes::PlatformPlanning>(
       std::move(platform), home,
-      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
+      planning::HandPlanOptions{common, nodes::hand_options(node, common), grip_force}, arm, place,
       std::move(task), motions, touch);
 }
 
@@ -429,7 +409,7 @@ class GraspPlanning {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
     }
     log_ledger(node_, plan);
-    log_touch(node_, plan);
+    nodes::log_touch(node_, plan);
     if (records_) {
       node_.shield("record of object " + std::to_string(plan.id()),
                    [&] { records_->planned(message, plan); });

@@ -202,9 +202,11 @@ void PlatformPlanning::add_touch(const surface::ObjectModel& object, const geome
   if (budget > 0) options.budget = std::max(budget - spent, 1e-6);
   const auto begin = steady_clock::now();
   planning::add_touch(platform_.hand, object, table_W, options, &grasps);
-  auto& time = *message->add_times();
-  time.set_stage("touch_prediction");
-  time.set_seconds(std::chrono::duration<double>(steady_clock::now() - begin).count());
+  if (!platform_.hand.pads.empty()) {
+    auto& time = *message->add_times();
+    time.set_stage("touch_prediction");
+    time.set_seconds(std::chrono::duration<double>(steady_clock::now() - begin).count());
+  }
   for (std::size_t i = 0; i < grasps.size(); ++i) {
     auto& predicted = *message->mutable_grasps(static_cast<int>(i))->mutable_predicted();
     predicted = convert::to_message(grasps[i].predicted);

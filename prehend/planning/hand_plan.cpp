@@ -59,10 +59,11 @@ PlannedGrasp with_pads(const robot::HandModel& hand, const grasp::Grasp& grasp) 
   return result;
 }
 
-PlannedGrasp with_fingers(const grasp::HandGrasp& grasp, double mass) {
+PlannedGrasp with_fingers(const grasp::HandGrasp& grasp, double mass, double grip_force) {
   PlannedGrasp result = common_part(grasp, grasp.preshape, grasp.open);
   result.closed = grasp.closed;
   result.all = grasp.closed_all;
+  result.force = grip_force;
   result.effort = grasp.effort;
   result.predicted.lifted_mass = mass;
   for (const grasp::HandContact& contact : grasp.contacts) {
@@ -95,7 +96,9 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
                                                  reachability, options.fingers, &remembered)
                   : plan_hand_grasps(object, table, obstacles, hand, reachability, options.fingers);
     result = common_part(plan);
-    for (const auto& grasp : plan.grasps) result.grasps.push_back(with_fingers(grasp, plan.mass));
+    for (const auto& grasp : plan.grasps) {
+      result.grasps.push_back(with_fingers(grasp, plan.mass, options.grip_force));
+    }
   }
   result.remembered = remembered;
   return result;

@@ -48,6 +48,8 @@ struct HandPlanResult {
 struct HandPlanOptions {
   grasp::PlannerOptions pads;         // of a parallel gripper: HandModel::gripper
   grasp::HandPlannerOptions fingers;  // of all other hands
+  double grip_force = 0;  // N, >= 0, PlannedGrasp::force of hands with fingers whose pads are to
+                          // feel it
 };
 
 /// Plans grasps of one object with a hand: by plan_grasps() where it is a parallel gripper with

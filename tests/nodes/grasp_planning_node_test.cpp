@@ -160,6 +160,44 @@ TEST_F(GraspPlanningNode, PlannerAndCheckerAreChosenByName) {
   EXPECT_GT(with_motion, 0) << planning_->output();
 }
 
+// Grasps that the arm can execute say what their pads should feel, and where the hand stops.
+TEST_F(GraspPlanningNode, TouchOfThePadsGoesWithThePlan) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1", "grip_force:=8"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.15 * (id - 1.0)));
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  int predicted = 0;
+  for (const auto& [id, plan] : all) {
+    ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
+    const msgs::Grasp& best = plan.grasps(0);
+    EXPECT_EQ(best.grasp_force(), 8);
+    if (!best.predicted().not_predicted().empty()) continue;
+    ++predicted;
+    EXPECT_GT(best.predicted().tactile_sum(), 4);
+    EXPECT_GT(best.predicted().contact_area(), 0);
+    EXPECT_EQ(best.predicted().stop_position_size(), best.hand_joint_name_size());
+    ASSERT_GT(best.predicted().pads_size(), 0);
+    const msgs::TactileFrame& image = best.predicted().pads(0).image();
+    EXPECT_EQ(static_cast<std::uint32_t>(image.intensity_size()), image.rows() * image.columns());
+    for (int i = 1; i < plan.grasps_size(); ++i) {
+      EXPECT_EQ(plan.grasps(i).predicted().pads_size(), 0) << "it gets no motion";
+    }
+  }
+  EXPECT_GT(predicted, 0) << planning_->output();
+}
+
+TEST_F(GraspPlanningNode, TouchIsNotPredictedWhereNobodyAsksForIt) {
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1", "predict_touch:=false"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.15 * (id - 1.0)));
+  for (const auto& [id, plan] : plans(1)) {
+    ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
+    EXPECT_EQ(plan.grasps(0).predicted().pads_size(), 0);
+    EXPECT_EQ(plan.grasps(0).predicted().tactile_sum(), 0);
+    EXPECT_THAT(plan.grasps(0).predicted().not_predicted(), IsEmpty());
+    EXPECT_GT(plan.grasps(0).predicted().lifted_mass(), 0);
+  }
+}
+
 // What means nothing beside the other parameters was ignored.
 TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   const auto refusal = [this](const std::vector<std::string>& parameters) {
@@ -169,6 +207,11 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   };
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),
               HasSubstr("'friction' does not apply with a hand of fingers"));
+  EXPECT_THAT(refusal({"platform:=pa10_barrett", "grip_force:=8"}),
+              HasSubstr("'grip_force' does not apply with the hand 'bh8': it has no tactile pads"));
+  EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=8"}), HasSubstr("its force is planned"));
+  EXPECT_THAT(refusal({"predict_touch:=false"}),
+              HasSubstr("'predict_touch' does not apply without a platform"));
   EXPECT_THAT(refusal({"home:=side"}), HasSubstr("'home' does not apply without a platform"));
   EXPECT_THAT(refusal({"path_planner:=ompl_bitrrt"}),
               HasSubstr("'path_planner' does not apply without a platform"));

@@ -1,0 +1,56 @@
+#include "nodes/grasp_planning/touch_parameters.h"
+
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace prehend::nodes {
+
+double declare_grip_force(graph::Node& node) {
+  return node.declare_parameter<double>(
+      {.name = "grip_force",
+       .default_value = 0.0,
+       .unit = "N",
+       .minimum = 0.0,
+       .description = "with a platform whose fingers have pads: that those which touch are to "
+                      "feel, their mean; goes with the plan, and grasp_cycle presses so; 0: as the "
+                      "motors press, or as grasp_cycle is told",
+       .read_only = true});
+}
+
+void refuse_grip_force(const graph::Node& node, const robot::HandModel& hand) {
+  if (!node.is_parameter_given("grip_force") || (!hand.gripper && !hand.pads.empty())) return;
+  throw std::invalid_argument(
+      fmt::format("parameter 'grip_force' does not apply with the hand '{}': {}; leave it out",
+                  hand.name, hand.gripper ? "its force is planned" : "it has no tactile pads"));
+}
+
+std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node) {
+  const bool predict = node.declare_parameter<bool>(
+      {.name = "predict_touch",
+       .default_value = true,
+       .description = "with a platform: close its hand in simulation, for the grasps that get a "
+                      "motion, to tell what its pads should feel",
+       .read_only = true});
+  if (!predict) return std::nullopt;
+  return planning::TouchPredictionOptions();
+}
+
+void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {
+  for (const auto& time : plan.times()) {
+    if (time.stage() != "touch_prediction") continue;
+    node.log_info("  touch of the grasps with a motion was simulated in {:.2f} s", time.seconds());
+  }
+  std::map<std::string, std::string> grasps;  // by the reason
+  for (int i = 0; i < plan.grasps_size(); ++i) {
+    const std::string& why = plan.grasps(i).predicted().not_predicted();
+    if (!why.empty()) grasps[why] += (grasps[why].empty() ? "" : ", ") + std::to_string(i);
+  }
+  for (const auto& [why, which] : grasps) {
+    node.log_info("  touch is not predicted of grasp {}: {}", which, why);
+  }
+}
+
+}  // namespace prehend::nodes
