@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -24,11 +25,8 @@ using geometry::RigidTransform;
 using std::chrono::steady_clock;
 
 constexpr double kStandingTime = 0.5;  // s, until an object that stands has come to rest
-// Fingers that press creep on, and chatter on rough meshes, for seconds; what they feel is known by
-// then: the mean over a while.
-constexpr double kSamplePeriod = 0.01;               // s
-constexpr double kSteadyTime = 0.2, kSteady = 0.05;  // s, change of the pads' mean in it
-constexpr double kFeltTime = 0.2;                    // s, at the end
+// Fingers that press creep on for seconds; what they feel is known by then.
+constexpr double kSteadyTime = 0.2, kSteady = 0.02;  // s, change of the pads' mean in it
 constexpr double kFarAbove = 10;                     // m, of a hand that is not to touch
 constexpr double kMotionTimeout = 10;                // s, of one motion of the fingers
 constexpr double kFarthest = 0.3;                    // m, that a closing hand may push it
@@ -96,10 +94,9 @@ class FeltObject {
     move(options_.grip.overrun, share);
     stopped_ = world_.hand_positions();
     if (share < 1) press(wanted, share);
-    run_for(options_.grip.settle_time - kFeltTime);
-    const std::vector<Feeling> feelings = feel_for(kFeltTime, false);
+    run_for(options_.grip.settle_time);
     check_object(TouchOutcome::kFallsOver, "falls over when the hand closes");
-    return felt(feelings);
+    return felt();
   }
 
  private:
@@ -146,7 +143,9 @@ class FeltObject {
     const double end = world_.time() + kMotionTimeout;
     double felt = 0;
     while (world_.hand().moving() && world_.time() < end) {
-      const double now = mean(feel_for(kSteadyTime, true)).sum;
+      const double next_look = world_.time() + kSteadyTime;
+      while (world_.hand().moving() && world_.time() < next_look) step();
+      const double now = mean(read()).sum;
       if (now > 0 && std::abs(now - felt) < kSteady * now) return;
       felt = now;
     }
@@ -164,94 +163,55 @@ class FeltObject {
     }
   }
 
-  // One pad, now or over a time.
-  struct Feeling {
-    double sum = 0, area = 0;  // N, m^2
-    Eigen::ArrayXd counts;     // of its texels
-  };
-
-  std::vector<Feeling> read() const {
-    std::vector<Feeling> feelings;
-    for (const simulation::HandPadReading& reading : world_.pads()) {
-      const double pitch = hand_.pads[feelings.size()].model.texel_pitch;
-      Feeling& pad = feelings.emplace_back();
-      pad.sum = reading.sum;
-      pad.area = robot::touched_area(reading.counts, options_.touch_counts, pitch * pitch);
-      pad.counts = Eigen::Map<const Eigen::Array<std::uint16_t, Eigen::Dynamic, 1>>(
-                       reading.counts.data(), static_cast<Eigen::Index>(reading.counts.size()))
-                       .cast<double>();
+  std::vector<PredictedPad> read() const {
+    std::vector<PredictedPad> pads;
+    for (simulation::HandPadReading& reading : world_.pads()) {
+      const robot::TactilePadModel& model = hand_.pads[pads.size()].model;
+      PredictedPad pad{std::move(reading.name),   reading.rows, reading.columns,
+                       std::move(reading.counts), reading.sum,  0,
+                       Eigen::Vector2d::Zero()};
+      pad.area = robot::touched_area(pad.counts, options_.touch_counts,
+                                     model.texel_pitch * model.texel_pitch);
+      pad.center_P = center_of(pad, model.texel_pitch);
+      pads.push_back(std::move(pad));
     }
-    return feelings;
+    return pads;
   }
 
-  // Their mean over `seconds`, or until the hand is still if that is sooner and `moving`.
-  std::vector<Feeling> feel_for(double seconds, bool moving) {
-    std::vector<Feeling> mean = read();
-    int samples = 1;
-    const double end = world_.time() + seconds - 0.5 * world_.options().step;
-    while (world_.time() < end && !(moving && !world_.hand().moving())) {
-      const double next = world_.time() + kSamplePeriod;
-      while (world_.time() < next && !(moving && !world_.hand().moving())) step();
-      const std::vector<Feeling> now = read();
-      ++samples;
-      for (std::size_t i = 0; i < mean.size(); ++i) {
-        mean[i].sum += now[i].sum;
-        mean[i].area += now[i].area;
-        mean[i].counts += now[i].counts;
+  Eigen::Vector2d center_of(const PredictedPad& pad, double pitch) const {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double counts = 0;
+    for (int row = 0; row < pad.rows; ++row) {
+      for (int column = 0; column < pad.columns; ++column) {
+        const int count = pad.counts[static_cast<std::size_t>(row * pad.columns + column)];
+        if (count <= options_.touch_counts) continue;
+        counts += count;
+        sum += count * pitch *
+               Eigen::Vector2d(column - 0.5 * (pad.columns - 1),
+                               0.5 * (pad.rows - 1) - row);  // row 0 is at the tip
       }
     }
-    for (Feeling& pad : mean) {
-      pad.sum /= samples;
-      pad.area /= samples;
-      pad.counts /= samples;
-    }
-    return mean;
+    return counts > 0 ? Eigen::Vector2d(sum / counts) : sum;
   }
 
-  robot::MeanTouch mean(const std::vector<Feeling>& feelings) const {
+  robot::MeanTouch mean(const std::vector<PredictedPad>& pads) const {
     std::vector<robot::PadPercept> percepts;
-    for (const Feeling& pad : feelings) percepts.push_back({pad.sum, pad.area, 0});
+    for (const PredictedPad& pad : pads) percepts.push_back({pad.sum, pad.area, 0});
     return robot::mean_touch(percepts, options_.grip.touch_force,
                              std::numeric_limits<double>::infinity());
   }
 
-  PredictedTouch felt(const std::vector<Feeling>& feelings) const {
+  PredictedTouch felt() const {
     PredictedTouch touch;
     touch.outcome = TouchOutcome::kPredicted;
-    touch.mean = mean(feelings);
-    if (touch.mean.pads == 0) {
-      if (!world_.body(kFelt).touches_robot) {
-        throw NotPredicted{TouchOutcome::kMissed, "the fingers close beside the object"};
-      }
-      throw NotPredicted{TouchOutcome::kBesidePads, "the hand touches the object beside its pads"};
-    }
-    for (std::size_t i = 0; i < feelings.size(); ++i) touch.pads.push_back(pad(i, feelings[i]));
+    touch.pads = read();
+    touch.mean = mean(touch.pads);
     touch.stopped = stopped_;
-    return touch;
-  }
-
-  PredictedPad pad(std::size_t index, const Feeling& feeling) const {
-    const robot::TactilePadModel& model = hand_.pads[index].model;
-    PredictedPad pad;
-    pad.name = hand_.pads[index].name;
-    pad.rows = model.rows;
-    pad.columns = model.columns;
-    pad.sum = feeling.sum;
-    pad.area = feeling.area;
-    double counts = 0;
-    for (Eigen::Index i = 0; i < feeling.counts.size(); ++i) {
-      const double count = feeling.counts[i];
-      pad.counts.push_back(static_cast<std::uint16_t>(std::lround(count)));
-      if (count <= options_.touch_counts) continue;
-      const int row = static_cast<int>(i) / model.columns;
-      const int column = static_cast<int>(i) % model.columns;
-      counts += count;
-      pad.center_P += count * model.texel_pitch *
-                      Eigen::Vector2d(column - 0.5 * (model.columns - 1),
-                                      0.5 * (model.rows - 1) - row);  // row 0 is at the tip
+    if (touch.mean.pads > 0) return touch;
+    if (!world_.body(kFelt).touches_robot) {
+      throw NotPredicted{TouchOutcome::kMissed, "the fingers close beside the object"};
     }
-    if (counts > 0) pad.center_P /= counts;
-    return pad;
+    throw NotPredicted{TouchOutcome::kBesidePads, "the hand touches the object beside its pads"};
   }
 
   const robot::HandModel& hand_;
@@ -291,7 +251,7 @@ PredictedTouch told(const std::function<PredictedTouch()>& simulate) {
 
 simulation::RobotWorldOptions TouchPredictionOptions::coarse() {
   simulation::RobotWorldOptions world;
-  world.step = 0.002;
+  world.step = 0.004;
   return world;
 }
 
