@@ -27,7 +27,6 @@ constexpr Misfit kOfPlatforms[] = {
     {"motions", "no platform is named"},       {"task", "no platform is named"},
     {"tasks", "no platform is named"},         {"path_planner", "there is no arm"},
     {"predict_touch", "no platform is named"}, {"grip_force", "no platform is named"},
-
     {"collision_checker", "there is no arm"},
 };
 constexpr Misfit kChosenByFronts[] = {

@@ -63,6 +63,11 @@ struct NotPredicted {
   std::string why;
 };
 
+void check_budget(steady_clock::time_point until) {
+  if (steady_clock::now() <= until) return;
+  throw NotPredicted{TouchOutcome::kBudgetUsed, "the budget is used up"};
+}
+
 // A hand and an object that stands on its table, to be closed on again and again.
 class FeltObject {
  public:
@@ -103,9 +108,7 @@ class FeltObject {
   void step() {
     world_.step();
     constexpr long kCheckEvery = 16;
-    if (++steps_ % kCheckEvery == 0 && steady_clock::now() > until_) {
-      throw NotPredicted{TouchOutcome::kBudgetUsed, "the budget is used up"};
-    }
+    if (++steps_ % kCheckEvery == 0) check_budget(until_);
   }
 
   void run_for(double seconds) {
@@ -291,6 +294,7 @@ std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
   grasp::for_each_index(worlds, static_cast<int>(worlds), [&](std::size_t world) {
     std::optional<FeltObject> felt;
     const PredictedTouch standing = told([&] {
+      check_budget(until);
       felt.emplace(hand, object, options, until);
       return PredictedTouch();
     });

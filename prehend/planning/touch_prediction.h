@@ -49,10 +49,11 @@ enum class TouchOutcome {
   kNoPads,        // of the hand
   kBudgetUsed,    // before it was known
   kNotSimulated,  // what is predicted is no solid body
-  kNotStanding,   // the object does not stand as it was predicted
-  kFallsOver,     // or flies off while the hand closes
-  kMissed,        // the hand closes beside the object
-  kBesidePads,    // the hand touches it, but no pad does
+  // From here on nothing of that grasp is to be felt.
+  kNotStanding,  // the object does not stand as it was predicted
+  kFallsOver,    // or flies off while the hand closes
+  kMissed,       // the hand closes beside the object
+  kBesidePads,   // the hand touches it, but no pad does
 };
 
 struct PredictedTouch {

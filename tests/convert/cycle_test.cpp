@@ -47,6 +47,18 @@ TEST(ArmGrasps, PlansWithoutThemCloseWhatMoves) {
   EXPECT_EQ(control::described(made, 0), "grasp 0 (score 0.70, robustness not assessed)");
 }
 
+TEST(ArmGrasps, ArePredictedToCloseAsFarAsTheSimulatedHand) {
+  msgs::Grasp grasp = arm_grasp();
+  EXPECT_EQ(arm_grasp_from_message(grasp).closure, 0);
+  grasp.mutable_predicted()->set_contact_area(3e-4);
+  grasp.mutable_predicted()->set_tactile_sum(12);
+  for (const double position : {0.9, 0.3}) grasp.mutable_predicted()->add_stop_position(position);
+  const control::ArmGrasp made = arm_grasp_from_message(grasp);
+  EXPECT_NEAR(made.closure, 0.1, 1e-12);
+  EXPECT_EQ(made.contact_area, 3e-4);
+  EXPECT_EQ(made.tactile_sum, 12);
+}
+
 TEST(ArmGrasps, RefusesWhatDoesNotBelongTogether) {
   msgs::Grasp grasp = arm_grasp();
   grasp.add_closed_position(1);
@@ -56,6 +68,12 @@ TEST(ArmGrasps, RefusesWhatDoesNotBelongTogether) {
   EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
   grasp = arm_grasp();
   grasp.set_closed_position(0, std::nan(""));
+  EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
+  grasp = arm_grasp();
+  grasp.mutable_predicted()->add_stop_position(0.9);
+  EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError) << "of one joint of two";
+  grasp.mutable_predicted()->add_stop_position(0.3);
+  grasp.mutable_predicted()->set_stop_position(0, std::nan(""));
   EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
 }
 
