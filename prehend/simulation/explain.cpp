@@ -145,8 +145,15 @@ double sagitta(const SceneObject& object, const BodyModel& model) {
 }
 
 void explain_object(const SceneObject& object, const BodyModel& model, const BodyState& state,
-                    const Scene& scene, Explanation& out) {
+                    const Scene& scene, const WorldEngine* engine, Explanation& out) {
   const ModelRules& rules = scene.physics.rules;
+  if (const auto* pieces = engine ? engine->pieces(model) : nullptr) {
+    out.modelled.push_back(
+        {model.name + " in " + scene.physics.engine,
+         text("%zu convex pieces that reach at most %.3g mm beyond its mesh; mass, centre and "
+              "inertia are the mesh's",
+              pieces->meshes_B->size(), 1e3 * pieces->concavity)});
+  }
   const char* felt = rules.rigid_pads ? "its surface points" : shape_text(model.felt.shape.kind());
   out.modelled.push_back(
       {model.name,
@@ -229,7 +236,7 @@ Explanation World::explained() const {
     const auto object = std::find_if(objects.begin(), objects.end(),
                                      [&](const SceneObject& o) { return o.name == model.name; });
     explain_object(object != objects.end() ? *object : SceneObject{}, model,
-                   world.state.motion.bodies[i], world.scene, out);
+                   world.state.motion.bodies[i], world.scene, world.engine.get(), out);
   }
   explain_rules(world.scene, world.models.size(), any_mesh, out);
   return out;

@@ -33,6 +33,8 @@ geometry::TriangleMesh mesh_of(const EngineShape& shape) {
     case EngineShape::Kind::kCapsule:
       return geometry::make_revolution(
           {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 24);
+    case EngineShape::Kind::kConvexPieces:
+      break;  // links have primitives and meshes
   }
   return {};
 }

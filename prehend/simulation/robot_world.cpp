@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
 #include "prehend/contact/require.h"
 #include "prehend/contact/rotation.h"
 #include "prehend/geometry/errors.h"
@@ -160,14 +158,10 @@ void RobotWorld::Implementation::read_motions() {
 void RobotWorld::Implementation::add(BodyModel model, double friction, const RigidTransform& X_WB) {
   read_motions();
   Thing thing;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(model.inertia);
-  RigidTransform X_BC = RigidTransform::Identity();
-  X_BC.linear() = axes.eigenvectors();
-  if (X_BC.linear().determinant() < 0) X_BC.linear().col(0) *= -1;
-  X_BC.translation() = model.center_of_mass;
-  thing.moments = axes.eigenvalues();
-  thing.X_CB = X_BC.inverse(Eigen::Isometry);
-  thing.motion.X_WB = X_WB * X_BC;
+  const PrincipalAxes axes = principal_axes(model);
+  thing.moments = axes.moments;
+  thing.X_CB = axes.X_BC.inverse(Eigen::Isometry);
+  thing.motion.X_WB = X_WB * axes.X_BC;
   thing.friction = friction;
   thing.model = std::move(model);
   const auto same = std::find_if(things.begin(), things.end(), [&](const Thing& other) {

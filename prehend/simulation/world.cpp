@@ -243,9 +243,8 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   if (!box.isEmpty()) X_WB.translation() = box.center();
   BodyModel model = implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()),
                                                 mass, friction, std::nullopt);
-  if (implementation_->engine) {
-    WorldEngine::require_primitive(model, implementation_->scene.physics.engine);
-  }
+  model.id = implementation_->next_id;
+  if (implementation_->engine) implementation_->engine->require_possible(model);
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());

@@ -163,8 +163,8 @@ class World {
   /// the centre of the mesh's bounds as origin. An object of that name is replaced. The mesh is
   /// raised when it reaches below the table, and convexity is not required.
   /// @throws std::invalid_argument when mass is not positive and finite;
-  /// geometry::InputError when the mesh is empty, not finite or encloses no volume, and for every
-  /// mesh with a plug-in engine.
+  /// geometry::InputError when the mesh is empty, not finite or encloses no volume, or the
+  /// engine cannot have it.
   void add_object(const std::string& name, const geometry::TriangleMesh& mesh_W, double mass,
                   bool is_static = false, double friction = 0.7, const Texture& texture = {});
   /// False when there is no such object.
