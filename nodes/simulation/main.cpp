@@ -17,6 +17,7 @@
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/simulation/robot_scene.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/text/tree_file.h"
 
@@ -209,6 +210,13 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
   using namespace prehend::nodes;
   const robot::Platform platform = robot::read_platform(scene.robot);
   for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
+  for (const simulation::SceneRemark& remark : simulation::check_for_robot(scene, platform)) {
+    if (remark.replaced) {
+      node.log_info("{}", remark.text);
+    } else {
+      node.log_warning("{}", remark.text);
+    }
+  }
   RobotPublisher sensors(node, platform.hand);
   PictureClock pictures(settings.camera_period);
   ReaderPace pace(node, pacer);
@@ -245,8 +253,7 @@ void run(graph::Node& node) {
        .on_change = [&running](const double& value) {
          if (running) running->set_speed(value);
        }});
-  simulation::Scene scene = simulation::read_scene(settings.scene);
-  if (!settings.robot.empty()) scene.robot = settings.robot;
+  simulation::Scene scene = simulation::read_scene(settings.scene, settings.robot);
   if (!settings.robot_home.empty()) scene.robot_home = settings.robot_home;
   if (settings.noise_seed >= 0) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);

@@ -7,6 +7,7 @@
 #include "prehend/contact/require.h"
 #include "prehend/contact/rotation.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/simulation/robot_scene.h"
 #include "prehend/simulation/robot_world_implementation.h"
 
 namespace prehend::simulation {
@@ -30,7 +31,6 @@ RobotWorldOptions with_scene(RobotWorldOptions options, const Scene& scene) {
   options.table_friction = scene.table.friction;
   options.tactile = scene.tactile;
   options.wrench = scene.wrench;
-  refuse_physics_of_grippers(scene.physics);
   options.sleep = options.sleep && scene.physics.rules.sleep;
   return options;
 }
@@ -249,13 +249,15 @@ void RobotWorld::Implementation::step() {
 
 RobotWorld::RobotWorld(const robot::Platform& platform, const Scene& scene, const std::string& home,
                        const RobotWorldOptions& options) {
+  check_for_robot(scene, platform);
   const robot::Platform::Home& start = platform.home(home);
   implementation_ = std::make_unique<Implementation>(
       platform.model, platform.hand, "hand_", root_of(platform.model, platform.base, platform.X_WB),
       ArmDrive(platform.arm_chain(), start.arm, options.arm), with_scene(options, scene));
   Implementation& world = *implementation_;
   for (const SceneObject& object : scene.objects) {
-    const auto primitive = primitive_shape(object);
+    const auto primitive =
+        scene.physics.rules.primitives ? primitive_shape(object) : std::optional<FeltShape>();
     BodyModel model = make_body(object.name, object_mesh(object), object.mass, object.friction,
                                 scene.table.friction, {}, primitive ? &*primitive : nullptr);
     model.texture = object.texture;

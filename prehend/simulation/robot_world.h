@@ -83,11 +83,11 @@ struct RobotBodyReading {
 class RobotWorld {
  public:
   /// Arm and hand at the home position `home`, the hand open as its first preshape. Objects of
-  /// `scene`, its table's friction, gravity, step, `tactile` and `wrench` count; its gripper and
-  /// carrier do not.
+  /// `scene`, its table's friction, gravity, step, `tactile`, `wrench`, rules.sleep and
+  /// rules.primitives count; for the others see check_for_robot.
   /// @throws geometry::InputError for a robot that cannot be simulated (make_robot_bodies), an
-  /// object's mesh that is not a solid, or `physics` that mean nothing here (but rules.sleep),
-  /// std::invalid_argument for options out of range.
+  /// object's mesh that is not a solid, or what check_for_robot refuses, std::invalid_argument for
+  /// options out of range.
   RobotWorld(const robot::Platform& platform, const Scene& scene, const std::string& home = "home",
              const RobotWorldOptions& options = {});
   /// A hand alone, its root frame H at X_WH, without objects; open as `preshape` (empty: its

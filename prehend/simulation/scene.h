@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -111,12 +112,17 @@ struct Scene {
   CameraSetup camera;
   Light light;
   std::vector<SceneObject> objects;
+
+  std::filesystem::path file;        // where it was read; empty: made in code
+  std::map<std::string, int> given;  // keys of the file, "carrier.max_speed", and their lines
 };
 
-/// Reads a scene file and the gripper model it names.
+/// Reads a scene file and the gripper model it names. With a robot the file of the hand's parallel
+/// gripper, if it is one, stands in its place: `tactile` and `wrench` are that one's then.
+/// @param robot a platform's file that goes before the scene's own `robot`; empty: none
 /// @throws geometry::InputError "file:line: what is wrong" with the mend: missing or foreign file,
 /// unknown key (with the nearest known one), wrong type, value out of range, two objects of a name.
-Scene read_scene(const std::filesystem::path& path);
+Scene read_scene(const std::filesystem::path& path, const std::filesystem::path& robot = {});
 
 /// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
 void validate(const Scene& scene);

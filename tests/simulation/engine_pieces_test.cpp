@@ -32,8 +32,7 @@ EngineBody as_mesh(EngineBody box) {
   X_SB.linear() = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   X_SB.translation() = Eigen::Vector3d(0.02, -0.01, 0.03);
   const Eigen::Vector3d s = box.shape.size.cwiseAbs2();
-  box.moments =
-      box.mass / 12 * Eigen::Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());
+  box.moments = box.mass / 12 * Eigen::Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());
   box.shape = in_pieces({geometry::transformed(geometry::make_box(box.shape.size), X_SB)});
   box.X_BS = X_SB.inverse(Eigen::Isometry);
   return box;
@@ -46,8 +45,7 @@ EngineBody l_body(const RigidTransform& X_WCorner) {
   RigidTransform X_CornerMesh = RigidTransform::Identity();
   X_CornerMesh.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
   X_CornerMesh.translation().y() = kSide / 2;
-  const TriangleMesh mesh =
-      geometry::transformed(surface::make_l_shape(kSide), X_CornerMesh);
+  const TriangleMesh mesh = geometry::transformed(surface::make_l_shape(kSide), X_CornerMesh);
   const geometry::MassProperties solid = geometry::mass_properties(mesh);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(solid.unit_density_inertia);
   RigidTransform X_CornerB = RigidTransform::Identity();
@@ -178,10 +176,9 @@ TEST_P(PiecesOn, AnLFallsWhereItsCentreOfMassTakesIt) {
   for (const double tilt : {0.8 * critical, 1.2 * critical}) {
     // Upside down, tilted about the edge of the leg's end on the side of the other leg.
     RigidTransform X_WCorner = RigidTransform::Identity();
-    X_WCorner.linear() =
-        (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
-            .toRotationMatrix();
+    X_WCorner.linear() = (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()) *
+                          Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+                             .toRotationMatrix();
     const Eigen::Vector3d edge(kSide, 0, 2 * kSide);
     X_WCorner.translation() = Eigen::Vector3d(0, 0, 1e-5) - X_WCorner.linear() * edge;
     EngineScene scene;

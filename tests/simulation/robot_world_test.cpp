@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -284,27 +283,6 @@ TEST(RobotWorld, TheScenesSensorsAreTheRobots) {
   RobotWorld quiet(platform, Scene{});
   quiet.step();
   EXPECT_TRUE(quiet.wrist_wrench().force.isZero());
-}
-
-TEST(RobotWorld, PhysicsOfGrippersAreRefusedByName) {
-  const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
-  const auto refusal = [&platform](const std::function<void(PhysicsOptions&)>& change) {
-    Scene scene;
-    change(scene.physics);
-    try {
-      RobotWorld world(platform, scene);
-    } catch (const geometry::InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_NE(refusal([](PhysicsOptions& p) { p.engine = "mujoco"; }).find("physics.engine"),
-            std::string::npos);
-  EXPECT_NE(refusal([](PhysicsOptions& p) { p.adaptive = true; }).find("physics.adaptive"),
-            std::string::npos);
-  EXPECT_NE(refusal([](PhysicsOptions& p) { p.rules.rigid_pads = true; }).find("rules.rigid_pads"),
-            std::string::npos);
-  EXPECT_EQ(refusal([](PhysicsOptions& p) { p.rules.sleep = false; }), "");
 }
 
 TEST(HandGrasp, HoldsABottleAndSaysWhereItTouched) {
