@@ -18,7 +18,8 @@ class Check {
     for (const auto& [key, line] : scene_.given) {
       const std::string top = key.substr(0, key.find('.'));
       if (top == "carrier" || top == "start_opening" || top == "gripper") {
-        remark(key, "it is of the parallel gripper on its carrier, in whose place " + name + " stands",
+        remark(key,
+               "it is of the parallel gripper on its carrier, in whose place " + name + " stands",
                by_parameter);
       } else if (top == "tactile" && platform_.hand.pads.empty()) {
         remark(key, "the hand of " + name + " has no pads", false);
@@ -35,9 +36,9 @@ class Check {
   }
 
   void remark(const std::string& key, const std::string& why, bool replaced) {
-    remarks_.push_back({place(key) + key + " has no effect: " + why + ". Leave it out, or " +
-                            kTakeGripper,
-                        replaced});
+    remarks_.push_back(
+        {place(key) + key + " has no effect: " + why + ". Leave it out, or " + kTakeGripper,
+         replaced});
   }
 
   [[noreturn]] void refuse(const std::string& key, const std::string& why,

@@ -16,7 +16,6 @@ namespace {
 using geometry::RigidTransform;
 
 constexpr double kStill = 1e-3;         // m/s and rad/s
-constexpr double kStillTime = 0.25;     // s
 constexpr double kContactTime = 0.005;  // s that a force must last: jerks of what is held do not
 
 void check(const RobotWorldOptions& options) {
@@ -32,6 +31,7 @@ RobotWorldOptions with_scene(RobotWorldOptions options, const Scene& scene) {
   options.tactile = scene.tactile;
   options.wrench = scene.wrench;
   options.sleep = options.sleep && scene.physics.rules.sleep;
+  options.primitives = options.primitives && scene.physics.rules.primitives;
   return options;
 }
 
@@ -257,7 +257,7 @@ RobotWorld::RobotWorld(const robot::Platform& platform, const Scene& scene, cons
   Implementation& world = *implementation_;
   for (const SceneObject& object : scene.objects) {
     const auto primitive =
-        scene.physics.rules.primitives ? primitive_shape(object) : std::optional<FeltShape>();
+        world.options.primitives ? primitive_shape(object) : std::optional<FeltShape>();
     BodyModel model = make_body(object.name, object_mesh(object), object.mass, object.friction,
                                 scene.table.friction, {}, primitive ? &*primitive : nullptr);
     model.texture = object.texture;

@@ -28,8 +28,10 @@ struct RobotWorldOptions {
   HandDriveOptions hand;
   ArmDriveOptions arm;
   /// Objects that nothing moves are left out until something that moves touches them. Error: what
-  /// they would still have settled, as ModelRules::sleep.
+  /// they would still have settled, measured below 1e-6 m.
   bool sleep = true;
+  /// Boxes, balls and cans of the scene are met as what they are, see ModelRules::primitives.
+  bool primitives = true;
   TactileOptions tactile;                     // the pads' electronics
   std::optional<WrenchSensorOptions> wrench;  // none: forces as they are
 };
@@ -160,6 +162,8 @@ class RobotWorld {
   bool remove_object(const std::string& name);
   void place_object(const std::string& name, const geometry::RigidTransform& X_WB);
   std::uint64_t scene_generation() const;
+  /// What is modelled how and what is left out, now; see explain.h.
+  Explanation explained() const;
 
   /// Everything that changes in a step; for this world while no object was added or removed.
   struct State;

@@ -201,22 +201,20 @@ class RobotScene : public ::testing::Test {
     const robot::Platform platform = robot::read_platform(scene.robot);
     RobotWorld world(platform, scene, scene.robot_home);
     const robot::Preshape& shape = platform.hand.preshapes.front();
-    const geometry::RigidTransform X_WG =
-        world.X_WH() * platform.hand.X_HP * shape.X_PG;
+    const geometry::RigidTransform X_WG = world.X_WH() * platform.hand.X_HP * shape.X_PG;
     // Between the fingers, on a pedestal.
     Eigen::Vector3d below = X_WG.translation() - Eigen::Vector3d(0, 0, 0.035);
     world.place_object(scene.objects[0].name,
                        geometry::make_transform(Eigen::Quaterniond::Identity(), below));
     below.z() -= 0.005;
-    world.add_object("pedestal",
-                     geometry::transformed(
-                         geometry::make_box({0.02, 0.02, 0.01}),
-                         geometry::make_transform(Eigen::Quaterniond::Identity(), below)),
-                     1, true);
-    world.place_object("mug",
-                       geometry::make_transform(
-                           Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())),
-                           {0.3, 0.3, 0.01}));
+    world.add_object(
+        "pedestal",
+        geometry::transformed(geometry::make_box({0.02, 0.02, 0.01}),
+                              geometry::make_transform(Eigen::Quaterniond::Identity(), below)),
+        1, true);
+    world.place_object("mug", geometry::make_transform(Eigen::Quaterniond(Eigen::AngleAxisd(
+                                                           0.1, Eigen::Vector3d::UnitY())),
+                                                       {0.3, 0.3, 0.01}));
     HandCommand close;
     close.position = shape.open;
     for (int i = 0; i < platform.hand.size(); ++i) {
@@ -266,8 +264,7 @@ TEST_F(RobotScene, EveryKeyChangesSomethingOrIsSaid) {
     std::string said;
     try {
       const Scene scene = read_scene(write(other.key, other.value));
-      for (const SceneRemark& remark :
-           check_for_robot(scene, robot::read_platform(scene.robot))) {
+      for (const SceneRemark& remark : check_for_robot(scene, robot::read_platform(scene.robot))) {
         said += remark.text;
         EXPECT_FALSE(remark.replaced) << "the scene itself names the robot";
       }
@@ -298,9 +295,8 @@ TEST_F(RobotScene, NoKeyIsForgotten) {
     listed.insert(key);
   }
   const text::KnownKeys known;
-  for (const char* key :
-       {"physics.law.stiffness", "physics.rules.sleep", "table.texture.seed", "carrier.start",
-        "light.ambient", "objects.2.texture.seed"}) {
+  for (const char* key : {"physics.law.stiffness", "physics.rules.sleep", "table.texture.seed",
+                          "carrier.start", "light.ambient", "objects.2.texture.seed"}) {
     const Other& other = *std::find_if(kOthers.begin(), kOthers.end(),
                                        [&](const Other& o) { return o.key == std::string(key); });
     read_scene(write(key, other.value));
