@@ -21,7 +21,7 @@ std::string shapes_text(const RobotBodies& robot, const std::vector<bool>& chose
   for (const RobotBodies::Part& part : robot.parts) {
     if (!chosen[static_cast<std::size_t>(part.body)]) continue;
     using Kind = engines::EngineShape::Kind;
-    ++counts[part.solid                              ? "mesh"
+    ++counts[part.solid                         ? "mesh"
              : part.shape.kind == Kind::kBox    ? "box"
              : part.shape.kind == Kind::kSphere ? "ball"
                                                 : "cylinder"];
@@ -35,7 +35,8 @@ std::string shapes_text(const RobotBodies& robot, const std::vector<bool>& chose
 
 void RobotWorld::Implementation::explain_arm(Explanation& out) const {
   std::vector<bool> of_arm;
-  for (std::size_t b = 0; b < robot.bodies.size(); ++b) of_arm.push_back(!is_hands(static_cast<int>(b)));
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b)
+    of_arm.push_back(!is_hands(static_cast<int>(b)));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   if (!arm) {
     out.modelled.push_back({"carrier", "moves the palm along straight lines, whatever pushes it"});
@@ -45,8 +46,8 @@ void RobotWorld::Implementation::explain_arm(Explanation& out) const {
       {"arm",
        explained_text("%zu joints on prescribed paths, each within its speed and %g rad/s^2, by "
                       "position loops of %g rad/s; %s that touch objects and table",
-                      arm->chain().joints().size(), options.arm.acceleration,
-                      options.arm.bandwidth, shapes_text(robot, of_arm).c_str())});
+                      arm->chain().joints().size(), options.arm.acceleration, options.arm.bandwidth,
+                      shapes_text(robot, of_arm).c_str())});
   out.left_out.push_back({"the arm's yielding", "", nan, "m", "not known",
                           "its servos are far stiffer than fingers and contacts, and inertias of "
                           "industrial arms are not published"});
@@ -54,14 +55,15 @@ void RobotWorld::Implementation::explain_arm(Explanation& out) const {
 
 void RobotWorld::Implementation::explain_hand(Explanation& out) const {
   std::vector<bool> of_hand;
-  for (std::size_t b = 0; b < robot.bodies.size(); ++b) of_hand.push_back(is_hands(static_cast<int>(b)));
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b)
+    of_hand.push_back(is_hands(static_cast<int>(b)));
   out.modelled.push_back(
-      {"hand", explained_text("%s: %s, %s, %s, friction %g; the palm is carried, "
-                              "fingers give way and are pushed",
-                              hand_model.name.c_str(),
-                              counted(hand_model.fingers.size(), "finger").c_str(),
-                              counted(robot.motors.size(), "motor").c_str(), shapes_text(robot, of_hand).c_str(),
-                              hand_model.friction)});
+      {"hand",
+       explained_text("%s: %s, %s, %s, friction %g; the palm is carried, "
+                      "fingers give way and are pushed",
+                      hand_model.name.c_str(), counted(hand_model.fingers.size(), "finger").c_str(),
+                      counted(robot.motors.size(), "motor").c_str(),
+                      shapes_text(robot, of_hand).c_str(), hand_model.friction)});
   for (const RobotBodies::Motor& motor : robot.motors) {
     const char* unit = motor.slides ? "m" : "rad";
     const double yield = motor.slides ? options.hand.sliding_yield : options.hand.yield;
@@ -95,10 +97,10 @@ void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
     out.modelled.push_back({"pads", "none: nothing is felt but at the wrist and by the motors"});
   }
   for (const robot::HandPad& pad : hand_model.pads) {
-    out.modelled.push_back({"pad " + pad.name,
-                            explained_text("%d x %d texels: %s; electronics %s", pad.model.rows,
-                                           pad.model.columns, law_text(pad.model.law).c_str(),
-                                           electronics)});
+    out.modelled.push_back(
+        {"pad " + pad.name,
+         explained_text("%d x %d texels: %s; electronics %s", pad.model.rows, pad.model.columns,
+                        law_text(pad.model.law).c_str(), electronics)});
   }
   out.modelled.push_back({"wrist", options.wrench ? "force and torque sensor with its errors"
                                                   : "forces and torques as they are"});

@@ -49,12 +49,16 @@ Eigen::Vector3d angular_momentum(const BodyModel& model, const BodyState& body) 
 
 std::optional<EngineTrouble> engine_trouble(const std::string& name) {
   if (name == "native") return std::nullopt;
-  const engines::EngineRegistry registry;
+  return engine_trouble(name, engines::EngineRegistry());
+}
+
+std::optional<EngineTrouble> engine_trouble(const std::string& name,
+                                            const engines::EngineRegistry& registry) {
   if (registry.has(name)) return std::nullopt;
   const std::vector<std::string> installed = registry.names();
   std::vector<std::string> known = installed;
   for (const Shipped& shipped : kShipped) {
-    known.emplace_back(shipped.name);
+    if (!registry.has(shipped.name)) known.emplace_back(shipped.name);
     if (name != shipped.name) continue;
     std::string why = "is '" + name + "', whose plug-in is not installed";
     for (const text::PlugInProblem& problem : registry.problems()) {
@@ -153,9 +157,11 @@ engines::EngineScene WorldEngine::scene_of(const std::vector<BodyModel>& models,
   return scene;
 }
 
-void WorldEngine::require_possible(const BodyModel& model) {
-  make_pieces(model);
-  load_into(*engines::EngineRegistry().create(name_), scene_of({model}, {BodyState{}}));
+void WorldEngine::require_possible(const std::vector<BodyModel>& models,
+                                   const std::vector<BodyState>& bodies) {
+  pieces_.erase(models.back().id);  // of one that was refused
+  make_pieces(models.back());
+  load_into(*engines::EngineRegistry().create(name_), scene_of(models, bodies));
 }
 
 void WorldEngine::load(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies) {

@@ -16,6 +16,7 @@ namespace prehend::simulation {
 
 namespace engines {
 class Engine;
+class EngineRegistry;
 struct EngineBody;
 struct EngineScene;
 }  // namespace engines
@@ -27,6 +28,9 @@ struct EngineTrouble {
 };
 /// None when `name` is native or installed. Loads the plug-ins that are there.
 std::optional<EngineTrouble> engine_trouble(const std::string& name);
+/// The same with these engines only.
+std::optional<EngineTrouble> engine_trouble(const std::string& name,
+                                            const engines::EngineRegistry& registry);
 
 /// A plug-in engine under a World (`physics: {engine: NAME}`): it has the objects, the table and
 /// what happens between them. The gripper stays prehend's: each step finds what pads, fingers and
@@ -49,9 +53,9 @@ class WorldEngine {
   /// geometry::InputError for an object that the engine cannot have, or a solver that it does not
   /// have.
   void load(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies);
-  /// Makes the object's shape and tries it alone, so that a world is left as it is when the engine
-  /// cannot have it. @throws as load.
-  void require_possible(const BodyModel& model);
+  /// Tries what load() would, in an engine of its own, so that a world is left as it is when the
+  /// last object, which is new, cannot be. @throws as load.
+  void require_possible(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies);
 
   /// The pieces of an object that is loaded; null: it is a box, can or ball.
   struct Pieces {

@@ -142,6 +142,8 @@ struct World::Implementation {
   BodyModel make_model(const std::string& name, const geometry::TriangleMesh& mesh_B, double mass,
                        double friction, const std::optional<FeltShape>& felt) const;
   void add(BodyModel model, const geometry::RigidTransform& X_WB);
+  /// Asks the engine about an object in place of the one at `replaced` (-1: none).
+  void require_possible(BodyModel model, const geometry::RigidTransform& X_WB, int replaced) const;
   void remove(int index);
 
   // True when body `i` has to be in this step's system.

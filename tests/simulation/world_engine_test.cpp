@@ -1,6 +1,7 @@
 // The same world on every plug-in engine that is installed: `physics: {engine: NAME}`.
 
 #include <algorithm>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -220,13 +221,53 @@ TEST(WorldEngineName, UnknownAndMissingOnesSayWhatMends) {
   scene.physics.engine = "native";
   scene.physics.solver = "noslip";
   EXPECT_THROW(World{scene}, std::invalid_argument);
-  ASSERT_EQ(setenv("PREHEND_ENGINES", "/nowhere", 1), 0);
-  const auto missing = engine_trouble("dart");
-  unsetenv("PREHEND_ENGINES");
+  const engines::EngineRegistry none(std::vector<std::filesystem::path>{"/nowhere"});
+  const auto missing = engine_trouble("dart", none);
   ASSERT_TRUE(missing);
   EXPECT_NE(missing->wrong.find("not installed"), std::string::npos);
   EXPECT_NE(missing->mend.find("libdart-dev"), std::string::npos);
   EXPECT_EQ(explain(grasp_scene(0.3)).modelled.front().what, "engine");
+}
+
+// An engine of another project (engines/example) beside those that ship, by the environment.
+class AnotherProjectsEngine : public ::testing::Test {
+ protected:
+  AnotherProjectsEngine() { setenv("PREHEND_ENGINES", PREHEND_ENGINE_EXAMPLE, 1); }
+  ~AnotherProjectsEngine() override { unsetenv("PREHEND_ENGINES"); }
+};
+
+TEST_F(AnotherProjectsEngine, IsAddedToThoseThatShip) {
+  std::vector<std::string> expected = plug_ins();
+  EXPECT_EQ(std::count(expected.begin(), expected.end(), "lone_body"), 1);
+  std::erase(expected, "lone_body");
+  unsetenv("PREHEND_ENGINES");
+  EXPECT_EQ(plug_ins(), expected);
+}
+
+TEST_F(AnotherProjectsEngine, HasTheObjectOfAWorldThatIsGrasped) {
+  for (const bool primitives : {true, false}) {
+    Scene scene = grasp_scene(0.3);
+    scene.physics.engine = "lone_body";
+    scene.physics.rules.primitives = primitives;
+    World world(scene);
+    run(world, 0.5);
+    EXPECT_NEAR(height_of(world), 0, 2e-4);
+    grasp(world, 1.5);
+    world.move_carrier(above(world, kGraspHeight + 0.1), 0.1);
+    run(world, 2);
+    const double lifted = height_of(world);
+    EXPECT_NEAR(lifted, 0.1, 2e-3);
+    run(world, 1);
+    EXPECT_NEAR(height_of(world), lifted, 2e-4) << "slips while held";
+    EXPECT_THROW(world.add_object("other", make_standing_box({0.05, 0.05, 0.05}), 0.1),
+                 geometry::InputError);
+    EXPECT_EQ(world.body_count(), 1u) << "and goes on without it";
+    run(world, 0.1);
+    EXPECT_NEAR(height_of(world), lifted, 2e-4);
+    world.add_object("box", make_standing_box({0.05, 0.05, 0.05}), 0.1);  // in its place
+    run(world, 0.1);
+    EXPECT_NEAR(height_of(world), 0, 2e-4);
+  }
 }
 
 }  // namespace
