@@ -15,6 +15,7 @@ struct Shipped {
   const char* name;
   const char* packages;
 };
+constexpr int kMostCorners = 512;     // of a piece
 constexpr double kLeastPiece = 1e-6;  // of its extent cubed: thinner ones bear nothing
 constexpr Shipped kShipped[] = {{"bullet", "libbullet-dev"},
                                 {"dart", "libdart-dev and libdart-collision-ode-dev"},
@@ -95,7 +96,10 @@ const WorldEngine::Pieces* WorldEngine::pieces(const BodyModel& model) const {
 
 void WorldEngine::make_pieces(const BodyModel& model) {
   if (is_primitive(model)) return;
-  const surface::ConvexPieces all = surface::convex_pieces(*model.mesh);
+  // A scan's bottom is never flat, and what its hull's corners miss it sinks in by.
+  surface::ConvexPiecesOptions options;
+  options.max_hull_vertices = kMostCorners;
+  const surface::ConvexPieces all = surface::convex_pieces(*model.mesh, options);
   std::vector<geometry::TriangleMesh> solid;
   for (const geometry::TriangleMesh& piece : all.pieces) {
     const double extent = geometry::bounds(piece).sizes().maxCoeff();

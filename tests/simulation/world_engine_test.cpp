@@ -1,6 +1,7 @@
 // The same world on every plug-in engine that is installed: `physics: {engine: NAME}`.
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -182,6 +183,36 @@ TEST_P(WorldOn, MeshesStandAndFallAsTheyDoNatively) {
   for (const World* each : {&world, &native}) {
     EXPECT_NEAR(each->body("bottle").X_WB.linear()(2, 2), 0, 0.15);
     EXPECT_NEAR(each->body("bottle").height, 0, 1.5e-3);
+  }
+}
+
+// Scans as they are, with what decomposition makes of them.
+TEST_P(WorldOn, ScannedMeshesComeToRest) {
+  const char* data = std::getenv("PREHEND_SHARED_DATA");
+  const std::filesystem::path folder = std::filesystem::path(data ? data : "") / "meshes/ycb";
+  if (!data || !std::filesystem::exists(folder)) {
+    GTEST_SKIP() << "PREHEND_SHARED_DATA names no folder with meshes/ycb, scanned objects that are "
+                    "not part of this project";
+  }
+  Scene scans = scene(0.3);
+  scans.objects.clear();
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SceneObject object;
+    object.name = entry.path().stem();
+    object.shape = "mesh";
+    object.file = entry.path();
+    object.x = 0.3 * static_cast<double>(scans.objects.size() % 4);
+    object.y = 0.3 * static_cast<double>(scans.objects.size() / 4);
+    scans.objects.push_back(object);
+  }
+  World world(scans);
+  run(world, 2);
+  for (std::size_t i = 0; i < world.body_count(); ++i) {
+    const BodyReading body = world.body(i);
+    EXPECT_NEAR(body.height, 0, 1e-3) << body.name;
+    EXPECT_TRUE(body.touches_table) << body.name;
+    // What is round, a ball, a bottle on its side, goes on rolling.
+    EXPECT_LT(body.velocity.norm(), 0.2) << body.name;
   }
 }
 

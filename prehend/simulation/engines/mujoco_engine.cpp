@@ -195,14 +195,17 @@ class MujocoEngine : public Engine {
     if (std::find(known.begin(), known.end(), solver) == known.end()) {
       throw UnsupportedScene("mujoco: solver '" + solver + "' is none of default, noslip");
     }
+    const bool in_pieces = std::any_of(
+        scene_.bodies.begin(), scene_.bodies.end(),
+        [](const EngineBody& body) { return body.shape.kind == EngineShape::Kind::kConvexPieces; });
     xml << "<mujoco><compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\"/>"
         << (scene_.pads.empty() ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
         << "<option timestep=\"" << scene_.step << "\" gravity=\"" << text(scene_.gravity) << '"'
         << (solver == "noslip"
                 ? " noslip_iterations=\"50\" noslip_tolerance=\"1e-12\" cone=\"elliptic\""
                 : "")
-        << "><flag multiccd=\"enable\"/></option>"
-        << "<default><geom contype=\"0\" conaffinity=\"0\"/></default><asset>";
+        << '>' << (in_pieces ? "<flag multiccd=\"enable\"/>" : "")
+        << "</option><default><geom contype=\"0\" conaffinity=\"0\"/></default><asset>";
     write_meshes(xml);
     xml << "</asset><worldbody>";
     if (scene_.ground) xml << "<geom name=\"ground\" type=\"plane\" size=\"1 1 1\"/>";

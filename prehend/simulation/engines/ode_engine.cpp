@@ -168,6 +168,9 @@ class OdeEngine : public Engine {
       case EngineShape::Kind::kConvexPieces:
         break;
     }
+    if (!dCheckConfiguration("ODE_EXT_trimesh")) {
+      throw UnsupportedScene("ode: is built without triangle meshes, which pieces need");
+    }
     // As triangles: ODE's convex solids meet no cylinders, and one another but badly.
     std::vector<dGeomID> geoms;
     for (const geometry::TriangleMesh& piece : *shape.pieces) {
