@@ -41,7 +41,8 @@ void InverseKinematics::three_slides(const geometry::RigidTransform& X_BT, Colle
   Positions q(4);
   q[turning] = std::atan2(axis.dot(across.cross(turned)), across.dot(turned));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(q[turning], axis).toRotationMatrix();
-  const double tilt = Eigen::AngleAxisd(Eigen::Matrix3d(turn.transpose() * motion.linear())).angle();
+  const double tilt =
+      Eigen::AngleAxisd(Eigen::Matrix3d(turn.transpose() * motion.linear())).angle();
   if (!(tilt <= kTilt)) {
     found.out_of_reach = tilt;
     if (!found.in_words) return;
@@ -58,8 +59,7 @@ void InverseKinematics::three_slides(const geometry::RigidTransform& X_BT, Colle
     const Eigen::Vector3d& along = axis_[static_cast<std::size_t>(first_slide + i)];
     slides.col(i) = turns_first ? Eigen::Vector3d(turn * along) : along;
   }
-  q.segment<3>(first_slide) =
-      slides.inverse() * (motion.translation() - (point - turn * point));
+  q.segment<3>(first_slide) = slides.inverse() * (motion.translation() - (point - turn * point));
   found.add(q);
 }
 

@@ -35,8 +35,8 @@ TEST(StageHandPlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
       standing(can, {-0.3, 0.25, 0}, 0), standing(ball, {0, 0, 0.028}, 0)};
   for (const surface::ObjectModel& object : objects) {
     const HandPlanOptions options;
-    const grasp::GraspPlanResult direct =
-        grasp::plan_grasps(object, geometry::Plane{}, {}, *stage().hand.gripper, down, options.pads);
+    const grasp::GraspPlanResult direct = grasp::plan_grasps(
+        object, geometry::Plane{}, {}, *stage().hand.gripper, down, options.pads);
     const HandPlanResult plan = plan_on_stage(object, options);
     ASSERT_FALSE(direct.grasps.empty()) << direct.problem;
     EXPECT_EQ(plan.candidates, direct.candidates);
