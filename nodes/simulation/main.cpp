@@ -209,6 +209,7 @@ void run_stage(graph::Node& node, const Settings& settings, simulation::Scene sc
         pace.slice_published();
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
+  robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot);

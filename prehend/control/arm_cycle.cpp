@@ -17,6 +17,7 @@ constexpr double kLeastShare = 0.05;     // of the hand's greatest
 constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
 constexpr double kForceTolerance = 0.1;  // of the force
 constexpr double kLeastRise = 1.05, kMostRise = 1.5;
+constexpr const char* kLooksAgain = "lets go and looks again";
 
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
@@ -84,24 +85,29 @@ void ArmCycle::enter(Step step, const std::string& detail) {
 
 void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
+  detail_ = "waiting for percepts";
   start_task(poses_of(grasps_), problem);
-  if (!finished()) step_waiting();
 }
 
 std::vector<InputAge> ArmCycle::inputs() {
   const auto age = [](bool has_come, double seconds) {
     return has_come ? std::optional(seconds) : std::nullopt;
   };
-  return {{"the joints' states", age(!percepts_.names.empty(), percepts_.joints_age),
-           options_.stale_time},
-          {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age),
-           options_.stale_time},
-          {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
-          {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+  std::vector<InputAge> all = {
+      {"the joints' states", age(!percepts_.names.empty(), percepts_.joints_age),
+       options_.stale_time},
+      {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age),
+       options_.stale_time},
+      {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
+      {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+  const std::vector<InputAge> of_hand = hand_.inputs();
+  all.insert(all.end(), of_hand.begin(), of_hand.end());
+  return all;
 }
 
 void ArmCycle::step_waiting() {
-  if (grasps_.empty()) return;  // not started
+  if (grasps_.empty()) return;                         // not started
+  if (phase_times().empty()) entered(detail_);  // the clock was not known before
   const std::vector<InputAge> missing = stale_inputs(inputs());
   if (missing.empty()) return begin_task();
   detail_ = "waiting for " + names_of(missing);
@@ -124,6 +130,7 @@ void ArmCycle::stop_motion() {
 
 void ArmCycle::prepare_attempt() {
   watch_.begin(now());
+  hand_.prepare(grasp());
   gone_.clear();
   lowered_.reset();
   put_down_ = false;
@@ -143,6 +150,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kTouch:
       return move_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
+      if (hand_.feels_its_grip()) return close();
       const bool regulates =
           wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
       share_ = regulates ? std::clamp(kFirstShare * grasp().effort, kLeastShare, 1.0) : 1.0;
@@ -230,7 +238,8 @@ void ArmCycle::gather() {
 void ArmCycle::close() {
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
              options_.closing_speed, true, efforts());
-  enter(Step::kClose, "closing the fingers");
+  enter(Step::kClose,
+        hand_.feels_its_grip() ? "closing until both pads touch" : "closing the fingers");
 }
 
 double ArmCycle::wanted_force() const {
@@ -252,6 +261,10 @@ void ArmCycle::press() {
 // Motors that hold do not give way when they are told to press less: they are told more, step by
 // step, until it is enough.
 void ArmCycle::after_pressing() {
+  if (hand_.feels_its_grip()) {
+    compare_touch();
+    return ended(Outcome::kDone);
+  }
   if (spent() < kPressTime) return;
   const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
   const double wanted = wanted_force();
@@ -308,11 +321,17 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   advance_to(percepts.time);
   percepts_ = percepts;
   if (finished()) return;
+  hand_.step(percepts_);
   if (waits_for_inputs()) return step_waiting();
+  if (const std::string fault = hand_.fault(); !fault.empty()) return abort(fault);
   if (waits_for_plan()) return step_look();
   if (stop_when_lost()) return;
   if (watch_held()) return;
-  const MotionStatus status = motion_status();
+  MotionStatus status = motion_status();
+  if (step_ == Step::kApproach && status == MotionStatus::kMoving && hand_.touches()) {
+    arm_.stop();
+    status = MotionStatus::kContact;
+  }
   if (status == MotionStatus::kMoving) {
     if (spent() <= options_.motion_timeout) return;
     stop_motion();
@@ -322,6 +341,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     std::string why = detail_ + ": ";
     why += moves_hand() ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
     if (step_ == Step::kRetreat) add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
+    if (step_ == Step::kClose) add_surprise(SurpriseKind::kFingersTouch, 1, 0, kLooksAgain);
     return fail(why);
   }
   if (status == MotionStatus::kContact && !moves_hand() && !reacts_to_contact()) {
@@ -338,7 +358,7 @@ bool ArmCycle::reacts_to_contact() const {
     case Step::kLower:
       return lowers_fully_;
     case Step::kApproach:
-      return options_.reacts || primitive() == Primitive::kTouch;
+      return options_.reacts || hand_.feels_its_grip() || primitive() == Primitive::kTouch;
     default:
       return false;
   }

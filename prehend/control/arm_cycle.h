@@ -50,7 +50,9 @@ class ArmPort {
   virtual void stop() = 0;
 };
 
-/// What the cycle asks of a hand with fingers. Calls return at once.
+struct ArmPercepts;
+
+/// What the cycle asks of a hand. Calls return at once.
 class HandPort {
  public:
   virtual ~HandPort() = default;
@@ -61,9 +63,33 @@ class HandPort {
   virtual MotionStatus motion() = 0;         // of the last move; kContact: fingers press
   virtual double answer_age() { return 0; }  // as ArmPort's
   virtual std::string problem() = 0;
-  /// Of its joints where the last motion ended [rad]; empty: not known.
+  /// Of its joints where the last motion ended [rad or m]; empty: not known.
   virtual std::vector<double> positions() = 0;
   virtual void stop() = 0;
+
+  /// It controls its force by its pads from press() on, and tells by them and by its opening
+  /// whether it holds something. What follows is of such hands.
+  virtual bool feels_its_grip() const { return false; }
+  virtual void prepare(const ArmGrasp& /*grasp*/) {}      // an attempt with it begins
+  virtual void step(const ArmPercepts& /*percepts*/) {}   // in each step of the cycle
+  virtual std::vector<InputAge> inputs() const { return {}; }  // that it relies on
+  virtual std::string fault() const { return {}; }        // that ends all, in words; empty: none
+  virtual bool touches() const { return false; }          // something, while the arm approaches
+  /// After a closing that ended in contact: to the force of the grasp; motion() is of it then.
+  virtual void press() {}
+  virtual double opening() const { return 0; }  // m, now
+  /// Why what was gripped is not held any more, in words; empty: it is. @param rests on something
+  virtual std::string lost(bool /*rests*/) const { return {}; }
+  virtual std::string grip() const { return {}; }        // how it holds, in words
+  virtual std::string still_felt() const { return {}; }  // after it has let go; empty: nothing
+};
+
+/// What a parallel gripper's drive says.
+struct GripperPercept {
+  double opening = 0;    // m
+  bool blocked = false;  // commanded to move but does not
+  unsigned error = 0;    // the device's code, 0 none
+  double age = 0;        // s, at the percepts' time
 };
 
 /// All the cycle knows of the world.
@@ -73,9 +99,10 @@ struct ArmPercepts {
   std::vector<double> positions;  // rad, of arm and hand
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
-  std::vector<PadPercept> pads;  // that have spoken; ages at `time`
+  std::vector<PadPercept> pads = {};  // that have spoken; ages at `time`
   double joints_age = 0;         // s, at `time`; 0: read in the same instant
   double wrist_age = 0;          // s
+  std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one
 };
 
 struct ArmCycleOptions : SharedCycleOptions {
@@ -113,7 +140,10 @@ struct ArmCycleOptions : SharedCycleOptions {
 /// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
 /// all but the end of lowering, and by the fingers all the time.
 ///
-/// Where the plan says a force and pads speak, the motors press harder until the mean of the pads
+/// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight,
+/// and lets go where it touches something on the approach.
+///
+/// Of others, where the plan says a force and pads speak, the motors press harder until the mean of the pads
 /// that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.

@@ -10,27 +10,13 @@
 #include "prehend/control/cycle.h"
 #include "prehend/control/force_controller.h"
 #include "prehend/control/input_watch.h"
+#include "prehend/control/pad_gripper.h"
 #include "prehend/control/pad_percept.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
 
 namespace prehend::control {
-
-/// What the cycle asks of a gripper. Calls return at once. Openings in m; speeds in m/s of the
-/// opening, negative closes; currents in A, > 0.
-class GripperPort {
- public:
-  virtual ~GripperPort() = default;
-  virtual void move_to(double opening, double speed) = 0;
-  virtual MotionStatus motion() = 0;  // of the last move_to; kContact: blocked
-  /// Seconds since who carries out the last move_to gave a word of it; 0 when it has ended or
-  /// answers at once, infinity when he is gone.
-  virtual double answer_age() { return 0; }
-  /// Moves with `speed` until told otherwise, pushing with no more than `current_limit`.
-  virtual void command_velocity(double speed, double current_limit) = 0;
-  virtual void stop() = 0;
-};
 
 /// What the cycle asks of the carrier that holds the gripper. Calls return at once.
 class CarrierPort {

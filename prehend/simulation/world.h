@@ -185,6 +185,8 @@ class World {
 
   /// All bodies and the gripper's parts as a camera sees them. Cheap: meshes are shared.
   std::vector<VisibleBody> visible_bodies() const;
+  /// False: without the gripper, as RobotWorld's.
+  void show_robot(bool show);
 
   /// Everything that changes in a step; restoring it continues bitwise as before. Valid for this
   /// world while no object was added or removed. @throws std::invalid_argument otherwise;
