@@ -27,8 +27,9 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   options.reacts = node.declare_parameter<bool>(
       {.name = "reacts",
        .default_value = options.reacts,
-       .description = "stop the approach where the hand touches, and close there, or let go where pads tell "
-                      "that it holds nothing; false: open loop",
+       .description =
+           "stop the approach where the hand touches, and close there, or let go where pads tell "
+           "that it holds nothing; false: open loop",
        .read_only = true});
   options.contact_force = node.declare_parameter<double>(
       {.name = "contact_force",
@@ -72,14 +73,22 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   return options;
 }
 
-void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform) {
-  if (platform.hand_port != robot::HandPort::kGripper) return;
+void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
+                                const std::string& gripper_driver) {
+  if (platform.hand_port != robot::HandPort::kGripper) {
+    if (gripper_driver == kSimulated) return;
+    throw std::invalid_argument(fmt::format(
+        "platform {} moves its hand by its joints (/hand/move), but the gripper is that of the "
+        "driver {}, which offers /gripper; name a platform with hand_port: gripper, as stage_pg70",
+        platform.name, gripper_driver));
+  }
   for (const char* name : {"overrun", "grip_force", "force_resolution"}) {
     if (!node.is_parameter_given(name)) continue;
-    throw std::invalid_argument(fmt::format(
-        "parameter '{}' does not apply with platform {}: its gripper closes until its pads feel the "
-        "force of the plan, and they tell what is held; leave it out",
-        name, platform.name));
+    throw std::invalid_argument(
+        fmt::format("parameter '{}' does not apply with platform {}: its gripper closes until its "
+                    "pads feel the "
+                    "force of the plan, and they tell what is held; leave it out",
+                    name, platform.name));
   }
 }
 

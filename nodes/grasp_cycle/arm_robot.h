@@ -20,8 +20,13 @@ namespace prehend::nodes {
 /// Declares the parameters of ArmCycleOptions but those of SharedCycleOptions.
 control::ArmCycleOptions declare_arm_options(graph::Node& node);
 
-/// @throws std::invalid_argument for parameters that were given but mean nothing for the platform.
-void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform);
+/// Who drives the gripper: the simulation, or else a driver's name.
+inline constexpr const char* kSimulated = "sim";
+
+/// @throws std::invalid_argument for parameters that were given but mean nothing for the platform,
+/// and for one whose hand the gripper's driver cannot be.
+void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
+                                const std::string& gripper_driver);
 
 /// What the cycle needs to know besides the plan.
 struct ArmRobotOptions {

@@ -104,6 +104,13 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
        .default_value = text::tree_file("config/robots"),
        .description = "folder of the platform's file, PLATFORM.yaml",
        .read_only = true});
+  const auto driver = node_.declare_parameter<std::string>(
+      {.name = "gripper_driver",
+       .default_value = kSimulated,
+       .choices = {kSimulated, "pg70"},
+       .description = "who drives the gripper: with a driver, the platform must be one whose hand "
+                      "is moved through /gripper",
+       .read_only = true});
   const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
                                                          .default_value = 10,
                                                          .minimum = 0,
@@ -117,7 +124,7 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   ArmRobotOptions options{declare_arm_options(node_), touch_counts};
   static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
   const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
-  refuse_what_does_not_apply(node_, robot);
+  refuse_what_does_not_apply(node_, robot, driver);
   if (robot.hand_port == robot::HandPort::kGripper) {
     gripper_.listen();
   } else if (gripper_.model()) {

@@ -12,7 +12,8 @@ int run(prehend::graph::Node& node) {
 const prehend::graph::RegisteredNodeProgram registered(
     {"grasp_cycle",
      "Executes the best planned grasp until one succeeds, and looks again after a failed attempt: "
-     "moves a platform's arm (/arm/follow) along the plan's segments, and its hand (/hand/move), or "
+     "moves a platform's arm (/arm/follow) along the plan's segments, and its hand (/hand/move), "
+     "or "
      "a parallel gripper by the touch of its pads (/gripper/move, /gripper/command). "
      "Publishes what was predicted against what was felt (/surprise), where it is (/cycle/state) "
      "and how it ended (/cycle/result). The service /cycle/start starts again on the newest plans. "

@@ -70,8 +70,9 @@ int run(graph::Node& node) {
   const auto platform = node.declare_parameter<std::string>(
       {.name = "platform",
        .default_value = "stage_pg70",
-       .description = "the robot that is drawn, its name (stage_pg70, kr5_sdh, ...) or file; of one "
-                      "whose gripper says what it is, the gripper",
+       .description =
+           "the robot that is drawn, its name (stage_pg70, kr5_sdh, ...) or file; of one "
+           "whose gripper says what it is, the gripper",
        .read_only = true});
   const auto platforms = node.declare_parameter<std::string>(
       {.name = "platforms",

@@ -106,7 +106,7 @@ std::vector<InputAge> ArmCycle::inputs() {
 }
 
 void ArmCycle::step_waiting() {
-  if (grasps_.empty()) return;                         // not started
+  if (grasps_.empty()) return;                  // not started
   if (phase_times().empty()) entered(detail_);  // the clock was not known before
   const std::vector<InputAge> missing = stale_inputs(inputs());
   if (missing.empty()) return begin_task();

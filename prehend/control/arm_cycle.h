@@ -70,11 +70,11 @@ class HandPort {
   /// It controls its force by its pads from press() on, and tells by them and by its opening
   /// whether it holds something. What follows is of such hands.
   virtual bool feels_its_grip() const { return false; }
-  virtual void prepare(const ArmGrasp& /*grasp*/) {}      // an attempt with it begins
-  virtual void step(const ArmPercepts& /*percepts*/) {}   // in each step of the cycle
+  virtual void prepare(const ArmGrasp& /*grasp*/) {}           // an attempt with it begins
+  virtual void step(const ArmPercepts& /*percepts*/) {}        // in each step of the cycle
   virtual std::vector<InputAge> inputs() const { return {}; }  // that it relies on
-  virtual std::string fault() const { return {}; }        // that ends all, in words; empty: none
-  virtual bool touches() const { return false; }          // something, while the arm approaches
+  virtual std::string fault() const { return {}; }  // that ends all, in words; empty: none
+  virtual bool touches() const { return false; }    // something, while the arm approaches
   /// After a closing that ended in contact: to the force of the grasp; motion() is of it then.
   virtual void press() {}
   virtual double opening() const { return 0; }  // m, now
@@ -100,8 +100,8 @@ struct ArmPercepts {
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
   std::vector<PadPercept> pads = {};  // that have spoken; ages at `time`
-  double joints_age = 0;         // s, at `time`; 0: read in the same instant
-  double wrist_age = 0;          // s
+  double joints_age = 0;              // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;               // s
   std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one
 };
 
@@ -143,8 +143,8 @@ struct ArmCycleOptions : SharedCycleOptions {
 /// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight,
 /// and lets go where it touches something on the approach.
 ///
-/// Of others, where the plan says a force and pads speak, the motors press harder until the mean of the pads
-/// that touch feel it; what pads do not say is not compared.
+/// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
+/// the pads that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken

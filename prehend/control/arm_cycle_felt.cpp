@@ -44,8 +44,8 @@ void ArmCycle::after_approach(MotionStatus status) {
   }
   if (touches && hand_.feels_its_grip()) {
     // What stands in a jaw's way is not between the jaws.
-    add_surprise({SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), 0, true,
-                  "lets go and looks again"});
+    add_surprise(
+        {SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), 0, true, "lets go and looks again"});
     return fail("touched something on the approach");
   }
   if (touches) {
@@ -100,10 +100,9 @@ bool ArmCycle::watch_held() {
     by_weight = path != nullptr && spent() < kHighAboveTable * path->duration();
   }
   const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
-  const std::string why =
-      hand_.feels_its_grip()
-          ? (lifting ? std::string() : hand_.lost(rests))
-          : holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
+  const std::string why = hand_.feels_its_grip()
+                              ? (lifting ? std::string() : hand_.lost(rests))
+                              : holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
   if (why.empty()) return false;
   add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
                "lets go and looks again");

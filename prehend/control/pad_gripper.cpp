@@ -10,9 +10,9 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kClosed = 1e-3;     // m, of the opening: nothing is between the pads
-constexpr double kBreakAway = 0.5;   // s, after which a drive that stands is blocked
-constexpr double kLeastPush = 5;     // N, per finger, that breaks the drive away
+constexpr double kClosed = 1e-3;    // m, of the opening: nothing is between the pads
+constexpr double kBreakAway = 0.5;  // s, after which a drive that stands is blocked
+constexpr double kLeastPush = 5;    // N, per finger, that breaks the drive away
 
 std::string millimetres(double metres) { return fmt::format("{:.1f} mm", metres * 1e3); }
 
@@ -130,10 +130,9 @@ void PadGripper::close() {
   if (percept_->opening < kClosed) return fail("closed completely, " + felt);
   if (now_ - begun_ > options_.closing_timeout) return fail("closing timed out, " + felt);
   // Enough to break the drive away and push the object to the middle, not more than the grasp.
-  const double current =
-      std::clamp((gripper_.friction_force + std::max(kLeastPush, force_ / 2)) /
-                     gripper_.force_per_current,
-                 options_.force.least_current, options_.force.largest_current);
+  const double current = std::clamp(
+      (gripper_.friction_force + std::max(kLeastPush, force_ / 2)) / gripper_.force_per_current,
+      options_.force.least_current, options_.force.largest_current);
   // Faster through what should be empty.
   const bool far =
       !left && !right && percept_->opening > predicted_opening_ + options_.closing_margin;
@@ -156,7 +155,8 @@ void PadGripper::settle() {
     // Dry friction of the drive can hold more than was asked for: that is no reason to let go.
     const double felt = mean_sum();
     if (felt < options_.least_share * force_ || felt > options_.largest_excess * force_) {
-      return fail(fmt::format("the grasp force was not reached: {:.1f} N of {:.1f} N", felt, force_));
+      return fail(
+          fmt::format("the grasp force was not reached: {:.1f} N of {:.1f} N", felt, force_));
     }
   }
   grip_opening_ = percept_->opening;

@@ -29,13 +29,13 @@ struct PadGripperOptions {
   double closing_margin = 0.006;     // m, >= 0, of the opening over the predicted one: then slower
   double pressing_speed = 0.01;      // m/s, > 0, aimed at under force control
   double touch_force = 0.3;          // N, > 0, of a pad's sum
-  double early_force = 4;  // N, > 0, of a pad's sum, that is no noise while the arm approaches
-  double held_ratio = 0.3;          // 0..1, of the grasp force each pad must still feel when lifted
+  double early_force = 4;   // N, > 0, of a pad's sum, that is no noise while the arm approaches
+  double held_ratio = 0.3;  // 0..1, of the grasp force each pad must still feel when lifted
   double largest_collapse = 0.004;  // m, > 0, the opening may shrink after the grasp settled
   double settled_time = 0.2;        // s, >= 0, the force must stay settled
   double closing_timeout = 8;       // s, > 0, from the start of closing to the touch of both pads
   double force_timeout = 4;         // s, > 0, to reach the grasp force
-  double largest_excess = 1.5;  // >= 1, times the grasp force, that is taken after this time
+  double largest_excess = 1.5;      // >= 1, times the grasp force, that is taken after this time
   /// In (0, 1], of the grasp force, that is taken then too: a finger that meets the object beside
   /// its pad keeps it from more. Whether that holds is seen after the lift.
   double least_share = 0.6;

@@ -17,7 +17,8 @@ constexpr double kReserve = 2;      // of the platform's accelerations, for loop
 [[noreturn]] void refuse_stage(const robot::Platform& platform, const std::string& why) {
   throw geometry::InputError(
       "Platform '" + platform.name + "', whose hand is moved through /gripper, " + why,
-      "Simulate it as config/robots/stage_pg70.yaml is: slides along the world's x, y and z, a joint "
+      "Simulate it as config/robots/stage_pg70.yaml is: slides along the world's x, y and z, a "
+      "joint "
       "that turns about z, and the gripper straight down; or write hand_port: joints");
 }
 

@@ -17,7 +17,8 @@ using geometry::RigidTransform;
 
 inline constexpr double kStep = 0.01;  // s
 
-// A parallel gripper, the stage that carries it and one soft object between z = 0 and z = 0.1, enough to drive the cycle.
+// A parallel gripper, the stage that carries it and one soft object between z = 0 and z = 0.1,
+// enough to drive the cycle.
 class FakeWorld {
  public:
   double object_width = 0.05;  // m
@@ -40,7 +41,8 @@ class FakeWorld {
     p.joints_age = age("joints");
     p.wrist_force = Eigen::Vector3d(0, 0, touching_obstacle_ ? 10 : 0);
     p.wrist_age = age("wrist");
-    for (const auto& [name, gain] : {std::pair("left", left_gain), std::pair("right", right_gain)}) {
+    for (const auto& [name, gain] :
+         {std::pair("left", left_gain), std::pair("right", right_gain)}) {
       PadPercept felt = is_silent(name) ? silent_.at(name).pad : pad(gain);
       felt.age = age(name);
       felt.name = name;
@@ -54,8 +56,8 @@ class FakeWorld {
   /// From now on nothing comes from it: "left", "right" (pads), "gripper", "wrist", "joints",
   /// "gripper motion", "arm motion" (their servers).
   void silence(const std::string& input) {
-    silent_.try_emplace(input,
-                        Known{time_, opening_, p_WG_, pad(input == "left" ? left_gain : right_gain)});
+    silent_.try_emplace(
+        input, Known{time_, opening_, p_WG_, pad(input == "left" ? left_gain : right_gain)});
   }
   bool is_silent(const std::string& input) const { return silent_.count(input) > 0; }
   double age(const std::string& input) const {  // s

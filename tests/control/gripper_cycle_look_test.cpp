@@ -40,8 +40,7 @@ TEST_F(LookingCycleTest, TakesAPlanOfWhereTheObjectIsNow) {
   const Eigen::Vector3d start = world.p_WG();
   looking.start({grasp_at(0), grasp_at(0.01), grasp_at(-0.01)});
   run_until_it_looks(&looking);
-  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6))
-      << "it stands in the camera's view";
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << "it stands in the camera's view";
   EXPECT_NEAR(*looking.looks_since(), world.percepts().time, 0.05);
   looking.take_plan({grasp_at(0.06, {0.1, 0, 0})});
   EXPECT_FALSE(looking.looks_since());

@@ -70,7 +70,9 @@ TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
   EXPECT_FALSE(cycle.result().success);
   ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
-  EXPECT_NE(cycle.result().reason.find("nothing is held after the lift: the opening"), std::string::npos) << cycle.result().reason;
+  EXPECT_NE(cycle.result().reason.find("nothing is held after the lift: the opening"),
+            std::string::npos)
+      << cycle.result().reason;
 }
 
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.
