@@ -147,8 +147,9 @@ struct ArmCycleOptions : SharedCycleOptions {
 /// the pads that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken
-/// from where the arm stood at first.
+/// It retreats as planned from a place, else back the way it came, as far as it came. Looks again
+/// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has led
+/// onto the way there, as from straight above, else from the retreat's end.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -195,7 +196,7 @@ class ArmCycle : public Cycle {
 
   void begin(const Action& action) override;
   void prepare_attempt() override;
-  void clear_view() override { look_now(); }
+  void clear_view() override;
   void stop_motion() override;
   void enter(Step step, const std::string& detail);
   bool moves_hand() const;
@@ -250,6 +251,7 @@ class ArmCycle : public Cycle {
   std::optional<JointPath> lowered_;  // the last way down
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
+  bool clears_ = false;          // it goes back to look again
   std::vector<JointPath> gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;
   ArmPercepts percepts_;

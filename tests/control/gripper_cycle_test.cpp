@@ -121,6 +121,23 @@ TEST_F(GripperCycleTest, EarlyTouchBacksOff) {
   EXPECT_GT(world.height(), 0.12);
 }
 
+// Once it went on to where it was to go before it came back, or refused to.
+TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
+  world.obstacle_height = 0.35;
+  const Eigen::Vector3d start = world.p_WG();
+  cycle.start({grasp_at(0.5)});
+  double lowest = 1;
+  for (int i = 0; i < 20000 && !cycle.finished(); ++i) {
+    cycle.step(world.percepts());
+    world.advance();
+    lowest = std::min(lowest, world.height());
+  }
+  EXPECT_NE(cycle.result().reason.find("the arm hit something"), std::string::npos)
+      << cycle.result().reason;
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << world.p_WG().transpose();
+  EXPECT_GT(lowest, 0.34);
+}
+
 TEST_F(GripperCycleTest, OneNumbPad) {
   world.right_gain = 0;
   run(1);

@@ -84,11 +84,13 @@ TEST_F(TaskOfTheGripper, WhatIsLostInAShakeIsALoss) {
 }
 
 TEST_F(TaskOfTheGripper, ClearsTheTableOfEveryObject) {
+  const Eigen::Vector3d start = world.p_WG();
   ArmCycle clearing{doing(task_named("clear_table")), arm, hand};
   clearing.start({grasp_at(0)});
   run_until_it_looks(clearing);
   EXPECT_TRUE(clearing.any_object());
   EXPECT_EQ(clearing.result().placed, 1);
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << "it stands in the camera's view";
   clearing.take_plan({grasp_at(0.1)});
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 2);
