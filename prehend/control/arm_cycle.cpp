@@ -17,8 +17,8 @@ constexpr double kLeastShare = 0.05;     // of the hand's greatest
 constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
 constexpr double kForceTolerance = 0.1;  // of the force
 constexpr double kLeastRise = 1.05, kMostRise = 1.5;
-constexpr double kOnPath = 0.03;     // rad or m, from a path's point: it stands there
-constexpr double kLeastWay = 0.01;   // of a path, that is gone back
+constexpr double kOnPath = 0.03;    // rad or m, from a path's point: it stands there
+constexpr double kLeastWay = 0.01;  // of a path, that is gone back
 constexpr const char* kLooksAgain = "lets go and looks again";
 
 std::vector<double> values_of(const Eigen::VectorXd& vector) {

@@ -148,8 +148,8 @@ struct ArmCycleOptions : SharedCycleOptions {
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, else back the way it came, as far as it came. Looks again
-/// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has led
-/// onto the way there, as from straight above, else from the retreat's end.
+/// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has
+/// led onto the way there, as from straight above, else from the retreat's end.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
