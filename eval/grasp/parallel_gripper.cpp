@@ -55,7 +55,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
     world.add_object("other " + std::to_string(world.body_count()), other_W, truth.mass, true);
   }
   const GraspExecution execution =
-      execute_grasps(world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
+      execute_grasps(world, 0, plan, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
         try {
           return plan_on(believe_again(X_moved));
         } catch (const std::exception& error) {

@@ -90,7 +90,9 @@ bool has_arm_motion(const msgs::Grasp& grasp) {
 
 control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   control::ArmGrasp result;
-  result.pose = {from_message(grasp.x_wg()), grasp.preshape()};
+  // A parallel gripper that is turned by half is the same: its preshape tells nothing.
+  const bool parallel = grasp.pregrasp_opening() > 0;
+  result.pose = {from_message(grasp.x_wg()), parallel ? "" : grasp.preshape()};
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
   }

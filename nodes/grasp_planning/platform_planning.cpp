@@ -15,7 +15,7 @@ namespace prehend::nodes {
 namespace {
 
 constexpr double kSamplePeriod = 0.02;  // s, of trajectories in messages
-constexpr double kAtHome = 1e-3;        // rad
+constexpr double kAtHome = 1e-3;        // rad or m
 
 }  // namespace
 
@@ -37,6 +37,11 @@ PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& 
   place_.validate();
 }
 
+void PlatformPlanning::set_gripper(const robot::GripperModel& gripper) {
+  platform_.set_gripper(gripper);
+  hand_ = grasp::HandToClose(platform_.hand);
+}
+
 void PlatformPlanning::start_from(const msgs::JointState& joints) {
   const robot::KinematicChain chain = platform_.arm_chain();
   robot::Positions now = home_;
@@ -51,20 +56,22 @@ void PlatformPlanning::start_from(const msgs::JointState& joints) {
 }
 
 msgs::Grasp PlatformPlanning::to_message(const planning::PlannedGrasp& grasp) const {
-  msgs::Grasp message;
-  *message.mutable_x_wg() = convert::to_message(grasp.pose.X_WG);
-  *message.mutable_approach_direction() = convert::to_message(grasp.pose.approach_W);
-  message.set_roll(grasp.roll);
-  message.set_pregrasp_distance(grasp.pose.pregrasp_distance);
-  message.set_grasp_force(grasp.force);
-  message.set_quality(grasp.quality);
-  message.set_score(grasp.score);
-  if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
-  message.set_generator(grasp.generator);
+  msgs::Grasp message = grasp.pads ? convert::to_message(*grasp.pads) : msgs::Grasp();
+  if (!grasp.pads) {
+    *message.mutable_x_wg() = convert::to_message(grasp.pose.X_WG);
+    *message.mutable_approach_direction() = convert::to_message(grasp.pose.approach_W);
+    message.set_roll(grasp.roll);
+    message.set_pregrasp_distance(grasp.pose.pregrasp_distance);
+    message.set_grasp_force(grasp.force);
+    message.set_quality(grasp.quality);
+    message.set_score(grasp.score);
+    if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
+    message.set_generator(grasp.generator);
+    message.set_guessed_contact(grasp.guessed_contact);
+    message.set_remark(grasp.remark);
+    *message.mutable_predicted() = convert::to_message(grasp.predicted);
+  }
   message.set_preshape(grasp.pose.preshape);
-  message.set_guessed_contact(grasp.guessed_contact);
-  message.set_remark(grasp.remark);
-  *message.mutable_predicted() = convert::to_message(grasp.predicted);
   for (const std::string& name : platform_.hand.actuated_names()) {
     message.add_hand_joint_name("hand_" + name);
   }
@@ -108,21 +115,21 @@ msgs::ArmSegment PlatformPlanning::to_message(const motion::PickSegment& segment
 }
 
 msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
-                                       const geometry::Plane& table_W,
-                                       const std::vector<geometry::TriangleMesh>& obstacles_W,
+                                       const geometry::Plane& table_W, const Neighbours& neighbours,
                                        const grasp::Reachability& reachability,
                                        grasp::GraspDatabase* database,
                                        const std::optional<grasp::PlacedObject>& known) const {
   grasp::Obstacles obstacles;
-  obstacles.meshes_W = obstacles_W;
+  obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
   const planning::HandPlanResult plan = planning::plan_hand(
-      hand_, object, table_W, obstacles, reachability, options_, database, known);
+      hand_, object, table_W, obstacles, planning::within_reach(reachability, platform_), options_,
+      database, known);
   msgs::GraspPlan message;
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
   message.set_problem(plan.problem);
   convert::add_rejections(plan.rejections, &message);
   if (!plan.grasps.empty()) {
-    add_motions(plan.grasps, {table_W, object.convex_pieces_W, obstacles_W}, &message);
+    add_motions(plan.grasps, {table_W, object.convex_pieces_W, neighbours.pieces_W}, &message);
   }
   return message;
 }

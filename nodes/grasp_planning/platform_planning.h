@@ -15,6 +15,12 @@
 
 namespace prehend::nodes {
 
+/// The other objects of a view, in the world frame.
+struct Neighbours {
+  std::vector<geometry::TriangleMesh> meshes_W;  // as predicted
+  std::vector<geometry::TriangleMesh> pieces_W;  // convex, of the same
+};
+
 /// Plans grasps of a platform's hand and the motion of the arm that carries it.
 class PlatformPlanning {
  public:
@@ -26,21 +32,28 @@ class PlatformPlanning {
                    planning::PlaceOptions place, control::Task task, int motions);
 
   /// Grasps that the arm can execute come first, with their segments; then the others. A plan
-  /// without any motion has the arm's reason, or the place's, as its problem. Obstacles are convex
-  /// pieces.
+  /// without any motion has the arm's reason, or the place's, as its problem. Pads keep from the
+  /// neighbours' meshes, fingers and arm from their convex pieces.
   /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
   /// @throws geometry::InputError for a bad mesh.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                       const std::vector<geometry::TriangleMesh>& obstacles_W,
-                       const grasp::Reachability& reachability, grasp::GraspDatabase* database,
+                       const Neighbours& neighbours, const grasp::Reachability& reachability,
+                       grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known) const;
 
   /// Where the arm stands now: motions start there, or at home while it is within 1 mrad of it.
   /// Without all joints of the arm nothing changes.
   void start_from(const msgs::JointState& joints);
 
-  /// The hand's name.
-  const std::string& hand() const { return platform_.hand.name; }
+  /// Plans for this gripper, which the robot says it has. @pre says_its_gripper()
+  void set_gripper(const robot::GripperModel& gripper);
+  /// The robot has a parallel gripper, and says which (/gripper/model).
+  bool says_its_gripper() const { return platform_.hand_port == robot::HandPort::kGripper; }
+
+  /// Under which grasps are remembered.
+  const std::string& hand() const {
+    return platform_.hand.gripper ? platform_.hand.gripper->name : platform_.hand.name;
+  }
 
  private:
   msgs::Grasp to_message(const planning::PlannedGrasp& grasp) const;

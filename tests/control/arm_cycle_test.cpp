@@ -55,7 +55,7 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
                     HasSubstr("lifted 3.00 N"), HasSubstr("the hand is empty")));
   std::vector<std::string> phases;
   for (const auto& [name, seconds] : cycle.phase_times()) phases.push_back(name);
-  EXPECT_THAT(phases, ElementsAre("approach", "grasp", "lift", "move", "release"));
+  EXPECT_THAT(phases, ElementsAre("waiting", "approach", "grasp", "lift", "move", "release"));
 }
 
 TEST(ArmCycle, ReactsToContactAndLiftsFromWhereItStopped) {

@@ -1,15 +1,13 @@
-#include "prehend/control/grasp_cycle.h"
-
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
-#include "tests/control/grasp_cycle_fixture.h"
+#include "tests/control/gripper_cycle_fixture.h"
 
 namespace prehend::control {
 namespace {
 
-TEST_F(GraspCycleTest, GraspsLiftsMovesAndReleases) {
+TEST_F(GripperCycleTest, GraspsLiftsMovesAndReleases) {
   run(3);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 1);
@@ -28,7 +26,7 @@ TEST_F(GraspCycleTest, GraspsLiftsMovesAndReleases) {
             (std::vector<std::string>{"waiting", "approach", "grasp", "lift", "move", "release"}));
 }
 
-TEST_F(GraspCycleTest, WrongWidthIsASurpriseButGripped) {
+TEST_F(GripperCycleTest, WrongWidthIsASurpriseButGripped) {
   world.object_width = 0.035;
   run(1);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
@@ -37,7 +35,7 @@ TEST_F(GraspCycleTest, WrongWidthIsASurpriseButGripped) {
   EXPECT_NEAR(surprise(SurpriseKind::kOpeningAtContact)->felt, 0.035, 1e-3);
 }
 
-TEST_F(GraspCycleTest, NothingThereTriesTheNextGrasps) {
+TEST_F(GripperCycleTest, NothingThereTriesTheNextGrasps) {
   world.object_width = 0;
   run(5);
   EXPECT_FALSE(cycle.result().success);
@@ -51,13 +49,13 @@ TEST_F(GraspCycleTest, NothingThereTriesTheNextGrasps) {
 }
 
 // The reason was "closed completely, neither pad felt anything", of the attempts that came after.
-TEST_F(GraspCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
+TEST_F(GripperCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
   world.lost_when_carried = true;
   run(3);
   EXPECT_FALSE(cycle.result().success);
   EXPECT_EQ(cycle.result().attempts, 3);
   const std::string& reason = cycle.result().reason;
-  EXPECT_NE(reason.find("attempt 1 came furthest: lost while carrying"), std::string::npos)
+  EXPECT_NE(reason.find("attempt 1 came furthest: grasp 0: lost while carrying"), std::string::npos)
       << reason;
   EXPECT_LT(reason.find("lost while carrying"), reason.find("neither pad")) << reason;
   const auto held = std::count_if(
@@ -66,19 +64,21 @@ TEST_F(GraspCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
   EXPECT_EQ(held, 1);
 }
 
-TEST_F(GraspCycleTest, SlippedObjectIsNoticedAfterTheLift) {
+TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
   world.slips_when_lifted = true;
   run(1);
   EXPECT_FALSE(cycle.result().success);
   ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
-  EXPECT_NE(cycle.result().reason.find("not held"), std::string::npos) << cycle.result().reason;
+  EXPECT_NE(cycle.result().reason.find("nothing is held after the lift: the opening"),
+            std::string::npos)
+      << cycle.result().reason;
 }
 
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.
-TEST_F(GraspCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
+TEST_F(GripperCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
   run(1, [&] {
-    if (cycle.detail() == "lowering it") world.object_width = 0;
+    if (cycle.detail() == "arm: place") world.object_width = 0;
   });
   EXPECT_FALSE(cycle.result().success);
   EXPECT_NE(cycle.result().reason.find("lost while lowering"), std::string::npos)
@@ -87,9 +87,9 @@ TEST_F(GraspCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
   EXPECT_TRUE(surprise(SurpriseKind::kHeldWhileCarried)->surprising);
 }
 
-TEST_F(GraspCycleTest, WhatSticksToTheHandIsNotPutDown) {
+TEST_F(GripperCycleTest, WhatSticksToTheHandIsNotPutDown) {
   run(1, [&] {
-    if (cycle.detail() == "retreating") world.object_width = 0.08;
+    if (cycle.detail() == "arm: retreat") world.object_width = 0.08;
   });
   EXPECT_FALSE(cycle.result().success);
   EXPECT_NE(cycle.result().reason.find("did not leave the hand"), std::string::npos)
@@ -97,14 +97,14 @@ TEST_F(GraspCycleTest, WhatSticksToTheHandIsNotPutDown) {
 }
 
 // Once grasps that held well were let go, as a finger met the object beside its pad.
-TEST_F(GraspCycleTest, LiftsWithLessForceThanAskedForWhenThePadsGetNoMore) {
+TEST_F(GripperCycleTest, LiftsWithLessForceThanAskedForWhenThePadsGetNoMore) {
   world.finger_stop = 0.05 - 8.0 / 20000;  // 8 N of 12
   run(1);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_GE(world.highest_object(), 0.12);
 }
 
-TEST_F(GraspCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
+TEST_F(GripperCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
   world.finger_stop = 0.05 - 5.0 / 20000;
   run(1);
   EXPECT_FALSE(cycle.result().success);
@@ -112,7 +112,7 @@ TEST_F(GraspCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
       << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, EarlyTouchBacksOff) {
+TEST_F(GripperCycleTest, EarlyTouchBacksOff) {
   world.obstacle_height = 0.08;
   run(2);
   EXPECT_FALSE(cycle.result().success);
@@ -121,7 +121,24 @@ TEST_F(GraspCycleTest, EarlyTouchBacksOff) {
   EXPECT_GT(world.height(), 0.12);
 }
 
-TEST_F(GraspCycleTest, OneNumbPad) {
+// Once it went on to where it was to go before it came back, or refused to.
+TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
+  world.obstacle_height = 0.35;
+  const Eigen::Vector3d start = world.p_WG();
+  cycle.start({grasp_at(0.5)});
+  double lowest = 1;
+  for (int i = 0; i < 20000 && !cycle.finished(); ++i) {
+    cycle.step(world.percepts());
+    world.advance();
+    lowest = std::min(lowest, world.height());
+  }
+  EXPECT_NE(cycle.result().reason.find("the arm hit something"), std::string::npos)
+      << cycle.result().reason;
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << world.p_WG().transpose();
+  EXPECT_GT(lowest, 0.34);
+}
+
+TEST_F(GripperCycleTest, OneNumbPad) {
   world.right_gain = 0;
   run(1);
   EXPECT_FALSE(cycle.result().success);
@@ -129,21 +146,22 @@ TEST_F(GraspCycleTest, OneNumbPad) {
       << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, JammedGripperGivesUp) {
+TEST_F(GripperCycleTest, JammedGripperGivesUp) {
   world.jammed = true;
   run(1);
   EXPECT_NE(cycle.result().reason.find("does not open"), std::string::npos)
       << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, StuckCarrierTimesOut) {
-  world.carrier_stuck = true;
+TEST_F(GripperCycleTest, StuckStageTimesOut) {
+  world.arm_stuck = true;
   run(1);
   EXPECT_FALSE(cycle.result().success);
-  EXPECT_NE(cycle.result().reason.find("timed out"), std::string::npos) << cycle.result().reason;
+  EXPECT_NE(cycle.result().reason.find("took too long"), std::string::npos)
+      << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, EmptyPlanEndsWithItsReason) {
+TEST_F(GripperCycleTest, EmptyPlanEndsWithItsReason) {
   cycle.start({}, "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
   EXPECT_TRUE(cycle.finished());
   EXPECT_FALSE(cycle.result().success);
@@ -151,9 +169,9 @@ TEST_F(GraspCycleTest, EmptyPlanEndsWithItsReason) {
             "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
 }
 
-TEST_F(GraspCycleTest, SilentDevicesTimeOut) {
+TEST_F(GripperCycleTest, SilentDevicesTimeOut) {
   cycle.start({grasp_at(0)});
-  Percepts nothing;
+  ArmPercepts nothing;
   for (int i = 0; i < 10000 && !cycle.finished(); ++i) {
     nothing.time = 5 + i * kStep;
     cycle.step(nothing);
@@ -163,7 +181,7 @@ TEST_F(GraspCycleTest, SilentDevicesTimeOut) {
       << cycle.result().reason;
 }
 
-TEST_F(GraspCycleTest, CanStartAgain) {
+TEST_F(GripperCycleTest, CanStartAgain) {
   run(1);
   ASSERT_TRUE(cycle.result().success);
   run(1);
@@ -171,7 +189,7 @@ TEST_F(GraspCycleTest, CanStartAgain) {
   EXPECT_EQ(cycle.result().attempts, 1);
 }
 
-TEST_F(GraspCycleTest, AbortStops) {
+TEST_F(GripperCycleTest, AbortStops) {
   cycle.start({grasp_at(0)});
   for (int i = 0; i < 50; ++i) {
     cycle.step(world.percepts());
@@ -183,13 +201,12 @@ TEST_F(GraspCycleTest, AbortStops) {
   EXPECT_EQ(cycle.result().reason, "told to");
 }
 
-TEST(CycleOptions, AreChecked) {
+TEST(PadGripperOptions, AreChecked) {
   FakeWorld world;
-  FakeGripper gripper(world);
-  FakeCarrier carrier(world);
-  CycleOptions options;
-  options.lift_height = 0.05;
-  EXPECT_THROW(GraspCycle(robot::GripperModel{}, options, gripper, carrier), std::invalid_argument);
+  FakeDrive drive(world);
+  PadGripperOptions options;
+  options.least_share = 1.5;
+  EXPECT_THROW(PadGripper(robot::GripperModel{}, options, drive), std::invalid_argument);
 }
 
 TEST(Surprise, NanSurprises) {

@@ -3,55 +3,53 @@
 #include <numbers>
 
 #include "prehend/control/grasp_order.h"
-#include "tests/control/grasp_cycle_fixture.h"
+#include "tests/control/gripper_cycle_fixture.h"
 
 namespace prehend::control {
 namespace {
 
 // The cycle that looks again, for at most 5 s.
-class LookingCycleTest : public GraspCycleTest {
+class LookingCycleTest : public GripperCycleTest {
  protected:
-  static CycleOptions options() {
-    CycleOptions o;
+  static ArmCycleOptions options() {
+    ArmCycleOptions o = reacting();
     o.look_timeout = 5;
     return o;
   }
-  void run_until_it_looks(GraspCycle* driven) {
+  void run_until_it_looks(ArmCycle* driven) {
     for (int i = 0; i < 20000 && !driven->finished() && !driven->looks_since(); ++i) {
       driven->step(world.percepts());
       world.advance();
     }
     ASSERT_TRUE(driven->looks_since()) << driven->detail();
   }
-  void run_to_the_end(GraspCycle* driven) {
+  void run_to_the_end(ArmCycle* driven) {
     for (int i = 0; i < 20000 && !driven->finished(); ++i) {
       driven->step(world.percepts());
       world.advance();
     }
     ASSERT_TRUE(driven->finished()) << driven->detail();
   }
-  GraspCycle looking{robot::GripperModel{}, options(), gripper, carrier};
+  ArmCycle looking{options(), arm, hand};
 };
 
 // Once the second attempt closed on nothing too: the first one had pushed the object aside.
 TEST_F(LookingCycleTest, TakesAPlanOfWhereTheObjectIsNow) {
   world.object_is_anywhere = false;
   world.object_x = 0.06;
-  const RigidTransform start = world.X_WG();
+  const Eigen::Vector3d start = world.p_WG();
   looking.start({grasp_at(0), grasp_at(0.01), grasp_at(-0.01)});
   run_until_it_looks(&looking);
-  EXPECT_TRUE(world.X_WG().translation().isApprox(start.translation(), 1e-6))
-      << "it stands in the camera's view";
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << "it stands in the camera's view";
   EXPECT_NEAR(*looking.looks_since(), world.percepts().time, 0.05);
-  looking.take_plan({grasp_at(0.06)}, {0.1, 0, 0});
+  looking.take_plan({grasp_at(0.06, {0.1, 0, 0})});
   EXPECT_FALSE(looking.looks_since());
   run_to_the_end(&looking);
   EXPECT_TRUE(looking.result().success) << looking.result().reason;
   EXPECT_EQ(looking.result().attempts, 2);
   EXPECT_EQ(looking.result().plans, 2);
   EXPECT_EQ(looking.result().grasp_index, 0);
-  EXPECT_NEAR(looking.grasp().X_WG.translation().x(), 0.06, 1e-12);
-  EXPECT_NEAR(world.X_WG().translation().x(), 0.16, 1e-6) << "not carried by the new plan's way";
+  EXPECT_NEAR(world.p_WG().x(), 0.16, 1e-6) << "not carried by the new plan's way";
 }
 
 TEST_F(LookingCycleTest, WithoutANewPlanTakesTheNextGrasp) {
@@ -79,25 +77,25 @@ TEST_F(LookingCycleTest, AnEmptyNewPlanIsSaidAndTheOldOneGoesOn) {
   world.object_width = 0;
   looking.start({grasp_at(0)});
   run_until_it_looks(&looking);
-  looking.take_plan({}, {0, 0.1, 0}, "cannot be grasped: too wide");
+  looking.take_plan({}, "cannot be grasped: too wide");
   EXPECT_TRUE(looking.finished());
   EXPECT_NE(looking.result().reason.find("too wide"), std::string::npos) << looking.result().reason;
 }
 
 // In a replay the next grasp of the plan closed where the object had been.
 TEST_F(LookingCycleTest, EndsWithoutANewPlanWhenOnlyThatWillDo) {
-  CycleOptions only = options();
+  ArmCycleOptions only = options();
   only.only_seen_again = true;
-  GraspCycle strict{robot::GripperModel{}, only, gripper, carrier};
+  ArmCycle strict{only, arm, hand};
   world.object_width = 0;
   strict.start({grasp_at(0), grasp_at(0.05)});
   run_until_it_looks(&strict);
-  strict.take_plan({}, {0, 0.1, 0}, "the object has tipped by 90 deg");
+  strict.take_plan({}, "the object has tipped by 90 deg");
   EXPECT_TRUE(strict.finished());
   EXPECT_EQ(strict.result().attempts, 1);
   EXPECT_NE(strict.result().reason.find("tipped by 90 deg"), std::string::npos)
       << strict.result().reason;
-  GraspCycle waiting{robot::GripperModel{}, only, gripper, carrier};
+  ArmCycle waiting{only, arm, hand};
   waiting.start({grasp_at(0), grasp_at(0.05)});
   run_to_the_end(&waiting);
   EXPECT_EQ(waiting.result().attempts, 1);
@@ -110,7 +108,7 @@ TEST_F(LookingCycleTest, WhatFailedIsTriedLastThoughItIsPlannedAgain) {
   world.object_x = 0.04;
   looking.start({grasp_at(0)});
   run_until_it_looks(&looking);
-  looking.take_plan({grasp_at(0.003), grasp_at(0.04)}, {0, 0.1, 0});
+  looking.take_plan({grasp_at(0.003), grasp_at(0.04)});
   run_to_the_end(&looking);
   EXPECT_TRUE(looking.result().success) << looking.result().reason;
   EXPECT_EQ(looking.result().attempts, 2);
@@ -122,16 +120,16 @@ TEST_F(LookingCycleTest, GivesUpAfterTheLastAttemptWithoutLooking) {
   looking.start({grasp_at(0)});
   for (int attempt = 1; attempt < options().largest_attempts; ++attempt) {
     run_until_it_looks(&looking);
-    looking.take_plan({grasp_at(0.05 * attempt)}, {0, 0.1, 0});
+    looking.take_plan({grasp_at(0.05 * attempt)});
   }
   run_to_the_end(&looking);
   EXPECT_FALSE(looking.result().success);
   EXPECT_EQ(looking.result().attempts, options().largest_attempts);
-  looking.take_plan({grasp_at(0)}, {0, 0.1, 0});
+  looking.take_plan({grasp_at(0)});
   EXPECT_TRUE(looking.finished()) << "a plan that nobody waits for";
 }
 
-GraspPose pose_at(double x) { return {grasp_at(x).X_WG, ""}; }
+GraspPose pose_at(double x) { return {grasp_at(x).pose.X_WG, ""}; }
 
 TEST(GraspOrder, LikeIsWithinMillimetresAndTurnedByHalf) {
   const GraspPose grasp = pose_at(0);
