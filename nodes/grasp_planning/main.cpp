@@ -153,9 +153,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
        .default_value = "home",
        .description = "of the platform: where its arm stands when a motion starts",
        .read_only = true});
-  planning::PlatformPickOptions arm;
-  planning::PlaceOptions place;
-  place.given_W = planning::read_place(node.declare_parameter<std::string>(
+  planning::PlatformPlanOptions options;
+  planning::PlatformPickOptions& arm = options.arm;
+  options.place.given_W = planning::read_place(node.declare_parameter<std::string>(
       {.name = "place",
        .description =
            "with a platform: x,y of the world [m] where the object is put; empty: a free "
@@ -183,9 +183,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                       "links' own shapes by that library, slower; others in shared libraries in "
                       "PREHEND_CHECKERS",
        .read_only = true});
-  const int motions =
+  options.motions =
       node.declare_parameter<int>({.name = "motions",
-                                   .default_value = 3,
+                                   .default_value = options.motions,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
@@ -200,10 +200,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
   nodes::refuse_what_does_not_apply(
       node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
       front_chooses);
-  return std::make_unique<nodes::PlatformPlanning>(
-      std::move(platform), home,
-      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
-      std::move(task), motions);
+  options.grasps = {common, nodes::hand_options(node, common)};
+  return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
+                                                   std::move(task));
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {

@@ -19,8 +19,6 @@ class RobotActions {
   using HandContext = graph::ActionContext<msgs::MoveHandFeedback>;
   msgs::FollowTrajectoryResult follow(const msgs::FollowTrajectoryGoal& goal, ArmContext& context);
   msgs::MoveHandResult move_hand(const msgs::MoveHandGoal& goal, HandContext& context);
-  simulation::HandCommand command_of(const msgs::MoveHandGoal& goal,
-                                     std::vector<int>& motors) const;
   void brake(std::uint64_t ticket);
 
   graph::Node& node_;
