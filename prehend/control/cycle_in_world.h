@@ -38,7 +38,8 @@ class CycleInWorld {
   /// Executes `first` to the end of the cycle, or to the time limit, at which it is aborted.
   /// @param look_again grasps planned on a new look after a failed attempt; of use with
   /// ArmCycleOptions::look_timeout. @param after_step called after each step().
-  const CycleResult& run(GraspsToTry first, const std::function<GraspsToTry()>& look_again = nullptr,
+  const CycleResult& run(GraspsToTry first,
+                         const std::function<GraspsToTry()>& look_again = nullptr,
                          const std::function<void()>& after_step = nullptr);
 
   const ArmCycle& cycle() const { return cycle_; }
@@ -51,10 +52,10 @@ class CycleInWorld {
   WorldArm arm_;
   WorldHand hand_;
   ArmCycle cycle_;
-  int steps_;                      // of the world in a period
-  long count_ = 0;                 // periods
+  int steps_;                       // of the world in a period
+  long count_ = 0;                  // periods
   std::vector<PadPercept> frames_;  // of the pads, the last
-  double frame_time_ = 0;          // s
+  double frame_time_ = 0;           // s
 };
 
 }  // namespace prehend::control

@@ -44,16 +44,15 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   for (const std::string& name : hand.actuated_names()) {
     result.hand_joints.push_back("hand_" + name);
   }
-  result.hand = robot::closing_way(hand, hand.preshape(grasp.pose.preshape), grasp.pose.open,
-                                   grasp.closed);
+  result.hand =
+      robot::closing_way(hand, hand.preshape(grasp.pose.preshape), grasp.pose.open, grasp.closed);
   result.lifted_mass = grasp.predicted.lifted_mass;
   result.score = grasp.score;
   result.robustness = grasp.robustness;
   result.force = grasp.force;
   if (grasp.effort > 0) result.effort = std::min(1.0, grasp.effort);
   for (const int joint : hand.actuated) {
-    result.largest_effort.push_back(
-        hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
+    result.largest_effort.push_back(hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
   }
   result.contact_area = grasp.predicted.contact_area;
   result.tactile_sum = grasp.predicted.tactile_sum;

@@ -19,6 +19,11 @@ enum class SurpriseKind {
   kMotion,            // 1 a motion ended as planned, 0 not
 };
 
+/// "contact area", "held after lift", ...
+std::string to_string(SurpriseKind kind);
+/// Of what is compared: "m", "m^2", "N", "rad"; "" for what is 1 or 0.
+std::string unit_of(SurpriseKind kind);
+
 /// A prediction against what was felt.
 struct Surprise {
   SurpriseKind kind = SurpriseKind::kOpeningAtContact;

@@ -42,12 +42,12 @@ TEST(HandRequestTest, RefusesInWords) {
   const RobotWorld world(robot::read_platform("config/robots/kr5_sdh.yaml"), Scene());
   const std::string& motor = world.motor_names()[1];
   EXPECT_EQ(refusal_of(world, {}), "the goal names no joint");
-  EXPECT_EQ(refusal_of(world, {{motor}, {}}), "0 positions for 1 joints");
+  EXPECT_EQ(refusal_of(world, {{motor}, {}, 0.3, false, {}}), "0 positions for 1 joints");
   EXPECT_EQ(refusal_of(world, {{motor}, {0.1}, 0.3, false, {1, 1}}), "2 efforts for 1 joints");
-  EXPECT_EQ(refusal_of(world, {{motor, motor}, {0.1, 0.1}}),
+  EXPECT_EQ(refusal_of(world, {{motor, motor}, {0.1, 0.1}, 0.3, false, {}}),
             "joint '" + motor + "' is named twice");
   const std::string typo = motor + "x";
-  const std::string unknown = refusal_of(world, {{typo}, {0.1}});
+  const std::string unknown = refusal_of(world, {{typo}, {0.1}, 0.3, false, {}});
   EXPECT_EQ(unknown.find("the hand has no motor '" + typo + "'"), 0u) << unknown;
   EXPECT_NE(unknown.find(motor, typo.size()), std::string::npos) << "the nearest: " << unknown;
 }
