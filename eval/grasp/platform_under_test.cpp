@@ -55,8 +55,8 @@ struct Subject {
 
 // Of a mesh that encloses nothing its hull.
 std::vector<geometry::TriangleMesh> pieces_of(const geometry::TriangleMesh& mesh_W) {
-  const bool solid = geometry::find_defects(mesh_W).watertight() &&
-                     geometry::mass_properties(mesh_W).volume > 0;
+  const bool solid =
+      geometry::find_defects(mesh_W).watertight() && geometry::mass_properties(mesh_W).volume > 0;
   return solid ? surface::convex_pieces(mesh_W).pieces
                : std::vector{geometry::convex_hull(mesh_W.vertices)};
 }
@@ -100,7 +100,8 @@ class Execution {
 
   void run(const planning::PlatformPlan& plan,
            const std::function<planning::PlatformPlan(const RigidTransform&)>& plan_again) {
-    run_.run(to_try(plan), [&] { return to_try(plan_again(moved())); }, [this] { watch(); });
+    run_.run(
+        to_try(plan), [&] { return to_try(plan_again(moved())); }, [this] { watch(); });
     for (double time = 0; time < kSettled; time += world_.options().step) world_.step();
   }
 
@@ -111,21 +112,20 @@ class Execution {
     trial->plans = result.plans;
     trial->stage = stage_;
     trial->outcome = stage_.empty() ? result.reason : why_;
-    trial->lifted = result.success && raised_ >= kRaisedAtLeast && end.height < kStands &&
-                    !end.touches_robot;
+    trial->lifted =
+        result.success && raised_ >= kRaisedAtLeast && end.height < kStands && !end.touches_robot;
     if (result.success && !trial->lifted && stage_.empty()) {
       trial->stage = "truth";
-      trial->outcome = fmt::format("success was said, but it was raised by {:.0f} mm and is {:.0f} "
-                                   "mm over the table{}",
-                                   1e3 * raised_, 1e3 * end.height,
-                                   end.touches_robot ? ", at the robot" : "");
+      trial->outcome = fmt::format(
+          "success was said, but it was raised by {:.0f} mm and is {:.0f} "
+          "mm over the table{}",
+          1e3 * raised_, 1e3 * end.height, end.touches_robot ? ", at the robot" : "");
     }
     trial->surprises = run_.cycle().surprises();
     if (!grasp_) return;
     trial->slip = slip_;
-    trial->contact_error =
-        mean_distance(grasp_->contacts_W,
-                      geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
+    trial->contact_error = mean_distance(
+        grasp_->contacts_W, geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
     trial->robustness = grasp_->robustness;
     trial->guessed_contact = grasp_->guessed_contact;
   }
@@ -177,8 +177,7 @@ class Execution {
     }
     phase_ = cycle.phase();
     if (phase_ != Phase::kLift && phase_ != Phase::kMove) return;
-    const Eigen::Vector3d p_HB =
-        (world_.X_WH().inverse(Eigen::Isometry) * body.X_WB).translation();
+    const Eigen::Vector3d p_HB = (world_.X_WH().inverse(Eigen::Isometry) * body.X_WB).translation();
     if (!p_HB_) p_HB_ = p_HB;
     slip_ = (p_HB - *p_HB_).norm();
   }
@@ -187,8 +186,8 @@ class Execution {
   simulation::RobotWorld world_;
   control::CycleInWorld run_;
   simulation::RobotBodyReading start_;
-  std::vector<planning::PlannedGrasp> tried_;   // of the present plan
-  std::optional<planning::PlannedGrasp> grasp_;  // of the last attempt
+  std::vector<planning::PlannedGrasp> tried_;            // of the present plan
+  std::optional<planning::PlannedGrasp> grasp_;          // of the last attempt
   RigidTransform X_moved_ = RigidTransform::Identity();  // of the object when that began
   std::optional<Eigen::Vector3d> p_HB_;                  // m, when the lift began
   Phase phase_ = Phase::kWaiting;

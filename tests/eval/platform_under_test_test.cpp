@@ -48,7 +48,8 @@ TEST(PlatformUnderTest, LiftsWhatIsThereAndTellsWhatItFelt) {
   EXPECT_EQ(count_of(trial, SurpriseKind::kHeldAfterLift, false), 1);
 }
 
-// What is believed to be there is not: every attempt fails where the fingers close, with a surprise.
+// What is believed to be there is not: every attempt fails where the fingers close, with a
+// surprise.
 TEST(PlatformUnderTest, SaysAtWhichStageItFailed) {
   const HandUnderTest hand = platform_under_test("config/robots/kr5_sdh.yaml", true);
   const geometry::TriangleMesh box_W = simulation::make_standing_box({0.05, 0.05, 0.14});
