@@ -344,6 +344,7 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
                       .set("hand", t.hand)
                       .set("setting", t.setting)
                       .set("kind", to_string(t.kind))
+                      .set("attempts", t.attempts)
                       .set("compared", t.compared)
                       .set("surprising", t.surprising)
                       .set("felt_less_predicted", t.difference));

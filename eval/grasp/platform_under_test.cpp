@@ -29,11 +29,11 @@ namespace {
 using control::Phase;
 using geometry::RigidTransform;
 
-constexpr double kRaisedAtLeast = 0.1;  // m
-constexpr double kStands = 0.01;        // m, over the table, of what was put down
-constexpr double kSettled = 0.5;        // s, after the end of the cycle
-constexpr double kWristNoise = 0.1;     // N, of the FT 300
-constexpr double kPatience = 1;         // s, for a new look, which takes no time here
+constexpr double kRaisedAtLeast = 0.05;  // m, as eval_platform
+constexpr double kStands = 0.01;         // m, over the table, of what was put down
+constexpr double kSettled = 0.5;         // s, after the end of the cycle
+constexpr double kWristNoise = 0.1;      // N, of the FT 300
+constexpr double kPatience = 1;          // s, for a new look, which takes no time here
 
 const std::string kThing = "object";
 

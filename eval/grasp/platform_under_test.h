@@ -9,7 +9,7 @@ namespace prehend::eval {
 
 /// A platform's arm and hand: plans with the arm's motion (planning::PlatformPlanner), executes
 /// with the shipped cycle (control::CycleInWorld) in a world with the wrist sensor's noise, and
-/// looks again after a failed attempt. `lifted` is by 100 mm at least, put down, and said to be.
+/// looks again after a failed attempt. `lifted` is by 50 mm at least, put down, and said to be.
 /// @param reacts as control::ArmCycleOptions::reacts.
 /// @throws geometry::InputError as robot::read_platform(), and as in_reach().
 HandUnderTest platform_under_test(const std::filesystem::path& file, bool reacts);

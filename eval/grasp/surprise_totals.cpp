@@ -16,6 +16,7 @@ using control::SurpriseKind;
 /// Of one hand and setting.
 struct FeltByKind {
   std::string hand, setting;
+  int attempts = 0;
   std::map<SurpriseKind, std::vector<Surprise>> kinds;
 };
 
@@ -35,7 +36,8 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
       auto found = std::find_if(all.begin(), all.end(), [&](const FeltByKind& felt) {
         return felt.hand == one.hand && felt.setting == trial.setting;
       });
-      if (found == all.end()) found = all.insert(all.end(), {one.hand, trial.setting, {}});
+      if (found == all.end()) found = all.insert(all.end(), {one.hand, trial.setting, 0, {}});
+      found->attempts += trial.attempts;
       for (const Surprise& surprise : trial.surprises) {
         found->kinds[surprise.kind].push_back(surprise);
       }
@@ -48,24 +50,28 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
       for (const Surprise& s : surprises) differences.push_back(s.felt - s.predicted);
       const auto surprising = std::count_if(surprises.begin(), surprises.end(),
                                             [](const Surprise& s) { return s.surprising; });
-      totals.push_back({felt.hand, felt.setting, kind, static_cast<int>(surprises.size()),
-                        static_cast<int>(surprising), middle_of(std::move(differences))});
+      totals.push_back({felt.hand, felt.setting, kind, felt.attempts,
+                        static_cast<int>(surprises.size()), static_cast<int>(surprising),
+                        middle_of(std::move(differences))});
     }
   }
   return totals;
 }
 
 const std::vector<std::string>& surprises_header() {
-  static const std::vector<std::string> header{"hand",     "planned on", "compared",
-                                               "of times", "surprises",  "felt less predicted"};
+  static const std::vector<std::string> header{
+      "hand", "planned on", "attempts", "what", "compared", "surprises", "felt less predicted"};
   return header;
 }
 
 std::vector<std::vector<std::string>> surprises_rows(const std::vector<GraspCase>& cases) {
   std::vector<std::vector<std::string>> rows;
   for (const SurpriseTotals& t : surprise_totals(cases)) {
-    rows.push_back({t.hand, t.setting, to_string(t.kind), fmt::format("{}", t.compared),
-                    fmt::format("{} ({:.0f} %)", t.surprising, 100.0 * t.surprising / t.compared),
+    const std::string share =
+        t.attempts > 0 ? fmt::format(" ({:.0f} % of attempts)", 100.0 * t.surprising / t.attempts)
+                       : "";
+    rows.push_back({t.hand, t.setting, fmt::format("{}", t.attempts), to_string(t.kind),
+                    fmt::format("{}", t.compared), fmt::format("{}{}", t.surprising, share),
                     fmt::format("{:.3g} {}", t.difference, unit_of(t.kind))});
   }
   return rows;

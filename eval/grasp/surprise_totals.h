@@ -12,7 +12,8 @@ struct SurpriseTotals {
   std::string hand;
   std::string setting;
   control::SurpriseKind kind = control::SurpriseKind::kMotion;
-  int compared = 0;  // times that an act compared it, > 0
+  int attempts = 0;  // of the hand on the setting, of which this is told
+  int compared = 0;  // times, > 0; of what is only told when it surprises, as often
   int surprising = 0;
   double difference = kUnknown;  // median of felt less predicted, in the kind's unit
 };

@@ -53,6 +53,7 @@ TEST(SurpriseTotals, AreCountedByHandAndKindOfObjectsThatFit) {
   EXPECT_EQ(totals[0].hand, "a");
   EXPECT_EQ(totals[0].setting, "predicted");
   EXPECT_EQ(totals[0].kind, SurpriseKind::kTactileSum);
+  EXPECT_EQ(totals[0].attempts, 2);
   EXPECT_EQ(totals[0].compared, 3);
   EXPECT_EQ(totals[0].surprising, 1);
   EXPECT_EQ(totals[0].difference, -1);
@@ -62,7 +63,7 @@ TEST(SurpriseTotals, AreCountedByHandAndKindOfObjectsThatFit) {
   EXPECT_EQ(totals[2].surprising, 1);
   const std::string text = grasp_text(cases);
   EXPECT_THAT(text, HasSubstr("tactile sum"));
-  EXPECT_THAT(text, HasSubstr("1 (33 %)"));
+  EXPECT_THAT(text, HasSubstr("1 (50 % of attempts)"));
   EXPECT_THAT(text, HasSubstr("lift"));
   EXPECT_THAT(grasp_json(cases), HasSubstr("\"felt_less_predicted\""));
 }
