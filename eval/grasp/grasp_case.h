@@ -18,8 +18,8 @@ struct GraspTrial {
   std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
   std::string problem;  // why nothing was executed
   std::string outcome;  // of the execution, in words; of a platform: of the first attempt
-  /// Where the first attempt ended that did not succeed: view, plan, arm, or the cycle's phase;
-  /// empty: it succeeded, or nobody says so.
+  /// Of a platform, where the first attempt ended that did not succeed: view, plan, arm (it has no
+  /// motion), a phase of the cycle, or truth (success was said, but is none); else empty.
   std::string stage;
   int candidates = 0;               // of the plan
   int grasps = 0;                   // in the plan

@@ -1,6 +1,7 @@
 #include "eval/grasp/surprise_totals.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <utility>
@@ -20,7 +21,10 @@ struct FeltByKind {
   std::map<SurpriseKind, std::vector<Surprise>> kinds;
 };
 
+// Of those that are known; kUnknown of none.
 double middle_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  if (values.empty()) return kUnknown;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

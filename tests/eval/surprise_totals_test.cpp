@@ -1,5 +1,6 @@
 #include "eval/grasp/surprise_totals.h"
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -76,6 +77,14 @@ TEST(SurpriseTotals, KindsHaveNamesOfTheirOwnAndNothingIsFeltOfNothing) {
   EXPECT_EQ(names.size(), static_cast<std::size_t>(SurpriseKind::kMotion) + 1);
   EXPECT_FALSE(names.contains("unknown"));
   EXPECT_TRUE(surprise_totals({}).empty());
+  const double nan = std::nan("");
+  const auto partly = surprise_totals({felt_case(
+      "a", 0.9,
+      {felt(SurpriseKind::kTactileSum, 8, nan, true), felt(SurpriseKind::kTactileSum, 8, 9, false),
+       felt(SurpriseKind::kContactArea, nan, nan, true)})});
+  ASSERT_EQ(partly.size(), 2u);
+  EXPECT_TRUE(std::isnan(partly[0].difference)) << "the area, of which nothing is known";
+  EXPECT_EQ(partly[1].difference, 1);
   EXPECT_TRUE(surprises_rows({felt_case("a", 0.9, {})}).empty());
 }
 
