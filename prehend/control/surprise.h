@@ -10,7 +10,7 @@ enum class SurpriseKind {
   kContactArea,       // m^2
   kTactileSum,        // N
   kHeldAfterLift,     // 1 held, 0 not
-  kTouchedTooEarly,   // N at the wrist while approaching, or before the object is put down
+  kTouchedTooEarly,   // N at the wrist while approaching, or high above where the object is put
   kFingersTouch,      // 1 fingers, or both pads, met something when they closed, 0 not
   kFingersAtContact,  // rad, mean, that the fingers closed beyond the predicted touch
   kLiftedWeight,      // N
