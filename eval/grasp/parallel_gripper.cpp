@@ -78,6 +78,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
     trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
+  trial.surprises = execution.surprises;
   for (const auto& surprise : execution.surprises) {
     if (surprise.kind == control::SurpriseKind::kOpeningAtContact) {
       trial.opening_error = surprise.felt - surprise.predicted;

@@ -127,6 +127,22 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   return result;
 }
 
+void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
+  for (const auto& [name, path] : grasp.segments) {
+    msgs::ArmSegment& segment = *message->add_arm();
+    segment.set_name(name);
+    *segment.mutable_trajectory() = to_message(path);
+  }
+  for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
+  for (const double position : grasp.hand.open) message->add_open_position(position);
+  for (const double position : grasp.hand.closed) message->add_closed_position(position);
+  for (const double rate : grasp.hand.rate) message->add_closing_rate(rate);
+  for (const double position : grasp.hand.lower) message->add_least_position(position);
+  for (const double position : grasp.hand.upper) message->add_largest_position(position);
+  message->set_effort(grasp.effort);
+  for (const double effort : grasp.largest_effort) message->add_largest_effort(effort);
+}
+
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp) {
   msgs::Surprise message;
   message.mutable_header()->set_stamp(stamp);

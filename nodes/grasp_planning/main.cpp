@@ -144,9 +144,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
        .default_value = "home",
        .description = "of the platform: where its arm stands when a motion starts",
        .read_only = true});
-  planning::PlatformPickOptions arm;
-  planning::PlaceOptions place;
-  place.given_W = planning::read_place(node.declare_parameter<std::string>(
+  planning::PlatformPlanOptions options;
+  planning::PlatformPickOptions& arm = options.arm;
+  options.place.given_W = planning::read_place(node.declare_parameter<std::string>(
       {.name = "place",
        .description = "x,y of the world [m] where the object is put; empty: a free "
                       "place is chosen",
@@ -173,9 +173,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                       "links' own shapes by that library, slower; others in shared libraries in "
                       "PREHEND_CHECKERS",
        .read_only = true});
-  const int motions =
+  options.motions =
       node.declare_parameter<int>({.name = "motions",
-                                   .default_value = 3,
+                                   .default_value = options.motions,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
@@ -190,10 +190,9 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
     node.log_info("chosen from {}: {}", front, chosen);
   }
   common.validate();
-  return std::make_unique<nodes::PlatformPlanning>(
-      std::move(platform), home,
-      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
-      std::move(task), motions);
+  options.grasps = {common, nodes::hand_options(node, common)};
+  return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
+                                                    std::move(task));
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -289,7 +288,7 @@ class GraspPlanning {
     for (const auto& [id, model] : batch_.models()) {
       if (!model->valid()) continue;
       node_.shield(fmt::format("object {} is left out as an obstacle", id), [&, id = id] {
-        nodes::Neighbours own;
+        planning::Neighbours own;
         own.meshes_W.push_back(convert::from_message(model->mesh()));
         for (const auto& piece : model->convex_pieces()) {
           own.pieces_W.push_back(convert::from_message(piece));
@@ -346,8 +345,8 @@ class GraspPlanning {
     }
   }
 
-  nodes::Neighbours neighbours_of(const msgs::ObjectModel& message) const {
-    nodes::Neighbours all;
+  planning::Neighbours neighbours_of(const msgs::ObjectModel& message) const {
+    planning::Neighbours all;
     for (const auto& [id, own] : obstacles_) {
       if (id == message.id()) continue;
       all.meshes_W.insert(all.meshes_W.end(), own.meshes_W.begin(), own.meshes_W.end());
@@ -392,7 +391,7 @@ class GraspPlanning {
   std::optional<nodes::GraspRecords> records_;
   double workspace_;
   nodes::ModelBatch batch_;
-  std::map<std::uint32_t, nodes::Neighbours> obstacles_;  // of the view, by object
+  std::map<std::uint32_t, planning::Neighbours> obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   graph::Subscription results_, joints_;

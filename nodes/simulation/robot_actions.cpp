@@ -1,9 +1,8 @@
 #include "nodes/simulation/robot_actions.h"
 
-#include <algorithm>
 #include <stdexcept>
 
-#include "prehend/text/nearest_match.h"
+#include "prehend/simulation/hand_request.h"
 
 namespace prehend::nodes {
 namespace {
@@ -11,6 +10,14 @@ namespace {
 using simulation::RobotWorld;
 
 constexpr int kHandSlicesPerFeedback = 5;  // 20 Hz
+
+simulation::HandRequest request_of(const msgs::MoveHandGoal& goal) {
+  return {{goal.joint_name().begin(), goal.joint_name().end()},
+          {goal.position().begin(), goal.position().end()},
+          goal.speed(),
+          goal.until_contact(),
+          {goal.effort().begin(), goal.effort().end()}};
+}
 
 template <class Values, class Message>
 void put(const Values& values, Message* message) {
@@ -38,45 +45,6 @@ RobotActions::RobotActions(graph::Node& node, RobotRunner& robot)
       });
 }
 
-// Joints that are not named stay where they are held.
-simulation::HandCommand RobotActions::command_of(const msgs::MoveHandGoal& goal,
-                                                 std::vector<int>& motors) const {
-  simulation::HandCommand command;
-  command.speed = goal.speed();
-  command.until_contact = goal.until_contact();
-  std::vector<std::string> names;
-  std::vector<double> most;
-  robot_.with_world([&](RobotWorld& world) {
-    names = world.motor_names();
-    command.position = world.hand().targets();
-    command.effort = world.hand().most_efforts();
-  });
-  const auto refuse = [](const std::string& what) { throw std::invalid_argument(what); };
-  if (goal.joint_name().empty()) refuse("the goal names no joint");
-  if (goal.position_size() != goal.joint_name_size()) {
-    refuse(fmt::format("{} positions for {} joints", goal.position_size(), goal.joint_name_size()));
-  }
-  if (goal.effort_size() != 0 && goal.effort_size() != goal.joint_name_size()) {
-    refuse(fmt::format("{} efforts for {} joints", goal.effort_size(), goal.joint_name_size()));
-  }
-  for (int i = 0; i < goal.joint_name_size(); ++i) {
-    // A hand's own names are its platform's without the prefix.
-    const std::string& name = goal.joint_name(i);
-    auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) found = std::find(names.begin(), names.end(), "hand_" + name);
-    if (found == names.end()) {
-      refuse(
-          fmt::format("the hand has no motor '{}'{}", name, text::nearest_match_hint(name, names)));
-    }
-    const int motor = static_cast<int>(found - names.begin());
-    if (std::find(motors.begin(), motors.end(), motor) != motors.end()) {
-      refuse(fmt::format("joint '{}' is named twice", name));
-    }
-    motors.push_back(motor);
-    command.position[motor] = goal.position(i);
-    if (goal.effort_size() > 0) command.effort[motor] = goal.effort(i);
-  }
-  return command;
 }
 
 msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, HandContext& context) {
@@ -91,8 +59,11 @@ msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, Han
   };
   std::uint64_t ticket = 0;
   try {
-    const simulation::HandCommand command = command_of(goal, motors);
-    robot_.with_world([&](RobotWorld& world) { world.move_hand(command); });
+    robot_.with_world([&](RobotWorld& world) {
+      const simulation::NamedHandCommand named = check_hand_request(world, request_of(goal));
+      motors = named.motors;
+      world.move_hand(named.command);
+    });
     ticket = robot_.take_hand();
   } catch (const std::invalid_argument& error) {
     return finish(error.what());

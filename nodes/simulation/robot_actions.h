@@ -16,8 +16,6 @@ class RobotActions {
  private:
   using HandContext = graph::ActionContext<msgs::MoveHandFeedback>;
   msgs::MoveHandResult move_hand(const msgs::MoveHandGoal& goal, HandContext& context);
-  simulation::HandCommand command_of(const msgs::MoveHandGoal& goal,
-                                     std::vector<int>& motors) const;
 
   graph::Node& node_;
   RobotRunner& robot_;

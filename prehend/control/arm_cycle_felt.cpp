@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing else can bear it
 
+// `spent` [s] on the way down to a place, it is above all that was to bear what is held.
+bool is_high(const JointPath* place, double spent) {
+  return place != nullptr && spent < kHighAboveTable * place->duration();
+}
+
 }  // namespace
 
 // How far the fingers have closed beyond the predicted touch [rad], by the joints' states.
@@ -95,10 +100,7 @@ bool ArmCycle::watch_held() {
   const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
   if (!lifting && !carrying && !placing && !shaking) return false;
   bool by_weight = carrying;
-  if (placing) {
-    const JointPath* path = segment("place");
-    by_weight = path != nullptr && spent() < kHighAboveTable * path->duration();
-  }
+  if (placing) by_weight = is_high(segment("place"), spent());
   const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
   const std::string why = hand_.feels_its_grip()
                               ? (lifting ? std::string() : hand_.lost(rests))
@@ -135,7 +137,8 @@ void ArmCycle::check() {
 }
 
 void ArmCycle::after_placing(MotionStatus status) {
-  if (status == MotionStatus::kContact) {
+  // Near its end the way is meant to meet what bears the object.
+  if (status == MotionStatus::kContact && is_high(segment("place"), spent())) {
     const double weight = holding_.weight().value_or(0);
     add_surprise(SurpriseKind::kTouchedTooEarly, weight, felt_contact(weight),
                  "opens where it touches");
