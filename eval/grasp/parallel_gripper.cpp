@@ -6,7 +6,7 @@
 
 #include "eval/grasp/grasp_execution.h"
 #include "eval/processor_time.h"
-#include "prehend/grasp/closing.h"
+#include "prehend/grasp/closing/close_pads.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::eval {

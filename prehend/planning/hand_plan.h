@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_pick.h"
