@@ -33,7 +33,10 @@ std::vector<PlannerSetting> compared_settings() {
   for (const PlannedOn on : {PlannedOn::kPredicted, PlannedOn::kTruth, PlannedOn::kDelaunay}) {
     settings.push_back({to_string(on), on, {}, {}});
     // The truth is not wider than the object.
-    if (on == PlannedOn::kTruth) settings.back().options.width_tolerance = 0;
+    if (on != PlannedOn::kTruth) continue;
+    settings.back().change = [](grasp::PlannerOptions* options) {
+      options->pads.width_tolerance = 0;
+    };
   }
   return settings;
 }
@@ -89,6 +92,7 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
           });
     } catch (const std::exception& error) {
       trial.problem = error.what();
+      trial.stage = on != PlannedOn::kTruth && !seen ? "view" : "plan";
     }
     trial.setting = setting.name;
     result.trials.push_back(std::move(trial));

@@ -14,7 +14,7 @@ double declare_grip_force(graph::Node& node) {
        .default_value = 0.0,
        .unit = "N",
        .minimum = 0.0,
-       .description = "with a platform whose fingers have pads: that those which touch are to "
+       .description = "of fingers with pads: that those which touch are to "
                       "feel, their mean; goes with the plan, and grasp_cycle presses so; 0: as the "
                       "motors press, or as grasp_cycle is told",
        .read_only = true});
@@ -31,7 +31,7 @@ std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node)
   const bool predict = node.declare_parameter<bool>(
       {.name = "predict_touch",
        .default_value = true,
-       .description = "with a platform: close its hand in simulation, for the grasps that get a "
+       .description = "close the hand in simulation, for the grasps that get a "
                       "motion, to tell what its pads should feel",
        .read_only = true});
   if (!predict) return std::nullopt;

@@ -12,7 +12,7 @@ namespace prehend::motion {
 inline constexpr const char* kDefaultChecker = "balls";
 
 /// Collision checkers by name: `balls` (the default: RobotInWorld's own), `fcl`, `bullet`, and each
-/// plug-in in the folders of PREHEND_CHECKERS, or else in ../lib/prehend/checkers beside the
+/// plug-in in the folders of PREHEND_CHECKERS and in ../lib/prehend/checkers beside the
 /// running program (text::plug_in_folders()).
 class CheckerRegistry {
  public:

@@ -12,7 +12,7 @@ namespace prehend::motion {
 inline constexpr const char* kDefaultPlanner = "rrt_connect";
 
 /// Planners by name: `rrt_connect` (the default), `ompl_rrt_connect`, `ompl_bitrrt`, `ompl_kpiece`,
-/// and each plug-in in the folders of PREHEND_PLANNERS, or else in ../lib/prehend/planners beside
+/// and each plug-in in the folders of PREHEND_PLANNERS and in ../lib/prehend/planners beside
 /// the running program (text::plug_in_folders()).
 class PlannerRegistry {
  public:

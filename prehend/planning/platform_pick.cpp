@@ -122,6 +122,24 @@ std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& plat
   };
 }
 
+grasp::Reachability within_reach(grasp::Reachability reachability,
+                                 const robot::Platform& platform) {
+  if (!reachability.approach_W) {
+    reachability.approach_W = platform.fixed_approach(platform.hand.preshapes.front());
+  }
+  return reachability;
+}
+
+grasp::PlannerOptions within_reach(grasp::PlannerOptions options, const robot::Platform& platform) {
+  options.reaches = arm_reach(platform);
+  return options;
+}
+
+PlatformGrasp to_pick(const grasp::Grasp& grasp) {
+  return {grasp.X_WG,     grasp.approach_W, grasp.pregrasp_distance,
+          grasp.preshape, grasp.open,       std::clamp(grasp.score, 0.0, 1.0)};
+}
+
 FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
                            PlaceOptions options) {
   std::vector<Eigen::Vector3d> object;
@@ -172,8 +190,7 @@ class PlatformPicker {
       task_.X_BO_places.push_back(X_BO);
     }
     pick_ = options.pick;
-    pick_.acceleration =
-        Eigen::VectorXd::Constant(inverse_.chain().size(), options.arm_acceleration);
+    pick_.acceleration = platform.acceleration;
   }
 
   PlatformPick plan() {
@@ -300,7 +317,6 @@ PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Po
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene, const PlatformPickOptions& options) {
   const text::Require require{"PlatformPickOptions."};
-  require(options.arm_acceleration > 0, "arm_acceleration must be positive");
   require(options.margin >= 0, "margin must not be negative");
   for (const Eigen::Vector3d& move_W : options.moves_W) {
     require(move_W.allFinite(), "moves_W must be finite");

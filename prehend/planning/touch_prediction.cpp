@@ -305,4 +305,27 @@ std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
   return touches;
 }
 
+std::vector<PredictedTouch> add_touch(const robot::HandModel& hand,
+                                      const surface::ObjectModel& object,
+                                      const geometry::Plane& table,
+                                      const TouchPredictionOptions& options,
+                                      std::vector<grasp::Grasp>* grasps) {
+  constexpr double kLeastEffort = 1e-3;  // share; of grasps that need next to none
+  if (grasps->empty()) return {};
+  std::vector<GraspToFeel> to_feel;
+  for (const grasp::Grasp& grasp : *grasps) {
+    to_feel.push_back({grasp.X_WG, grasp.preshape, grasp.open, grasp.closed, grasp.force,
+                       std::clamp(grasp.effort, kLeastEffort, 1.0)});
+  }
+  const ObjectToFeel body{object.mesh_W, table, grasps->front().predicted.lifted_mass};
+  std::vector<PredictedTouch> touches = predict_touches(hand, to_feel, body, options);
+  for (std::size_t i = 0; i < grasps->size(); ++i) {
+    const PredictedTouch& touch = touches[i];
+    if (touch.outcome != TouchOutcome::kPredicted && !touch.is_refuted()) continue;
+    (*grasps)[i].predicted.contact_area = touch.mean.area;
+    (*grasps)[i].predicted.tactile_sum = touch.mean.sum;
+  }
+  return touches;
+}
+
 }  // namespace prehend::planning

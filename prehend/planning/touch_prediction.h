@@ -8,18 +8,20 @@
 
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/grasp/grasp.h"
 #include "prehend/robot/grip.h"
 #include "prehend/robot/hand_model.h"
 #include "prehend/simulation/robot_world.h"
+#include "prehend/surface/object_model.h"
 
 // What a hand's pads will feel when it closes on a predicted object.
 namespace prehend::planning {
 
-/// A grasp to be simulated, as PlannedGrasp and PlatformGrasp have its parts.
+/// A grasp to be simulated, as grasp::Grasp has its parts.
 struct GraspToFeel {
   geometry::RigidTransform X_WG = geometry::RigidTransform::Identity();  // tool of the preshape
   std::string preshape;                                                  // of the hand
-  Eigen::VectorXd open, closed;  // rad or m, of the motors; see PlatformGrasp, PlannedGrasp
+  Eigen::VectorXd open, closed;  // rad or m, of the motors; see grasp::Grasp
   double force = 0;              // N, per pad; 0: GripOptions::grip_force
   double effort = 1;             // share of what the hand can that is thought to hold it, (0, 1]
 };
@@ -105,5 +107,14 @@ std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
                                             const std::vector<GraspToFeel>& grasps,
                                             const ObjectToFeel& object,
                                             const TouchPredictionOptions& options = {});
+
+/// The same of planned grasps of one object, in their order: adds to their `predicted` what is felt.
+/// Where the simulation says that nothing is felt, `predicted` has no touch either; where it does
+/// not know, it stays what it was. @throws as predict_touches().
+std::vector<PredictedTouch> add_touch(const robot::HandModel& hand,
+                                      const surface::ObjectModel& object,
+                                      const geometry::Plane& table,
+                                      const TouchPredictionOptions& options,
+                                      std::vector<grasp::Grasp>* grasps);
 
 }  // namespace prehend::planning

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct PadPercept {
   double sum = 0;   // N
   double area = 0;  // m^2, of the texels above the touch threshold
   double age = 0;   // s, of the frame
+  std::string name{};
 };
 
 inline constexpr int kTouchCounts = 10;  // above: a texel is touched

@@ -7,13 +7,13 @@
 
 namespace prehend::simulation {
 
-/// Something of a scene and how a World models it.
+/// Something of a scene and how a World or RobotWorld models it.
 struct ModelledPart {
   std::string what;  // "carton", "left pad", "drive", ...
   std::string how;
 };
 
-/// Something that a World leaves out or simplifies.
+/// Something that a world leaves out or simplifies.
 struct LeftOutPart {
   std::string what;
   std::string rule;  // field of ModelRules; empty: no model of it exists
@@ -29,9 +29,13 @@ struct Explanation {
   std::vector<LeftOutPart> left_out;
   /// Rules that are off: what they would leave out is modelled in full.
   std::vector<std::string> rules_off;
+  /// What of the robot's files was read in another way than it stands there, and keys of the scene
+  /// that have no effect on it.
+  std::vector<std::string> remarks;
 };
 
-/// Builds the scene's world and tells what is in it. @throws as World's constructor.
+/// Builds the scene's world, with its robot if it has one, and tells what is in it. @throws as
+/// World's and RobotWorld's constructors.
 Explanation explain(const Scene& scene);
 
 }  // namespace prehend::simulation

@@ -16,9 +16,9 @@ namespace prehend::simulation {
 /// in the file itself.
 void read_drive(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
-/// `tactile:` of either file: `realistic: true` begins from TactileSensorOptions::realistic(); then
-/// threshold, gain_spread, hysteresis, creep, creep_time, low_pass_time, noise, dead (a list of
-/// texels), seed, period.
+/// `tactile:` of either file (of a robot's pads, too): `realistic: true` begins from
+/// TactileSensorOptions::realistic(); then threshold, gain_spread, hysteresis, creep, creep_time,
+/// low_pass_time, noise, dead (a list of texels), seed, period.
 void read_tactile(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
 /// `wrench:` of either file: WrenchSensorOptions, with bias_force and bias_torque; without the

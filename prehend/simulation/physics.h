@@ -40,8 +40,8 @@ struct ModelRules {
 /// How a World is integrated and what it models.
 struct PhysicsOptions {
   /// native, or a plug-in that has objects and table while the gripper stays native's: WorldEngine.
-  /// A plug-in has boxes, cans and balls, steps as it does (first_order here), and can neither be
-  /// saved nor restored; its objects do not sleep.
+  /// A plug-in has boxes, cans and balls, and meshes in convex pieces; it steps as it does
+  /// (first_order here), and can neither be saved nor restored; its objects do not sleep.
   std::string engine = "native";
   std::string solver;  // one of the plug-in's, empty: its first
   /// kFirstOrder: backward Euler; kSecondOrder: SDIRK2, see GraspStepper; twice the work a step.

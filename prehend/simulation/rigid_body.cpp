@@ -9,6 +9,8 @@
 #include <set>
 #include <stdexcept>
 
+#include <Eigen/Eigenvalues>
+
 #include "prehend/contact/rotation.h"
 #include "prehend/geometry/errors.h"
 
@@ -117,6 +119,16 @@ BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, doub
   model.rigid_pad_law = stiff_law(friction);
   model.rigid_law = stiff_law(std::min(friction, 0.3));  // bare metal of fingers and housing
   return model;
+}
+
+PrincipalAxes principal_axes(const BodyModel& model) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(model.inertia);
+  PrincipalAxes principal;
+  principal.X_BC.linear() = axes.eigenvectors();
+  if (principal.X_BC.linear().determinant() < 0) principal.X_BC.linear().col(0) *= -1;
+  principal.X_BC.translation() = model.center_of_mass;
+  principal.moments = axes.eigenvalues();
+  return principal;
 }
 
 geometry::RigidTransform body_pose(const BodyModel& model, const BodyState& state) {

@@ -77,6 +77,13 @@ BodyModel make_body(const std::string& name, geometry::TriangleMesh mesh_B, doub
 /// spacing). Deterministic.
 std::vector<Eigen::Vector3d> sample_surface(const geometry::TriangleMesh& mesh, double spacing);
 
+/// Frame C of a body: at its centre of mass, along its principal axes.
+struct PrincipalAxes {
+  geometry::RigidTransform X_BC = geometry::RigidTransform::Identity();
+  Eigen::Vector3d moments = Eigen::Vector3d::Ones();  // kg m^2, about C's axes
+};
+PrincipalAxes principal_axes(const BodyModel& model);
+
 /// Pose of frame B.
 geometry::RigidTransform body_pose(const BodyModel& model, const BodyState& state);
 

@@ -86,6 +86,8 @@ double volume_of(const EngineShape& shape) {
     case EngineShape::Kind::kCylinder:
     case EngineShape::Kind::kCapsule:
       return M_PI * shape.radius * shape.radius * shape.length;
+    case EngineShape::Kind::kConvexPieces:
+      break;  // links have primitives and meshes
   }
   return 0;
 }

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-
-#include "prehend/geometry/errors.h"
 
 namespace prehend::simulation {
 
@@ -55,32 +52,6 @@ ContactWrench RobotSensors::shown(const ContactWrench& wrench) {
   felt << wrench.force, wrench.torque;
   felt = wrist_->sample(felt);
   return {felt.head<3>(), felt.tail<3>()};
-}
-
-void refuse_physics_of_grippers(const PhysicsOptions& physics) {
-  const PhysicsOptions plain;
-  const auto check = [](bool is_plain, const std::string& key) {
-    if (is_plain) return;
-    throw geometry::InputError(
-        "The scene's physics." + key +
-            " does not apply to a robot of arm and hand, whose fingers, "
-            "objects and contacts are solved in one implicit step of the engine multibody",
-        "Leave it out of the scene, or the robot");
-  };
-  check(physics.engine == plain.engine, "engine");
-  check(physics.solver == plain.solver, "solver");
-  check(physics.integration == plain.integration, "integration");
-  check(physics.adaptive == plain.adaptive, "adaptive");
-  check(physics.tolerance == plain.tolerance, "tolerance");
-  check(physics.velocity_tolerance == plain.velocity_tolerance, "velocity_tolerance");
-  check(physics.most_iterations == plain.most_iterations, "most_iterations");
-  const ModelRules& rules = physics.rules;
-  check(rules.gate_texels == plain.rules.gate_texels, "rules.gate_texels");
-  check(rules.remember_triangles == plain.rules.remember_triangles, "rules.remember_triangles");
-  check(rules.skip_distant_pairs == plain.rules.skip_distant_pairs, "rules.skip_distant_pairs");
-  check(rules.out_of_reach == plain.rules.out_of_reach, "rules.out_of_reach");
-  check(rules.primitives == plain.rules.primitives, "rules.primitives");
-  check(rules.rigid_pads == plain.rules.rigid_pads, "rules.rigid_pads");
 }
 
 }  // namespace prehend::simulation

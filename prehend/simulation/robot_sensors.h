@@ -41,8 +41,4 @@ class RobotSensors {
   double age_ = 0;  // s, of the frames
 };
 
-/// Refuses what of a scene's `physics` means nothing for a robot of arm and hand, which has an
-/// engine of its own. @throws geometry::InputError naming the key and the mend.
-void refuse_physics_of_grippers(const PhysicsOptions& physics);
-
 }  // namespace prehend::simulation

@@ -17,7 +17,6 @@ using engines::Vector6;
 using geometry::RigidTransform;
 
 constexpr double kLookAhead = 1e-4;           // m, looked ahead beyond what speeds say
-constexpr double kArmSpacing = 0.015;         // m, between points on the arm
 constexpr double kCell = 0.005;               // m, of the grid of what is near
 constexpr int kMostCells = 40;                // along each side
 constexpr std::size_t kMostPartContacts = 4;  // of two links of which one is a mesh
@@ -34,6 +33,8 @@ geometry::TriangleMesh mesh_of(const EngineShape& shape) {
     case EngineShape::Kind::kCapsule:
       return geometry::make_revolution(
           {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 24);
+    case EngineShape::Kind::kConvexPieces:
+      break;  // links have primitives and meshes
   }
   return {};
 }

@@ -26,6 +26,7 @@ class RobotTouch : public engines::TouchFinder {
   };
 
   static constexpr double kPointSpacing = 0.004;  // m, on fingers
+  static constexpr double kArmSpacing = 0.015;    // m, between points on the arm
   static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
 
   /// @param pads of the hand, whose order RobotBodies::Pad means.

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
 #include "prehend/contact/require.h"
 #include "prehend/contact/rotation.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/simulation/robot_scene.h"
 #include "prehend/simulation/robot_world_implementation.h"
 
 namespace prehend::simulation {
@@ -17,7 +16,6 @@ namespace {
 using geometry::RigidTransform;
 
 constexpr double kStill = 1e-3;         // m/s and rad/s
-constexpr double kStillTime = 0.25;     // s
 constexpr double kContactTime = 0.005;  // s that a force must last: jerks of what is held do not
 
 void check(const RobotWorldOptions& options) {
@@ -32,8 +30,8 @@ RobotWorldOptions with_scene(RobotWorldOptions options, const Scene& scene) {
   options.table_friction = scene.table.friction;
   options.tactile = scene.tactile;
   options.wrench = scene.wrench;
-  refuse_physics_of_grippers(scene.physics);
   options.sleep = options.sleep && scene.physics.rules.sleep;
+  options.primitives = options.primitives && scene.physics.rules.primitives;
   return options;
 }
 
@@ -127,6 +125,7 @@ void RobotWorld::Implementation::build() {
   touch = std::make_unique<RobotTouch>(robot, hand_model.pads, std::move(touched));
   system = std::make_unique<engines::Multibody>(scene);
   system->set_contact_stiffness(options.contact_stiffness, options.contact_damping);
+  system->set_ground_stiffness(options.table_stiffness, options.table_damping);
   system->set_touch_finder(touch.get());
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     if (robot.joints[j].follows < 0) {
@@ -160,14 +159,10 @@ void RobotWorld::Implementation::read_motions() {
 void RobotWorld::Implementation::add(BodyModel model, double friction, const RigidTransform& X_WB) {
   read_motions();
   Thing thing;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(model.inertia);
-  RigidTransform X_BC = RigidTransform::Identity();
-  X_BC.linear() = axes.eigenvectors();
-  if (X_BC.linear().determinant() < 0) X_BC.linear().col(0) *= -1;
-  X_BC.translation() = model.center_of_mass;
-  thing.moments = axes.eigenvalues();
-  thing.X_CB = X_BC.inverse(Eigen::Isometry);
-  thing.motion.X_WB = X_WB * X_BC;
+  const PrincipalAxes axes = principal_axes(model);
+  thing.moments = axes.moments;
+  thing.X_CB = axes.X_BC.inverse(Eigen::Isometry);
+  thing.motion.X_WB = X_WB * axes.X_BC;
   thing.friction = friction;
   thing.model = std::move(model);
   const auto same = std::find_if(things.begin(), things.end(), [&](const Thing& other) {
@@ -259,13 +254,15 @@ void RobotWorld::Implementation::step() {
 
 RobotWorld::RobotWorld(const robot::Platform& platform, const Scene& scene, const std::string& home,
                        const RobotWorldOptions& options) {
+  check_for_robot(scene, platform);
   const robot::Platform::Home& start = platform.home(home);
   implementation_ = std::make_unique<Implementation>(
       platform.model, platform.hand, "hand_", root_of(platform.model, platform.base, platform.X_WB),
       ArmDrive(platform.arm_chain(), start.arm, options.arm), with_scene(options, scene));
   Implementation& world = *implementation_;
   for (const SceneObject& object : scene.objects) {
-    const auto primitive = primitive_shape(object);
+    const auto primitive =
+        world.options.primitives ? primitive_shape(object) : std::optional<FeltShape>();
     BodyModel model = make_body(object.name, object_mesh(object), object.mass, object.friction,
                                 scene.table.friction, {}, primitive ? &*primitive : nullptr);
     model.texture = object.texture;

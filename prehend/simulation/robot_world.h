@@ -24,12 +24,18 @@ struct RobotWorldOptions {
   /// Of a touching point [N/m, N s/m]: rubber of a few millimetres, 0.1 mm for 2 N.
   double contact_stiffness = 2e4;
   double contact_damping = 60;
+  /// The same between objects and the table, hard on hard as World's: 0.1 mm for 10 N. On rubber,
+  /// what stands with its weight near its edge falls over.
+  double table_stiffness = 1e5;
+  double table_damping = 200;
   HandMechanics mechanics;
   HandDriveOptions hand;
   ArmDriveOptions arm;
   /// Objects that nothing moves are left out until something that moves touches them. Error: what
-  /// they would still have settled, as ModelRules::sleep.
+  /// they would still have settled, measured below 1e-6 m.
   bool sleep = true;
+  /// Boxes, balls and cans of the scene are met as what they are, see ModelRules::primitives.
+  bool primitives = true;
   TactileOptions tactile;                     // the pads' electronics
   std::optional<WrenchSensorOptions> wrench;  // none: forces as they are
 };
@@ -83,11 +89,11 @@ struct RobotBodyReading {
 class RobotWorld {
  public:
   /// Arm and hand at the home position `home`, the hand open as its first preshape. Objects of
-  /// `scene`, its table's friction, gravity, step, `tactile` and `wrench` count; its gripper and
-  /// carrier do not.
+  /// `scene`, its table's friction, gravity, step, `tactile`, `wrench`, rules.sleep and
+  /// rules.primitives count; for the others see check_for_robot.
   /// @throws geometry::InputError for a robot that cannot be simulated (make_robot_bodies), an
-  /// object's mesh that is not a solid, or `physics` that mean nothing here (but rules.sleep),
-  /// std::invalid_argument for options out of range.
+  /// object's mesh that is not a solid, or what check_for_robot refuses, std::invalid_argument for
+  /// options out of range.
   RobotWorld(const robot::Platform& platform, const Scene& scene, const std::string& home = "home",
              const RobotWorldOptions& options = {});
   /// A hand alone, its root frame H at X_WH, without objects; open as `preshape` (empty: its
@@ -162,6 +168,8 @@ class RobotWorld {
   bool remove_object(const std::string& name);
   void place_object(const std::string& name, const geometry::RigidTransform& X_WB);
   std::uint64_t scene_generation() const;
+  /// What is modelled how and what is left out, now; see explain.h.
+  Explanation explained() const;
 
   /// Everything that changes in a step; for this world while no object was added or removed.
   struct State;

@@ -5,13 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "prehend/simulation/explain.h"
 #include "prehend/simulation/robot_sensors.h"
 #include "prehend/simulation/robot_world.h"
 
 namespace prehend::simulation {
 
 struct RobotWorld::Implementation {
-  struct Thing {  // an object
+  static constexpr double kStillTime = 0.25;  // s
+  struct Thing {                              // an object
     BodyModel model;
     geometry::RigidTransform X_CB = geometry::RigidTransform::Identity();
     Eigen::Vector3d moments = Eigen::Vector3d::Ones();  // kg m^2
@@ -49,6 +51,10 @@ struct RobotWorld::Implementation {
     return state.X_WB[static_cast<std::size_t>(robot.body_of_link[l])] * robot.X_BL[l];
   }
   bool is_hands(int body) const;
+  void explain_arm(Explanation& out) const;
+  void explain_hand(Explanation& out) const;
+  void explain_sensors(Explanation& out) const;
+  void explain_objects(Explanation& out) const;
 
   RobotWorldOptions options;
   robot::HandModel hand_model;

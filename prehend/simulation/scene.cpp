@@ -65,11 +65,6 @@ void validate_plug_in(const Scene& scene) {
   require(scene.physics.integration == contact::Integration::kFirstOrder,
           "physics.integration with " + engine, "first_order");
   require(!scene.physics.adaptive, "physics.step with " + engine, "a number");
-  require(scene.physics.rules.primitives, "physics.rules.primitives with " + engine, "true");
-  for (const SceneObject& object : scene.objects) {
-    require(primitive_shape(object).has_value(),
-            "object '" + object.name + "'.shape with " + engine, "box, can or ball");
-  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ struct CarrierModel {
   /// Angle between the approach direction and straight down [rad]: 0 approaches along -z of the
   /// world, pi/2 along +x (at yaw 0).
   double mounting_tilt = 0;
+
+  bool operator==(const CarrierModel&) const = default;
 
   /// Pose of the gripper frame at `position` [m] and `yaw` [rad]: R_WG = Rz(yaw) Ry(-tilt) Rx(pi).
   geometry::RigidTransform gripper_pose(const Eigen::Vector3d& position, double yaw) const;
@@ -111,12 +114,17 @@ struct Scene {
   CameraSetup camera;
   Light light;
   std::vector<SceneObject> objects;
+
+  std::filesystem::path file;        // where it was read; empty: made in code
+  std::map<std::string, int> given;  // keys of the file, "carrier.max_speed", and their lines
 };
 
-/// Reads a scene file and the gripper model it names.
+/// Reads a scene file and the gripper model it names. With a robot the file of the hand's parallel
+/// gripper, if it is one, stands in its place: `tactile` and `wrench` are that one's then.
+/// @param robot a platform's file that goes before the scene's own `robot`; empty: none
 /// @throws geometry::InputError "file:line: what is wrong" with the mend: missing or foreign file,
 /// unknown key (with the nearest known one), wrong type, value out of range, two objects of a name.
-Scene read_scene(const std::filesystem::path& path);
+Scene read_scene(const std::filesystem::path& path, const std::filesystem::path& robot = {});
 
 /// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
 void validate(const Scene& scene);

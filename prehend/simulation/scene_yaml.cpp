@@ -83,13 +83,40 @@ void read_light(const YAML::Node& node, const Path& file, Light& light) {
   map.finish();
 }
 
+void read_sensors(const YAML::Node& gripper, const Path& file, Scene& scene) {
+  if (const YAML::Node tactile = gripper["tactile"]) read_tactile(tactile, file, scene);
+  if (const YAML::Node wrench = gripper["wrench"]) read_wrench(wrench, file, scene);
+}
+
 void read_gripper(const Path& file, Scene& scene) {
   scene.gripper = robot::read_gripper_model(file);
   scene.gripper_file = file;
   const YAML::Node node = text::load_yaml_map(file);
   if (const YAML::Node drive = node["drive"]) read_drive(drive, file, scene);
-  if (const YAML::Node tactile = node["tactile"]) read_tactile(tactile, file, scene);
-  if (const YAML::Node wrench = node["wrench"]) read_wrench(wrench, file, scene);
+  if (scene.robot.empty()) read_sensors(node, file, scene);
+}
+
+// Of the parallel gripper that the platform's hand is, if it is one.
+void read_robots_sensors(Scene& scene) {
+  Path file = scene.robot;
+  for (const char* next : {"hand", "gripper"}) {
+    const YAML::Node node = text::load_yaml_map(file)[next];
+    if (!node.IsDefined() || !node.IsScalar()) return;  // what is wrong, read_platform says
+    file = file.parent_path() / node.Scalar();
+  }
+  read_sensors(text::load_yaml_map(file), file, scene);
+}
+
+void note_keys(const YAML::Node& map, const std::string& prefix, std::map<std::string, int>& keys) {
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar()) continue;
+    const std::string key = prefix + entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      note_keys(entry.second, key + ".", keys);
+    } else {
+      keys[key] = entry.first.Mark().line + 1;
+    }
+  }
 }
 
 SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t index) {
@@ -122,19 +149,23 @@ SceneObject read_object(const YAML::Node& node, const Path& file, std::size_t in
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& path) {
+Scene read_scene(const std::filesystem::path& path, const std::filesystem::path& robot) {
   Scene scene;
-  text::YamlMap map(text::load_yaml_map(path), path, "scene");
+  scene.file = path;
+  const YAML::Node top = text::load_yaml_map(path);
+  note_keys(top, "", scene.given);
+  text::YamlMap map(top, path, "scene");
   map.read("step", scene.step);
   map.read("gravity", scene.gravity);
   map.read("start_opening", scene.start_opening);
-  std::string gripper;
+  std::string gripper, own_robot;
   map.read("gripper", gripper);
-  if (!gripper.empty()) read_gripper(path.parent_path() / gripper, scene);
-  std::string robot;
-  map.read("robot", robot);
-  if (!robot.empty()) scene.robot = path.parent_path() / robot;
+  map.read("robot", own_robot);
+  if (!own_robot.empty()) scene.robot = path.parent_path() / own_robot;
+  if (!robot.empty()) scene.robot = robot;
   map.read("robot_home", scene.robot_home);
+  if (!gripper.empty()) read_gripper(path.parent_path() / gripper, scene);
+  if (!scene.robot.empty()) read_robots_sensors(scene);
   if (const YAML::Node node = map.child("tactile")) read_tactile(node, path, scene);
   if (const YAML::Node node = map.child("wrench")) read_wrench(node, path, scene);
   if (const YAML::Node node = map.child("physics")) {

@@ -133,6 +133,20 @@ void World::Implementation::add(BodyModel model, const RigidTransform& X_WB) {
   models.push_back(std::move(model));
 }
 
+void World::Implementation::require_possible(BodyModel model, const RigidTransform& X_WB,
+                                             int replaced) const {
+  std::vector<BodyModel> all = models;
+  std::vector<BodyState> bodies = state.motion.bodies;
+  if (replaced >= 0) {
+    all.erase(all.begin() + replaced);
+    bodies.erase(bodies.begin() + replaced);
+  }
+  model.id = next_id;
+  set_body_pose(model, X_WB, bodies.emplace_back());
+  all.push_back(std::move(model));
+  engine->require_possible(all, bodies);
+}
+
 void World::Implementation::remove(int index) {
   models.erase(models.begin() + index);
   state.motion.bodies.erase(state.motion.bodies.begin() + index);
@@ -204,6 +218,14 @@ void World::move_carrier(const RigidTransform& X_WG_target, double speed) {
   command.speed = speed;
   implementation_->record(std::move(command));
 }
+void World::drive_carrier(const Eigen::Vector3d& velocity_W, double yaw_rate) {
+  implementation_->state.carrier.drive(velocity_W, yaw_rate, scene().step);
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kDriveCarrier;
+  command.pose.translation() = velocity_W;
+  command.value = yaw_rate;
+  implementation_->record(std::move(command));
+}
 void World::stop_carrier() {
   implementation_->state.carrier.stop();
   WorldCommand command;
@@ -219,8 +241,8 @@ GripperReading World::gripper() const {
 
 CarrierReading World::carrier() const {
   const Carrier& carrier = implementation_->state.carrier;
-  return {carrier.pose(), carrier.velocity(), carrier.yaw_rate(), carrier.moving(),
-          carrier.remaining()};
+  return {carrier.pose(),   carrier.velocity(),  carrier.yaw_rate(),
+          carrier.moving(), carrier.remaining(), carrier.yaw()};
 }
 
 ContactWrench World::wrist_wrench() const { return implementation_->state.wrench; }
@@ -243,13 +265,11 @@ void World::add_object(const std::string& name, const geometry::TriangleMesh& me
   if (!box.isEmpty()) X_WB.translation() = box.center();
   BodyModel model = implementation_->make_model(name, geometry::transformed(mesh_W, X_WB.inverse()),
                                                 mass, friction, std::nullopt);
-  if (implementation_->engine) {
-    WorldEngine::require_primitive(model, implementation_->scene.physics.engine);
-  }
   model.is_static = is_static;
   model.texture = texture;
   X_WB.translation().z() -= std::min(0.0, box.min().z());
   const int existing = implementation_->index_of(name);
+  if (implementation_->engine) implementation_->require_possible(model, X_WB, existing);
   if (existing >= 0) implementation_->remove(existing);
   implementation_->add(std::move(model), X_WB);
   implementation_->wake_all();

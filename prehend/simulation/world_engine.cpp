@@ -4,6 +4,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/simulation/engines/registry.h"
+#include "prehend/surface/convex_pieces.h"
 #include "prehend/text/nearest_match.h"
 
 namespace prehend::simulation {
@@ -14,6 +15,8 @@ struct Shipped {
   const char* name;
   const char* packages;
 };
+constexpr int kMostCorners = 512;     // of a piece
+constexpr double kLeastPiece = 1e-6;  // of its extent cubed: thinner ones bear nothing
 constexpr Shipped kShipped[] = {{"bullet", "libbullet-dev"},
                                 {"dart", "libdart-dev and libdart-collision-ode-dev"},
                                 {"mujoco", "libmujoco-dev"},
@@ -25,26 +28,17 @@ std::string joined(const std::vector<std::string>& names) {
   return all;
 }
 
-engines::EngineBody engine_body(const BodyModel& model, const BodyState& state) {
-  engines::EngineBody body;
-  body.name = model.name;
-  const contact::Shape& shape = model.felt.shape;
-  using Kind = engines::EngineShape::Kind;
-  body.shape.kind = shape.kind() == contact::Shape::Kind::kBox      ? Kind::kBox
-                    : shape.kind() == contact::Shape::Kind::kSphere ? Kind::kSphere
-                                                                    : Kind::kCylinder;
-  if (body.shape.kind == Kind::kBox) body.shape.size = 2 * shape.half_size();
-  if (body.shape.kind != Kind::kBox) body.shape.radius = shape.radius();
-  if (body.shape.kind == Kind::kCylinder) body.shape.length = 2 * shape.half_length();
-  body.mass = model.mass;
-  body.moments = model.inertia.diagonal();
-  body.friction = model.pad_law.dynamic_friction;
-  body.is_fixed = model.is_static;
-  body.X_WB.linear() = state.q_WB.toRotationMatrix();
-  body.X_WB.translation() = state.p_WBcm;
-  body.velocity = state.velocity;
-  body.angular_velocity = state.angular_velocity;
-  return body;
+// Whether pads feel it, and engines have it, as a primitive.
+bool is_primitive(const BodyModel& model) {
+  return model.felt.shape.kind() != contact::Shape::Kind::kMesh;
+}
+
+void load_into(engines::Engine& engine, const engines::EngineScene& scene) {
+  try {
+    engine.load(scene);
+  } catch (const engines::UnsupportedScene& reason) {
+    throw geometry::InputError(reason.what(), "Change the scene or take engine: native");
+  }
 }
 
 Eigen::Vector3d angular_momentum(const BodyModel& model, const BodyState& body) {
@@ -56,12 +50,16 @@ Eigen::Vector3d angular_momentum(const BodyModel& model, const BodyState& body) 
 
 std::optional<EngineTrouble> engine_trouble(const std::string& name) {
   if (name == "native") return std::nullopt;
-  const engines::EngineRegistry registry;
+  return engine_trouble(name, engines::EngineRegistry());
+}
+
+std::optional<EngineTrouble> engine_trouble(const std::string& name,
+                                            const engines::EngineRegistry& registry) {
   if (registry.has(name)) return std::nullopt;
   const std::vector<std::string> installed = registry.names();
   std::vector<std::string> known = installed;
   for (const Shipped& shipped : kShipped) {
-    known.emplace_back(shipped.name);
+    if (!registry.has(shipped.name)) known.emplace_back(shipped.name);
     if (name != shipped.name) continue;
     std::string why = "is '" + name + "', whose plug-in is not installed";
     for (const text::PlugInProblem& problem : registry.problems()) {
@@ -91,16 +89,65 @@ WorldEngine::~WorldEngine() = default;
 
 std::string WorldEngine::version() const { return engine_->version(); }
 
-void WorldEngine::require_primitive(const BodyModel& model, const std::string& engine) {
-  using Kind = contact::Shape::Kind;
-  const Kind kind = model.felt.shape.kind();
-  if (kind == Kind::kBox || kind == Kind::kSphere || kind == Kind::kCylinder) return;
-  throw geometry::InputError(
-      "object '" + model.name + "' is a mesh, which engine '" + engine + "' cannot have here",
-      "Take boxes, cans and balls, or engine: native");
+const WorldEngine::Pieces* WorldEngine::pieces(const BodyModel& model) const {
+  const auto found = pieces_.find(model.id);
+  return found == pieces_.end() ? nullptr : &found->second;
 }
 
-void WorldEngine::load(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies) {
+void WorldEngine::make_pieces(const BodyModel& model) {
+  if (is_primitive(model)) return;
+  // A scan's bottom is never flat, and what its hull's corners miss it sinks in by.
+  surface::ConvexPiecesOptions options;
+  options.max_hull_vertices = kMostCorners;
+  const surface::ConvexPieces all = surface::convex_pieces(*model.mesh, options);
+  std::vector<geometry::TriangleMesh> solid;
+  for (const geometry::TriangleMesh& piece : all.pieces) {
+    const double extent = geometry::bounds(piece).sizes().maxCoeff();
+    if (geometry::mass_properties(piece).volume > kLeastPiece * extent * extent * extent) {
+      solid.push_back(piece);
+    }
+  }
+  if (solid.empty()) {
+    throw geometry::InputError("object '" + model.name + "' is too thin for engine '" + name_ + "'",
+                               "Give it volume, or take engine: native");
+  }
+  pieces_[model.id] = {
+      std::make_shared<const std::vector<geometry::TriangleMesh>>(std::move(solid)), all.concavity};
+}
+
+engines::EngineBody WorldEngine::engine_body(const BodyModel& model, const BodyState& state) const {
+  engines::EngineBody body;
+  body.name = model.name;
+  body.mass = model.mass;
+  body.friction = model.pad_law.dynamic_friction;
+  body.is_fixed = model.is_static;
+  body.X_WB.linear() = state.q_WB.toRotationMatrix();
+  body.X_WB.translation() = state.p_WBcm;
+  body.velocity = state.velocity;
+  body.angular_velocity = state.angular_velocity;
+  using Kind = engines::EngineShape::Kind;
+  if (const Pieces* made = pieces(model)) {
+    const PrincipalAxes axes = principal_axes(model);
+    body.shape.kind = Kind::kConvexPieces;
+    body.shape.pieces = made->meshes_B;
+    body.X_BS = axes.X_BC.inverse(Eigen::Isometry);
+    body.moments = axes.moments;
+    body.X_WB.linear() = body.X_WB.linear() * axes.X_BC.linear();
+    return body;
+  }
+  const contact::Shape& shape = model.felt.shape;
+  body.shape.kind = shape.kind() == contact::Shape::Kind::kBox      ? Kind::kBox
+                    : shape.kind() == contact::Shape::Kind::kSphere ? Kind::kSphere
+                                                                    : Kind::kCylinder;
+  if (body.shape.kind == Kind::kBox) body.shape.size = 2 * shape.half_size();
+  if (body.shape.kind != Kind::kBox) body.shape.radius = shape.radius();
+  if (body.shape.kind == Kind::kCylinder) body.shape.length = 2 * shape.half_length();
+  body.moments = model.inertia.diagonal();
+  return body;
+}
+
+engines::EngineScene WorldEngine::scene_of(const std::vector<BodyModel>& models,
+                                           const std::vector<BodyState>& bodies) const {
   engines::EngineScene scene;
   scene.step = step_;
   scene.gravity = {0, 0, -gravity_};
@@ -108,16 +155,32 @@ void WorldEngine::load(const std::vector<BodyModel>& models, const std::vector<B
   scene.ground_friction = table_friction_;
   scene.solver = solver_;
   for (std::size_t i = 0; i < models.size(); ++i) {
-    require_primitive(models[i], name_);
     scene.bodies.push_back(engine_body(models[i], bodies[i]));
   }
-  reactions_.assign(models.size(), Vector6::Zero());
   engines::validate(scene);
-  try {
-    engine_->load(scene);
-  } catch (const engines::UnsupportedScene& reason) {
-    throw geometry::InputError(reason.what(), "Change the scene or take engine: native");
+  return scene;
+}
+
+void WorldEngine::require_possible(const std::vector<BodyModel>& models,
+                                   const std::vector<BodyState>& bodies) {
+  pieces_.erase(models.back().id);  // of one that was refused
+  make_pieces(models.back());
+  load_into(*engines::EngineRegistry().create(name_), scene_of(models, bodies));
+}
+
+void WorldEngine::load(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies) {
+  R_BC_.assign(models.size(), Eigen::Matrix3d::Identity());
+  std::map<std::uint32_t, Pieces> kept;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!pieces(models[i])) make_pieces(models[i]);
+    const Pieces* made = pieces(models[i]);
+    if (!made) continue;
+    kept[models[i].id] = *made;
+    R_BC_[i] = principal_axes(models[i]).X_BC.linear();
   }
+  pieces_ = std::move(kept);
+  reactions_.assign(models.size(), Vector6::Zero());
+  load_into(*engine_, scene_of(models, bodies));
 }
 
 void WorldEngine::step(const std::vector<Vector6>& wrenches, const std::vector<BodyModel>& models,
@@ -133,7 +196,7 @@ void WorldEngine::step(const std::vector<Vector6>& wrenches, const std::vector<B
     const Eigen::Vector3d momentum = angular_momentum(models[i], body);
     const engines::BodyMotion motion = engine_->body(static_cast<int>(i));
     body.p_WBcm = motion.X_WB.translation();
-    body.q_WB = Eigen::Quaterniond(motion.X_WB.linear()).normalized();
+    body.q_WB = Eigen::Quaterniond(motion.X_WB.linear() * R_BC_[i].transpose()).normalized();
     body.velocity = motion.velocity;
     body.angular_velocity = motion.angular_velocity;
     Vector6& reaction = reactions_[i];

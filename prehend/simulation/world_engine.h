@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,7 +16,10 @@ namespace prehend::simulation {
 
 namespace engines {
 class Engine;
-}
+class EngineRegistry;
+struct EngineBody;
+struct EngineScene;
+}  // namespace engines
 
 /// Why a world cannot have an engine of that name, and what mends it.
 struct EngineTrouble {
@@ -23,6 +28,9 @@ struct EngineTrouble {
 };
 /// None when `name` is native or installed. Loads the plug-ins that are there.
 std::optional<EngineTrouble> engine_trouble(const std::string& name);
+/// The same with these engines only.
+std::optional<EngineTrouble> engine_trouble(const std::string& name,
+                                            const engines::EngineRegistry& registry);
 
 /// A plug-in engine under a World (`physics: {engine: NAME}`): it has the objects, the table and
 /// what happens between them. The gripper stays prehend's: each step finds what pads, fingers and
@@ -40,11 +48,21 @@ class WorldEngine {
   explicit WorldEngine(const Scene& scene);
   ~WorldEngine();
 
-  /// Takes these objects as they are. @throws geometry::InputError for an object that is no box,
-  /// can or ball, or a solver that the engine does not have.
+  /// Takes these objects as they are: boxes, cans and balls that pads feel as such, others in
+  /// convex pieces (surface::convex_pieces); mass, centre and inertia are the model's. @throws
+  /// geometry::InputError for an object that the engine cannot have, or a solver that it does not
+  /// have.
   void load(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies);
-  /// @throws as load.
-  static void require_primitive(const BodyModel& model, const std::string& engine);
+  /// Tries what load() would, in an engine of its own, so that a world is left as it is when the
+  /// last object, which is new, cannot be. @throws as load.
+  void require_possible(const std::vector<BodyModel>& models, const std::vector<BodyState>& bodies);
+
+  /// The pieces of an object that is loaded; null: it is a box, can or ball.
+  struct Pieces {
+    std::shared_ptr<const std::vector<geometry::TriangleMesh>> meshes_B;
+    double concavity = 0;  // m, that they reach beyond the mesh at most
+  };
+  const Pieces* pieces(const BodyModel& model) const;
 
   /// One step of the scene's length under `wrenches` (force, torque about the centre of mass,
   /// world), of which fixed bodies' do not matter.
@@ -55,9 +73,16 @@ class WorldEngine {
   std::string version() const;
 
  private:
+  void make_pieces(const BodyModel& model);
+  engines::EngineScene scene_of(const std::vector<BodyModel>& models,
+                                const std::vector<BodyState>& bodies) const;
+  engines::EngineBody engine_body(const BodyModel& model, const BodyState& state) const;
+
   double step_, gravity_, table_friction_;
   std::string name_, solver_;
   std::unique_ptr<engines::Engine> engine_;
+  std::map<std::uint32_t, Pieces> pieces_;  // by BodyModel::id
+  std::vector<Eigen::Matrix3d> R_BC_;       // from the engine's frame of each body
   std::vector<Vector6> reactions_;
 };
 

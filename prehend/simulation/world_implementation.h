@@ -102,6 +102,7 @@ struct World::Implementation {
   std::uint32_t next_id = 1;
   std::unique_ptr<WorldEngine> engine;  // null: native
   std::shared_ptr<const geometry::TriangleMesh> finger_mesh, housing_mesh, pad_mesh;
+  bool shows_robot = true;  // to cameras
 
   // The gripper's pads and slide.
   std::array<contact::PadMount, 2> mounts;
@@ -142,6 +143,8 @@ struct World::Implementation {
   BodyModel make_model(const std::string& name, const geometry::TriangleMesh& mesh_B, double mass,
                        double friction, const std::optional<FeltShape>& felt) const;
   void add(BodyModel model, const geometry::RigidTransform& X_WB);
+  /// Asks the engine about an object in place of the one at `replaced` (-1: none).
+  void require_possible(BodyModel model, const geometry::RigidTransform& X_WB, int replaced) const;
   void remove(int index);
 
   // True when body `i` has to be in this step's system.

@@ -1,6 +1,8 @@
 #include "prehend/text/plug_ins.h"
 
+#include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <cstdlib>
 #include <sstream>
 #include <system_error>
@@ -22,11 +24,16 @@ std::vector<fs::path> plug_in_folders(const std::string& kind) {
     for (std::string folder; std::getline(list, folder, ':');) {
       if (!folder.empty()) folders.emplace_back(folder);
     }
-    return folders;
   }
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) folders.push_back(program.parent_path().parent_path() / "lib/prehend" / (kind + "s"));
+  if (error) return folders;
+  const fs::path shipped = program.parent_path().parent_path() / "lib/prehend" / (kind + "s");
+  const bool is_named = std::any_of(folders.begin(), folders.end(), [&](const fs::path& folder) {
+    std::error_code absent;
+    return fs::equivalent(folder, shipped, absent);
+  });
+  if (!is_named) folders.push_back(shipped);
   return folders;
 }
 
@@ -36,11 +43,12 @@ std::vector<PlugIn> load_plug_ins(const std::string& kind, int interface,
   std::vector<fs::path> files;
   for (const auto& folder : folders) {
     std::error_code error;
+    const auto first = static_cast<std::ptrdiff_t>(files.size());
     for (const auto& entry : fs::directory_iterator(folder, error)) {
       if (entry.path().extension() == ".so") files.push_back(entry.path());
     }
+    std::sort(files.begin() + first, files.end());
   }
-  std::sort(files.begin(), files.end());
   const std::string says = "prehend_" + kind + "_interface", makes = "prehend_create_" + kind;
   std::vector<PlugIn> plug_ins;
   for (const auto& file : files) {

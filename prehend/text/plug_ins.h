@@ -20,7 +20,7 @@ struct PlugInProblem {
 };
 
 /// Where plug-ins of a kind ("engine") are: the folders of the environment variable PREHEND_ENGINES
-/// (separated by ':'), or else ../lib/prehend/engines beside the running program.
+/// (separated by ':'), and then those that ship, ../lib/prehend/engines beside the running program.
 std::vector<std::filesystem::path> plug_in_folders(const std::string& kind);
 
 /// A loaded library, which is never closed: what was made by it may live as long as the program.
@@ -29,7 +29,7 @@ struct PlugIn {
   void* create = nullptr;  // its function prehend_create_KIND
 };
 
-/// Loads the shared libraries (*.so) of `folders`, in order of their paths, that export
+/// Loads the shared libraries (*.so) of `folders`, in their order and by name in each, that export
 /// `extern "C"` int prehend_KIND_interface(), equal to `interface`, and prehend_create_KIND().
 /// Others are `problems`. A folder that is not there is empty.
 std::vector<PlugIn> load_plug_ins(const std::string& kind, int interface,
@@ -43,7 +43,8 @@ class NamedPlugIns {
  public:
   using Create = Thing* (*)();
 
-  /// @param built_in found first: a plug-in of the same name is a problem.
+  /// @param built_in found first. Of plug-ins of one name the first counts, the others are
+  /// problems.
   NamedPlugIns(std::string kind, int interface, const std::vector<std::filesystem::path>& folders,
                std::vector<std::pair<std::string, Create>> built_in)
       : kind_(std::move(kind)), entries_(std::move(built_in)) {

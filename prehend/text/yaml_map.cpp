@@ -31,7 +31,12 @@ YAML::Node as_map(YAML::Node node, const std::filesystem::path& path) {
   return node;
 }
 
+thread_local KnownKeys* noting = nullptr;
+
 }  // namespace
+
+KnownKeys::KnownKeys() { noting = this; }
+KnownKeys::~KnownKeys() { noting = nullptr; }
 
 YAML::Node load_yaml_map(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) {
@@ -134,6 +139,9 @@ void YamlMap::read(const std::string& key, Eigen::Vector3d& value) {
 }
 
 void YamlMap::finish() const {
+  for (const std::string& key : known_) {
+    if (noting) noting->keys_.emplace(place_, key);
+  }
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a word)";
     if (known_.count(key) != 0) continue;

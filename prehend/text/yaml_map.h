@@ -18,6 +18,22 @@ YAML::Node load_yaml_map(const std::filesystem::path& path);
 /// The same of a text; `path` says in errors where it is from.
 YAML::Node parse_yaml_map(const std::string& text, const std::filesystem::path& path);
 
+/// While it lives it notes which keys this thread's YamlMaps know, by their places: what a file may
+/// say, as it is read, for those who must go through all of it. One at a time.
+class KnownKeys {
+ public:
+  KnownKeys();
+  ~KnownKeys();
+  KnownKeys(const KnownKeys&) = delete;
+  KnownKeys& operator=(const KnownKeys&) = delete;
+  /// Place ("physics.rules") and key ("sleep").
+  const std::set<std::pair<std::string, std::string>>& keys() const { return keys_; }
+
+ private:
+  friend class YamlMap;
+  std::set<std::pair<std::string, std::string>> keys_;
+};
+
 /// Reads a YAML map of which every key must be known: ask for each key with read(), then call
 /// finish(). Keys that are absent leave the value as it was. All errors are InputError
 /// "file:line: what is wrong" with the mend.

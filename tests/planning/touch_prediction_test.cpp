@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/planning/hand_plan.h"
 #include "prehend/simulation/shapes.h"
 
 namespace prehend::planning {
@@ -227,28 +226,28 @@ TEST(TouchPrediction, GoesIntoThePlan) {
   surface::ObjectModel object;
   object.mesh_W = simulation::make_standing_box({0.06, 0.06, 0.14});
   const GraspToFeel pinch = from_above(hand, "pinch", 0.09, 0.3);
-  PlannedGrasp grasp;
-  grasp.pose.X_WG = pinch.X_WG;
-  grasp.pose.preshape = pinch.preshape;
-  grasp.pose.open = pinch.open;
+  grasp::Grasp grasp;
+  grasp.X_WG = pinch.X_WG;
+  grasp.preshape = pinch.preshape;
+  grasp.open = pinch.open;
   grasp.closed = pinch.closed;
   grasp.predicted = {0, 1e-6, 1, 0.4};
-  std::vector<PlannedGrasp> grasps{grasp, grasp};
-  grasps[1].pose.X_WG.translation().x() = 0.4;
-  add_touch(hand, object, {}, {}, &grasps);
-  EXPECT_EQ(grasps[0].touch.outcome, TouchOutcome::kPredicted);
+  std::vector<grasp::Grasp> grasps{grasp, grasp};
+  grasps[1].X_WG.translation().x() = 0.4;
+  auto touches = add_touch(hand, object, {}, {}, &grasps);
+  EXPECT_EQ(touches[0].outcome, TouchOutcome::kPredicted);
   EXPECT_GT(grasps[0].predicted.tactile_sum, 5);
-  EXPECT_EQ(grasps[0].predicted.tactile_sum, grasps[0].touch.mean.sum);
-  EXPECT_EQ(grasps[0].predicted.contact_area, grasps[0].touch.mean.area);
+  EXPECT_EQ(grasps[0].predicted.tactile_sum, touches[0].mean.sum);
+  EXPECT_EQ(grasps[0].predicted.contact_area, touches[0].mean.area);
   EXPECT_EQ(grasps[0].predicted.lifted_mass, 0.4);
-  EXPECT_EQ(grasps[1].touch.outcome, TouchOutcome::kMissed);
+  EXPECT_EQ(touches[1].outcome, TouchOutcome::kMissed);
   EXPECT_EQ(grasps[1].predicted.tactile_sum, 0);
   EXPECT_EQ(grasps[1].predicted.contact_area, 0);
   TouchPredictionOptions hurried;
   hurried.budget = 1e-6;
   grasps = {grasp};
-  add_touch(hand, object, {}, hurried, &grasps);
-  EXPECT_EQ(grasps[0].touch.outcome, TouchOutcome::kBudgetUsed);
+  touches = add_touch(hand, object, {}, hurried, &grasps);
+  EXPECT_EQ(touches[0].outcome, TouchOutcome::kBudgetUsed);
   EXPECT_EQ(grasps[0].predicted.tactile_sum, 1) << "as it was";
 }
 

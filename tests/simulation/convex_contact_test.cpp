@@ -177,6 +177,9 @@ double extent(const EngineShape& shape, const RigidTransform& X, const Eigen::Ve
       break;
     case Kind::kCapsule:
       reach = shape.radius + 0.5 * shape.length * std::abs(s.z());
+      break;
+    case Kind::kConvexPieces:
+      ADD_FAILURE() << "no primitive";
   }
   return d.dot(X.translation()) + reach;
 }

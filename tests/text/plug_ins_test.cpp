@@ -15,15 +15,23 @@ struct Tool {
 };
 Tool* create_tool() { return std::make_unique<Tool>().release(); }
 
-TEST(PlugInFolders, AreOfTheEnvironmentOrBesideTheProgram) {
-  ASSERT_EQ(setenv("PREHEND_TOOLS", "/one::/two", 1), 0);
-  EXPECT_EQ(plug_in_folders("tool"), (std::vector<fs::path>{"/one", "/two"}));
-  ASSERT_EQ(setenv("PREHEND_TOOLS", "", 1), 0);
-  EXPECT_TRUE(plug_in_folders("tool").empty());
+// Those of the environment once took the place of those that ship.
+TEST(PlugInFolders, AreOfTheEnvironmentAndBesideTheProgram) {
   unsetenv("PREHEND_TOOLS");
-  const auto beside = plug_in_folders("tool");
-  ASSERT_EQ(beside.size(), 1u);
-  EXPECT_TRUE(beside[0].string().ends_with("lib/prehend/tools")) << beside[0];
+  const auto shipped = plug_in_folders("tool");
+  ASSERT_EQ(shipped.size(), 1u);
+  EXPECT_TRUE(shipped[0].string().ends_with("lib/prehend/tools")) << shipped[0];
+  ASSERT_EQ(setenv("PREHEND_TOOLS", "", 1), 0);
+  EXPECT_EQ(plug_in_folders("tool"), shipped);
+  ASSERT_EQ(setenv("PREHEND_TOOLS", "/one::/two", 1), 0);
+  EXPECT_EQ(plug_in_folders("tool"), (std::vector<fs::path>{"/one", "/two", shipped[0]}));
+  // Named once more by another path it counts once.
+  fs::create_directories(shipped[0]);
+  const fs::path roundabout = shipped[0] / ".." / shipped[0].filename();
+  ASSERT_EQ(setenv("PREHEND_TOOLS", roundabout.c_str(), 1), 0);
+  EXPECT_EQ(plug_in_folders("tool"), std::vector<fs::path>{roundabout});
+  fs::remove(shipped[0]);
+  unsetenv("PREHEND_TOOLS");
 }
 
 TEST(NamedPlugIns, NamesTheNearestAllAndWhatCannotBeUsed) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "tests/launch/child_program.h"
 
@@ -90,11 +91,48 @@ TEST_F(Explain, ABadSceneIsOneClearError) {
   EXPECT_EQ(exit_code_, 2);
 }
 
+TEST_F(Explain, SaysHowARobotOfArmAndHandIsModelled) {
+  std::string output = run({"config/scenes/demo.yaml", "--platform", "kr5_sdh"});
+  EXPECT_EQ(exit_code_, 0) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("native (multibody)"), HasSubstr("6 joints on prescribed"),
+                            HasSubstr("3 fingers, 7 motors"), HasSubstr("motor hand_thumb_distal"),
+                            HasSubstr("pad thumb_distal"), HasSubstr("13 x 6 texels"),
+                            HasSubstr("the arm's yielding"), HasSubstr("motors' currents"),
+                            HasSubstr("mesh of wide_can"), HasSubstr("sleep")));
+  EXPECT_THAT(output, HasSubstr("demo.yaml:3: gripper has no effect"));
+  output = run({"config/scenes/demo.yaml", "--platform", "pa10_barrett"});
+  EXPECT_THAT(output, AllOf(HasSubstr("7 joints on prescribed"), HasSubstr("none: nothing is felt"),
+                            HasSubstr("clutch of ")));
+  const std::string own =
+      scene("robot: " + std::filesystem::absolute("config/robots/kr5_pg70.yaml").string() +
+            "\nphysics: {rules: {sleep: false, primitives: false}}\nobjects: [{name: carton}]\n");
+  output = run({own});
+  EXPECT_THAT(output,
+              AllOf(HasSubstr("6 joints on prescribed"), HasSubstr("2 fingers, 1 motor,"),
+                    HasSubstr("14 x 6 texels"), HasSubstr("meet its mesh"),
+                    HasSubstr("off: sleep, primitives"), Not(HasSubstr("mesh of carton "))));
+  output = run({"config/scenes/demo.yaml", "--platform", "stage_pg70"});
+  EXPECT_THAT(output, HasSubstr("2 x 14 x 6 texels"));
+
+  output = run({"config/scenes/demo.yaml", "--platform", "kr5_sdh", "--json"});
+  google::protobuf::Struct parsed;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output, &parsed).ok()) << output;
+  EXPECT_EQ(parsed.fields().at("remarks").list_value().values_size(), 1) << output;
+
+  output = run({"config/scenes/demo.yaml", "--platform", "kr5_shd"});
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(output, HasSubstr("kr5_sdh"));
+  output = run({scene("physics: {integration: second_order}\n"), "--platform", "kr5_sdh"});
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_THAT(output, HasSubstr("scene.yaml:1: physics.integration does not apply to a robot"));
+}
+
 TEST_F(Explain, HelpIsComplete) {
   const std::string output = run({"--help"});
   EXPECT_EQ(exit_code_, 0);
   EXPECT_THAT(output, AllOf(HasSubstr("--json"), HasSubstr("scene"), HasSubstr("Examples"),
-                            HasSubstr("config/scenes/demo.yaml"), HasSubstr("pads: rigid")));
+                            HasSubstr("config/scenes/demo.yaml"), HasSubstr("pads: rigid"),
+                            HasSubstr("--platform")));
 }
 
 }  // namespace

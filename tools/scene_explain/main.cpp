@@ -1,11 +1,16 @@
-// scene_explain SCENE [--json]: what `prehend explain` becomes; see there.
+// scene_explain SCENE [--platform NAME] [--json]: what `prehend explain` becomes; see there.
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
+#include "prehend/robot/robot_files.h"
 #include "prehend/simulation/explain.h"
+#include "prehend/text/tree_file.h"
 #include "tools/json.h"
 #include "tools/table.h"
 
@@ -34,7 +39,8 @@ void print_json(const std::string& scene, const Explanation& explanation) {
                    .set("scene", scene)
                    .set("modelled", modelled)
                    .set("left_out", left_out)
-                   .set("rules_off", explanation.rules_off));
+                   .set("rules_off", explanation.rules_off)
+                   .set("remarks", explanation.remarks));
 }
 
 void print_text(const std::string& scene, const Explanation& explanation) {
@@ -48,25 +54,34 @@ void print_text(const std::string& scene, const Explanation& explanation) {
     rows.push_back({part.what, part.rule.empty() ? "-" : part.rule, part.error_text, part.why});
   }
   tools::print_table(rows);
-  if (explanation.rules_off.empty()) return;
-  std::printf("\nRules that are off: %s\n", tools::joined(explanation.rules_off).c_str());
+  if (!explanation.rules_off.empty()) {
+    std::printf("\nRules that are off: %s\n", tools::joined(explanation.rules_off).c_str());
+  }
+  if (!explanation.remarks.empty()) std::printf("\nREMARKS\n");
+  for (const std::string& remark : explanation.remarks) std::printf("%s\n", remark.c_str());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  const bool json = words.size() == 2 && words[1] == "--json";
-  if (words.empty() || (words.size() > 1 && !json)) {
-    std::fprintf(stderr, "usage: prehend explain SCENE [--json]\n");
-    return 2;
-  }
+  CLI::App app{"Says what of a scene the simulation models"};
+  std::string scene, platform;
+  bool json = false;
+  app.add_option("scene", scene)->required();
+  app.add_option("--platform", platform);
+  app.add_flag("--json", json);
+  CLI11_PARSE(app, argc, argv);
   try {
-    const Explanation explanation = simulation::explain(simulation::read_scene(words[0]));
+    std::filesystem::path robot;
+    // The launch files' name of the gripper on its carrier, which is in the scene.
+    if (!platform.empty() && platform != "stage_pg70") {
+      robot = robot::platform_file(text::tree_file("config/robots"), platform);
+    }
+    const Explanation explanation = simulation::explain(simulation::read_scene(scene, robot));
     if (json) {
-      print_json(words[0], explanation);
+      print_json(scene, explanation);
     } else {
-      print_text(words[0], explanation);
+      print_text(scene, explanation);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "prehend explain: %s\n", error.what());

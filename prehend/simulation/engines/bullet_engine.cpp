@@ -15,6 +15,7 @@ namespace prehend::simulation::engines {
 namespace {
 
 constexpr std::size_t kBodyNumbers = 13 + 6;
+constexpr double kHullMargin = 1e-4;  // m
 
 // Debian's Bullet computes in single precision.
 btScalar to_bullet(double value) { return static_cast<btScalar>(value); }
@@ -59,14 +60,7 @@ class BulletEngine : public Engine {
       ground_ = make_body(ground, std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0));
     }
     for (const EngineBody& body : scene.bodies) {
-      std::unique_ptr<btCollisionShape> shape = make_shape(body.shape);
-      if (!body.X_BS.matrix().isIdentity(0)) {
-        auto placed = std::make_unique<btCompoundShape>();
-        placed->addChildShape(to_bullet(body.X_BS), shape.get());
-        shapes_.push_back(std::move(shape));
-        shape = std::move(placed);
-      }
-      bodies_.push_back(make_body(body, std::move(shape)));
+      bodies_.push_back(make_body(body, make_placed_shape(body)));
     }
     for (const EngineJoint& joint : scene.joints) add_joint(joint);
     forces_.assign(scene.joints.size(), 0.0);
@@ -173,12 +167,40 @@ class BulletEngine : public Engine {
     world_.reset();
   }
 
+  // The shape in the body's frame: a compound where it is made of pieces or stands elsewhere.
+  std::unique_ptr<btCollisionShape> make_placed_shape(const EngineBody& body) {
+    const bool in_pieces = body.shape.kind == EngineShape::Kind::kConvexPieces;
+    if (!in_pieces && body.X_BS.matrix().isIdentity(0)) return make_shape(body.shape);
+    auto placed = std::make_unique<btCompoundShape>();
+    const auto add = [&](std::unique_ptr<btCollisionShape> shape) {
+      placed->addChildShape(to_bullet(body.X_BS), shape.get());
+      shapes_.push_back(std::move(shape));
+    };
+    if (in_pieces) {
+      for (const geometry::TriangleMesh& piece : *body.shape.pieces) add(make_hull(piece));
+    } else {
+      add(make_shape(body.shape));
+    }
+    return placed;
+  }
+
+  // Bullet's margin of 4 cm is made for metres. It lies round a hull, not within as a box's.
+  static std::unique_ptr<btCollisionShape> make_hull(const geometry::TriangleMesh& piece) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Eigen::Vector3d& p : piece.vertices) hull->addPoint(to_bullet(p), false);
+    hull->recalcLocalAabb();
+    hull->setMargin(to_bullet(kHullMargin));
+    hull->initializePolyhedralFeatures();
+    return hull;
+  }
+
   static std::unique_ptr<btCollisionShape> make_shape(const EngineShape& shape) {
     switch (shape.kind) {
       case EngineShape::Kind::kBox: {
         auto box = std::make_unique<btBoxShape>(to_bullet(Eigen::Vector3d(0.5 * shape.size)));
         // Bullet's margin of 4 cm is made for metres.
         box->setMargin(to_bullet(0.01 * shape.size.minCoeff()));
+        box->initializePolyhedralFeatures();  // so that it lies on hulls by more than a point
         return box;
       }
       case EngineShape::Kind::kSphere:
@@ -188,6 +210,8 @@ class BulletEngine : public Engine {
             to_bullet(Eigen::Vector3d(shape.radius, shape.radius, 0.5 * shape.length)));
       case EngineShape::Kind::kCapsule:
         return std::make_unique<btCapsuleShapeZ>(to_bullet(shape.radius), to_bullet(shape.length));
+      case EngineShape::Kind::kConvexPieces:
+        break;  // make_placed_shape
     }
     throw UnsupportedScene("bullet: a shape of no kind");
   }

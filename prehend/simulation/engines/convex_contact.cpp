@@ -22,6 +22,7 @@ constexpr double kNormalToFace = 1e-9, kRounding = 1e-14;  // sines
 constexpr int kRim = 8;                                    // corners that stand for a round face
 
 // A core (point, segment, box or cylinder) with a layer of thickness `radius` round it, in place.
+// Pieces are not met here.
 struct Placed {
   Placed(const EngineShape& of, const geometry::RigidTransform& X)
       : shape(of), R(X.linear()), p(X.translation()) {
@@ -43,6 +44,7 @@ struct Placed {
       case Kind::kCapsule:
         return p + end * R.col(2);
       case Kind::kSphere:
+      case Kind::kConvexPieces:
         break;
     }
     return p;
@@ -63,6 +65,7 @@ struct Placed {
       case Kind::kCapsule:
         return p + z * R.col(2);
       case Kind::kSphere:
+      case Kind::kConvexPieces:
         break;
     }
     return p;
@@ -128,6 +131,7 @@ struct Placed {
         add({0, 0, -end});
         break;
       case Kind::kSphere:
+      case Kind::kConvexPieces:
         add(Vector3d::Zero());
     }
     return points;
@@ -355,6 +359,13 @@ double bounding_radius(const EngineShape& shape) {
       return std::hypot(shape.radius, 0.5 * shape.length);
     case Kind::kCapsule:
       return shape.radius + 0.5 * shape.length;
+    case Kind::kConvexPieces: {
+      double farthest = 0;
+      for (const geometry::TriangleMesh& piece : *shape.pieces) {
+        for (const Vector3d& p : piece.vertices) farthest = std::max(farthest, p.norm());
+      }
+      return farthest;
+    }
   }
   return 0;
 }

@@ -13,6 +13,7 @@ struct ConvexContact {
 };
 
 /// Where two primitives touch, or would touch when they came nearer by `margin` [m].
+/// @pre neither is made of convex pieces.
 ///
 /// The normal is the direction of greatest separation among: normals of flat faces, cross products
 /// of edges and axes (the separating axes of boxes, complete for two boxes), the line between the

@@ -3,8 +3,14 @@
 // found by DART's adaptor to ODE's collision library, the one that knows all shapes.
 
 #include <algorithm>
+#include <iomanip>
 #include <memory>
+#include <sstream>
+#include <string>
 
+#include <assimp/cimport.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
 #include <dart/collision/ode/OdeCollisionDetector.hpp>
 #include <dart/config.hpp>
 #include <dart/constraint/BoxedLcpConstraintSolver.hpp>
@@ -15,6 +21,7 @@
 #include <dart/dynamics/CapsuleShape.hpp>
 #include <dart/dynamics/CylinderShape.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/MeshShape.hpp>
 #include <dart/dynamics/PlaneShape.hpp>
 #include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
@@ -31,6 +38,24 @@ namespace {
 
 namespace dynamics = dart::dynamics;
 
+// The piece as DART wants it, by way of text; ODE meets it as triangles.
+dynamics::ShapePtr mesh_shape(const geometry::TriangleMesh& piece) {
+  std::ostringstream text;
+  text << std::setprecision(9);  // single precision on the other side
+  for (const Eigen::Vector3d& p : piece.vertices) {
+    text << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+  }
+  for (const Eigen::Vector3i& t : piece.triangles) {
+    text << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  }
+  const std::string bytes = text.str();
+  const aiScene* scene =
+      aiImportFileFromMemory(bytes.data(), static_cast<unsigned>(bytes.size()),
+                             aiProcess_JoinIdenticalVertices | aiProcess_GenSmoothNormals, "obj");
+  if (!scene) throw UnsupportedScene(std::string("dart: ") + aiGetErrorString());
+  return std::make_shared<dynamics::MeshShape>(Eigen::Vector3d::Ones(), scene);  // releases it
+}
+
 dynamics::ShapePtr shape_of(const EngineShape& shape) {
   switch (shape.kind) {
     case EngineShape::Kind::kBox:
@@ -41,6 +66,8 @@ dynamics::ShapePtr shape_of(const EngineShape& shape) {
       return std::make_shared<dynamics::CylinderShape>(shape.radius, shape.length);
     case EngineShape::Kind::kCapsule:
       return std::make_shared<dynamics::CapsuleShape>(shape.radius, shape.length);
+    case EngineShape::Kind::kConvexPieces:
+      break;  // mesh_shape
   }
   throw UnsupportedScene("dart: a shape of no kind");
 }
@@ -219,7 +246,14 @@ class DartEngine : public Engine {
     if (!body.collides) return;
     Eigen::Isometry3d X_BS;
     X_BS.matrix() = body.X_BS.matrix();
-    add_shape(nodes_[index], shape_of(body.shape), body.friction)->setRelativeTransform(X_BS);
+    const auto add = [&](const dynamics::ShapePtr& shape) {
+      add_shape(nodes_[index], shape, body.friction)->setRelativeTransform(X_BS);
+    };
+    if (body.shape.kind == EngineShape::Kind::kConvexPieces) {
+      for (const geometry::TriangleMesh& piece : *body.shape.pieces) add(mesh_shape(piece));
+    } else {
+      add(shape_of(body.shape));
+    }
   }
 
   void add_root(int index, const dynamics::SkeletonPtr& tree,

@@ -10,6 +10,7 @@
 #include "prehend/contact/pad_grid.h"
 #include "prehend/contact/texel_law.h"
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
 
 namespace prehend::contact {
 class Shape;
@@ -22,11 +23,13 @@ namespace prehend::simulation::engines {
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // force [N], torque [N m] about the centre of mass
 
 struct EngineShape {
-  enum class Kind { kBox, kSphere, kCylinder, kCapsule };
+  enum class Kind { kBox, kSphere, kCylinder, kCapsule, kConvexPieces };
   Kind kind = Kind::kBox;
   Eigen::Vector3d size = Eigen::Vector3d::Constant(0.05);  // m, full sides of a box
   double radius = 0.025;                                   // m
   double length = 0.05;                                    // m, along z; capsule: between centres
+  /// Of kConvexPieces: closed convex meshes that make up the shape; they may overlap.
+  std::shared_ptr<const std::vector<geometry::TriangleMesh>> pieces;
 };
 
 /// A rigid body; frame B has the centre of mass as origin.
@@ -37,7 +40,8 @@ struct EngineBody {
   /// What pads feel in place of `shape`, in the same frame; null: `shape`. Of `native` only.
   std::shared_ptr<const contact::Shape> felt;
   double mass = 0.1;  // kg
-  /// Principal moments along B's axes [kg m^2]; zero: those of the homogeneous shape.
+  /// Principal moments along B's axes [kg m^2]; zero: those of the homogeneous shape, which pieces
+  /// do not tell.
   Eigen::Vector3d moments = Eigen::Vector3d::Zero();
   double friction = 0.8;  // Coulomb, with every other body; of two the smaller counts
   bool is_fixed = false;
@@ -150,6 +154,6 @@ void validate(const EngineScene& scene);
 
 // What a plug-in exports, extern "C": prehend_engine_interface() returns kEngineInterface, and
 // prehend_create_engine() a new Engine.
-constexpr int kEngineInterface = 3;
+constexpr int kEngineInterface = 4;
 
 }  // namespace prehend::simulation::engines

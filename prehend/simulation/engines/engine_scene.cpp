@@ -11,6 +11,26 @@ using contact::require;
 using contact::require_not_negative;
 using contact::require_positive;
 
+constexpr double kLeastVolume = 1e-7;  // of its extent cubed, that a piece must have
+constexpr double kDent = 1e-4;         // of its extent, that a piece may have by rounding
+
+void validate_piece(const geometry::TriangleMesh& piece, const std::string& owner) {
+  for (const Eigen::Vector3d& p : piece.vertices) require(p.allFinite(), owner, "finite");
+  require(!piece.empty() && geometry::find_defects(piece).watertight(), owner, "a closed mesh");
+  const double extent = geometry::bounds(piece).sizes().maxCoeff();
+  const double volume = geometry::mass_properties(piece).volume;
+  require(volume > kLeastVolume * extent * extent * extent, owner,
+          "a solid with its triangles outward");
+  for (const Eigen::Vector3i& t : piece.triangles) {
+    const Eigen::Vector3d& a = piece.vertices[t[0]];
+    const Eigen::Vector3d n = (piece.vertices[t[1]] - a).cross(piece.vertices[t[2]] - a);
+    if (n.norm() < kDent * kDent * extent * extent) continue;  // a sliver has no direction
+    for (const Eigen::Vector3d& p : piece.vertices) {
+      require(n.normalized().dot(p - a) <= kDent * extent, owner, "convex");
+    }
+  }
+}
+
 void validate_shape(const EngineShape& shape, const std::string& owner) {
   switch (shape.kind) {
     case EngineShape::Kind::kBox:
@@ -22,6 +42,12 @@ void validate_shape(const EngineShape& shape, const std::string& owner) {
       [[fallthrough]];
     case EngineShape::Kind::kSphere:
       require_positive(shape.radius, owner + "radius");
+      return;
+    case EngineShape::Kind::kConvexPieces:
+      require(shape.pieces && !shape.pieces->empty(), owner + "pieces", "at least one");
+      for (std::size_t i = 0; i < shape.pieces->size(); ++i) {
+        validate_piece((*shape.pieces)[i], owner + "pieces[" + std::to_string(i) + "]");
+      }
   }
 }
 
@@ -45,6 +71,8 @@ void validate(const EngineScene& scene) {
             owner + "moments", "three positive numbers, or zero for those of the shape");
     require(!body.moments.isZero(0) || body.X_BS.matrix().isIdentity(1e-12), owner + "moments",
             "given when the shape is not centred at the body's origin");
+    require(!body.moments.isZero(0) || body.shape.kind != EngineShape::Kind::kConvexPieces,
+            owner + "moments", "given with pieces");
   }
   const int count = static_cast<int>(scene.bodies.size());
   std::vector<bool> joined(scene.bodies.size(), false);

@@ -28,6 +28,8 @@ inline Eigen::Vector3d principal_inertia(const EngineShape& shape, double mass) 
                             balls * (0.4 * r2 + 0.25 * l * l + 0.375 * l * shape.radius);
       return {across, across, 0.5 * tube * r2 + 0.4 * balls * r2};
     }
+    case EngineShape::Kind::kConvexPieces:
+      break;  // may overlap: a body of pieces has its moments given
   }
   return Eigen::Vector3d::Zero();
 }

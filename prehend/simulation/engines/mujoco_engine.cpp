@@ -46,6 +46,8 @@ std::string geometry_of(const EngineShape& shape) {
     case EngineShape::Kind::kCapsule:
       out << "type=\"capsule\" size=\"" << shape.radius << ' ' << 0.5 * shape.length << '"';
       break;
+    case EngineShape::Kind::kConvexPieces:
+      break;  // one geom each, see write_geoms
   }
   return out.str();
 }
@@ -193,13 +195,19 @@ class MujocoEngine : public Engine {
     if (std::find(known.begin(), known.end(), solver) == known.end()) {
       throw UnsupportedScene("mujoco: solver '" + solver + "' is none of default, noslip");
     }
+    const bool in_pieces = std::any_of(
+        scene_.bodies.begin(), scene_.bodies.end(),
+        [](const EngineBody& body) { return body.shape.kind == EngineShape::Kind::kConvexPieces; });
     xml << "<mujoco><compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\"/>"
         << (scene_.pads.empty() ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
         << "<option timestep=\"" << scene_.step << "\" gravity=\"" << text(scene_.gravity) << '"'
         << (solver == "noslip"
                 ? " noslip_iterations=\"50\" noslip_tolerance=\"1e-12\" cone=\"elliptic\""
                 : "")
-        << "/><default><geom contype=\"0\" conaffinity=\"0\"/></default><worldbody>";
+        << '>' << (in_pieces ? "<flag multiccd=\"enable\"/>" : "")
+        << "</option><default><geom contype=\"0\" conaffinity=\"0\"/></default><asset>";
+    write_meshes(xml);
+    xml << "</asset><worldbody>";
     if (scene_.ground) xml << "<geom name=\"ground\" type=\"plane\" size=\"1 1 1\"/>";
     write_children(-1, xml);
     xml << "</worldbody><contact>";
@@ -229,11 +237,50 @@ class MujocoEngine : public Engine {
         xml << "<freejoint/>";
       }
       xml << "<inertial pos=\"0 0 0\" mass=\"" << body.mass << "\" diaginertia=\""
-          << text(principal_inertia(body)) << "\"/><geom name=\"geom" << i << "\" "
-          << pose(body.X_BS) << ' ' << geometry_of(body.shape) << "/>";
+          << text(principal_inertia(body)) << "\"/>";
+      write_geoms(i, xml);
       write_texels(i, xml);
       write_children(i, xml);
       xml << "</body>";
+    }
+  }
+
+  // A body has one geom, or one for each of its pieces.
+  int geom_count(int body) const {
+    const EngineShape& shape = scene_.bodies[body].shape;
+    return shape.pieces && shape.kind == EngineShape::Kind::kConvexPieces
+               ? static_cast<int>(shape.pieces->size())
+               : 1;
+  }
+  static std::string geom_name(int body, int piece) {
+    return "geom" + std::to_string(body) + '_' + std::to_string(piece);
+  }
+
+  // MuJoCo's contacts of meshes are those of their hulls, which it makes of the vertices.
+  void write_meshes(std::ostringstream& xml) const {
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const EngineShape& shape = scene_.bodies[b].shape;
+      if (shape.kind != EngineShape::Kind::kConvexPieces) continue;
+      for (std::size_t k = 0; k < shape.pieces->size(); ++k) {
+        xml << "<mesh name=\"" << geom_name(static_cast<int>(b), static_cast<int>(k))
+            << "\" vertex=\"";
+        for (const Eigen::Vector3d& p : (*shape.pieces)[k].vertices) xml << text(p) << ' ';
+        xml << "\"/>";
+      }
+    }
+  }
+
+  void write_geoms(int body, std::ostringstream& xml) const {
+    const EngineBody& of = scene_.bodies[body];
+    for (int k = 0; k < geom_count(body); ++k) {
+      const std::string name = geom_name(body, k);
+      xml << "<geom name=\"" << name << "\" " << pose(of.X_BS) << ' ';
+      if (of.shape.kind == EngineShape::Kind::kConvexPieces) {
+        xml << "type=\"mesh\" mesh=\"" << name << '"';
+      } else {
+        xml << geometry_of(of.shape);
+      }
+      xml << "/>";
     }
   }
 
@@ -269,8 +316,10 @@ class MujocoEngine : public Engine {
     for (int a = 0; a < count; ++a) {
       if (passes(a)) continue;
       if (scene_.ground && moves(a) && !has_pads(a)) {
-        write_pair("ground", "geom" + std::to_string(a),
-                   std::min(scene_.ground_friction, scene_.bodies[a].friction), xml);
+        for (int k = 0; k < geom_count(a); ++k) {
+          write_pair("ground", geom_name(a, k),
+                     std::min(scene_.ground_friction, scene_.bodies[a].friction), xml);
+        }
       }
       for (int b = a + 1; b < count; ++b) {
         int joint = -1;
@@ -281,7 +330,11 @@ class MujocoEngine : public Engine {
         const double friction = std::min(scene_.bodies[a].friction, scene_.bodies[b].friction);
         const int padded = has_pads(a) ? a : has_pads(b) ? b : -1;
         if (padded < 0) {
-          write_pair("geom" + std::to_string(a), "geom" + std::to_string(b), friction, xml);
+          for (int k = 0; k < geom_count(a); ++k) {
+            for (int l = 0; l < geom_count(b); ++l) {
+              write_pair(geom_name(a, k), geom_name(b, l), friction, xml);
+            }
+          }
         } else {
           write_pad_pairs(padded, padded == a ? b : a, friction, xml);
         }
@@ -294,8 +347,9 @@ class MujocoEngine : public Engine {
       if (scene_.pads[p].body != padded) continue;
       const int texels = scene_.pads[p].grid.rows * scene_.pads[p].grid.columns;
       for (int t = 0; t < texels; ++t) {
-        write_pair("geom" + std::to_string(other), texel_name(static_cast<int>(p), t), friction,
-                   xml);
+        for (int k = 0; k < geom_count(other); ++k) {
+          write_pair(geom_name(other, k), texel_name(static_cast<int>(p), t), friction, xml);
+        }
       }
     }
   }

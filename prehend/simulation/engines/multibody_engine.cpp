@@ -42,6 +42,23 @@ bool press_alike(const MultibodyState& a, const MultibodyState& b) {
   }
 }
 
+// Pieces touch nothing but pads.
+void refuse_pieces(const EngineScene& scene) {
+  int touching = scene.ground ? 1 : 0;
+  for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
+    if (scene.bodies[b].collides && !has_pads(scene, b)) ++touching;
+  }
+  for (const EngineBody& body : scene.bodies) {
+    if (body.shape.kind != EngineShape::Kind::kConvexPieces || !body.collides || touching < 2) {
+      continue;
+    }
+    throw UnsupportedScene(
+        "native: body '" + body.name +
+        "' is made of convex pieces, which touch pads alone here; World and RobotWorld have meshes "
+        "as they are");
+  }
+}
+
 // What a step needs of a touch of the step before.
 constexpr std::size_t kTouchNumbers = 14;
 
@@ -62,6 +79,7 @@ void MultibodyEngine::load(const EngineScene& scene) {
     throw UnsupportedScene("native: its pads follow the texel law");
   }
   check_native_solver(scene);
+  refuse_pieces(scene);
   second_order_ = scene.solver == "second_order";
   scene_ = scene;
   system_ = std::make_unique<Multibody>(scene);

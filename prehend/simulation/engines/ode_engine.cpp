@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <memory>
+#include <vector>
 
 #include <ode/ode.h>
 #include <Eigen/Geometry>
@@ -12,7 +15,8 @@
 namespace prehend::simulation::engines {
 namespace {
 
-constexpr int kMostContacts = 16;  // of a pair of bodies
+constexpr int kMostContacts = 16;        // of a pair of primitives
+constexpr int kMostPieceContacts = 512;  // of a pair with a piece, of which kMostContacts are kept
 constexpr std::size_t kBodyNumbers = 13 + 6;
 constexpr std::size_t kGround = static_cast<std::size_t>(-1);
 
@@ -146,27 +150,49 @@ class OdeEngine : public Engine {
     world_ = nullptr;
     bodies_.clear();
     joints_.clear();
+    for (const dTriMeshDataID mesh : meshes_) dGeomTriMeshDataDestroy(mesh);
+    meshes_.clear();
+    corners_.clear();
+  }
+
+  std::vector<dGeomID> make_geoms(const EngineShape& shape) {
+    switch (shape.kind) {
+      case EngineShape::Kind::kBox:
+        return {dCreateBox(space_, shape.size.x(), shape.size.y(), shape.size.z())};
+      case EngineShape::Kind::kSphere:
+        return {dCreateSphere(space_, shape.radius)};
+      case EngineShape::Kind::kCylinder:
+        return {dCreateCylinder(space_, shape.radius, shape.length)};
+      case EngineShape::Kind::kCapsule:
+        return {dCreateCapsule(space_, shape.radius, shape.length)};
+      case EngineShape::Kind::kConvexPieces:
+        break;
+    }
+    if (!dCheckConfiguration("ODE_EXT_trimesh")) {
+      throw UnsupportedScene("ode: is built without triangle meshes, which pieces need");
+    }
+    // As triangles: ODE's convex solids meet no cylinders, and one another but badly.
+    std::vector<dGeomID> geoms;
+    for (const geometry::TriangleMesh& piece : *shape.pieces) {
+      Corners& corners = *corners_.emplace_back(std::make_unique<Corners>());
+      for (const Eigen::Vector3d& p : piece.vertices) {
+        corners.vertices.insert(corners.vertices.end(), p.data(), p.data() + 3);
+      }
+      for (const Eigen::Vector3i& t : piece.triangles) {
+        for (const int index : t) corners.triangles.push_back(static_cast<dTriIndex>(index));
+      }
+      meshes_.push_back(dGeomTriMeshDataCreate());
+      dGeomTriMeshDataBuildDouble(meshes_.back(), corners.vertices.data(), 3 * sizeof(double),
+                                  static_cast<int>(piece.vertices.size()), corners.triangles.data(),
+                                  static_cast<int>(corners.triangles.size()),
+                                  3 * sizeof(dTriIndex));
+      geoms.push_back(dCreateTriMesh(space_, meshes_.back(), nullptr, nullptr, nullptr));
+    }
+    return geoms;
   }
 
   void add_body(std::size_t i) {
     const EngineBody& body = scene_.bodies[i];
-    const EngineShape& shape = body.shape;
-    dGeomID geom = nullptr;
-    switch (shape.kind) {
-      case EngineShape::Kind::kBox:
-        geom = dCreateBox(space_, shape.size.x(), shape.size.y(), shape.size.z());
-        break;
-      case EngineShape::Kind::kSphere:
-        geom = dCreateSphere(space_, shape.radius);
-        break;
-      case EngineShape::Kind::kCylinder:
-        geom = dCreateCylinder(space_, shape.radius, shape.length);
-        break;
-      case EngineShape::Kind::kCapsule:
-        geom = dCreateCapsule(space_, shape.radius, shape.length);
-        break;
-    }
-    dGeomSetData(geom, reinterpret_cast<void*>(i));
     const Eigen::Quaterniond q(body.X_WB.linear());
     const dQuaternion quaternion{q.w(), q.x(), q.y(), q.z()};
     const Eigen::Vector3d p = body.X_WB.translation();
@@ -177,7 +203,6 @@ class OdeEngine : public Engine {
       dMass mass;
       dMassSetParameters(&mass, body.mass, 0, 0, 0, inertia.x(), inertia.y(), inertia.z(), 0, 0, 0);
       dBodySetMass(id, &mass);
-      dGeomSetBody(geom, id);
       dBodySetLinearVel(id, body.velocity.x(), body.velocity.y(), body.velocity.z());
       dBodySetAngularVel(id, body.angular_velocity.x(), body.angular_velocity.y(),
                          body.angular_velocity.z());
@@ -185,11 +210,17 @@ class OdeEngine : public Engine {
     if (id) {
       dBodySetPosition(id, p.x(), p.y(), p.z());
       dBodySetQuaternion(id, quaternion);
-      place(geom, body.X_BS, dGeomSetOffsetPosition, dGeomSetOffsetQuaternion);
-    } else {
-      place(geom, body.X_WB * body.X_BS, dGeomSetPosition, dGeomSetQuaternion);
     }
-    if (!body.collides) dGeomDisable(geom);
+    for (const dGeomID geom : make_geoms(body.shape)) {
+      dGeomSetData(geom, reinterpret_cast<void*>(i));
+      if (id) {
+        dGeomSetBody(geom, id);
+        place(geom, body.X_BS, dGeomSetOffsetPosition, dGeomSetOffsetQuaternion);
+      } else {
+        place(geom, body.X_WB * body.X_BS, dGeomSetPosition, dGeomSetQuaternion);
+      }
+      if (!body.collides) dGeomDisable(geom);
+    }
     bodies_.push_back(id);
   }
 
@@ -237,17 +268,50 @@ class OdeEngine : public Engine {
   void touch(dGeomID a, dGeomID b) {
     const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
     if (!body_a && !body_b) return;
+    if (dGeomGetData(a) == dGeomGetData(b)) return;  // pieces of one body
     if (are_joined(a, b)) return;
-    dContactGeom found[kMostContacts];
-    const int count = dCollide(a, b, kMostContacts, found, sizeof(dContactGeom));
+    const bool in_pieces = dGeomGetClass(a) == dTriMeshClass || dGeomGetClass(b) == dTriMeshClass;
+    found_.resize(in_pieces ? kMostPieceContacts : kMostContacts);
+    int count =
+        dCollide(a, b, static_cast<int>(found_.size()), found_.data(), sizeof(dContactGeom));
+    if (count > kMostContacts) {
+      keep_apart(count);
+      count = kMostContacts;
+    }
     for (int i = 0; i < count; ++i) {
       dContact contact{};
-      contact.geom = found[i];
+      contact.geom = found_[i];
       contact.surface.mode = dContactApprox1;
       contact.surface.mu = std::min(friction_of(a), friction_of(b));
       dJointAttach(dJointCreateContact(world_, contacts_, &contact), body_a, body_b);
     }
   }
+
+  // Puts first the deepest of the found contacts and those farthest from what stands there already.
+  void keep_apart(int count) {
+    const auto p = [&](int i) { return Eigen::Map<const Eigen::Vector3d>(found_[i].pos); };
+    const auto deeper = [](const dContactGeom& a, const dContactGeom& b) {
+      return a.depth < b.depth;
+    };
+    std::iter_swap(found_.begin(),
+                   std::max_element(found_.begin(), found_.begin() + count, deeper));
+    std::vector<double> distance(count, std::numeric_limits<double>::infinity());
+    for (int kept = 1; kept < kMostContacts; ++kept) {
+      int farthest = kept;
+      for (int i = kept; i < count; ++i) {
+        distance[i] = std::min(distance[i], (p(i) - p(kept - 1)).squaredNorm());
+        if (distance[i] > distance[farthest]) farthest = i;
+      }
+      std::swap(found_[kept], found_[farthest]);
+      std::swap(distance[kept], distance[farthest]);
+    }
+  }
+
+  // What a mesh of triangles keeps pointing at.
+  struct Corners {
+    std::vector<double> vertices;
+    std::vector<dTriIndex> triangles;
+  };
 
   EngineScene scene_;
   bool direct_ = false;
@@ -256,6 +320,9 @@ class OdeEngine : public Engine {
   dJointGroupID contacts_ = nullptr;
   std::vector<dBodyID> bodies_;  // null: fixed
   std::vector<dJointID> joints_;
+  std::vector<dTriMeshDataID> meshes_;
+  std::vector<std::unique_ptr<Corners>> corners_;
+  std::vector<dContactGeom> found_;  // of the pair that is looked at
   std::vector<double> forces_;
   std::vector<Vector6> wrenches_;
 };

@@ -14,6 +14,8 @@ contact::Shape felt_shape(const EngineShape& shape) {
       return contact::Shape::cylinder(shape.radius, shape.length);
     case EngineShape::Kind::kCapsule:
       return contact::Shape::capsule(shape.radius, shape.length);
+    case EngineShape::Kind::kConvexPieces:
+      return contact::Shape::mesh(geometry::concatenated(*shape.pieces));
   }
   throw std::logic_error("an EngineShape of no kind");
 }

@@ -11,8 +11,8 @@
 namespace prehend::simulation::engines {
 
 /// Engines by name: `native`, and each plug-in (a shared library) in the folders of PREHEND_ENGINES
-/// (separated by ':') or else in ../lib/prehend/engines beside the running program. An engine is
-/// added by putting its library there; nothing of prehend is built again.
+/// (separated by ':') and in ../lib/prehend/engines beside the running program; of two of one name
+/// the first. An engine is added by putting its library there; nothing of prehend is built again.
 class EngineRegistry {
  public:
   /// Looks for plug-ins where text::plug_in_folders() says.

@@ -32,8 +32,13 @@ double point_mobility(const EngineScene& scene, int index) {
   if (shape.kind == EngineShape::Kind::kBox) half = 0.5 * shape.size;
   if (shape.kind == EngineShape::Kind::kCylinder) half.z() = 0.5 * shape.length;
   if (shape.kind == EngineShape::Kind::kCapsule) half.z() += 0.5 * shape.length;
+  const bool in_pieces = shape.kind == EngineShape::Kind::kConvexPieces;
+  if (in_pieces) {
+    const Eigen::AlignedBox3d box = geometry::bounds(geometry::concatenated(*shape.pieces));
+    half = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs());
+  }
   half = body.X_BS.linear().cwiseAbs() * half + body.X_BS.translation().cwiseAbs();
-  const bool is_round = shape.kind != EngineShape::Kind::kBox;
+  const bool is_round = shape.kind != EngineShape::Kind::kBox && !in_pieces;
   const Eigen::Vector3d moments = principal_inertia(body);
   double worst = 0;
   for (int axis = 0; axis < 3; ++axis) {

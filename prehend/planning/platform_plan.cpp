@@ -1,0 +1,140 @@
+#include "prehend/planning/platform_plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "prehend/text/require.h"
+
+namespace prehend::planning {
+namespace {
+
+using std::chrono::steady_clock;
+
+double seconds_since(steady_clock::time_point begin) {
+  return std::chrono::duration<double>(steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+void PlatformPlanOptions::validate() const {
+  grasps.validate();
+  place.validate();
+  const text::Require require{"PlatformPlanOptions."};
+  require(motions > 0, "motions must be positive");
+  require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
+  if (touch) touch->validate();
+}
+
+PlatformPlanner::PlatformPlanner(robot::Platform platform)
+    : platform_(std::move(platform)), hand_(platform_.hand) {}
+
+void PlatformPlanner::set_gripper(const robot::GripperModel& gripper) {
+  platform_.set_gripper(gripper);
+  hand_ = grasp::HandToClose(platform_.hand);
+}
+
+PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
+                                   const geometry::Plane& table_W,
+                                   const Neighbours& neighbours,
+                                   const grasp::Reachability& reachability,
+                                   const robot::Positions& start,
+                                   const PlatformPlanOptions& options,
+                                   grasp::GraspDatabase* database,
+                                   const std::optional<grasp::PlacedObject>& known) const {
+  options.validate();
+  const auto begin = steady_clock::now();
+  grasp::Obstacles obstacles;
+  obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
+  const grasp::Reachability reach = within_reach(reachability, platform_);
+  const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
+  grasp::GraspPlan grasps =
+      database && known
+          ? plan_grasps_with_memory(*database, *known, object, table_W, obstacles, hand_, reach,
+                                    reaching)
+          : plan_grasps(object, table_W, obstacles, hand_, reach, reaching);
+  PlatformPlan plan;
+  plan.rejections = std::move(grasps.rejections);
+  plan.candidates = grasps.candidates;
+  plan.problem = grasps.problem;
+  for (const grasp::Grasp& grasp : grasps.grasps) {
+    plan.robustness = std::max(plan.robustness, grasp.robustness);
+  }
+  const double spent = seconds_since(begin);
+  if (!platform_.hand.gripper) {
+    for (grasp::Grasp& grasp : grasps.grasps) grasp.force = options.grip_force;
+  }
+  if (!grasps.grasps.empty()) {
+    add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W}, start,
+                options, &plan);
+  }
+  if (options.touch) predict_touch(object, table_W, spent, options, &plan);
+  return plan;
+}
+
+// The grasps that the arm can execute, best first, and then the others; or why there is none.
+void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
+                                  const robot::Positions& start, const PlatformPlanOptions& options,
+                                  PlatformPlan* plan) const {
+  const FreePlaces places = free_places_for(platform_, scene, options.place);
+  if (!places.problem.empty()) {
+    plan->problem = "cannot be grasped: " + places.problem + ". " + kPlaceMend;
+    return;
+  }
+  PlatformPickOptions arm = options.arm;
+  arm.moves_W = places.moves_W;
+  const std::size_t all = grasps.size();
+  std::string arm_problem;
+  for (int i = 0; i < options.motions && !grasps.empty(); ++i) {
+    std::vector<PlatformGrasp> poses;
+    for (const grasp::Grasp& grasp : grasps) poses.push_back(to_pick(grasp));
+    PlatformPick pick = plan_platform_pick(platform_, start, poses, scene, arm);
+    if (i == 0) plan->arm_rejections = pick.motion.rejections;
+    if (!pick.motion.found()) {
+      arm_problem = pick.motion.problem;
+      break;
+    }
+    PlannedPick planned;
+    planned.grasp = std::move(grasps[static_cast<std::size_t>(pick.grasp)]);
+    planned.segments = std::move(pick.motion.segments);
+    if (pick.motion.place >= 0) {
+      planned.move_W = arm.moves_W[static_cast<std::size_t>(pick.motion.place)];
+    }
+    plan->picks.push_back(std::move(planned));
+    grasps.erase(grasps.begin() + pick.grasp);
+  }
+  if (plan->picks.empty()) {
+    plan->problem = fmt::format("cannot be grasped: the arm can execute none of {} grasps: {}", all,
+                                arm_problem);
+    return;
+  }
+  for (grasp::Grasp& grasp : grasps) plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt});
+}
+
+void PlatformPlanner::predict_touch(const surface::ObjectModel& object,
+                                    const geometry::Plane& table_W, double spent,
+                                    const PlatformPlanOptions& options, PlatformPlan* plan) const {
+  // A gripper that regulates its grip feels what its closing was planned by.
+  if (platform_.hand.pads.empty() || platform_.hand_port == robot::HandPort::kGripper) return;
+  const auto begin = steady_clock::now();
+  TouchPredictionOptions touch = *options.touch;
+  if (options.grasps.budget > 0) touch.budget = std::max(options.grasps.budget - spent, 1e-6);
+  std::vector<grasp::Grasp> grasps;
+  for (const PlannedPick& pick : plan->picks) {
+    if (!pick.segments.empty()) grasps.push_back(pick.grasp);
+  }
+  std::vector<PredictedTouch> touches =
+      add_touch(platform_.hand, object, table_W, touch, &grasps);
+  // They are the first of the list.
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    plan->picks[i].grasp.predicted = grasps[i].predicted;
+    plan->picks[i].touch = std::move(touches[i]);
+  }
+  plan->touch_time = seconds_since(begin);
+}
+
+}  // namespace prehend::planning
