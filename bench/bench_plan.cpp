@@ -10,8 +10,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "prehend/grasp/force_closure.h"
-#include "prehend/grasp/wrench_hull.h"
+#include "prehend/grasp/wrench/force_closure.h"
+#include "prehend/grasp/wrench/wrench_hull.h"
 #include "prehend/motion/checker_registry.h"
 #include "prehend/motion/plan_path.h"
 #include "prehend/motion/planner_registry.h"

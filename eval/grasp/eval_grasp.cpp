@@ -16,7 +16,9 @@
 #include "eval/grasp/grasp_report.h"
 #include "eval/grasp/grasp_trials.h"
 #include "eval/grasp/parallel_gripper.h"
+#include "eval/grasp/platform_under_test.h"
 #include "eval/text_files.h"
+#include "prehend/robot/robot_files.h"
 
 namespace {
 
@@ -28,7 +30,8 @@ constexpr const char* kHands[] = {"sdh2", "bh8"};
 
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/grasp");
-  std::vector<std::string> hands{kGripper};
+  std::vector<std::string> platforms, hands;
+  bool open_loop = false;
   fs::path robots = "config/robots";
 };
 
@@ -56,6 +59,10 @@ std::optional<eval::GraspCase> known_result(const fs::path& file,
 
 int run(const Options& options) {
   std::vector<eval::HandUnderTest> hands;
+  for (const std::string& name : options.platforms) {
+    hands.push_back(
+        eval::platform_under_test(robot::platform_file(options.robots, name), !options.open_loop));
+  }
   for (const std::string& name : options.hands) {
     hands.push_back(name == kGripper ? eval::parallel_gripper()
                                      : eval::fingered_hand(options.robots, name));
@@ -109,11 +116,23 @@ int main(int argc, char** argv) {
   eval::add_case_options(app, options.choice);
   std::vector<std::string> names{kGripper};
   names.insert(names.end(), std::begin(kHands), std::end(kHands));
-  app.add_option("--hand", options.hands, "the hands to evaluate, one or more")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  app.add_option("--robots", options.robots, "folder of the hands' files")
+  app.add_option(
+      "--platform", options.platforms,
+      "arms with hands to evaluate, one or more: what is in --robots, or a file; planned "
+      "with the arm's motion and executed by the cycle that runs on the robot");
+  app.add_flag("--open-loop", options.open_loop,
+               "platforms do not stop the approach where the hand touches")
+      ->needs("--platform");
+  app.add_option(
+         "--hand", options.hands,
+         "hands without an arm to evaluate, one or more; default: pg70 where no platform is "
+         "named")
+      ->check(CLI::IsMember(names));
+  app.add_option("--robots", options.robots, "folder of the platforms' and hands' files")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
+  return eval::parse_and_run(app, argc, argv, [&options] {
+    if (options.platforms.empty() && options.hands.empty()) options.hands = {kGripper};
+    return run(options);
+  });
 }

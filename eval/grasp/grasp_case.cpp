@@ -41,6 +41,36 @@ void put_text(YAML::Emitter& out, const char* key, const std::string& text) {
   out << YAML::Key << key << YAML::Value << YAML::DoubleQuoted << text;
 }
 
+void put_surprises(YAML::Emitter& out, const std::vector<control::Surprise>& surprises) {
+  out << YAML::Key << "surprises" << YAML::Value << YAML::BeginSeq;
+  for (const control::Surprise& surprise : surprises) {
+    out << YAML::Flow << YAML::BeginMap;
+    put(out, "kind", static_cast<int>(surprise.kind));
+    put(out, "predicted", surprise.predicted);
+    put(out, "felt", surprise.felt);
+    put(out, "surprising", surprise.surprising);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+std::vector<control::Surprise> surprises_of(const YAML::Node& list) {
+  std::vector<control::Surprise> surprises;
+  for (const YAML::Node& one : list) {
+    const int kind = one["kind"].as<int>();
+    if (kind < 0 || kind > static_cast<int>(control::SurpriseKind::kMotion)) {
+      throw YAML::RepresentationException(one["kind"].Mark(), "no kind of surprise");
+    }
+    control::Surprise surprise;
+    surprise.kind = static_cast<control::SurpriseKind>(kind);
+    surprise.predicted = one["predicted"].as<double>();
+    surprise.felt = one["felt"].as<double>();
+    surprise.surprising = one["surprising"].as<bool>();
+    surprises.push_back(surprise);
+  }
+  return surprises;
+}
+
 }  // namespace
 
 const char* to_string(PlannedOn planned_on) {
@@ -84,9 +114,11 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
     put_text(out, "setting", trial.setting);
     put_text(out, "problem", trial.problem);
     put_text(out, "outcome", trial.outcome);
+    put_text(out, "stage", trial.stage);
     put(out, "lifted", trial.lifted);
     for (const Count& count : kCounts) put(out, count.name, trial.*count.value);
     for (const Figure& figure : kFigures) put(out, figure.name, trial.*figure.value);
+    put_surprises(out, trial.surprises);
     out << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;
@@ -110,7 +142,9 @@ GraspCase read_grasp_case(const std::filesystem::path& file) {
       trial.setting = one["setting"].as<std::string>();
       trial.problem = one["problem"].as<std::string>();
       trial.outcome = one["outcome"].as<std::string>();
+      trial.stage = one["stage"].as<std::string>();
       trial.lifted = one["lifted"].as<bool>();
+      trial.surprises = surprises_of(one["surprises"]);
       for (const Count& count : kCounts) trial.*count.value = one[count.name].as<int>();
       for (const Figure& figure : kFigures) trial.*figure.value = one[figure.name].as<double>();
       result.trials.push_back(trial);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "eval/case_result.h"
+#include "prehend/control/surprise.h"
 
 namespace prehend::eval {
 
@@ -16,12 +17,15 @@ const char* to_string(PlannedOn planned_on);
 struct GraspTrial {
   std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
   std::string problem;  // why nothing was executed
-  std::string outcome;  // of the execution, in words
-  int candidates = 0;   // of the plan
-  int grasps = 0;       // in the plan
-  int attempts = 0;     // that were executed
-  int plans = 1;        // that they were of: 1 + those of new looks
-  bool lifted = false;  // and carried, and put down
+  std::string outcome;  // of the execution, in words; of a platform: of the first attempt
+  /// Of a platform, where the first attempt ended that did not succeed: view, plan, arm (it has no
+  /// motion), a phase of the cycle, or truth (success was said, but is none); else empty.
+  std::string stage;
+  int candidates = 0;               // of the plan
+  int grasps = 0;                   // in the plan
+  int attempts = 0;                 // that were executed
+  int plans = 1;                    // that they were of: 1 + those of new looks
+  bool lifted = false;              // and carried, and put down
   double plan_seconds = kUnknown;   // processor time of planning, one thread
   double slip = kUnknown;           // m, in the hand while it was lifted and carried
   double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
@@ -32,6 +36,7 @@ struct GraspTrial {
   double robustness = kUnknown;     // predicted of the executed grasp
   double best_robustness = 0;       // predicted, of all grasps
   double guessed_contact = kUnknown;
+  std::vector<control::Surprise> surprises;  // of all attempts; reactions and tolerances left out
 
   bool lifted_at_first() const { return lifted && attempts == 1; }
 };

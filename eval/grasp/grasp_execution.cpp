@@ -3,7 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "prehend/control/pad_gripper.h"
+#include "prehend/robot/closing_way.h"
+#include "prehend/robot/platform.h"
+#include "prehend/simulation/stage_arm.h"
+#include "prehend/text/tree_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -16,6 +25,11 @@ using simulation::World;
 constexpr double kControlPeriod = 0.01;  // s
 constexpr double kSettling = 0.5;        // s, after the end of the cycle
 constexpr double kLookTimeout = 1;       // s
+constexpr double kTransitHeight = 0.3;   // m, of the gripper's frame, where it crosses the scene
+constexpr double kLiftHeight = 0.15;     // m
+constexpr double kAside = 0.15;          // m, along y, with the object
+constexpr double kFast = 0.25, kSlow = 0.08, kLiftSpeed = 0.1;  // m/s, on average
+constexpr double kTurnRate = 0.7;                               // rad/s, on average
 
 class SimulatedGripper : public control::GripperPort {
  public:
@@ -39,32 +53,120 @@ class SimulatedGripper : public control::GripperPort {
   double target_ = 0;
 };
 
-class SimulatedCarrier : public control::CarrierPort {
+/// The stage with its way round grasps.
+class SimulatedStage : public control::ArmPort {
  public:
-  explicit SimulatedCarrier(World& world) : world_(world) {}
-  void move_to(const RigidTransform& X_WG, double speed, double contact_force) override {
-    contact_force_ = contact_force;
-    contact_ = false;
-    world_.move_carrier(X_WG, speed);
+  explicit SimulatedStage(World& world)
+      : world_(world),
+        platform_(robot::read_platform(text::tree_file("config/robots/stage_pg70.yaml"))),
+        arm_(platform_, "home") {
+    platform_.set_gripper(world.scene().gripper);
+  }
+  void follow(const control::JointPath& path, double contact_force) override {
+    simulation::TrajectoryRequest request{path.joints, {}};
+    for (const auto& point : path.points) {
+      request.points.push_back({point.time, point.position, point.velocity, point.acceleration});
+    }
+    problem_.clear();
+    try {
+      arm_.follow(request, {}, world_);
+      arm_.stop_on_contact(contact_force);
+    } catch (const std::invalid_argument& error) {
+      problem_ = error.what();
+    }
   }
   MotionStatus motion() override {
-    if (contact_) return MotionStatus::kContact;
-    return world_.carrier().moving ? MotionStatus::kMoving : MotionStatus::kReached;
+    using Status = simulation::ArmDrive::Status;
+    if (!problem_.empty()) return MotionStatus::kFailed;
+    if (arm_.drive().status() == Status::kReached) return MotionStatus::kReached;
+    if (arm_.drive().status() == Status::kMoving || arm_.moves()) return MotionStatus::kMoving;
+    return arm_.stopped_by_contact() ? MotionStatus::kContact : MotionStatus::kFailed;
   }
-  void stop() override { world_.stop_carrier(); }
-  // What a driver would do in every cycle of its loop.
-  void watch() {
-    if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
-      world_.stop_carrier();
-      contact_force_ = 0;
-      contact_ = true;
-    }
+  std::string problem() override { return problem_.empty() ? arm_.drive().reason() : problem_; }
+  void stop() override { arm_.stop(); }
+
+  void step() {
+    arm_.begin_step(world_);
+    world_.step();
+    arm_.end_step(world_);
+  }
+  std::vector<std::string> joint_names() const {
+    std::vector<std::string> names;
+    for (const auto& joint : arm_.drive().chain().joints()) names.push_back(joint.name);
+    return names;
+  }
+
+  /// Grasps with the stage's way from where it stands.
+  std::vector<control::ArmGrasp> with_ways(const std::vector<grasp::Grasp>& grasps) const {
+    std::vector<control::ArmGrasp> result;
+    for (const grasp::Grasp& grasp : grasps) result.push_back(with_way(grasp));
+    return result;
   }
 
  private:
+  control::ArmGrasp with_way(const grasp::Grasp& grasp) const {
+    control::ArmGrasp result;
+    result.pose.X_WG = grasp.X_WG;
+    robot::Positions here = simulation::stage_position(world_);
+    robot::Positions at(4);
+    const double turn = std::atan2(grasp.X_WG(1, 0), grasp.X_WG(0, 0));
+    at << grasp.X_WG.translation(), here[3] + std::remainder(turn - here[3], 2 * M_PI);
+    const double most = arm_.drive().chain().joints()[3].upper;
+    if (std::abs(at[3]) > most) at[3] = std::remainder(at[3], 2 * M_PI);
+    const auto moved = [](robot::Positions q, const Eigen::Vector3d& by) {
+      q.head<3>() += by;
+      return q;
+    };
+    const auto raised = [](robot::Positions q) {
+      q[2] = std::max(q[2], kTransitHeight);
+      return q;
+    };
+    const auto add = [&](const std::string& name, const std::vector<robot::Positions>& over,
+                         double speed) {
+      control::JointPath path{joint_names(), {}};
+      double time = 0;
+      const std::vector<double> rest(4, 0.0);
+      path.points.push_back({0, {here.begin(), here.end()}, rest, rest});
+      for (const robot::Positions& next : over) {
+        const double seconds = std::max((next - here).head<3>().norm() / speed,
+                                        std::abs(next[3] - here[3]) / kTurnRate);
+        // At rest in each corner: peaks are 1.9 times the mean speed, 5.8 times way over time^2.
+        time += std::max({seconds, std::sqrt(5.8 * (next - here).cwiseAbs().maxCoeff()), 0.02});
+        path.points.push_back({time, {next.begin(), next.end()}, rest, rest});
+        here = next;
+      }
+      result.segments.emplace_back(name, std::move(path));
+    };
+    const Eigen::Vector3d up(0, 0, kLiftHeight), aside(0, kAside, 0);
+    const Eigen::Vector3d back = -grasp.pregrasp_distance * grasp.approach_W;
+    const robot::Positions before = moved(at, back), there = moved(at, aside);
+    add("reach", {raised(here), raised(before), before}, kFast);
+    add("approach", {at}, kSlow);
+    add("lift", {moved(at, up)}, kLiftSpeed);
+    add("carry", {moved(there, up)}, kFast);
+    add("place", {there}, kSlow);
+    add("retreat", {moved(there, back)}, kFast);
+    result.hand_joints = {"hand_opening"};
+    const auto joints = [](double opening) {
+      return Eigen::VectorXd(Eigen::VectorXd::Constant(1, opening / 2));
+    };
+    result.hand = robot::closing_way(
+        platform_.hand, platform_.hand.preshapes.front(),
+        joints(std::min(grasp.pregrasp_opening, platform_.hand.gripper->max_opening)),
+        joints(grasp.predicted.opening));
+    result.lifted_mass = grasp.predicted.lifted_mass;
+    result.score = grasp.score;
+    result.robustness = grasp.robustness;
+    result.force = grasp.grasp_force;
+    result.contact_area = grasp.predicted.contact_area;
+    result.tactile_sum = grasp.predicted.tactile_sum;
+    return result;
+  }
+
   World& world_;
-  double contact_force_ = 0;
-  bool contact_ = false;
+  robot::Platform platform_;
+  simulation::StageArm arm_;
+  std::string problem_;
 };
 
 control::PadPercept pad_percept(const World& world, simulation::PadSide side) {
@@ -72,49 +174,55 @@ control::PadPercept pad_percept(const World& world, simulation::PadSide side) {
   const auto& pad = world.scene().gripper.pad;
   const auto touched = std::count_if(image.counts.begin(), image.counts.end(),
                                      [](std::uint16_t count) { return count > 10; });
-  return {image.sum, static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch};
+  return {image.sum, static_cast<double>(touched) * pad.texel_pitch * pad.texel_pitch, 0,
+          side == simulation::PadSide::kLeft ? "left" : "right"};
 }
 
-control::Percepts perceive(const World& world) {
-  control::Percepts percepts;
+control::ArmPercepts perceive(const World& world, const std::vector<std::string>& joints) {
+  control::ArmPercepts percepts;
   percepts.time = world.time();
-  percepts.left = pad_percept(world, simulation::PadSide::kLeft);
-  percepts.right = pad_percept(world, simulation::PadSide::kRight);
-  percepts.opening = world.gripper().opening;
-  percepts.gripper_blocked = world.gripper().blocked;
-  percepts.wrist_force = world.wrist_wrench().force.norm();
-  percepts.X_WG = world.carrier().X_WG;
+  percepts.names = joints;
+  const robot::Positions q = simulation::stage_position(world);
+  percepts.positions.assign(q.begin(), q.end());
+  percepts.wrist_force = world.wrist_wrench().force;
+  percepts.pads = {pad_percept(world, simulation::PadSide::kLeft),
+                   pad_percept(world, simulation::PadSide::kRight)};
+  percepts.gripper = {world.gripper().opening, world.gripper().blocked, 0, 0};
   return percepts;
 }
 
 }  // namespace
 
 GraspExecution execute_grasps(World& world, std::size_t object, const grasp::GraspPlanResult& plan,
-                              control::CycleOptions options, double time_limit,
-                              const LookAgain& look_again) {
+                              double time_limit, const LookAgain& look_again) {
   const auto start = world.body(object);
   const double start_time = world.time(), step = world.scene().step;
   SimulatedGripper gripper(world);
-  SimulatedCarrier carrier(world);
+  SimulatedStage stage(world);
+  control::PadGripper hand(world.scene().gripper, {}, gripper);
+  control::ArmCycleOptions options;
+  options.reacts = true;
   options.look_timeout = look_again ? kLookTimeout : 0;
-  control::GraspCycle cycle(world.scene().gripper, options, gripper, carrier);
-  cycle.start(plan.grasps, plan.problem);
+  control::ArmCycle cycle(options, stage, hand);
+  std::vector<grasp::Grasp> grasps = plan.grasps;
+  const std::vector<std::string> joints = stage.joint_names();
+  cycle.start(stage.with_ways(grasps), plan.problem);
 
   GraspExecution execution;
   int attempts = 0;
   std::optional<Eigen::Vector3d> p_GB;  // of the object in the hand when the lift starts
   const auto steps_per_tick = std::max(1L, std::lround(kControlPeriod / step));
   for (long i = 0; world.time() - start_time < time_limit && !cycle.finished(); ++i) {
-    world.step();
-    carrier.watch();
+    stage.step();
     const auto body = world.body(object);
     execution.raised = std::max(execution.raised, body.height - start.height);
     if (i % steps_per_tick != 0) continue;
-    cycle.step(perceive(world));
+    cycle.step(perceive(world, joints));
     const RigidTransform X_moved = body.X_WB * start.X_WB.inverse();
     if (cycle.looks_since()) {
       auto plan_now = look_again(X_moved);
-      cycle.take_plan(std::move(plan_now.grasps), options.move_W, plan_now.problem);
+      cycle.take_plan(stage.with_ways(plan_now.grasps), plan_now.problem);
+      if (!plan_now.grasps.empty()) grasps = std::move(plan_now.grasps);
     }
     if (std::exchange(attempts, cycle.result().attempts) != cycle.result().attempts) {
       execution.X_moved = X_moved;
@@ -129,10 +237,10 @@ GraspExecution execute_grasps(World& world, std::size_t object, const grasp::Gra
     }
   }
   if (!cycle.finished()) cycle.abort("the time was used up");
-  for (double settled = 0; settled < kSettling; settled += step) world.step();
+  for (double settled = 0; settled < kSettling; settled += step) stage.step();
   const auto end = world.body(object);
   execution.result = cycle.result();
-  if (attempts > 0) execution.grasp = cycle.grasp();
+  if (attempts > 0) execution.grasp = grasps.at(static_cast<std::size_t>(cycle.grasp_index()));
   execution.surprises = cycle.surprises();
   execution.phase_times = cycle.phase_times();
   execution.moved = (end.X_WB.translation() - start.X_WB.translation()).head<2>().norm();

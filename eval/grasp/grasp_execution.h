@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "prehend/control/grasp_cycle.h"
+#include "prehend/control/arm_cycle.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/simulation/world.h"
 
@@ -33,13 +33,13 @@ struct GraspExecution {
 /// where it stood when the first plan was made.
 using LookAgain = std::function<grasp::GraspPlanResult(const geometry::RigidTransform& X_moved)>;
 
-/// Executes ranked grasps of the object `object` (index of the world's bodies) by GraspCycle at 100
-/// Hz, as the node grasp_cycle does, with the world's ideal readings. After a failed attempt the
-/// cycle looks again, if there is `look_again`: the new plan is there at once. Ends after
-/// `time_limit` [s, simulated] at the latest.
+/// Executes ranked grasps of the object `object` (index of the world's bodies) by ArmCycle on the
+/// stage at 100 Hz, as the node grasp_cycle does, with the world's ideal readings. The stage moves
+/// on straight lines: up, across, down to the pregrasp, and 0.15 m sideways with the object. After
+/// a failed attempt the cycle looks again, if there is `look_again`: the new plan is there at once.
+/// Ends after `time_limit` [s, simulated] at the latest.
 GraspExecution execute_grasps(simulation::World& world, std::size_t object,
-                              const grasp::GraspPlanResult& plan,
-                              control::CycleOptions options = {}, double time_limit = 120,
+                              const grasp::GraspPlanResult& plan, double time_limit = 120,
                               const LookAgain& look_again = nullptr);
 
 }  // namespace prehend::eval

@@ -89,6 +89,7 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
           });
     } catch (const std::exception& error) {
       trial.problem = error.what();
+      trial.stage = on != PlannedOn::kTruth && !seen ? "view" : "plan";
     }
     trial.setting = setting.name;
     result.trials.push_back(std::move(trial));

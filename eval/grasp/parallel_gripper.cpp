@@ -6,7 +6,7 @@
 
 #include "eval/grasp/grasp_execution.h"
 #include "eval/processor_time.h"
-#include "prehend/grasp/closing.h"
+#include "prehend/grasp/closing/close_pads.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::eval {
@@ -55,7 +55,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
     world.add_object("other " + std::to_string(world.body_count()), other_W, truth.mass, true);
   }
   const GraspExecution execution =
-      execute_grasps(world, 0, plan, {}, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
+      execute_grasps(world, 0, plan, kTimeLimit, [&](const geometry::RigidTransform& X_moved) {
         try {
           return plan_on(believe_again(X_moved));
         } catch (const std::exception& error) {
@@ -78,6 +78,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
     trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
   trial.robustness = grasp.robustness;
   trial.guessed_contact = grasp.guessed_contact;
+  trial.surprises = execution.surprises;
   for (const auto& surprise : execution.surprises) {
     if (surprise.kind == control::SurpriseKind::kOpeningAtContact) {
       trial.opening_error = surprise.felt - surprise.predicted;

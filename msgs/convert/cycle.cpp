@@ -90,7 +90,9 @@ bool has_arm_motion(const msgs::Grasp& grasp) {
 
 control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   control::ArmGrasp result;
-  result.pose = {from_message(grasp.x_wg()), grasp.preshape()};
+  // A parallel gripper that is turned by half is the same: its preshape tells nothing.
+  const bool parallel = grasp.pregrasp_opening() > 0;
+  result.pose = {from_message(grasp.x_wg()), parallel ? "" : grasp.preshape()};
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
   }
@@ -123,6 +125,22 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
         "Look for the fault in the node that published it");
   }
   return result;
+}
+
+void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
+  for (const auto& [name, path] : grasp.segments) {
+    msgs::ArmSegment& segment = *message->add_arm();
+    segment.set_name(name);
+    *segment.mutable_trajectory() = to_message(path);
+  }
+  for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
+  for (const double position : grasp.hand.open) message->add_open_position(position);
+  for (const double position : grasp.hand.closed) message->add_closed_position(position);
+  for (const double rate : grasp.hand.rate) message->add_closing_rate(rate);
+  for (const double position : grasp.hand.lower) message->add_least_position(position);
+  for (const double position : grasp.hand.upper) message->add_largest_position(position);
+  message->set_effort(grasp.effort);
+  for (const double effort : grasp.largest_effort) message->add_largest_effort(effort);
 }
 
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp) {

@@ -21,6 +21,8 @@ bool has_arm_motion(const msgs::Grasp& grasp);
 /// @pre has_arm_motion(grasp)
 /// @throws geometry::InputError for values that do not belong together or are not finite.
 control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
+/// The arm's segments, and how the hand closes and how hard.
+void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message);
 
 /// @param stamp ns, of the graph's clock.
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp);

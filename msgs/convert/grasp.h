@@ -2,8 +2,8 @@
 
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
-#include "prehend/grasp/grasp_memory.h"
-#include "prehend/grasp/known_objects.h"
+#include "prehend/grasp/known/grasp_memory.h"
+#include "prehend/grasp/known/known_objects.h"
 #include "prehend/grasp/planner.h"
 
 namespace prehend::convert {

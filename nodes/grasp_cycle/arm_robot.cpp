@@ -1,5 +1,8 @@
 #include "nodes/grasp_cycle/arm_robot.h"
 
+#include <stdexcept>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "msgs/convert/cycle.h"
@@ -24,22 +27,23 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   options.reacts = node.declare_parameter<bool>(
       {.name = "reacts",
        .default_value = options.reacts,
-       .description = "with a platform: stop the approach where the hand touches, and close there; "
-                      "false: open loop",
+       .description =
+           "stop the approach where the hand touches, and close there, or let go where pads tell "
+           "that it holds nothing; false: open loop",
        .read_only = true});
   options.contact_force = node.declare_parameter<double>(
       {.name = "contact_force",
        .default_value = options.contact_force,
        .unit = "N",
        .minimum = 0.1,
-       .description = "with a platform: at the wrist, that counts as contact on the approach",
+       .description = "at the wrist, that counts as contact on the approach",
        .read_only = true});
   options.collision_force = node.declare_parameter<double>(
       {.name = "collision_force",
        .default_value = options.collision_force,
        .unit = "N",
        .minimum = 1,
-       .description = "with a platform: at the wrist, on every other way, beyond what is held: the "
+       .description = "at the wrist, on every other way, beyond what is held: the "
                       "arm has hit something and stops",
        .read_only = true});
   options.overrun = node.declare_parameter<double>(
@@ -47,7 +51,7 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .default_value = options.overrun,
        .unit = "rad",
        .minimum = 0.0,
-       .description = "with a platform: how far fingers go on beyond where they were predicted to "
+       .description = "of fingers: how far fingers go on beyond where they were predicted to "
                       "touch, within their limits",
        .read_only = true});
   options.grip_force = node.declare_parameter<double>(
@@ -55,7 +59,7 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .default_value = options.grip_force,
        .unit = "N",
        .minimum = 0.0,
-       .description = "with a platform: that the pads which touch are to feel, their mean, where "
+       .description = "of fingers: that the pads which touch are to feel, their mean, where "
                       "the plan says no force; 0: as the motors press",
        .read_only = true});
   options.holding.resolution = node.declare_parameter<double>(
@@ -63,19 +67,49 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .default_value = options.holding.resolution,
        .unit = "N",
        .minimum = 0.001,
-       .description = "with a platform: of the wrist's sensor: a change of less, or within its "
+       .description = "of the wrist's sensor: a change of less, or within its "
                       "noise, does not show that something is held",
        .read_only = true});
   return options;
 }
 
-ArmRobot::ArmRobot(graph::Node& node, const robot::HandModel& hand, const ArmRobotOptions& options)
-    : node_(node),
-      arm_(node),
-      hand_(node),
-      cycle_(options.cycle, arm_, hand_),
-      touch_counts_(options.touch_counts) {
+void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
+                                const std::string& gripper_driver) {
+  if (platform.hand_port != robot::HandPort::kGripper) {
+    if (gripper_driver == kSimulated) return;
+    throw std::invalid_argument(fmt::format(
+        "platform {} moves its hand by its joints (/hand/move), but the gripper is that of the "
+        "driver {}, which offers /gripper; name a platform with hand_port: gripper, as stage_pg70",
+        platform.name, gripper_driver));
+  }
+  for (const char* name : {"overrun", "grip_force", "force_resolution"}) {
+    if (!node.is_parameter_given(name)) continue;
+    throw std::invalid_argument(
+        fmt::format("parameter '{}' does not apply with platform {}: its gripper closes until its "
+                    "pads feel the "
+                    "force of the plan, and they tell what is held; leave it out",
+                    name, platform.name));
+  }
+}
+
+ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const GripperSource& gripper,
+                   const ArmRobotOptions& options)
+    : node_(node), gripper_(gripper), arm_(node), touch_counts_(options.touch_counts) {
   using graph::QoS;
+  if (platform.hand_port == robot::HandPort::kGripper) {
+    control::PadGripperOptions pads;
+    pads.stale_time = options.cycle.stale_time;
+    drive_ = std::make_unique<GripperActions>(node);
+    auto hand = std::make_unique<control::PadGripper>(*platform.hand.gripper, pads, *drive_);
+    pad_gripper_ = hand.get();
+    hand_ = std::move(hand);
+    subscriptions_.push_back(node.subscribe<msgs::GripperState>(
+        "/gripper/state", QoS::latest(),
+        [this](const auto& message) { gripper_state_ = message.shared(); }));
+  } else {
+    hand_ = std::make_unique<HandActions>(node);
+  }
+  cycle_.emplace(options.cycle, arm_, *hand_);
   subscriptions_.push_back(node.subscribe<msgs::JointState>(
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
   subscriptions_.push_back(
@@ -84,7 +118,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::HandModel& hand, const ArmRob
         wrist_force_ = convert::from_message(message->wrench().force());
         wrist_stamp_ = message->header().stamp();
       }));
-  for (const robot::HandPad& pad : hand.pads) {
+  for (const robot::HandPad& pad : platform.hand.pads) {
     subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
         "/tactile/" + pad.name, QoS::latest(),
         [this, name = pad.name](const auto& message) { pads_[name] = message.shared(); }));
@@ -95,7 +129,26 @@ std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
   return convert::has_arm_motion(grasp) ? "" : "no motion of the arm";
 }
 
-std::string ArmRobot::prepare(const View& /*view*/, const Target& target) {
+std::string ArmRobot::waits_for() const {
+  const bool known = gripper_.model() || !gripper_.problem().empty();
+  return !has_gripper() || known ? "" : gripper_.missing();
+}
+
+void ArmRobot::start() {
+  if (has_gripper()) {
+    const std::optional<robot::GripperModel> gripper = gripper_.model();
+    if (!gripper) throw std::runtime_error(gripper_.missing());
+    pad_gripper_->set_gripper(*gripper);
+  }
+  cycle_->start(prepared_);
+}
+
+std::string ArmRobot::prepare(const View& view, const Target& target) {
+  if (const std::string other =
+          has_gripper() ? gripper_.differs_from(*view.plans.at(target.id)) : "";
+      !other.empty()) {
+    throw std::runtime_error(other);
+  }
   std::vector<control::ArmGrasp> grasps;
   for (const msgs::Grasp* grasp : target.grasps) {
     grasps.push_back(convert::arm_grasp_from_message(*grasp));
@@ -116,7 +169,12 @@ control::ArmPercepts ArmRobot::percepts() const {
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
     percepts.pads.push_back({frame->sum(), touched_area(*frame, touch_counts_),
-                             percepts.time - graph::seconds(frame->header().stamp())});
+                             percepts.time - graph::seconds(frame->header().stamp()), name});
+  }
+  if (gripper_state_) {
+    percepts.gripper = {gripper_state_->opening(), gripper_state_->blocked(),
+                        gripper_state_->error_code(),
+                        percepts.time - graph::seconds(gripper_state_->header().stamp())};
   }
   return percepts;
 }

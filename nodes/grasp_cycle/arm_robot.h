@@ -8,45 +8,72 @@
 
 #include "msgs/sensors.pb.h"
 #include "nodes/grasp_cycle/arm_ports.h"
-#include "nodes/grasp_cycle/cycle_robot.h"
+#include "nodes/grasp_cycle/gripper_ports.h"
+#include "nodes/grasp_cycle/view.h"
+#include "nodes/gripper_source/gripper_source.h"
 #include "prehend/control/arm_cycle.h"
 #include "prehend/graph/node.h"
-#include "prehend/robot/hand_model.h"
+#include "prehend/robot/platform.h"
 
 namespace prehend::nodes {
 
-/// Declares the parameters of ArmCycleOptions that arms alone have.
+/// Declares the parameters of ArmCycleOptions but those of SharedCycleOptions.
 control::ArmCycleOptions declare_arm_options(graph::Node& node);
 
-/// What the cycle of an arm needs to know besides the plan.
+/// Who drives the gripper: the simulation, or else a driver's name.
+inline constexpr const char* kSimulated = "sim";
+
+/// @throws std::invalid_argument for parameters that were given but mean nothing for the platform,
+/// and for one whose hand the gripper's driver cannot be.
+void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
+                                const std::string& gripper_driver);
+
+/// What the cycle needs to know besides the plan.
 struct ArmRobotOptions {
   control::ArmCycleOptions cycle;
   int touch_counts = 10;  // above: a texel is touched
 };
 
-/// An arm with a hand: /arm/follow and /hand/move, /joint_states, /wrench and /tactile of its pads.
-class ArmRobot : public CycleRobot {
+/// A platform in the grasp cycle: its topics and actions, what of a plan it can execute, and the
+/// control cycle that they feed. /arm/follow, /joint_states, /wrench and /tactile of its pads; its
+/// hand is /hand/move, or a gripper: /gripper/move, /gripper/command, /gripper/state.
+class ArmRobot {
  public:
-  /// @param hand that the robot has.
-  ArmRobot(graph::Node& node, const robot::HandModel& hand, const ArmRobotOptions& options);
+  /// @param gripper that the robot says it has; kept. Of no platform but with a HandPort::kGripper.
+  ArmRobot(graph::Node& node, const robot::Platform& platform, const GripperSource& gripper,
+           const ArmRobotOptions& options);
 
-  std::string lacks(const msgs::Grasp& grasp) const override;
-  std::string prepare(const View& view, const Target& target) override;
-  void start() override { cycle_.start(prepared_); }
-  void take_prepared() override { cycle_.take_plan(prepared_); }
-  void take_nothing(const std::string& problem) override { cycle_.take_plan({}, problem); }
-  void step() override { cycle_.step(percepts()); }
-  control::Cycle& cycle() override { return cycle_; }
+  /// What it still has to hear before it can begin, in words; empty: nothing.
+  std::string waits_for() const;
+  /// What the grasp lacks to be executed, in words; empty: nothing.
+  std::string lacks(const msgs::Grasp& grasp) const;
+  /// Gets ready for the grasps of `target`, which has some. @return where the object is to be put,
+  /// in words. @throws std::exception with the reason why they cannot be executed.
+  std::string prepare(const View& view, const Target& target);
+  /// Starts a cycle on what was prepared. @throws as prepare().
+  void start();
+  /// The running cycle goes on with what was prepared.
+  void take_prepared() { cycle_->take_plan(prepared_); }
+  /// A new look gave no grasp, for this reason.
+  void take_nothing(const std::string& problem) { cycle_->take_plan({}, problem); }
+  /// One step of the cycle on what the sensors say now.
+  void step() { cycle_->step(percepts()); }
+  control::Cycle& cycle() { return *cycle_; }
 
  private:
+  bool has_gripper() const { return pad_gripper_ != nullptr; }
   control::ArmPercepts percepts() const;
 
   graph::Node& node_;
+  const GripperSource& gripper_;
   ArmActions arm_;
-  HandActions hand_;
-  control::ArmCycle cycle_;
+  std::unique_ptr<GripperActions> drive_;    // of a gripper
+  std::unique_ptr<control::HandPort> hand_;  // a PadGripper or HandActions
+  control::PadGripper* pad_gripper_ = nullptr;
+  std::optional<control::ArmCycle> cycle_;
   std::vector<graph::Subscription> subscriptions_;
   std::shared_ptr<const msgs::JointState> joints_;
+  std::shared_ptr<const msgs::GripperState> gripper_state_;
   std::optional<Eigen::Vector3d> wrist_force_;  // N
   std::int64_t wrist_stamp_ = 0;                // ns
   int touch_counts_;

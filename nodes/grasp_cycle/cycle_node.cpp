@@ -7,8 +7,6 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
-#include "nodes/grasp_cycle/arm_robot.h"
-#include "nodes/grasp_cycle/gripper_robot.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/platform.h"
@@ -30,7 +28,7 @@ bool declare_flag(graph::Node& node, const std::string& name, const std::string&
       {.name = name, .default_value = false, .description = description, .read_only = true});
 }
 
-/// What both kinds of robots have.
+/// What has to do with no robot.
 control::SharedCycleOptions declare_shared_options(graph::Node& node) {
   const control::SharedCycleOptions defaults;
   control::SharedCycleOptions options;
@@ -58,42 +56,6 @@ control::SharedCycleOptions declare_shared_options(graph::Node& node) {
                                    .description = "grasps of an object tried before giving it up",
                                    .read_only = true});
   return options;
-}
-
-struct Misfit {
-  const char* parameter;
-  const char* why;
-};
-
-constexpr Misfit kNotOfPlatforms[] = {
-    {"gripper", "the platform has its own hand"},
-    {"lift_height", "the plan says how the arm lifts"},
-    {"transit_height", "the plan says how the arm gets there"},
-    {"move_distance", "the planner chooses the place"},
-    {"place", "the planner takes it (grasp_planning)"},
-    {"workspace", "the arm's own reach is the limit"},
-};
-constexpr Misfit kOfPlatforms[] = {
-    {"reacts", "no platform is named"},           {"contact_force", "no platform is named"},
-    {"platforms", "no platform is named"},        {"grip_force", "no platform is named"},
-    {"collision_force", "no platform is named"},  {"overrun", "no platform is named"},
-    {"force_resolution", "no platform is named"},
-};
-
-void refuse_what_does_not_apply(const graph::Node& node, bool has_platform) {
-  const auto check = [&node](const auto& misfits, const std::string& beside) {
-    for (const Misfit& misfit : misfits) {
-      if (!node.is_parameter_given(misfit.parameter)) continue;
-      throw std::invalid_argument("parameter '" + std::string(misfit.parameter) +
-                                  "' does not apply " + beside + ": " + misfit.why +
-                                  "; leave it out");
-    }
-  };
-  if (has_platform) {
-    check(kNotOfPlatforms, "with a platform");
-  } else {
-    check(kOfPlatforms, "without a platform");
-  }
 }
 
 }  // namespace
@@ -131,16 +93,23 @@ CycleNode::CycleNode(graph::Node& node)
   timer_ = node.create_timer(kPeriod, [this] { tick(); });
 }
 
-std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
+std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   const auto platform = node_.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand (kr5_sdh, pa10_barrett, ...) that the plans are for; empty: "
-                      "the parallel gripper on its carrier",
+       .default_value = "stage_pg70",
+       .description = "the robot that the plans are for (stage_pg70, kr5_sdh, ...)",
        .read_only = true});
   const auto platforms = node_.declare_parameter<std::string>(
       {.name = "platforms",
        .default_value = text::tree_file("config/robots"),
        .description = "folder of the platform's file, PLATFORM.yaml",
+       .read_only = true});
+  const auto driver = node_.declare_parameter<std::string>(
+      {.name = "gripper_driver",
+       .default_value = kSimulated,
+       .choices = {kSimulated, "pg70"},
+       .description = "who drives the gripper: with a driver, the platform must be one whose hand "
+                      "is moved through /gripper",
        .read_only = true});
   const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
                                                          .default_value = 10,
@@ -152,18 +121,17 @@ std::unique_ptr<CycleRobot> CycleNode::declare_robot() {
   // Predicted objects in a simulation are seen by nobody, but it says where they are.
   shared.only_seen_again = predicted_.wanted();
   task_ = shared.task;
-  GripperRobotOptions gripper = declare_gripper_options(node_);
-  control::ArmCycleOptions arm = declare_arm_options(node_);
-  refuse_what_does_not_apply(node_, !platform.empty());
-  static_cast<control::SharedCycleOptions&>(arm) = shared;
-  static_cast<control::SharedCycleOptions&>(gripper.cycle) = shared;
-  if (!platform.empty()) {
-    const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
-    return std::make_unique<ArmRobot>(node_, robot.hand, ArmRobotOptions{arm, touch_counts});
+  ArmRobotOptions options{declare_arm_options(node_), touch_counts};
+  static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
+  const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
+  refuse_what_does_not_apply(node_, robot, driver);
+  if (robot.hand_port == robot::HandPort::kGripper) {
+    gripper_.listen();
+  } else if (gripper_.model()) {
+    throw std::invalid_argument("parameter 'gripper' does not apply with platform " + robot.name +
+                                ": it has its own hand; leave it out");
   }
-  gripper.touch_counts = touch_counts;
-  gripper_.listen();
-  return std::make_unique<GripperRobot>(node_, gripper_, gripper);
+  return std::make_unique<ArmRobot>(node_, robot, gripper_, options);
 }
 
 void CycleNode::subscribe() {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "msgs/grasp.pb.h"
-#include "nodes/grasp_cycle/cycle_robot.h"
+#include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/look_again.h"
 #include "nodes/grasp_cycle/predicted_objects.h"
 #include "nodes/grasp_cycle/view.h"
@@ -26,7 +26,7 @@ class CycleNode {
   int exit_code() const { return exit_code_; }
 
  private:
-  std::unique_ptr<CycleRobot> declare_robot();
+  std::unique_ptr<ArmRobot> declare_robot();
   void subscribe();
   void tick();
   /// True while the robot may still say what it has.
@@ -51,7 +51,7 @@ class CycleNode {
   LookAgain look_;
   ViewCollector views_;
   control::Task task_;
-  std::unique_ptr<CycleRobot> robot_;
+  std::unique_ptr<ArmRobot> robot_;
   graph::Publisher<msgs::Surprise> surprises_;
   graph::Publisher<msgs::CycleState> states_;
   graph::Publisher<msgs::CycleResult> results_;

@@ -1,7 +1,5 @@
 #include "nodes/grasp_cycle/gripper_ports.h"
 
-#include "msgs/convert/geometry.h"
-
 namespace prehend::nodes {
 
 using control::MotionStatus;
@@ -49,33 +47,5 @@ void GripperActions::stop() {
   goal_.stop();
   publish(msgs::GripperCommand::STOP, 0, 0);
 }
-
-CarrierActions::CarrierActions(graph::Node& node) : node_(node), goal_(node, "/carrier/move") {}
-
-void CarrierActions::move_to(const geometry::RigidTransform& X_WG, double speed,
-                             double contact_force) {
-  msgs::MoveCarrierGoal goal;
-  *goal.mutable_x_wg() = convert::to_message(X_WG);
-  goal.set_speed(speed);
-  goal.set_stop_on_contact(contact_force > 0);
-  goal.set_contact_force(contact_force);
-  goal_.send(goal);
-}
-
-MotionStatus CarrierActions::motion() {
-  const auto outcome = goal_.end();
-  if (!outcome) return MotionStatus::kMoving;
-  if (!outcome->ok()) {
-    node_.log_warning("/carrier/move: {}", outcome->error());
-    return MotionStatus::kFailed;
-  }
-  const msgs::MoveCarrierResult& result = **outcome;
-  if (result.contact()) return MotionStatus::kContact;
-  if (result.reached()) return MotionStatus::kReached;
-  node_.log_warning("/carrier/move: {}", result.reason());
-  return MotionStatus::kFailed;
-}
-
-void CarrierActions::stop() { goal_.stop(); }
 
 }  // namespace prehend::nodes

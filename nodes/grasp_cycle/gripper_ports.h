@@ -3,7 +3,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/sensors.pb.h"
 #include "nodes/motion_goal/motion_goal.h"
-#include "prehend/control/grasp_cycle.h"
+#include "prehend/control/pad_gripper.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::nodes {
@@ -25,20 +25,6 @@ class GripperActions : public control::GripperPort {
   graph::Node& node_;
   graph::Publisher<msgs::GripperCommand> commands_;
   MotionGoal<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult> goal_;
-};
-
-/// The carrier behind the action /carrier/move.
-class CarrierActions : public control::CarrierPort {
- public:
-  explicit CarrierActions(graph::Node& node);
-  void move_to(const geometry::RigidTransform& X_WG, double speed, double contact_force) override;
-  control::MotionStatus motion() override;
-  double answer_age() override { return goal_.answer_age(); }
-  void stop() override;
-
- private:
-  graph::Node& node_;
-  MotionGoal<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult> goal_;
 };
 
 }  // namespace prehend::nodes

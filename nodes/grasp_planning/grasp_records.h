@@ -9,7 +9,7 @@
 
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
-#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known/grasp_memory.h"
 
 namespace prehend::nodes {
 

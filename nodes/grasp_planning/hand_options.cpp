@@ -12,21 +12,11 @@ struct Misfit {
   const char* why;
 };
 
-constexpr Misfit kNotOfPlatforms[] = {
-    {"gripper", "the platform has its own hand"},
-    {"front", "it was measured with the parallel gripper on its carrier"},
-};
 constexpr Misfit kNotOfFingers[] = {
+    {"front", "it was measured with the parallel gripper"},
     {"friction", "the hand's model has it"},
     {"least_force", "the hand's motors set the force"},
     {"largest_force", "the hand's motors set the force"},
-};
-constexpr Misfit kOfPlatforms[] = {
-    {"platforms", "no platform is named"},    {"home", "no platform is named"},
-    {"place", "no platform is named"},        {"arm_budget", "no platform is named"},
-    {"motions", "no platform is named"},      {"task", "no platform is named"},
-    {"tasks", "no platform is named"},        {"path_planner", "there is no arm"},
-    {"collision_checker", "there is no arm"},
 };
 constexpr Misfit kChosenByFronts[] = {
     {"rolls", "front and budget choose it"},
@@ -41,18 +31,14 @@ void refuse(const std::string& parameter, const std::string& with, const std::st
 
 }  // namespace
 
-void refuse_what_does_not_apply(const graph::Node& node, Robot robot, bool front_chooses) {
+void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
+                                bool front_chooses) {
   const auto check = [&](const auto& misfits, const std::string& beside) {
     for (const Misfit& misfit : misfits) {
       if (node.is_parameter_given(misfit.parameter)) refuse(misfit.parameter, beside, misfit.why);
     }
   };
-  if (robot != Robot::kGripper) {
-    check(kNotOfPlatforms, "with a platform");
-    if (robot == Robot::kArmWithFingers) check(kNotOfFingers, "with a hand of fingers");
-  } else {
-    check(kOfPlatforms, "without a platform");
-  }
+  if (!platform.hand.gripper) check(kNotOfFingers, "with a hand of fingers");
   if (!front_chooses) return;
   check(kChosenByFronts, "beside a budget");
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {

@@ -37,9 +37,6 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   }
 }
 
-// A table whose normal is no further from the world's z axis is approached straight down.
-constexpr double kLevelTable = 0.17;  // rad
-
 grasp::PlannerOptions declare_planner_options(graph::Node& node) {
   grasp::PlannerOptions options;
   const auto declare = [&node](const std::string& name, double& value, const std::string& unit,
@@ -79,10 +76,10 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
           "planning in any case; 0: as long as it takes. At the start only");
   const auto front = node.declare_parameter<std::string>(
       {.name = "front",
+       .default_value = text::tree_file("config/fidelity/plan.yaml"),
        .description =
-           "measured front (config/fidelity/plan.yaml) from which the budget chooses "
-           "generators, rolls, standoffs and robustness samples, which must not be given "
-           "then; empty: these. Not with a platform",
+           "of a parallel gripper: measured front from which a budget chooses generators, rolls, "
+           "standoffs and robustness samples, which must not be given then; empty: these",
        .read_only = true,
        .reads_file = true});
   options.uncertainty.samples = node.declare_parameter<int>(
@@ -118,11 +115,6 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
                                                        .minimum = 1,
                                                        .description = "of grasps in a plan",
                                                        .read_only = true});
-  if (!front.empty() && options.budget > 0) {
-    const std::string chosen =
-        fidelity::apply_plan_budget(fidelity::read_front(front), options.budget, &options);
-    node.log_info("chosen from {}: {}", front, chosen);
-  }
   return options;
 }
 
@@ -135,13 +127,12 @@ std::vector<std::string> usable_names(graph::Node& node, const Registry& registr
   return registry.names();
 }
 
-// Set when the node plans for an arm with a hand instead of the parallel gripper on the carrier.
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
-                                                          const grasp::PlannerOptions& common) {
+                                                          grasp::PlannerOptions common) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
-       .description = "arm with a hand, its name (kr5_sdh, pa10_barrett, ...) or file; empty: the "
-                      "parallel gripper on the carrier",
+       .default_value = "stage_pg70",
+       .description = "the robot, its name (stage_pg70, kr5_sdh, pa10_barrett, ...) or file",
        .read_only = true});
   const auto folder = node.declare_parameter<std::string>(
       {.name = "platforms",
@@ -153,13 +144,12 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
        .default_value = "home",
        .description = "of the platform: where its arm stands when a motion starts",
        .read_only = true});
-  planning::PlatformPickOptions arm;
-  planning::PlaceOptions place;
-  place.given_W = planning::read_place(node.declare_parameter<std::string>(
+  planning::PlatformPlanOptions options;
+  planning::PlatformPickOptions& arm = options.arm;
+  options.place.given_W = planning::read_place(node.declare_parameter<std::string>(
       {.name = "place",
-       .description =
-           "with a platform: x,y of the world [m] where the object is put; empty: a free "
-           "place is chosen",
+       .description = "x,y of the world [m] where the object is put; empty: a free "
+                      "place is chosen",
        .read_only = true}));
   control::Task task = nodes::declare_task(node);
   arm.pick.budget = node.declare_parameter<double>({.name = "arm_budget",
@@ -172,38 +162,37 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
       {.name = "path_planner",
        .default_value = arm.pick.planner,
        .choices = usable_names(node, motion::PlannerRegistry()),
-       .description = "with a platform: finds the arm's free paths (docs/planning.md); others in "
+       .description = "finds the arm's free paths (docs/planning.md); others in "
                       "shared libraries in PREHEND_PLANNERS",
        .read_only = true});
   arm.checker = node.declare_parameter<std::string>(
       {.name = "collision_checker",
        .default_value = arm.checker,
        .choices = usable_names(node, motion::CheckerRegistry()),
-       .description = "with a platform: balls: those that hold the links, with vectors; else the "
+       .description = "balls: those that hold the links, with vectors; else the "
                       "links' own shapes by that library, slower; others in shared libraries in "
                       "PREHEND_CHECKERS",
        .read_only = true});
-  const int motions =
+  options.motions =
       node.declare_parameter<int>({.name = "motions",
-                                   .default_value = 3,
+                                   .default_value = options.motions,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
-  const bool front_chooses =
-      !node.parameter<std::string>("front").empty() && node.parameter<double>("budget") > 0;
-  if (file.empty()) {
-    nodes::refuse_what_does_not_apply(node, nodes::Robot::kGripper, front_chooses);
-    return nullptr;
-  }
   robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
   for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
-  nodes::refuse_what_does_not_apply(
-      node, platform.hand.gripper ? nodes::Robot::kArmWithPads : nodes::Robot::kArmWithFingers,
-      front_chooses);
-  return std::make_unique<nodes::PlatformPlanning>(
-      std::move(platform), home,
-      planning::HandPlanOptions{common, nodes::hand_options(node, common)}, arm, place,
-      std::move(task), motions);
+  const auto front = node.parameter<std::string>("front");
+  const bool front_chooses = platform.hand.gripper && !front.empty() && common.budget > 0;
+  nodes::refuse_what_does_not_apply(node, platform, front_chooses);
+  if (front_chooses) {
+    const std::string chosen =
+        fidelity::apply_plan_budget(fidelity::read_front(front), common.budget, &common);
+    node.log_info("chosen from {}: {}", front, chosen);
+  }
+  common.validate();
+  options.grasps = {common, nodes::hand_options(node, common)};
+  return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
+                                                    std::move(task));
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {
@@ -220,16 +209,15 @@ class GraspPlanning {
  public:
   explicit GraspPlanning(graph::Node& node)
       : node_(node),
-        options_(declare_planner_options(node)),
-        platform_(declare_platform(node, options_)),
+        platform_(declare_platform(node, declare_planner_options(node))),
         gripper_(node),
         approach_(node.declare_parameter<std::string>(
             {.name = "approach",
              .default_value = "auto",
              .choices = {"auto", "down", "table", "any"},
-             .description = "directions the robot can approach along: down the world's z axis, "
-                            "straight at the table, any; auto: any for a platform's arm, else down "
-                            "when the table is level",
+             .description =
+                 "directions to approach along: down the world's z axis, straight at the "
+                 "table, any; auto: any, or the one that the platform can",
              .read_only = true})),
         records_(declare_records(node)),
         workspace_(node.declare_parameter<double>(
@@ -256,14 +244,11 @@ class GraspPlanning {
             node.subscribe<msgs::CycleResult>("/cycle/result", graph::QoS::queue(4),
                                               [this](const auto& result) { record(*result); })),
         timer_(node.create_timer(0.25, [this] { plan_ready(); })) {
-    options_.validate();
-    if (platform_ && gripper_.model()) {
-      throw geometry::InputError("Parameter gripper does not apply: platform has its own hand",
-                                 "Give one of the two");
-    }
-    if (!platform_) {
+    if (platform_->says_its_gripper()) {
       gripper_.listen([this] { plan_ready(); });
-      return;
+    } else if (gripper_.model()) {
+      throw geometry::InputError("Parameter gripper does not apply: the platform has its own hand",
+                                 "Give one of the two");
     }
     joints_ = node_.subscribe<msgs::JointState>(
         "/joint_states", graph::QoS::latest(),
@@ -272,15 +257,16 @@ class GraspPlanning {
 
  private:
   void record(const msgs::CycleResult& result) {
-    if (!records_ || (!platform_ && !gripper_.model())) return;
-    const std::string recorded =
-        records_->record(result, platform_ ? platform_->hand() : gripper_.model()->name);
+    if (!records_) return;
+    const std::string recorded = records_->record(result, platform_->hand());
     if (!recorded.empty()) node_.log_info("{}", recorded);
   }
 
   void plan_ready() {
     // Until the robot has said what it has. Two that differ are each object's problem.
-    if (!platform_ && !gripper_.model() && gripper_.problem().empty()) {
+    const std::optional<robot::GripperModel> said = gripper_.model();
+    if (said && platform_->says_its_gripper()) platform_->set_gripper(*said);
+    if (platform_->says_its_gripper() && !said && gripper_.problem().empty()) {
       if (!batch_.models().empty()) {
         node_.report(graph::Health::kWarning, "waiting to plan: " + gripper_.missing());
       }
@@ -302,25 +288,20 @@ class GraspPlanning {
     for (const auto& [id, model] : batch_.models()) {
       if (!model->valid()) continue;
       node_.shield(fmt::format("object {} is left out as an obstacle", id), [&, id = id] {
-        std::vector<geometry::TriangleMesh> meshes;
-        if (!platform_) meshes.push_back(convert::from_message(model->mesh()));
-        for (int i = 0; platform_ && i < model->convex_pieces_size(); ++i) {
-          meshes.push_back(convert::from_message(model->convex_pieces(i)));
+        planning::Neighbours own;
+        own.meshes_W.push_back(convert::from_message(model->mesh()));
+        for (const auto& piece : model->convex_pieces()) {
+          own.pieces_W.push_back(convert::from_message(piece));
         }
-        obstacles_[id] = std::move(meshes);
+        obstacles_[id] = std::move(own);
       });
     }
   }
 
   grasp::Reachability reachability(const geometry::Plane& table) const {
     grasp::Reachability result;
-    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    const bool level = table.normal.dot(up) > std::cos(kLevelTable);
-    const std::string approach = approach_ == "auto" && platform_ ? "any" : approach_;
-    if (approach != "any") {
-      const bool down = approach == "down" || (approach == "auto" && level);
-      result.approach_W = down ? Eigen::Vector3d(-up) : Eigen::Vector3d(-table.normal);
-    }
+    if (approach_ == "down") result.approach_W = -Eigen::Vector3d::UnitZ();
+    if (approach_ == "table") result.approach_W = -table.normal;
     if (workspace_ > 0) {
       const double infinity = std::numeric_limits<double>::infinity();
       result.workspace_W = {Eigen::Vector3d(-workspace_, -workspace_, -infinity),
@@ -347,7 +328,7 @@ class GraspPlanning {
       failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
       return failed;
     }
-    if (!platform_ && !gripper_.model()) {
+    if (platform_->says_its_gripper() && !gripper_.model()) {
       failed.set_problem("planning failed: " + gripper_.problem());
       return failed;
     }
@@ -356,31 +337,22 @@ class GraspPlanning {
       const surface::ObjectModel object = convert::from_message(message);
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
-      if (platform_) {
-        return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
-                               known);
-      }
-      grasp::Obstacles obstacles;
-      obstacles.meshes_W = neighbours_of(message);
-      return convert::to_message(
-          database
-              ? grasp::plan_grasps_with_memory(*database, *known, object, table, obstacles,
-                                               *gripper_.model(), reachability(table), options_)
-              : grasp::plan_grasps(object, table, obstacles, *gripper_.model(), reachability(table),
-                                   options_));
+      return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
+                             known);
     } catch (const geometry::InputError& error) {
       failed.set_problem(std::string("cannot be grasped: ") + error.what());
       return failed;
     }
   }
 
-  // The other objects of the view: their meshes or their convex pieces.
-  std::vector<geometry::TriangleMesh> neighbours_of(const msgs::ObjectModel& message) const {
-    std::vector<geometry::TriangleMesh> meshes;
+  planning::Neighbours neighbours_of(const msgs::ObjectModel& message) const {
+    planning::Neighbours all;
     for (const auto& [id, own] : obstacles_) {
-      if (id != message.id()) meshes.insert(meshes.end(), own.begin(), own.end());
+      if (id == message.id()) continue;
+      all.meshes_W.insert(all.meshes_W.end(), own.meshes_W.begin(), own.meshes_W.end());
+      all.pieces_W.insert(all.pieces_W.end(), own.pieces_W.begin(), own.pieces_W.end());
     }
-    return meshes;
+    return all;
   }
 
   msgs::GraspPlan plan(const msgs::ObjectModel& message) {
@@ -391,7 +363,7 @@ class GraspPlanning {
     plan.set_id(message.id());
     plan.set_object_count(message.object_count());
     *plan.mutable_centroid() = message.centroid();
-    if (!platform_ && gripper_.model()) *plan.mutable_gripper() = gripper_.description();
+    if (gripper_.model()) *plan.mutable_gripper() = gripper_.description();
     auto& time = *plan.add_times();
     time.set_stage("grasp_planning");
     time.set_seconds(seconds);
@@ -413,15 +385,13 @@ class GraspPlanning {
   }
 
   graph::Node& node_;
-  grasp::PlannerOptions options_;
   std::unique_ptr<nodes::PlatformPlanning> platform_;
   nodes::GripperSource gripper_;
   std::string approach_;
   std::optional<nodes::GraspRecords> records_;
   double workspace_;
   nodes::ModelBatch batch_;
-  std::map<std::uint32_t, std::vector<geometry::TriangleMesh>>
-      obstacles_;  // of the view, by object
+  std::map<std::uint32_t, planning::Neighbours> obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
   graph::Subscription results_, joints_;
@@ -435,7 +405,7 @@ void run(graph::Node& node) {
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"grasp_planning",
-     "Plans grasps of predicted objects (/models) with a parallel gripper, or with an arm and its "
+     "Plans grasps of predicted objects (/models) and the motions of the arm that carries the "
      "hand, and publishes ranked lists (/plans), with the reason and count of everything that was "
      "rejected. The other "
      "objects of the view are obstacles."},

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,53 +8,52 @@
 #include "msgs/sensors.pb.h"
 #include "prehend/control/task.h"
 #include "prehend/geometry/plane.h"
-#include "prehend/planning/hand_plan.h"
+#include "prehend/planning/platform_plan.h"
 #include "prehend/robot/platform.h"
 #include "prehend/surface/object_model.h"
 
 namespace prehend::nodes {
 
-/// Plans grasps of a platform's hand and the motion of the arm that carries it.
+/// Plans grasps of a platform's hand and the motion of the arm that carries it, as messages.
 class PlatformPlanning {
  public:
   /// @param home of the platform: where the arm stands.
-  /// @param motions how many of the grasps get the arm's motion, > 0: one for each attempt.
-  /// @throws geometry::InputError for an unknown home.
+  /// @throws geometry::InputError for an unknown home; std::invalid_argument for options out of
+  /// range.
   PlatformPlanning(robot::Platform platform, const std::string& home,
-                   const planning::HandPlanOptions& grasps, planning::PlatformPickOptions arm,
-                   planning::PlaceOptions place, control::Task task, int motions);
+                   planning::PlatformPlanOptions options, control::Task task);
 
-  /// Grasps that the arm can execute come first, with their segments; then the others. A plan
-  /// without any motion has the arm's reason, or the place's, as its problem. Obstacles are convex
-  /// pieces.
-  /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
-  /// @throws geometry::InputError for a bad mesh.
+  /// planning::PlatformPlanner::plan(), with the task's places.
+  /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                       const std::vector<geometry::TriangleMesh>& obstacles_W,
-                       const grasp::Reachability& reachability, grasp::GraspDatabase* database,
+                       const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
+                       grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known) const;
 
   /// Where the arm stands now: motions start there, or at home while it is within 1 mrad of it.
   /// Without all joints of the arm nothing changes.
   void start_from(const msgs::JointState& joints);
 
-  /// The hand's name.
-  const std::string& hand() const { return platform_.hand.name; }
+  /// Plans for this gripper, which the robot says it has. @pre says_its_gripper()
+  void set_gripper(const robot::GripperModel& gripper);
+  /// The robot has a parallel gripper, and says which (/gripper/model).
+  bool says_its_gripper() const {
+    return planner_.platform().hand_port == robot::HandPort::kGripper;
+  }
+
+  /// Under which grasps are remembered.
+  const std::string& hand() const {
+    const robot::HandModel& hand = planner_.platform().hand;
+    return hand.gripper ? hand.gripper->name : hand.name;
+  }
 
  private:
-  msgs::Grasp to_message(const planning::PlannedGrasp& grasp) const;
-  void add_motions(const std::vector<planning::PlannedGrasp>& grasps,
-                   const planning::PlatformScene& scene, msgs::GraspPlan* message) const;
-  msgs::ArmSegment to_message(const motion::PickSegment& segment) const;
+  msgs::Grasp to_message(const planning::PlannedPick& pick) const;
 
-  robot::Platform platform_;
   robot::Positions home_, start_;
-  grasp::HandToClose hand_;
-  planning::HandPlanOptions options_;
-  planning::PlatformPickOptions arm_options_;
-  planning::PlaceOptions place_;
+  planning::PlatformPlanner planner_;
+  planning::PlatformPlanOptions options_;
   control::Task task_;
-  int motions_;
 };
 
 }  // namespace prehend::nodes

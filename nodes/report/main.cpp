@@ -69,9 +69,10 @@ int run(graph::Node& node) {
        .read_only = true});
   const auto platform = node.declare_parameter<std::string>(
       {.name = "platform",
+       .default_value = "stage_pg70",
        .description =
-           "arm with a hand, its name (kr5_sdh, pa10_barrett, ...) or file, that is drawn; "
-           "empty: the parallel gripper",
+           "the robot that is drawn, its name (stage_pg70, kr5_sdh, ...) or file; of one "
+           "whose gripper says what it is, the gripper",
        .read_only = true});
   const auto platforms = node.declare_parameter<std::string>(
       {.name = "platforms",
@@ -93,16 +94,14 @@ int run(graph::Node& node) {
        .minimum = 0.0,
        .description = "wall time to wait for objects after a view without any",
        .read_only = true});
-  std::unique_ptr<nodes::DrawnRobot> robot;
-  if (platform.empty()) {
-    gripper.listen();
-    robot = nodes::make_drawn(robot::GripperModel{});
-  } else {
-    robot = nodes::make_drawn(robot::read_platform(robot::platform_file(platforms, platform)));
-  }
+  const robot::Platform drawn = robot::read_platform(robot::platform_file(platforms, platform));
+  const bool has_gripper = drawn.hand_port == robot::HandPort::kGripper;
+  if (has_gripper) gripper.listen();
+  std::unique_ptr<nodes::DrawnRobot> robot =
+      has_gripper ? nodes::make_drawn(*drawn.hand.gripper) : nodes::make_drawn(drawn);
   nodes::Collector collector(
       node, robot->pads(),
-      platform.empty() ? nodes::Collector::Moves::kGripper : nodes::Collector::Moves::kJoints);
+      has_gripper ? nodes::Collector::Moves::kGripper : nodes::Collector::Moves::kJoints);
   node.spin_in_background();
   const bool ended = collector.wait_for_end(std::chrono::duration<double>(timeout),
                                             std::chrono::duration<double>(patience));
@@ -120,9 +119,9 @@ int run(graph::Node& node) {
   const nodes::Verdict verdict = nodes::judge(collected, timeout_reason);
   if (const auto model = gripper.model()) {
     robot = nodes::make_drawn(*model);
-  } else if (platform.empty()) {
-    // Pictures do not need it to the millimetre: without a word the default one is drawn.
-    node.log_warning("the gripper is drawn as a PG70: {}", gripper.missing());
+  } else if (has_gripper) {
+    // Pictures do not need it to the millimetre: without a word the platform's is drawn.
+    node.log_warning("the gripper is drawn as {}: {}", drawn.hand.gripper->name, gripper.missing());
   }
   const auto page = nodes::compose_page(title, collected, verdict, *robot, processes);
   const auto file = std::filesystem::path(out) / "report.html";

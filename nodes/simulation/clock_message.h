@@ -2,11 +2,12 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "msgs/convert/geometry.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/clock_pacer.h"
-#include "prehend/simulation/world.h"
+#include "prehend/simulation/robot_world.h"
 
 // Messages that every simulated robot publishes alike.
 namespace prehend::nodes {
@@ -16,6 +17,19 @@ inline msgs::Clock clock_message(std::int64_t stamp, const graph::ClockPacer::St
   clock.set_time(stamp);
   clock.set_speed(pace.paused ? 0 : pace.speed);
   return clock;
+}
+
+inline msgs::JointState joints_message(std::int64_t stamp,
+                                       const std::vector<simulation::JointReading>& joints) {
+  msgs::JointState message;
+  message.mutable_header()->set_stamp(stamp);
+  for (const simulation::JointReading& joint : joints) {
+    message.add_name(joint.name);
+    message.add_position(joint.position);
+    message.add_velocity(joint.velocity);
+    message.add_effort(joint.effort);
+  }
+  return message;
 }
 
 inline msgs::Wrench wrench_message(std::int64_t stamp, const std::string& frame_id,

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -27,6 +28,7 @@ using namespace prehend;
 
 struct Settings {
   std::string scene, robot, robot_home;
+  std::string stage;  // the platform, where neither they nor the scene name one
   bool show_robot = true;
   bool paused = false;
   bool camera = true;
@@ -46,7 +48,8 @@ Settings declare_settings(graph::Node& node) {
   s.robot = node.declare_parameter<std::string>(
       {.name = "robot",
        .default_value = "",
-       .description = "platform that stands in the scene in place of its gripper: its name or file",
+       .description = "platform that stands in the scene: its name or file; empty: the scene's, "
+                      "or stage_pg70",
        .read_only = true});
   const auto platforms = node.declare_parameter<std::string>(
       {.name = "platforms",
@@ -54,6 +57,7 @@ Settings declare_settings(graph::Node& node) {
        .description = "folder of the platforms that have names, NAME.yaml",
        .read_only = true});
   if (!s.robot.empty()) s.robot = robot::platform_file(platforms, s.robot).string();
+  s.stage = (std::filesystem::path(platforms) / "stage_pg70.yaml").string();
   s.robot_home = node.declare_parameter<std::string>(
       {.name = "robot_home",
        .default_value = "",
@@ -180,9 +184,17 @@ class PictureClock {
   nodes::Camera* camera_ = nullptr;
 };
 
-void run_gripper(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
-                 graph::ClockPacer& pacer) {
+void run_stage(graph::Node& node, const Settings& settings, simulation::Scene scene,
+               const robot::Platform& platform, graph::ClockPacer& pacer) {
   using namespace prehend::nodes;
+  const simulation::CarrierModel carrier = simulation::carrier_of(platform, scene.robot_home);
+  if (scene.carrier != simulation::CarrierModel() && scene.carrier != carrier) {
+    throw geometry::InputError(
+        "The carrier of " + settings.scene + " is not that of platform " + platform.name,
+        "Leave `carrier` out of the scene: what carries the gripper is the platform's (robot)");
+  }
+  scene.carrier = carrier;
+  scene.robot.clear();
   const auto description =
       node.advertise<msgs::GripperDescription>("/gripper/model", graph::QoS::latched(1));
   description.publish(convert::describe_gripper(scene.gripper_file));
@@ -190,7 +202,7 @@ void run_gripper(graph::Node& node, const Settings& settings, const simulation::
   PictureClock pictures(settings.camera_period);
   ReaderPace pace(node, pacer);
   SimulatedRobot robot(
-      node, scene, pacer,
+      node, scene, platform, scene.robot_home, pacer,
       [&](const SensorReadings& readings) {
         sensors.publish_clock(readings.stamp, pacer.state());
         sensors.publish(readings);
@@ -198,18 +210,19 @@ void run_gripper(graph::Node& node, const Settings& settings, const simulation::
         pace.slice_published();
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
+  robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot);
+  const ArmAction arm(node, robot);
+  node.log_info("robot {}", platform.name);
   robot.start();
   node.spin();
 }
 
 void run_arm(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
-             graph::ClockPacer& pacer) {
+             const robot::Platform& platform, graph::ClockPacer& pacer) {
   using namespace prehend::nodes;
-  const robot::Platform platform = robot::read_platform(scene.robot);
-  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   for (const simulation::SceneRemark& remark : simulation::check_for_robot(scene, platform)) {
     if (remark.replaced) {
       node.log_info("{}", remark.text);
@@ -269,26 +282,28 @@ void run(graph::Node& node) {
     node.set_parameter("speed", fmt::format("{}", value));
   });
   node.log_info("scene {}: {} objects", settings.scene, scene.objects.size());
-  if (scene.robot.empty()) {
-    run_gripper(node, settings, scene, pacer);
+  const robot::Platform platform =
+      robot::read_platform(scene.robot.empty() ? settings.stage : scene.robot.string());
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
+  if (platform.hand_port == robot::HandPort::kGripper) {
+    run_stage(node, settings, scene, platform, pacer);
   } else {
-    run_arm(node, settings, scene, pacer);
+    run_arm(node, settings, scene, platform, pacer);
   }
 }
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"simulation",
-     "Stands in for the robot: table, objects, a PG70 gripper with two tactile pads on a carrier "
-     "with x, y, z and yaw axes, and a stereo camera, from a scene file. Publishes /clock, "
-     "/camera/info, /camera/stereo, /gripper/model, /gripper/state, /tactile/left, /tactile/right, "
-     "/wrench, "
-     "/carrier/state and /ground_truth; takes /gripper/command (stopped 0.2 s after the last one "
-     "while moving), the actions /carrier/move and /gripper/move, and the services "
-     "/gripper/stop, /gripper/fast_stop, "
-     "/gripper/acknowledge, /simulation/spawn, /simulation/render and /clock/control (pause, "
-     "resume, step, speed). With a platform of arm and hand (robot) in place of gripper and "
-     "carrier it publishes /joint_states and the hand's /tactile/PAD, and takes the actions "
-     "/arm/follow and /hand/move and the services /arm/stop and /hand/stop."},
+     "Stands in for the robot: table, objects, a platform (robot) and a stereo camera, from a "
+     "scene "
+     "file. Publishes /clock, /camera/info, /camera/stereo, /joint_states, /tactile/PAD, /wrench "
+     "and /ground_truth; takes the action /arm/follow and the services /arm/stop, "
+     "/simulation/spawn, /simulation/render and /clock/control (pause, resume, step, speed). A "
+     "hand that is moved by its joints has the action /hand/move and the service /hand/stop. A "
+     "parallel gripper on a stage has /gripper/model and /gripper/state, /gripper/command (stopped "
+     "0.2 s after the last one while moving), the action /gripper/move and the services "
+     "/gripper/stop, /gripper/fast_stop and /gripper/acknowledge; its stage has /carrier/state and "
+     "the action /carrier/move, too."},
     run);
 
 }  // namespace

@@ -1,32 +1,27 @@
 #pragma once
 
 #include "msgs/actions.pb.h"
+#include "nodes/simulation/arm_action.h"
 #include "nodes/simulation/robot_runner.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::nodes {
 
-/// What moves the simulated arm and hand: actions /arm/follow and /hand/move, services /arm/stop
-/// and /hand/stop. Every goal has its own end; one whose client cancels, dies or is preempted by a
-/// newer goal brakes the arm within its acceleration limits and holds the hand. A newer trajectory
-/// begins where the arm then stands.
+/// What moves the simulated arm and hand: ArmAction, the action /hand/move and the service
+/// /hand/stop. A goal of the hand whose client cancels or dies holds the hand.
 class RobotActions {
  public:
   RobotActions(graph::Node& node, RobotRunner& robot);
 
  private:
-  using ArmContext = graph::ActionContext<msgs::FollowTrajectoryFeedback>;
   using HandContext = graph::ActionContext<msgs::MoveHandFeedback>;
-  msgs::FollowTrajectoryResult follow(const msgs::FollowTrajectoryGoal& goal, ArmContext& context);
   msgs::MoveHandResult move_hand(const msgs::MoveHandGoal& goal, HandContext& context);
-  simulation::HandCommand command_of(const msgs::MoveHandGoal& goal,
-                                     std::vector<int>& motors) const;
-  void brake(std::uint64_t ticket);
 
   graph::Node& node_;
   RobotRunner& robot_;
-  graph::Service stop_arm_, stop_hand_;
-  graph::ActionServer arm_, hand_;
+  ArmAction arm_;
+  graph::Service stop_hand_;
+  graph::ActionServer hand_;
 };
 
 }  // namespace prehend::nodes

@@ -25,15 +25,7 @@ void RobotPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::
 }
 
 void RobotPublisher::publish(const RobotReadings& readings) {
-  msgs::JointState joints;
-  joints.mutable_header()->set_stamp(readings.stamp);
-  for (const simulation::JointReading& joint : readings.joints) {
-    joints.add_name(joint.name);
-    joints.add_position(joint.position);
-    joints.add_velocity(joint.velocity);
-    joints.add_effort(joint.effort);
-  }
-  joints_.publish(joints);
+  joints_.publish(joints_message(readings.stamp, readings.joints));
   wrench_.publish(wrench_message(readings.stamp, "hand", readings.wrench));
   if (count_++ % 2 != 0) return;
   for (const simulation::HandPadReading& reading : readings.pads) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace prehend::nodes {
@@ -52,6 +53,26 @@ bool RobotRunner::holds_arm(std::uint64_t ticket) {
 void RobotRunner::stop_arm(std::uint64_t ticket) {
   const std::lock_guard lock(mutex_);
   if (ticket == arm_ticket_) world_.arm().stop();
+}
+
+void RobotRunner::follow(const simulation::TrajectoryRequest& request,
+                         const std::vector<double>& tolerance, double contact_force) {
+  const std::lock_guard lock(mutex_);
+  try {
+    world_.follow(request, tolerance);
+  } catch (const std::invalid_argument&) {
+    world_.arm().forget();
+    throw;
+  }
+  if (contact_force > 0) world_.stop_on_contact(contact_force);
+}
+
+MovedArm::State RobotRunner::arm_state() {
+  const std::lock_guard lock(mutex_);
+  const simulation::ArmDrive& arm = world_.arm();
+  return {arm.status(),   arm.at_rest(),       world_.stopped_by_contact(),
+          arm.time(),     arm.largest_error(), arm.desired(),
+          arm.position(), arm.reason()};
 }
 
 std::uint64_t RobotRunner::take_hand() {

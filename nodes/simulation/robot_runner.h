@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/simulation/arm_action.h"
 #include "nodes/simulation/paced_loop.h"
 #include "prehend/simulation/robot_world.h"
 
@@ -23,12 +24,12 @@ struct RobotReadings {
 
 /// A world with an arm and a hand, and its clock: like SimulatedRobot. Commands may come from any
 /// thread; the arm and the hand belong to who asked last, known by a ticket.
-class RobotRunner {
+class RobotRunner : public MovedArm {
  public:
   RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
               std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
               std::function<void(std::int64_t)> on_pace);
-  ~RobotRunner() { stop(); }
+  ~RobotRunner() override { stop(); }
 
   void start() { loop_.start(); }
   void stop() { loop_.stop(); }
@@ -40,16 +41,17 @@ class RobotRunner {
     return work(world_);
   }
 
-  /// Takes the arm (hand) over from whoever had it.
-  std::uint64_t take_arm();
-  bool holds_arm(std::uint64_t ticket);
-  /// Brakes the arm, if it is still the ticket's.
-  void stop_arm(std::uint64_t ticket);
+  std::uint64_t take_arm() override;
+  bool holds_arm(std::uint64_t ticket) override;
+  void stop_arm(std::uint64_t ticket) override;
+  void follow(const simulation::TrajectoryRequest& request, const std::vector<double>& tolerance,
+              double contact_force) override;
+  State arm_state() override;
+  /// Takes the hand over from whoever had it.
   std::uint64_t take_hand();
   bool holds_hand(std::uint64_t ticket);
 
-  /// Waits for the next slice, at most 100 ms of wall time.
-  void wait_for_slice();
+  void wait_for_slice() override;
 
  private:
   void slice();

@@ -59,6 +59,7 @@ SensorPublisher::SensorPublisher(graph::Node& node, const simulation::Scene& sce
     : pad_(scene.gripper.pad),
       has_touch_(!scene.physics.rules.rigid_pads),
       clock_(node.advertise<msgs::Clock>("/clock", QoS::latched(20))),
+      joints_(node.advertise<msgs::JointState>("/joint_states", QoS::queue(100))),
       gripper_(node.advertise<msgs::GripperState>("/gripper/state", QoS::queue(100))),
       wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
       carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
@@ -73,6 +74,7 @@ void SensorPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer:
 }
 
 void SensorPublisher::publish(const SensorReadings& readings) {
+  joints_.publish(joints_message(readings.stamp, readings.joints));
   gripper_.publish(gripper_message(readings));
   wrench_.publish(wrench_message(readings.stamp, "gripper", readings.wrench));
   if (count_++ % 2 != 0) return;

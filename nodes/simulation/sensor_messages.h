@@ -8,8 +8,9 @@
 namespace prehend::nodes {
 
 /// Publishes readings as the topics a real robot has, and the ground truth:
-/// /clock, /gripper/state, /wrench 100 Hz; /tactile/left, /tactile/right, /carrier/state,
-/// /ground_truth 50 Hz (simulated). Without texels (physics.pads: rigid) there is no /tactile.
+/// /clock, /joint_states, /gripper/state, /wrench 100 Hz; /tactile/left, /tactile/right,
+/// /carrier/state, /ground_truth 50 Hz (simulated). Without texels (physics.pads: rigid) there is
+/// no /tactile.
 class SensorPublisher {
  public:
   SensorPublisher(graph::Node& node, const simulation::Scene& scene);
@@ -24,6 +25,7 @@ class SensorPublisher {
   bool has_touch_;
   std::uint64_t count_ = 0;
   graph::Publisher<msgs::Clock> clock_;
+  graph::Publisher<msgs::JointState> joints_;
   graph::Publisher<msgs::GripperState> gripper_;
   graph::Publisher<msgs::TactileFrame> left_, right_;
   graph::Publisher<msgs::Wrench> wrench_;

@@ -22,11 +22,13 @@ std::int64_t SimulatedRobot::slice_of(const simulation::Scene& scene) {
 }
 
 SimulatedRobot::SimulatedRobot(graph::Node& node, const simulation::Scene& scene,
+                               const robot::Platform& platform, const std::string& home,
                                graph::ClockPacer& pacer,
                                std::function<void(const SensorReadings&)> on_readings,
                                std::function<void(std::int64_t)> on_pace)
     : node_(node),
       world_(scene),
+      arm_(platform, home),
       on_readings_(std::move(on_readings)),
       loop_(
           node, pacer, slice_of(scene), [this] { slice(); }, std::move(on_pace)) {}
@@ -49,7 +51,9 @@ void SimulatedRobot::slice() {
 void SimulatedRobot::step_slice() {
   const int steps = steps_of_slice(world_.scene());
   for (int i = 0; i < steps; ++i) {
+    arm_.begin_step(world_);
     world_.step();
+    arm_.end_step(world_);
     if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
       world_.stop_carrier();
       contact_ = true;
@@ -70,6 +74,12 @@ SensorReadings SimulatedRobot::read() const {
   readings.gripper = world_.gripper();
   readings.gripper_error = gripper_error_;
   readings.carrier = world_.carrier();
+  const robot::Positions q = simulation::stage_position(world_);
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const double velocity = i < 3 ? readings.carrier.velocity[i] : readings.carrier.yaw_rate;
+    const auto& joint = arm_.drive().chain().joints()[static_cast<std::size_t>(i)];
+    readings.joints.push_back({joint.name, q[i], velocity, 0});
+  }
   if (world_.has_touch()) {
     readings.left = world_.tactile_image(PadSide::kLeft);
     readings.right = world_.tactile_image(PadSide::kRight);
@@ -136,6 +146,8 @@ bool SimulatedRobot::acknowledge_gripper() {
 void SimulatedRobot::move_carrier(const geometry::RigidTransform& X_WG, double speed,
                                   double contact_force) {
   const std::lock_guard lock(mutex_);
+  ++arm_ticket_;
+  arm_.let_go();
   world_.move_carrier(X_WG, speed);
   contact_force_ = contact_force;
   contact_ = false;
@@ -143,6 +155,7 @@ void SimulatedRobot::move_carrier(const geometry::RigidTransform& X_WG, double s
 
 void SimulatedRobot::stop_carrier() {
   const std::lock_guard lock(mutex_);
+  if (arm_.moves()) return;
   world_.stop_carrier();
   contact_force_ = 0;
 }
@@ -150,6 +163,52 @@ void SimulatedRobot::stop_carrier() {
 bool SimulatedRobot::stopped_by_contact() {
   const std::lock_guard lock(mutex_);
   return contact_;
+}
+
+std::uint64_t SimulatedRobot::take_arm() {
+  const std::lock_guard lock(mutex_);
+  return ++arm_ticket_;
+}
+
+bool SimulatedRobot::holds_arm(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  return ticket == arm_ticket_;
+}
+
+void SimulatedRobot::stop_arm(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  if (ticket != arm_ticket_) return;
+  if (arm_.moves()) {
+    arm_.stop();
+  } else {
+    world_.stop_carrier();
+  }
+}
+
+void SimulatedRobot::follow(const simulation::TrajectoryRequest& request,
+                            const std::vector<double>& tolerance, double contact_force) {
+  const std::lock_guard lock(mutex_);
+  contact_force_ = 0;
+  try {
+    arm_.follow(request, tolerance, world_);
+  } catch (const std::invalid_argument&) {
+    arm_.let_go();
+    throw;
+  }
+  arm_.stop_on_contact(contact_force);
+}
+
+MovedArm::State SimulatedRobot::arm_state() {
+  const std::lock_guard lock(mutex_);
+  const simulation::ArmDrive& drive = arm_.drive();
+  return {drive.status(),
+          !world_.carrier().moving,
+          arm_.stopped_by_contact(),
+          drive.time(),
+          drive.largest_error(),
+          drive.desired(),
+          simulation::stage_position(world_),
+          drive.reason()};
 }
 
 void SimulatedRobot::wait_for_slice() {

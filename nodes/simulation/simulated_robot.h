@@ -7,7 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "nodes/simulation/arm_action.h"
 #include "nodes/simulation/paced_loop.h"
+#include "prehend/simulation/robot_world.h"
+#include "prehend/simulation/stage_arm.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::nodes {
@@ -18,15 +21,16 @@ struct SensorReadings {
   simulation::GripperReading gripper;
   std::uint32_t gripper_error = 0;  // as of a PG70
   simulation::CarrierReading carrier;
-  simulation::TactileImage left, right;  // empty when the scene's pads have no texels
+  std::vector<simulation::JointReading> joints;  // of the stage
+  simulation::TactileImage left, right;          // empty when the scene's pads have no texels
   simulation::ContactWrench wrench;
   std::vector<simulation::BodyReading> bodies;
 };
 
-/// The world with its clock: a thread steps it in slices of about 10 ms of simulated time, as the
-/// pacer allows, and hands out readings after each slice, outside the lock. Commands may come from
-/// any thread.
-class SimulatedRobot {
+/// The world of a stage with its clock: a thread steps it in slices of about 10 ms of simulated
+/// time, as the pacer allows, and hands out readings after each slice, outside the lock. Commands
+/// may come from any thread.
+class SimulatedRobot : public MovedArm {
  public:
   static constexpr double kSlice = 0.01;    // s, simulated
   static constexpr double kWatchdog = 0.2;  // s, simulated
@@ -34,14 +38,15 @@ class SimulatedRobot {
   /// [ns] Length of a slice: the whole steps of the scene nearest to kSlice, at least one.
   static std::int64_t slice_of(const simulation::Scene& scene);
 
-  /// `node` tells what goes wrong. `pacer` begins at 0 with slices of slice_of(scene) and must
-  /// outlive the object. Both functions are called by the thread: `on_readings` after each slice;
-  /// `on_pace` with the simulated time [ns] when the clock was paused, resumed or got another
-  /// speed.
-  SimulatedRobot(graph::Node& node, const simulation::Scene& scene, graph::ClockPacer& pacer,
+  /// `node` tells what goes wrong. The scene's carrier is that of `platform` at `home`. `pacer`
+  /// begins at 0 with slices of slice_of(scene) and must outlive the object. Both functions are
+  /// called by the thread: `on_readings` after each slice; `on_pace` with the simulated time [ns]
+  /// when the clock was paused, resumed or got another speed.
+  SimulatedRobot(graph::Node& node, const simulation::Scene& scene, const robot::Platform& platform,
+                 const std::string& home, graph::ClockPacer& pacer,
                  std::function<void(const SensorReadings&)> on_readings,
                  std::function<void(std::int64_t)> on_pace);
-  ~SimulatedRobot() { stop(); }
+  ~SimulatedRobot() override { stop(); }
 
   void start() { loop_.start(); }
   void stop() { loop_.stop(); }
@@ -78,8 +83,13 @@ class SimulatedRobot {
   /// True when the last motion was stopped by contact.
   bool stopped_by_contact();
 
-  /// Waits for the next slice, at most 100 ms of wall time.
-  void wait_for_slice();
+  std::uint64_t take_arm() override;
+  bool holds_arm(std::uint64_t ticket) override;
+  void stop_arm(std::uint64_t ticket) override;
+  void follow(const simulation::TrajectoryRequest& request, const std::vector<double>& tolerance,
+              double contact_force) override;
+  State arm_state() override;
+  void wait_for_slice() override;
 
  private:
   void slice();
@@ -89,12 +99,13 @@ class SimulatedRobot {
 
   graph::Node& node_;
   simulation::World world_;
+  simulation::StageArm arm_;
   std::function<void(const SensorReadings&)> on_readings_;
 
   std::mutex mutex_;  // guards what follows and world_
   std::condition_variable slice_done_;
   std::uint64_t slices_ = 0;
-  std::uint64_t gripper_ticket_ = 0;
+  std::uint64_t gripper_ticket_ = 0, arm_ticket_ = 0;
   std::string gripper_taker_;  // who made the ticket, in words for the one before
   std::uint32_t gripper_error_ = 0;
   std::int64_t action_stamp_ = 0;  // ns, of the last move_gripper

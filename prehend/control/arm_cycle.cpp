@@ -17,6 +17,9 @@ constexpr double kLeastShare = 0.05;     // of the hand's greatest
 constexpr double kPressTime = 0.15;      // s, until what is felt has followed the effort
 constexpr double kForceTolerance = 0.1;  // of the force
 constexpr double kLeastRise = 1.05, kMostRise = 1.5;
+constexpr double kOnPath = 0.03;    // rad or m, from a path's point: it stands there
+constexpr double kLeastWay = 0.01;  // of a path, that is gone back
+constexpr const char* kLooksAgain = "lets go and looks again";
 
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
   return {vector.begin(), vector.end()};
@@ -84,24 +87,29 @@ void ArmCycle::enter(Step step, const std::string& detail) {
 
 void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
   grasps_ = std::move(grasps);
+  detail_ = "waiting for percepts";
   start_task(poses_of(grasps_), problem);
-  if (!finished()) step_waiting();
 }
 
 std::vector<InputAge> ArmCycle::inputs() {
   const auto age = [](bool has_come, double seconds) {
     return has_come ? std::optional(seconds) : std::nullopt;
   };
-  return {{"the joints' states", age(!percepts_.names.empty(), percepts_.joints_age),
-           options_.stale_time},
-          {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age),
-           options_.stale_time},
-          {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
-          {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+  std::vector<InputAge> all = {
+      {"the joints' states", age(!percepts_.names.empty(), percepts_.joints_age),
+       options_.stale_time},
+      {"the wrist's force", age(percepts_.wrist_force.has_value(), percepts_.wrist_age),
+       options_.stale_time},
+      {"the server of the arm's motion", arm_.answer_age(), options_.answer_time},
+      {"the server of the hand's motion", hand_.answer_age(), options_.answer_time}};
+  const std::vector<InputAge> of_hand = hand_.inputs();
+  all.insert(all.end(), of_hand.begin(), of_hand.end());
+  return all;
 }
 
 void ArmCycle::step_waiting() {
-  if (grasps_.empty()) return;  // not started
+  if (grasps_.empty()) return;                  // not started
+  if (phase_times().empty()) entered(detail_);  // the clock was not known before
   const std::vector<InputAge> missing = stale_inputs(inputs());
   if (missing.empty()) return begin_task();
   detail_ = "waiting for " + names_of(missing);
@@ -124,7 +132,9 @@ void ArmCycle::stop_motion() {
 
 void ArmCycle::prepare_attempt() {
   watch_.begin(now());
+  hand_.prepare(grasp());
   gone_.clear();
+  clears_ = false;
   lowered_.reset();
   put_down_ = false;
   holding_.begin();
@@ -143,6 +153,7 @@ void ArmCycle::begin(const Action& action) {
     case Primitive::kTouch:
       return move_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
+      if (hand_.feels_its_grip()) return close();
       const bool regulates =
           wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
       share_ = regulates ? std::clamp(kFirstShare * grasp().effort, kLeastShare, 1.0) : 1.0;
@@ -230,7 +241,8 @@ void ArmCycle::gather() {
 void ArmCycle::close() {
   hand_.move(grasp().hand_joints, values_of(grasp().hand.at(options_.overrun)),
              options_.closing_speed, true, efforts());
-  enter(Step::kClose, "closing the fingers");
+  enter(Step::kClose,
+        hand_.feels_its_grip() ? "closing until both pads touch" : "closing the fingers");
 }
 
 double ArmCycle::wanted_force() const {
@@ -252,6 +264,10 @@ void ArmCycle::press() {
 // Motors that hold do not give way when they are told to press less: they are told more, step by
 // step, until it is enough.
 void ArmCycle::after_pressing() {
+  if (hand_.feels_its_grip()) {
+    compare_touch();
+    return ended(Outcome::kDone);
+  }
   if (spent() < kPressTime) return;
   const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
   const double wanted = wanted_force();
@@ -269,16 +285,39 @@ void ArmCycle::fail(const std::string& reason) {
   give_up(fmt::format("grasp {}: {}", grasp_index(), reason));
 }
 
+void ArmCycle::clear_view() {
+  // Behind a place: back by its way down, which is free as the retreat ends on it.
+  constexpr std::size_t kPlaceAndRetreat = 2;
+  if (gone_.size() < kPlaceAndRetreat) return look_now();
+  const PlaceOnPath above =
+      nearest_on(gone_[gone_.size() - 2], percepts_.names, percepts_.positions);
+  gone_.pop_back();
+  if (above.off > kOnPath) return look_now();
+  clears_ = true;
+  go_back();
+}
+
 void ArmCycle::go_back() {
+  if (gone_.empty() && clears_) {
+    clears_ = false;
+    return look_now();
+  }
   if (gone_.empty()) {
     if (!put_down_ || !failure().empty()) return ended(Outcome::kDone);
     holding_.begin_weighing();
     return enter(Step::kVerify, "looking whether the hand is empty");
   }
-  const JointPath back = reversed(gone_.back());
+  // As far as it came: contact, or who stopped it, may have ended it on its way.
+  JointPath way = gone_.back();
   gone_.pop_back();
+  JointPath end = way;
+  end.points = {way.points.back()};
+  const auto off = [this](const JointPath& path) {
+    return nearest_on(path, percepts_.names, percepts_.positions);
+  };
+  if (off(end).off > kOnPath) way = part_of(way, std::max(off(way).share, kLeastWay));
   enter(Step::kGoBack, "going back the way it came");
-  follow(back, 0, false);
+  follow(reversed(way), 0, false);
 }
 
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem) {
@@ -308,11 +347,17 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   advance_to(percepts.time);
   percepts_ = percepts;
   if (finished()) return;
+  hand_.step(percepts_);
   if (waits_for_inputs()) return step_waiting();
+  if (const std::string fault = hand_.fault(); !fault.empty()) return abort(fault);
   if (waits_for_plan()) return step_look();
   if (stop_when_lost()) return;
   if (watch_held()) return;
-  const MotionStatus status = motion_status();
+  MotionStatus status = motion_status();
+  if (step_ == Step::kApproach && status == MotionStatus::kMoving && hand_.touches()) {
+    arm_.stop();
+    status = MotionStatus::kContact;
+  }
   if (status == MotionStatus::kMoving) {
     if (spent() <= options_.motion_timeout) return;
     stop_motion();
@@ -322,6 +367,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     std::string why = detail_ + ": ";
     why += moves_hand() ? hand_.problem() : (refused_.empty() ? arm_.problem() : refused_);
     if (step_ == Step::kRetreat) add_surprise(SurpriseKind::kMotion, 1, 0, "ends");
+    if (step_ == Step::kClose) add_surprise(SurpriseKind::kFingersTouch, 1, 0, kLooksAgain);
     return fail(why);
   }
   if (status == MotionStatus::kContact && !moves_hand() && !reacts_to_contact()) {
@@ -338,7 +384,7 @@ bool ArmCycle::reacts_to_contact() const {
     case Step::kLower:
       return lowers_fully_;
     case Step::kApproach:
-      return options_.reacts || primitive() == Primitive::kTouch;
+      return options_.reacts || hand_.feels_its_grip() || primitive() == Primitive::kTouch;
     default:
       return false;
   }

@@ -50,7 +50,9 @@ class ArmPort {
   virtual void stop() = 0;
 };
 
-/// What the cycle asks of a hand with fingers. Calls return at once.
+struct ArmPercepts;
+
+/// What the cycle asks of a hand. Calls return at once.
 class HandPort {
  public:
   virtual ~HandPort() = default;
@@ -61,9 +63,33 @@ class HandPort {
   virtual MotionStatus motion() = 0;         // of the last move; kContact: fingers press
   virtual double answer_age() { return 0; }  // as ArmPort's
   virtual std::string problem() = 0;
-  /// Of its joints where the last motion ended [rad]; empty: not known.
+  /// Of its joints where the last motion ended [rad or m]; empty: not known.
   virtual std::vector<double> positions() = 0;
   virtual void stop() = 0;
+
+  /// It controls its force by its pads from press() on, and tells by them and by its opening
+  /// whether it holds something. What follows is of such hands.
+  virtual bool feels_its_grip() const { return false; }
+  virtual void prepare(const ArmGrasp& /*grasp*/) {}           // an attempt with it begins
+  virtual void step(const ArmPercepts& /*percepts*/) {}        // in each step of the cycle
+  virtual std::vector<InputAge> inputs() const { return {}; }  // that it relies on
+  virtual std::string fault() const { return {}; }  // that ends all, in words; empty: none
+  virtual bool touches() const { return false; }    // something, while the arm approaches
+  /// After a closing that ended in contact: to the force of the grasp; motion() is of it then.
+  virtual void press() {}
+  virtual double opening() const { return 0; }  // m, now
+  /// Why what was gripped is not held any more, in words; empty: it is. @param rests on something
+  virtual std::string lost(bool /*rests*/) const { return {}; }
+  virtual std::string grip() const { return {}; }        // how it holds, in words
+  virtual std::string still_felt() const { return {}; }  // after it has let go; empty: nothing
+};
+
+/// What a parallel gripper's drive says.
+struct GripperPercept {
+  double opening = 0;    // m
+  bool blocked = false;  // commanded to move but does not
+  unsigned error = 0;    // the device's code, 0 none
+  double age = 0;        // s, at the percepts' time
 };
 
 /// All the cycle knows of the world.
@@ -73,9 +99,10 @@ struct ArmPercepts {
   std::vector<double> positions;  // rad, of arm and hand
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
-  std::vector<PadPercept> pads;  // that have spoken; ages at `time`
-  double joints_age = 0;         // s, at `time`; 0: read in the same instant
-  double wrist_age = 0;          // s
+  std::vector<PadPercept> pads = {};  // that have spoken; ages at `time`
+  double joints_age = 0;              // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;               // s
+  std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one
 };
 
 struct ArmCycleOptions : SharedCycleOptions {
@@ -113,12 +140,16 @@ struct ArmCycleOptions : SharedCycleOptions {
 /// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
 /// all but the end of lowering, and by the fingers all the time.
 ///
-/// Where the plan says a force and pads speak, the motors press harder until the mean of the pads
-/// that touch feel it; what pads do not say is not compared.
+/// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight,
+/// and lets go where it touches something on the approach.
+///
+/// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
+/// the pads that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// It retreats as planned from a place, else back the way it came. Looks again (Cycle) are taken
-/// from where the arm stood at first.
+/// It retreats as planned from a place, else back the way it came, as far as it came. Looks again
+/// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has
+/// led onto the way there, as from straight above, else from the retreat's end.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -165,7 +196,7 @@ class ArmCycle : public Cycle {
 
   void begin(const Action& action) override;
   void prepare_attempt() override;
-  void clear_view() override { look_now(); }
+  void clear_view() override;
   void stop_motion() override;
   void enter(Step step, const std::string& detail);
   bool moves_hand() const;
@@ -220,6 +251,7 @@ class ArmCycle : public Cycle {
   std::optional<JointPath> lowered_;  // the last way down
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
+  bool clears_ = false;          // it goes back to look again
   std::vector<JointPath> gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;
   ArmPercepts percepts_;

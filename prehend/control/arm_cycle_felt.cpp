@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing else can bear it
 
+// `spent` [s] on the way down to a place, it is above all that was to bear what is held.
+bool is_high(const JointPath* place, double spent) {
+  return place != nullptr && spent < kHighAboveTable * place->duration();
+}
+
 }  // namespace
 
 // How far the fingers have closed beyond the predicted touch [rad], by the joints' states.
@@ -42,6 +47,12 @@ void ArmCycle::after_approach(MotionStatus status) {
   if (primitive() == Primitive::kTouch) {
     return ended(touches ? Outcome::kDone : Outcome::kNothing, touches ? "" : "nothing was met");
   }
+  if (touches && hand_.feels_its_grip()) {
+    // What stands in a jaw's way is not between the jaws.
+    add_surprise(
+        {SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), 0, true, "lets go and looks again"});
+    return fail("touched something on the approach");
+  }
   if (touches) {
     add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), "closes where it touches");
   }
@@ -53,6 +64,13 @@ void ArmCycle::after_closing(MotionStatus status) {
   const bool touch = status == MotionStatus::kContact;
   add_surprise(SurpriseKind::kFingersTouch, 1, touch ? 1 : 0, "lets go and looks again");
   if (!touch) return fail("the fingers closed on nothing");
+  if (hand_.feels_its_grip()) {
+    add_surprise(SurpriseKind::kOpeningAtContact, 2 * grasp().hand.closed[0], hand_.opening(),
+                 "grip what is there");
+    hand_.press();
+    return enter(Step::kPress, fmt::format("both pads touch at {:.1f} mm, rising to {:.1f} N",
+                                           1e3 * hand_.opening(), grasp().force));
+  }
   const std::vector<double> positions = hand_.positions();
   if (positions.size() == grasp().hand_joints.size()) {
     const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
@@ -82,11 +100,11 @@ bool ArmCycle::watch_held() {
   const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
   if (!lifting && !carrying && !placing && !shaking) return false;
   bool by_weight = carrying;
-  if (placing) {
-    const JointPath* path = segment("place");
-    by_weight = path != nullptr && spent() < kHighAboveTable * path->duration();
-  }
-  const std::string why = holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
+  if (placing) by_weight = is_high(segment("place"), spent());
+  const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
+  const std::string why = hand_.feels_its_grip()
+                              ? (lifting ? std::string() : hand_.lost(rests))
+                              : holding_.lost(now(), percepts_.wrist_force, closure(), by_weight);
   if (why.empty()) return false;
   add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
                "lets go and looks again");
@@ -99,7 +117,11 @@ bool ArmCycle::watch_held() {
 }
 
 void ArmCycle::check() {
-  const Holding::Verdict held = holding_.held(closure());
+  Holding::Verdict held = holding_.held(closure());
+  if (hand_.feels_its_grip()) {
+    const std::string why = hand_.lost(false);
+    held = {why.empty(), why.empty() ? hand_.grip() : why};
+  }
   add_surprise(SurpriseKind::kHeldAfterLift, 1, held.yes ? 1 : 0, "lets go and looks again");
   if (!held.yes) {
     return give_up(
@@ -115,7 +137,8 @@ void ArmCycle::check() {
 }
 
 void ArmCycle::after_placing(MotionStatus status) {
-  if (status == MotionStatus::kContact) {
+  // Near its end the way is meant to meet what bears the object.
+  if (status == MotionStatus::kContact && is_high(segment("place"), spent())) {
     const double weight = holding_.weight().value_or(0);
     add_surprise(SurpriseKind::kTouchedTooEarly, weight, felt_contact(weight),
                  "opens where it touches");
@@ -126,7 +149,11 @@ void ArmCycle::after_placing(MotionStatus status) {
 }
 
 void ArmCycle::verify() {
-  const Holding::Verdict empty = holding_.empty();
+  Holding::Verdict empty = holding_.empty();
+  if (hand_.feels_its_grip()) {
+    const std::string felt = hand_.still_felt();
+    empty = {felt.empty(), felt.empty() ? "the hand is empty" : felt};
+  }
   add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0, "ends");
   const std::string name = described(grasp(), grasp_index());
   if (!empty.yes) {

@@ -66,6 +66,7 @@ class Cycle {
   int grasp_index() const { return grasp_index_; }       // as CycleResult's
   const CycleResult& result() const { return result_; }  // final once finished()
   const std::vector<Surprise>& surprises() const { return surprises_; }
+  const std::string& failure() const { return failure_; }  // of the present attempt; empty: none
   /// Seconds of each phase in the order they were entered.
   const std::vector<std::pair<std::string, double>>& phase_times() const { return phase_times_; }
   const Task& task() const { return shared_.task; }
@@ -125,9 +126,8 @@ class Cycle {
   /// is the surprise of one that had none.
   void give_up(const std::string& reason, SurpriseKind kind = SurpriseKind::kMotion,
                Outcome outcome = Outcome::kFailed);
-  const std::string& failure() const { return failure_; }  // of the present attempt; empty: none
-  Primitive primitive() const;                             // of the present action
-  bool is_at_place() const { return at_place_; }           // the object was put there
+  Primitive primitive() const;                    // of the present action
+  bool is_at_place() const { return at_place_; }  // the object was put there
 
   std::string detail_ = "waiting for a plan";
 

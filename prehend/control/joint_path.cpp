@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -42,6 +43,20 @@ JointPath slowed(JointPath path, double times) {
     for (double& a : point.acceleration) a /= times * times;
   }
   return path;
+}
+
+// Where the path's joints stand.
+std::vector<double> positions_of(const JointPath& path, const std::vector<std::string>& names,
+                                 const std::vector<double>& positions) {
+  std::vector<double> here;
+  for (const std::string& joint : path.joints) {
+    const auto found = std::find(names.begin(), names.end(), joint);
+    if (found == names.end()) {
+      throw std::invalid_argument("no joint '" + joint + "' tells where it stands");
+    }
+    here.push_back(positions.at(static_cast<std::size_t>(found - names.begin())));
+  }
+  return here;
 }
 
 }  // namespace
@@ -85,21 +100,44 @@ JointPath part_of(const JointPath& path, double share) {
   return part;
 }
 
+PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& names,
+                       const std::vector<double>& positions) {
+  if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
+  const std::vector<double> here = positions_of(path, names, positions);
+  PlaceOnPath nearest{0, std::numeric_limits<double>::infinity()};
+  const auto take = [&](const JointPath::Point& a, const JointPath::Point& b) {
+    double along = 0, length = 0;
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      const double way = b.position.at(k) - a.position.at(k);
+      along += way * (here[k] - a.position[k]);
+      length += way * way;
+    }
+    const double u = length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0.0;
+    double off = 0;
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      const double at = a.position[k] + u * (b.position[k] - a.position[k]);
+      off = std::max(off, std::abs(at - here[k]));
+    }
+    if (off >= nearest.off) return;
+    const double time = a.time + u * (b.time - a.time);
+    nearest = {path.duration() > 0 ? time / path.duration() : 1.0, off};
+  };
+  take(path.points.front(), path.points.front());
+  for (std::size_t i = 1; i < path.points.size(); ++i) take(path.points[i - 1], path.points[i]);
+  return nearest;
+}
+
 JointPath joined(JointPath path, const std::vector<std::string>& names,
                  const std::vector<double>& positions, double most) {
   if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
   const JointPath planned = path;
   const double duration = path.duration();
+  const std::vector<double> here = positions_of(path, names, positions);
   for (std::size_t k = 0; k < path.joints.size(); ++k) {
-    const auto found = std::find(names.begin(), names.end(), path.joints[k]);
-    if (found == names.end()) {
-      throw std::invalid_argument("no joint '" + path.joints[k] + "' tells where it stands");
-    }
     if (path.points.front().position.size() != path.joints.size()) {
       throw std::invalid_argument("the arm's segment has not one position a joint");
     }
-    const double off = positions.at(static_cast<std::size_t>(found - names.begin())) -
-                       path.points.front().position[k];
+    const double off = here[k] - path.points.front().position[k];
     if (!(std::abs(off) <= most)) {
       throw std::invalid_argument(fmt::format(
           "joint '{}' stands {:.2f} rad from where the plan begins", path.joints[k], off));

@@ -25,6 +25,15 @@ JointPath reversed(const JointPath& path);
 /// below the path's speeds. The whole path for 1.
 JointPath part_of(const JointPath& path, double share);
 
+/// Where on a path an arm that stands at `positions` of `names` is nearest to it.
+struct PlaceOnPath {
+  double share = 0;  // of its time, 0 to 1
+  double off = 0;    // rad or m, of the joint that is farthest from there
+};
+/// By straight lines between its points. @throws as joined().
+PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& names,
+                       const std::vector<double>& positions);
+
 /// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
 /// 15s^4 + 10s^3) along the way, which takes longer where it would ask a joint for more speed or
 /// acceleration than planned (and more than 0.5 rad/s, 2.5 rad/s^2). For an arm that contact

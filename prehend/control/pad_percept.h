@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 namespace prehend::control {
@@ -9,6 +10,7 @@ struct PadPercept {
   double sum = 0;   // N
   double area = 0;  // m^2, of the texels above the touch threshold
   double age = 0;   // s, of the frame
+  std::string name{};
 };
 
 /// What the pads that touch feel.

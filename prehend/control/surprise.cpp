@@ -7,6 +7,56 @@
 
 namespace prehend::control {
 
+std::string to_string(SurpriseKind kind) {
+  switch (kind) {
+    case SurpriseKind::kOpeningAtContact:
+      return "opening at contact";
+    case SurpriseKind::kContactArea:
+      return "contact area";
+    case SurpriseKind::kTactileSum:
+      return "tactile sum";
+    case SurpriseKind::kHeldAfterLift:
+      return "held after lift";
+    case SurpriseKind::kTouchedTooEarly:
+      return "touched too early";
+    case SurpriseKind::kFingersTouch:
+      return "fingers touch";
+    case SurpriseKind::kFingersAtContact:
+      return "fingers at contact";
+    case SurpriseKind::kLiftedWeight:
+      return "lifted weight";
+    case SurpriseKind::kHeldWhileCarried:
+      return "held while carried";
+    case SurpriseKind::kPlaced:
+      return "placed";
+    case SurpriseKind::kMotion:
+      return "motion";
+  }
+  return "unknown";
+}
+
+std::string unit_of(SurpriseKind kind) {
+  switch (kind) {
+    case SurpriseKind::kOpeningAtContact:
+      return "m";
+    case SurpriseKind::kContactArea:
+      return "m^2";
+    case SurpriseKind::kTactileSum:
+    case SurpriseKind::kTouchedTooEarly:
+    case SurpriseKind::kLiftedWeight:
+      return "N";
+    case SurpriseKind::kFingersAtContact:
+      return "rad";
+    case SurpriseKind::kHeldAfterLift:
+    case SurpriseKind::kFingersTouch:
+    case SurpriseKind::kHeldWhileCarried:
+    case SurpriseKind::kPlaced:
+    case SurpriseKind::kMotion:
+      return "";
+  }
+  return "";
+}
+
 void SurpriseTolerances::validate() const {
   for (const auto& [name, value] :
        {std::pair{"opening", opening}, std::pair{"area", area}, std::pair{"area_ratio", area_ratio},

@@ -10,7 +10,7 @@ enum class SurpriseKind {
   kContactArea,       // m^2
   kTactileSum,        // N
   kHeldAfterLift,     // 1 held, 0 not
-  kTouchedTooEarly,   // N at the wrist while approaching, or before the object is put down
+  kTouchedTooEarly,   // N at the wrist while approaching, or high above where the object is put
   kFingersTouch,      // 1 fingers, or both pads, met something when they closed, 0 not
   kFingersAtContact,  // rad, mean, that the fingers closed beyond the predicted touch
   kLiftedWeight,      // N
@@ -18,6 +18,11 @@ enum class SurpriseKind {
   kPlaced,            // 1 the hand is empty after it has opened at the place, 0 not
   kMotion,            // 1 a motion ended as planned, 0 not
 };
+
+/// "contact area", "held after lift", ...
+std::string to_string(SurpriseKind kind);
+/// Of what is compared: "m", "m^2", "N", "rad"; "" for what is 1 or 0.
+std::string unit_of(SurpriseKind kind);
 
 /// A prediction against what was felt.
 struct Surprise {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "prehend/fidelity/knobs.h"
-#include "prehend/grasp/generator.h"
+#include "prehend/grasp/generators/generator.h"
 
 namespace prehend::fidelity {
 namespace {

@@ -33,6 +33,56 @@ Writing writing_of(Miss::Quantity quantity) {
 
 }  // namespace
 
+std::string to_string(Reason reason) {
+  switch (reason) {
+    case Reason::kDirection:
+      return "approach direction out of the robot's reach";
+    case Reason::kWorkspace:
+      return "position outside the workspace";
+    case Reason::kArm:
+      return "out of the arm's reach";
+    case Reason::kNothing:
+      return "a pad would meet nothing";
+    case Reason::kTooWide:
+      return "wider than the gripper opens";
+    case Reason::kOffCentre:
+      return "section not centred between the fingers";
+    case Reason::kTable:
+      return "hand would hit the table";
+    case Reason::kObject:
+      return "open hand would hit the object";
+    case Reason::kObstacle:
+      return "hand would hit another object";
+    case Reason::kBottomsOut:
+      return "contact too small or sharp for the pads";
+    case Reason::kTurns:
+      return "closing would turn the object";
+    case Reason::kFinger:
+      return "a finger would touch beside its pad";
+    case Reason::kFewFingers:
+      return "too few fingers would touch the object";
+    case Reason::kFingerTable:
+      return "a finger would touch the table as it closes";
+    case Reason::kFingerObstacle:
+      return "a finger would touch another object as it closes";
+    case Reason::kFingersMeet:
+      return "fingers would touch each other";
+    case Reason::kNotClosed:
+      return "no force closure";
+    case Reason::kTooHeavy:
+      return "too heavy for the grip force";
+    case Reason::kTooWeak:
+      return "the motors cannot hold the load";
+    case Reason::kSame:
+      return "the same as a better one";
+    case Reason::kRankedBelow:
+      return "ranked below the best";
+    case Reason::kNoTime:
+      return "not tried: the time was used up";
+  }
+  return "";
+}
+
 std::string to_text(const Miss& miss) {
   const Writing writing = writing_of(miss.quantity);
   const auto [value, limit] =
@@ -41,20 +91,20 @@ std::string to_text(const Miss& miss) {
                      limit, writing.unit);
 }
 
-void Ledger::reject(std::string_view reason, std::string_view generator,
+void Ledger::reject(Reason reason, std::string_view generator,
                     const std::optional<Miss>& miss) {
   auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
     return e.reason == reason && e.generator == generator;
   });
   if (entry == entries_.end()) {
-    entries_.push_back({std::string(reason), std::string(generator), 0, std::nullopt});
+    entries_.push_back({reason, std::string(generator), 0, std::nullopt});
     entry = entries_.end() - 1;
   }
   ++entry->count;
   if (miss && (!entry->nearest || miss->size() < entry->nearest->size())) entry->nearest = miss;
 }
 
-int Ledger::count(std::string_view reason) const {
+int Ledger::count(Reason reason) const {
   int sum = 0;
   for (const Entry& entry : entries_) sum += entry.reason == reason ? entry.count : 0;
   return sum;
@@ -66,7 +116,7 @@ int Ledger::total() const {
   return sum;
 }
 
-std::vector<Rejection> Ledger::rejections(std::span<const char* const> stages) const {
+std::vector<Rejection> Ledger::rejections(std::span<const Reason> stages) const {
   std::vector<Rejection> result;
   for (const Entry& entry : entries_) {
     result.push_back({entry.reason, entry.generator, entry.count,

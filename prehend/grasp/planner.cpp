@@ -1,41 +1,36 @@
 #include "prehend/grasp/planner.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "prehend/geometry/errors.h"
-#include "prehend/grasp/evaluation.h"
+#include "prehend/grasp/closing/closing.h"
 #include "prehend/grasp/parallel.h"
 #include "prehend/grasp/surface_trust.h"
-#include "prehend/text/require.h"
-#include "prehend/text/told_apart.h"
 
 namespace prehend::grasp {
 namespace {
 
-using geometry::RigidTransform;
 using std::chrono::steady_clock;
 
-// In the order of the tests: who fails late was nearly a grasp.
-constexpr std::array kStages{reason::kDirection, reason::kNothing,    reason::kTooWide,
-                             reason::kWorkspace, reason::kTable,      reason::kObject,
-                             reason::kObstacle,  reason::kBottomsOut, reason::kTurns,
-                             reason::kFinger,    reason::kTooHeavy,   reason::kOffCentre,
-                             reason::kNotClosed};
+struct Tried {
+  std::string generator;
+  const robot::Preshape* preshape = nullptr;
+  Candidate candidate;
+};
 
 struct Listed {
-  EvaluatedGrasp evaluated;
+  ClosedGrasp closed;
   std::size_t order = 0;  // of the candidate
-  Grasp& grasp() { return evaluated.grasp; }
-  const Grasp& grasp() const { return evaluated.grasp; }
+  Grasp& grasp() { return closed.grasp; }
+  const Grasp& grasp() const { return closed.grasp; }
 };
 
 bool better(const Listed& a, const Listed& b) {
@@ -46,100 +41,120 @@ bool better(const Listed& a, const Listed& b) {
 class Planner {
  public:
   Planner(const surface::ObjectModel& object, const geometry::Plane& table,
-          const Obstacles& obstacles, const robot::GripperModel& gripper,
-          const Reachability& reachability, const PlannerOptions& options)
+          const Obstacles& obstacles, const HandToClose& hand, const Reachability& reachability,
+          const PlannerOptions& options)
       : object_(object),
-        evaluator_(make_solid(object.mesh_W, options.density), table, obstacles, gripper,
-                   reachability, options),
         table_(table),
-        gripper_(gripper),
+        hand_(hand),
         reachability_(reachability),
         options_(options),
-        disturbances_(disturbances(options.uncertainty)) {}
+        closing_(closing_on(object.mesh_W, obstacles)),
+        disturbances_(disturbances(options.uncertainty)),
+        start_(steady_clock::now()) {
+    for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
+    if (options.preshapes.empty()) {
+      for (const auto& preshape : hand.hand->preshapes) preshapes_.push_back(&preshape);
+    }
+  }
 
-  GraspPlanResult plan();
+  GraspPlan plan();
 
  private:
-  struct Tried {
-    std::string generator;
-    Candidate candidate;
-  };
+  std::unique_ptr<Closing> closing_on(const geometry::TriangleMesh& mesh_W,
+                                      const Obstacles& obstacles) const {
+    return make_closing(make_solid(mesh_W, options_.density), table_, obstacles, hand_,
+                        reachability_, options_);
+  }
+  bool time_is_up() const {
+    return options_.budget > 0 &&
+           std::chrono::duration<double>(steady_clock::now() - start_).count() > options_.budget;
+  }
+  std::vector<Tried> given() const;
   std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
-  void examine(const std::vector<Tried>& tried, const std::function<bool()>& time_is_up,
-               Ledger* ledger);
-  void assess_robustness(const std::function<bool()>& time_is_up);
-  void keep_best(Ledger* ledger);
-  void assess_surface(EvaluatedGrasp* evaluated) const;
-  std::string problem(const GraspPlanResult& result, const Ledger& ledger) const;
+  std::vector<Listed> evaluated(const std::vector<Tried>& tried, std::size_t order);
+  std::vector<Listed> best_of(std::vector<Listed> listed);
+  std::vector<Listed> ranked(const std::vector<Tried>& tried, std::size_t order);
+  void assess_surface(Grasp* grasp) const;
+  void assess_robustness(std::vector<Listed>* best) const;
+  bool is_robust(const std::vector<Listed>& best) const;
+  std::string problem(int candidates) const;
 
   const surface::ObjectModel& object_;
-  GraspEvaluator evaluator_;
   geometry::Plane table_;
-  const robot::GripperModel& gripper_;
+  const HandToClose& hand_;
   const Reachability& reachability_;
   const PlannerOptions& options_;
+  std::unique_ptr<Closing> closing_;
   std::vector<Disturbance> disturbances_;
-  std::vector<Listed> listed_;
+  steady_clock::time_point start_;
+  std::vector<const robot::Preshape*> preshapes_;
+  Ledger ledger_;
   double narrowest_ = std::numeric_limits<double>::infinity();  // m, outline in reachable views
 };
 
-std::vector<Planner::Tried> Planner::candidates(const std::vector<std::string>& generators) const {
-  const Solid& solid = evaluator_.solid();
-  const GraspTarget target{evaluator_.query(), solid.center_of_mass_W, table_, hand_reach(gripper_),
-                           reachability_};
+std::vector<Tried> Planner::given() const {
   std::vector<Tried> all;
-  for (const std::string& name : generators) {
-    const auto generator = make_generator(name, options_.candidates);
-    for (const Candidate& candidate : generator->generate(target)) all.push_back({name, candidate});
+  for (const HandCandidate& one : options_.given_W) {
+    all.push_back({kGiven,
+                   one.preshape.empty() ? &hand_.hand->preshapes.front()
+                                        : &hand_.hand->preshape(one.preshape),
+                   one.candidate});
   }
   return all;
 }
 
-// How much of the contact's force is on surface that was seen, and that is there.
-void Planner::assess_surface(EvaluatedGrasp* evaluated) const {
-  const ClosedHand& hand = evaluated->hand;
-  Grasp& grasp = evaluated->grasp;
-  double force = 0, guessed = 0, there = 0;
-  for (const ContactPatch* patch : {&hand.left, &hand.right}) {
-    for (std::size_t i = 0; i < patch->points_G.size(); ++i) {
-      const auto trust =
-          surface_trust(object_, evaluator_.query(), grasp.X_WG * patch->points_G[i]);
-      if (!trust) continue;
-      force += patch->forces[i];
-      guessed += trust->unseen * patch->forces[i];
-      there += trust->there * patch->forces[i];
+std::vector<Tried> Planner::candidates(const std::vector<std::string>& generators) const {
+  std::vector<Tried> all;
+  // Looked at once for all preshapes.
+  std::vector<ApproachView> views;
+  const Eigen::Vector3d& centroid_W = closing_->solid().center_of_mass_W;
+  const bool circles =
+      std::find(generators.begin(), generators.end(), "circles") != generators.end();
+  if (circles) {
+    views = approach_views(closing_->query().mesh(), centroid_W, table_, reachability_,
+                           options_.candidates.circles);
+  }
+  for (const robot::Preshape* preshape : preshapes_) {
+    const GraspTarget target{
+        closing_->query(),         centroid_W,    table_,
+        closing_->reach(*preshape), reachability_, circles ? &views : nullptr};
+    for (const std::string& name : generators) {
+      const auto generator = make_generator(name, options_.candidates);
+      for (const Candidate& candidate : generator->generate(target)) {
+        all.push_back({name, preshape, candidate});
+        if (!options_.both_ways) continue;
+        Candidate turned = candidate;
+        turned.X_WG.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+        turned.roll += std::numbers::pi;
+        all.push_back({name, preshape, turned});
+      }
     }
   }
-  if (force <= 0) return;
-  grasp.guessed_contact = std::min(1.0, guessed / force);
-  grasp.score *= 1 - options_.weights.guessed * (1 - std::min(1.0, there / force));
-  if (grasp.guessed_contact > 0.005) {
-    grasp.remark += fmt::format("{}{:.0f} % of the contact is on surface that nobody saw",
-                                grasp.remark.empty() ? "" : "; ", 100 * grasp.guessed_contact);
-  }
+  return all;
 }
 
 // With a budget in strides, so that whatever is tried is spread over all candidates.
-void Planner::examine(const std::vector<Tried>& tried, const std::function<bool()>& time_is_up,
-                      Ledger* ledger) {
+std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::size_t order) {
   const std::size_t stride = options_.budget > 0 ? spreading_stride(tried.size()) : 1;
   struct Outcome {  // neither: there was no time
-    std::optional<EvaluatedGrasp> evaluated;
+    std::optional<ClosedGrasp> closed;
     std::optional<Refusal> refusal;
   };
   std::vector<Outcome> outcomes(tried.size());
   for_each_index(tried.size(), options_.threads, [&](std::size_t i) {
     if (time_is_up()) return;
     const std::size_t at = i * stride % tried.size();
-    EvaluatedGrasp evaluated;
-    outcomes[at].refusal = evaluator_.evaluate(tried[at].candidate, &evaluated);
-    if (!outcomes[at].refusal) outcomes[at].evaluated = std::move(evaluated);
+    ClosedGrasp closed;
+    outcomes[at].refusal =
+        closing_->evaluate(tried[at].candidate, *tried[at].preshape, &closed);
+    if (!outcomes[at].refusal) outcomes[at].closed = std::move(closed);
   });
+  std::vector<Listed> listed;
   for (std::size_t at = 0; at < tried.size(); ++at) {
     const std::string& generator = tried[at].generator;
     Outcome& outcome = outcomes[at];
-    if (!outcome.evaluated && !outcome.refusal) {
-      ledger->reject(reason::kNoTime, generator);
+    if (!outcome.closed && !outcome.refusal) {
+      ledger_.reject(Reason::kNoTime, generator);
       continue;
     }
     // Circles measure the whole outline, other generators what they hold of it.
@@ -147,158 +162,207 @@ void Planner::examine(const std::vector<Tried>& tried, const std::function<bool(
       narrowest_ = std::min(narrowest_, tried[at].candidate.outline_width);
     }
     if (outcome.refusal) {
-      ledger->reject(outcome.refusal->reason, generator, outcome.refusal->miss);
+      ledger_.reject(outcome.refusal->reason, generator, outcome.refusal->miss);
     } else {
-      outcome.evaluated->grasp.generator = generator;
-      listed_.push_back({std::move(*outcome.evaluated), at});
+      outcome.closed->grasp.generator = generator;
+      listed.push_back({std::move(*outcome.closed), order + at});
     }
+  }
+  return listed;
+}
+
+// How much of the contact is on surface that was seen, and that is there: by force where it is
+// known.
+void Planner::assess_surface(Grasp* grasp) const {
+  double sum = 0, guessed = 0, there = 0;
+  for (const GraspContact& contact : grasp->contacts) {
+    const auto trust = surface_trust(object_, closing_->query(), contact.contact_W.point);
+    if (!trust) continue;
+    const double weight = contact.force > 0 ? contact.force : 1;
+    sum += weight;
+    guessed += trust->unseen * weight;
+    there += trust->there * weight;
+  }
+  if (sum <= 0) return;
+  grasp->guessed_contact = std::min(1.0, guessed / sum);
+  grasp->score *= 1 - options_.guessed_weight * (1 - std::min(1.0, there / sum));
+  if (grasp->guessed_contact > 0.005) {
+    add_remark(fmt::format("{:.0f} % of the contact is on surface that nobody saw",
+                           100 * grasp->guessed_contact),
+               &grasp->remark);
   }
 }
 
-// The best `largest_count` by their true scores. Scores are upper bounds before: who is refined in
-// their order can stop where the next bound is below what is kept.
-void Planner::keep_best(Ledger* ledger) {
-  std::sort(listed_.begin(), listed_.end(), better);
+// The best `largest_count` by their true scores. As these take longest, only the best by the scores
+// before are refined, as many at once as may still be needed: until there are enough or, where the
+// scores before are upper bounds, until the next bound is below what is kept.
+std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
+  std::sort(listed.begin(), listed.end(), better);
   const auto largest = static_cast<std::size_t>(options_.largest_count);
-  std::size_t refined = 0;
+  std::vector<Listed> best;
   std::vector<double> kept;  // scores of the best so far, best first
-  for (; refined < listed_.size(); ++refined) {
-    Listed& listed = listed_[refined];
-    if (kept.size() >= largest && kept[largest - 1] >= listed.grasp().score) break;
-    evaluator_.refine(&listed.evaluated);
-    assess_surface(&listed.evaluated);
-    kept.insert(std::upper_bound(kept.begin(), kept.end(), listed.grasp().score, std::greater<>()),
-                listed.grasp().score);
+  const auto is_enough = [&](const Listed& next) {
+    return kept.size() >= largest &&
+           (!closing_->bounds_score() || kept[largest - 1] >= next.grasp().score);
+  };
+  const auto is_same = [&](const Listed& a, const Listed& b) {
+    return closing_->same(a.grasp(), b.grasp());
+  };
+  std::size_t first = 0;
+  while (first < listed.size() && !is_enough(listed[first])) {
+    const std::size_t wanted = std::max<std::size_t>(1, largest - std::min(largest, best.size()));
+    std::vector<std::size_t> next;  // that are not known yet, and differ from one another
+    std::size_t last = first;
+    for (; last < listed.size() && next.size() < wanted; ++last) {
+      const auto like = [&](const Listed& other) { return is_same(listed[last], other); };
+      if (std::any_of(best.begin(), best.end(), like)) continue;
+      if (std::any_of(next.begin(), next.end(),
+                      [&](std::size_t other) { return like(listed[other]); })) {
+        break;  // known if that one is strong
+      }
+      next.push_back(last);
+    }
+    std::vector<std::optional<Refusal>> refusals(next.size());
+    for_each_index(next.size(), options_.threads,
+                   [&](std::size_t i) { refusals[i] = closing_->refine(&listed[next[i]].closed); });
+    for (std::size_t i = first, refined = 0; i < last; ++i) {
+      Listed& one = listed[i];
+      if (refined == next.size() || next[refined] != i) {
+        ledger_.reject(Reason::kSame, one.grasp().generator);
+      } else if (const auto& refusal = refusals[refined++]) {
+        ledger_.reject(refusal->reason, one.grasp().generator, refusal->miss);
+      } else {
+        assess_surface(&one.grasp());
+        kept.insert(
+            std::upper_bound(kept.begin(), kept.end(), one.grasp().score, std::greater<>()),
+            one.grasp().score);
+        best.push_back(std::move(one));
+      }
+    }
+    first = last;
   }
-  std::sort(listed_.begin(), listed_.begin() + static_cast<std::ptrdiff_t>(refined), better);
-  for (std::size_t i = largest; i < listed_.size(); ++i) {
-    ledger->reject(reason::kRankedBelow, listed_[i].grasp().generator);
+  std::sort(best.begin(), best.end(), better);
+  for (std::size_t i = largest; i < best.size(); ++i) {
+    ledger_.reject(Reason::kRankedBelow, best[i].grasp().generator);
   }
-  if (listed_.size() > largest) listed_.resize(largest);
+  if (best.size() > largest) best.resize(largest);
+  for (; first < listed.size(); ++first) {
+    ledger_.reject(Reason::kRankedBelow, listed[first].grasp().generator);
+  }
+  return best;
 }
 
 // Who is assessed no more counts as if nothing held.
-void Planner::assess_robustness(const std::function<bool()>& time_is_up) {
-  std::vector<GraspEvaluator> alternatives;
-  for (const auto& mesh_W : object_.alternatives_W) {
-    alternatives.emplace_back(make_solid(mesh_W, options_.density), table_, Obstacles{}, gripper_,
-                              reachability_, options_);
+void Planner::assess_robustness(std::vector<Listed>* best) const {
+  std::vector<std::unique_ptr<Closing>> alternatives;
+  for (const auto& mesh_W : object_.alternatives_W) alternatives.push_back(closing_on(mesh_W, {}));
+  std::size_t assessed = best->size();
+  if (options_.robust_count > 0) {
+    assessed = std::min(assessed, static_cast<std::size_t>(options_.robust_count));
   }
   const std::size_t samples = disturbances_.size();
-  std::vector<std::optional<bool>> held(listed_.size() * samples);
+  std::vector<std::optional<bool>> held(assessed * samples);
   for_each_index(held.size(), options_.threads, [&](std::size_t i) {
     if (time_is_up()) return;
-    const Grasp& grasp = listed_[i / samples].grasp();
+    const Grasp& grasp = (*best)[i / samples].grasp();
     const std::size_t shape = i % samples % (alternatives.size() + 1);
-    const GraspEvaluator& evaluator = shape == 0 ? evaluator_ : alternatives[shape - 1];
+    const Closing& closing = shape == 0 ? *closing_ : *alternatives[shape - 1];
     const Disturbance& one = disturbances_[i % samples];
-    held[i] = evaluator.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
+    held[i] = closing.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
   });
-  for (std::size_t g = 0; g < listed_.size(); ++g) {
-    Grasp& grasp = listed_[g].grasp();
-    grasp.robustness = share_held(held, g * samples, samples).value_or(grasp.robustness);
-    grasp.score *= 1 - options_.weights.robust * (1 - std::max(0.0, grasp.robustness));
+  for (std::size_t g = 0; g < best->size(); ++g) {
+    Grasp& grasp = (*best)[g].grasp();
+    if (g < assessed) {
+      grasp.robustness = share_held(held, g * samples, samples).value_or(grasp.robustness);
+    }
+    grasp.score *= 1 - options_.robust_weight * (1 - std::max(0.0, grasp.robustness));
   }
+}
+
+bool Planner::is_robust(const std::vector<Listed>& best) const {
+  return std::any_of(best.begin(), best.end(), [this](const Listed& one) {
+    return disturbances_.empty() || one.grasp().robustness >= options_.enough;
+  });
+}
+
+// The best of these candidates, best first; `order` is of the first of them among all.
+std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t order) {
+  std::vector<Listed> best = best_of(evaluated(tried, order));
+  if (disturbances_.empty() || best.empty()) return best;
+  assess_robustness(&best);
+  std::sort(best.begin(), best.end(), better);
+  return best;
 }
 
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
 // reachable candidates got to.
-std::string Planner::problem(const GraspPlanResult& result, const Ledger& ledger) const {
+std::string Planner::problem(int candidates) const {
   const std::string start = "cannot be grasped: ";
   const int reachable =
-      result.candidates - ledger.count(reason::kDirection) - ledger.count(reason::kWorkspace);
+      candidates - ledger_.count(Reason::kDirection) - ledger_.count(Reason::kWorkspace);
   if (reachable == 0) return start + "no approach to it is within the robot's reach";
-  if (std::isfinite(narrowest_) && narrowest_ > gripper_.max_opening + options_.width_tolerance -
-                                                    2 * options_.collision.object_margin) {
-    const auto [width, opening] = text::told_apart(narrowest_ * 1e3, gripper_.max_opening * 1e3, 0);
-    return start + fmt::format("narrowest width {} mm exceeds the gripper's {} mm{}", width,
-                               opening,
-                               narrowest_ <= gripper_.max_opening ? " less the clearance" : "");
+  if (std::isfinite(narrowest_)) {
+    if (const std::string wide = closing_->too_wide(narrowest_); !wide.empty()) return start + wide;
   }
-  const char* last = reason::kNoTime;
-  for (const char* stage : kStages) {
-    if (stage != reason::kDirection && stage != reason::kWorkspace &&
-        10 * ledger.count(stage) >= reachable) {
+  Reason last = Reason::kNoTime;
+  for (const Reason stage : closing_->stages()) {
+    if (stage != Reason::kDirection && stage != Reason::kWorkspace &&
+        10 * ledger_.count(stage) >= reachable) {
       last = stage;
     }
   }
-  if (last == reason::kTooHeavy) {
-    return start + fmt::format("too heavy for the grip force: {:.2f} kg need more than {:.0f} N",
-                               evaluator_.solid().mass, evaluator_.largest_force());
-  }
+  const std::string words = closing_->explain(last);
+  if (words != to_string(last)) return start + words;
   return start +
-         fmt::format("{} ({} of {} reachable candidates)", last, ledger.count(last), reachable);
+         fmt::format("{} ({} of {} reachable candidates)", words, ledger_.count(last), reachable);
 }
 
-GraspPlanResult Planner::plan() {
-  const auto start = steady_clock::now();
-  const auto time_is_up = [&] {
-    return options_.budget > 0 &&
-           std::chrono::duration<double>(steady_clock::now() - start).count() > options_.budget;
-  };
-  std::vector<Tried> tried;
-  for (const Candidate& candidate : options_.given_W) tried.push_back({kGiven, candidate});
-  const bool given = !tried.empty();
-  if (!given) tried = candidates(options_.generators);
-  GraspPlanResult result;
+GraspPlan Planner::plan() {
+  std::vector<Tried> tried = given();
+  const bool is_given = !tried.empty();
+  if (!is_given) tried = candidates(options_.generators);
+  GraspPlan result;
   result.candidates = static_cast<int>(tried.size());
-  Ledger ledger;
-  examine(tried, time_is_up, &ledger);
-  if (!given && listed_.empty() && !time_is_up()) {
+  std::vector<Listed> best = ranked(tried, 0);
+  if (!is_given && !is_robust(best) && !time_is_up()) {
     const std::vector<Tried> further = candidates(options_.further_generators);
     result.candidates += static_cast<int>(further.size());
-    examine(further, time_is_up, &ledger);
+    for (Listed& one : ranked(further, tried.size())) best.push_back(std::move(one));
+    std::sort(best.begin(), best.end(), better);
+    while (static_cast<int>(best.size()) > options_.largest_count) {
+      ledger_.reject(Reason::kRankedBelow, best.back().grasp().generator);
+      best.pop_back();
+    }
   }
-  keep_best(&ledger);
-  if (options_.uncertainty.samples > 0 && !listed_.empty()) {
-    assess_robustness(time_is_up);
-    std::sort(listed_.begin(), listed_.end(), better);
+  for (Listed& one : best) {
+    if (one.grasp().robustness < 0) add_remark(kNotAssessed, &one.grasp().remark);
+    result.grasps.push_back(std::move(one.grasp()));
   }
-  for (Listed& listed : listed_) {
-    if (listed.grasp().robustness < 0) add_remark(kNotAssessed, &listed.grasp().remark);
-    result.grasps.push_back(std::move(listed.grasp()));
-  }
-  result.rejections = ledger.rejections(kStages);
-  if (result.grasps.empty()) result.problem = problem(result, ledger);
+  result.rejections = ledger_.rejections(closing_->stages());
+  if (result.grasps.empty()) result.problem = problem(result.candidates);
   return result;
 }
 
 }  // namespace
 
-void PlannerOptions::validate() const {
-  const text::Require require{"PlannerOptions."};
-  require(!generators.empty(), "generators must name at least one generator");
-  candidates.validate();
-  closing.validate();
-  require(cone_edges >= 3, "cone_edges must be at least 3");
-  collision.validate();
-  require(density > 0, "density must be positive");
-  require(friction > 0, "friction must be positive");
-  require(safety_factor >= 1, "safety_factor must be at least 1");
-  require(lift_acceleration >= 0, "lift_acceleration must not be negative");
-  require(least_force > 0, "least_force must be positive");
-  require(largest_force >= 0, "largest_force must not be negative");
-  require(pregrasp_distance > 0, "pregrasp_distance must be positive");
-  require(opening_clearance >= 0, "opening_clearance must not be negative");
-  require(width_tolerance >= 0, "width_tolerance must not be negative");
-  require(largest_offset >= 0, "largest_offset must not be negative");
-  require(largest_count > 0, "largest_count must be positive");
-  require(budget >= 0, "budget must not be negative");
-  require(threads >= 0, "threads must not be negative");
-  const auto& w = weights;
-  require(w.quality >= 0 && w.centredness >= 0 && w.area >= 0 && w.clearance >= 0 &&
-              w.quality + w.centredness + w.area + w.clearance > 0,
-          "weights must not be negative, nor all zero");
-  require(w.guessed >= 0 && w.guessed <= 1, "weights.guessed must be within 0 and 1");
-  require(w.robust >= 0 && w.robust <= 1, "weights.robust must be within 0 and 1");
-  uncertainty.validate();
+std::vector<Eigen::Vector3d> contact_points(const Grasp& grasp) {
+  std::vector<Eigen::Vector3d> points;
+  for (const GraspContact& contact : grasp.contacts) points.push_back(contact.contact_W.point);
+  return points;
 }
 
-GraspPlanResult plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
-                            const Obstacles& obstacles, const robot::GripperModel& gripper,
-                            const Reachability& reachability, const PlannerOptions& options) {
+GraspPlan plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
+                      const Obstacles& obstacles, const HandToClose& hand,
+                      const Reachability& reachability, const PlannerOptions& options) {
   options.validate();
-  return Planner(object, table, obstacles, gripper, reachability, options).plan();
+  return Planner(object, table, obstacles, hand, reachability, options).plan();
+}
+
+GraspPlan plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,
+                      const Obstacles& obstacles, const robot::GripperModel& gripper,
+                      const Reachability& reachability, const PlannerOptions& options) {
+  const robot::HandModel hand = robot::parallel_hand(gripper);
+  return plan_grasps(object, table, obstacles, HandToClose(hand), reachability, options);
 }
 
 }  // namespace prehend::grasp

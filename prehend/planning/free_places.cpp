@@ -52,7 +52,6 @@ struct TableAxes {
 /// The convex outline on the table: how far it reaches in each direction of sides().
 struct Outline {
   std::array<double, kSides> reach;
-  double bottom = kInfinity, top = -kInfinity;  // m over the table
   Eigen::AlignedBox2d box;
 
   Outline() { reach.fill(-kInfinity); }
@@ -62,23 +61,17 @@ struct Outline {
   }
 };
 
-Outline outline_of(const std::vector<Eigen::Vector3d>& points, const TableAxes& axes,
-                   const geometry::Plane& table) {
+Outline outline_of(const std::vector<Eigen::Vector3d>& points, const TableAxes& axes) {
   Outline outline;
-  for (const Eigen::Vector3d& p : points) {
-    outline.add(axes.flat(p));
-    outline.bottom = std::min(outline.bottom, table.signed_distance(p));
-    outline.top = std::max(outline.top, table.signed_distance(p));
-  }
+  for (const Eigen::Vector3d& p : points) outline.add(axes.flat(p));
   return outline;
 }
 
-/// Distance of `object`, moved by `move`, to `other`; with `sweeps` on all of its way there.
-double room(const Outline& object, const Eigen::Vector2d& move, const Outline& other, bool sweeps) {
+/// Distance of `object`, moved by `move`, to `other`.
+double room(const Outline& object, const Eigen::Vector2d& move, const Outline& other) {
   double most = -kInfinity;
   for (std::size_t i = 0; i < kSides; ++i) {
-    const double along = sides()[i].dot(move);
-    const double reach = object.reach[i] + (sweeps ? std::max(0.0, along) : along);
+    const double reach = object.reach[i] + sides()[i].dot(move);
     most = std::max(most, -other.reach[(i + kSides / 2) % kSides] - reach);
   }
   return most;
@@ -88,13 +81,9 @@ class Chooser {
  public:
   Chooser(const geometry::Plane& table, const std::vector<Eigen::Vector3d>& object_W,
           const std::vector<std::vector<Eigen::Vector3d>>& others_W, const PlaceOptions& options)
-      : axes_(table.normal),
-        options_(options),
-        stands_(outline_of(object_W, axes_, table)),
-        taken_(stands_) {
-    for (const Eigen::Vector3d& p : options.hand_W) taken_.add(axes_.flat(p));
+      : axes_(table.normal), options_(options), stands_(outline_of(object_W, axes_)) {
     for (const auto& points : others_W) {
-      if (!points.empty()) others_.push_back(outline_of(points, axes_, table));
+      if (!points.empty()) others_.push_back(outline_of(points, axes_));
     }
     middle_W_ = axes_.in_world(stands_.box.center()) + table.offset * table.normal;
   }
@@ -212,9 +201,7 @@ class Chooser {
   double room_at(const Eigen::Vector2d& move, std::size_t* nearest) const {
     double least = kInfinity;
     for (std::size_t i = 0; i < others_.size(); ++i) {
-      const bool blocks =
-          options_.straight_height && others_[i].top > stands_.bottom + *options_.straight_height;
-      const double found = room(taken_, move, others_[i], blocks);
+      const double found = room(stands_, move, others_[i]);
       if (found >= least) continue;
       least = found;
       if (nearest) *nearest = i;
@@ -227,7 +214,7 @@ class Chooser {
 
   TableAxes axes_;
   const PlaceOptions& options_;
-  Outline stands_, taken_;  // the object; and with the hand
+  Outline stands_;  // the object
   std::vector<Outline> others_;
   Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // on the table
 };
@@ -246,7 +233,6 @@ void PlaceOptions::validate() const {
   require(!region_W || (!given_W && region_W->center.allFinite() && region_W->size.allFinite() &&
                         region_W->size.minCoeff() > 0),
           "region_W must be finite, with positive sides, and no given_W");
-  require(!straight_height || *straight_height >= 0, "straight_height must not be negative");
 }
 
 FreePlaces free_places(const geometry::Plane& table_W, const std::vector<Eigen::Vector3d>& object_W,

@@ -9,7 +9,7 @@
 
 #include "prehend/geometry/plane.h"
 
-// Where an object can be put down: for arms and for a gripper on its carrier alike.
+// Where an object can be put down.
 namespace prehend::planning {
 
 struct PlaceOptions {
@@ -29,12 +29,6 @@ struct PlaceOptions {
     Eigen::Vector2d size = Eigen::Vector2d::Zero();  // > 0
   };
   std::optional<Region> region_W;  // not with given_W
-  /// Points [m] of what goes with the object and needs room beside it too: a hand that nobody plans
-  /// a motion for.
-  std::vector<Eigen::Vector3d> hand_W;
-  /// m, over where it stands: a carrier goes there straight, lifted by so much, and what is taller
-  /// is in its way. Unset: the motion is planned, and goes round.
-  std::optional<double> straight_height;
   /// Why the object cannot be carried by a displacement [m], in words; empty: it can, as far as is
   /// known. Unset: everywhere.
   std::function<std::string(const Eigen::Vector3d& move_W)> unreachable;

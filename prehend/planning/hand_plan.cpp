@@ -54,6 +54,7 @@ PlannedGrasp with_pads(const robot::HandModel& hand, const grasp::Grasp& grasp) 
   result.contacts_W = grasp.left_contacts_W;
   result.contacts_W.insert(result.contacts_W.end(), grasp.right_contacts_W.begin(),
                            grasp.right_contacts_W.end());
+  result.pads = grasp;
   return result;
 }
 
@@ -97,6 +98,14 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
   }
   result.remembered = remembered;
   return result;
+}
+
+grasp::Reachability within_reach(grasp::Reachability reachability,
+                                 const robot::Platform& platform) {
+  if (!reachability.approach_W) {
+    reachability.approach_W = platform.fixed_approach(platform.hand.preshapes.front());
+  }
+  return reachability;
 }
 
 HandPlanOptions within_reach(HandPlanOptions options, const robot::Platform& platform) {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_pick.h"
@@ -32,6 +32,7 @@ struct PlannedGrasp {
   std::vector<Eigen::Vector3d> contacts_W;  // m
   std::string generator;                    // whose candidate it was
   std::string remark;                       // what to know of it, in words; often empty
+  std::optional<grasp::Grasp> pads;         // of a parallel gripper: the same as its planner has it
 };
 
 struct HandPlanResult {
@@ -56,6 +57,10 @@ HandPlanResult plan_hand(const grasp::HandToClose& hand, const surface::ObjectMo
                          const grasp::Reachability& reachability, const HandPlanOptions& options,
                          grasp::GraspDatabase* database = nullptr,
                          const std::optional<grasp::PlacedObject>& known = std::nullopt);
+
+/// With the direction of approach of a platform that can take no other
+/// (Platform::fixed_approach()), where none is given.
+grasp::Reachability within_reach(grasp::Reachability reachability, const robot::Platform& platform);
 
 /// The options with an arm that must reach each grasp and its pregrasp (arm_reach()).
 HandPlanOptions within_reach(HandPlanOptions options, const robot::Platform& platform);

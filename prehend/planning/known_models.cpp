@@ -5,7 +5,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
-#include "prehend/grasp/grasp_database.h"
+#include "prehend/grasp/known/grasp_database.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::planning {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "prehend/grasp/known_objects.h"
+#include "prehend/grasp/known/known_objects.h"
 #include "prehend/perception/segmented_scene.h"
 #include "prehend/surface/object_model.h"
 

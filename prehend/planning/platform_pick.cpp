@@ -172,8 +172,7 @@ class PlatformPicker {
       task_.X_BO_places.push_back(X_BO);
     }
     pick_ = options.pick;
-    pick_.acceleration =
-        Eigen::VectorXd::Constant(inverse_.chain().size(), options.arm_acceleration);
+    pick_.acceleration = platform.acceleration;
   }
 
   PlatformPick plan() {
@@ -300,7 +299,6 @@ PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Po
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene, const PlatformPickOptions& options) {
   const text::Require require{"PlatformPickOptions."};
-  require(options.arm_acceleration > 0, "arm_acceleration must be positive");
   require(options.margin >= 0, "margin must not be negative");
   for (const Eigen::Vector3d& move_W : options.moves_W) {
     require(move_W.allFinite(), "moves_W must be finite");

@@ -37,10 +37,9 @@ struct PlatformPickOptions {
     pick.straight_speed = 0.12;
     pick.budget = 2;
   }
-  motion::PickOptions pick;  // `acceleration` is filled from arm_acceleration
+  motion::PickOptions pick;  // `acceleration` is filled from the platform's
   /// What tells whether the robot touches something, see motion::CheckerRegistry.
   std::string checker = motion::kDefaultChecker;
-  double arm_acceleration = 5;      // rad/s^2, > 0, of each joint of the arm
   double margin = 0.005;            // m, >= 0, kept from obstacles
   double sphere_resolution = 0.04;  // m, > 0, of the robot's balls
   double cover_resolution = 0.015;  // m, > 0, of the held object's balls

@@ -99,4 +99,37 @@ std::string HandModel::limit_problem(const Eigen::Ref<const Eigen::VectorXd>& al
   return {};
 }
 
+HandModel parallel_hand(const GripperModel& gripper) {
+  HandModel hand;
+  hand.name = gripper.name;
+  hand.model.name = gripper.name;
+  hand.model.links = {{"palm", gripper.mass - 2 * gripper.jaw_mass, {}},
+                      {"left_finger", gripper.jaw_mass, {}},
+                      {"right_finger", gripper.jaw_mass, {}}};
+  for (int finger = 0; finger < 2; ++finger) {
+    Joint joint;
+    joint.name = finger == 0 ? "opening" : "right";
+    joint.kind = Joint::Kind::kPrismatic;
+    joint.parent = 0;
+    joint.child = 1 + finger;
+    joint.axis_J = Eigen::Vector3d(0, finger == 0 ? 1 : -1, 0);
+    joint.lower = 0;
+    joint.upper = gripper.max_opening / 2;
+    if (finger > 0) joint.mimic = Mimic{0, 1, 0};
+    hand.model.joints.push_back(joint);
+    hand.fingers.push_back({hand.model.links[place(1 + finger)].name, {1 + finger}});
+    const geometry::RigidTransform X_LP = geometry::RigidTransform::Identity();
+    hand.pads.push_back({finger == 0 ? "left" : "right", 1 + finger, X_LP, gripper.pad});
+  }
+  hand.actuated = {0};
+  Preshape open;
+  open.name = "open";
+  open.open = Eigen::VectorXd::Constant(1, gripper.max_opening / 2);
+  open.closing = {{-1, -1}};
+  hand.preshapes = {open};
+  hand.friction = gripper.pad.law.dynamic_friction;
+  hand.gripper = gripper;
+  return hand;
+}
+
 }  // namespace prehend::robot

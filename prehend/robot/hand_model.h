@@ -87,6 +87,10 @@ struct HandModel {
   std::string limit_problem(const Eigen::Ref<const Eigen::VectorXd>& all) const;
 };
 
+/// A parallel gripper alone, as a hand without shapes whose root is the gripper's frame G: for
+/// planning by its pads. One preshape, "open".
+HandModel parallel_hand(const GripperModel& gripper);
+
 /// Reads a hand's YAML (config/robots/sdh2.yaml shows every key) and the URDF it names beside it.
 /// Every key must be known, every name must be in the URDF, every joint that moves must be actuated
 /// or mimic one that is, every preshape must be within the limits.

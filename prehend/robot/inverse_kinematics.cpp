@@ -163,6 +163,7 @@ InverseMethod InverseKinematics::classify() {
   }
   X_TB_ = chain_.forward(zero).inverse();
   const std::size_t n = poses.size();
+  if (has_three_slides()) return InverseMethod::kThreeSlides;
   if (!revolute || n < 6 || n > 7 || !meet(&point_[n - 3], &axis_[n - 3], wrist_)) {
     return InverseMethod::kNumeric;
   }
@@ -211,6 +212,9 @@ void InverseKinematics::find(const RigidTransform& X_BT, Collector& found) const
       break;
     case InverseMethod::kSphericalShoulderAndWrist:
       shoulder_and_wrist(X_BT, found);
+      break;
+    case InverseMethod::kThreeSlides:
+      three_slides(X_BT, found);
       break;
     case InverseMethod::kNumeric:
       numeric(X_BT, found);

@@ -23,6 +23,9 @@ enum class InverseMethod {
   /// al., "Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint
   /// limits", IEEE T-RO 24(5), 2008).
   kSphericalShoulderAndWrist,
+  /// Closed form for three prismatic axes that span space, behind or before a revolute one (stages,
+  /// gantries): one solution, of poses that are turned about that axis alone.
+  kThreeSlides,
   /// Damped least squares (Wampler 1986; damping after Levenberg and Marquardt) from the seed and
   /// random starts: one solution. Any chain.
   kNumeric,
@@ -51,8 +54,9 @@ struct InverseAnswer {
   /// Why there are none, in words: out of reach, which limits, no convergence.
   std::string reason;
   InverseFailure failure = InverseFailure::kNone;
-  /// How near it was: m by which the pose is out of reach or that the search is away from it, rad
-  /// (or m, of a prismatic joint) by which the nearest solution is beyond a limit.
+  /// How near it was: m by which the pose is out of reach (kThreeSlides: rad, by which it is
+  /// tilted) or that the search is away from it, rad (or m, of a prismatic joint) by which the
+  /// nearest solution is beyond a limit.
   double miss = 0;
   /// Two axes coincide at a solution: infinitely many are equivalent, and the joints' sum is shared
   /// out so that the first stays at the seed.
@@ -103,8 +107,11 @@ class InverseKinematics {
   bool solve_in_step(const geometry::RigidTransform& X_BT,
                      const Eigen::Ref<const Eigen::VectorXd>& seed, BranchOutput& output) const;
   InverseMethod classify();
+  /// Whether it is one of kThreeSlides.
+  bool has_three_slides() const;
   void spherical_wrist(const geometry::RigidTransform& X_BT, Collector& found) const;
   void shoulder_and_wrist(const geometry::RigidTransform& X_BT, Collector& found) const;
+  void three_slides(const geometry::RigidTransform& X_BT, Collector& found) const;
   void numeric(const geometry::RigidTransform& X_BT, Collector& found) const;
 
   KinematicChain chain_;

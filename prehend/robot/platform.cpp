@@ -35,17 +35,40 @@ int append(const RobotModel& part, const std::string& prefix, RobotModel& whole)
   return first_link;
 }
 
-Positions read_home(const YAML::Node& node, const std::filesystem::path& path,
-                    const std::string& place, const KinematicChain& chain) {
-  text::YamlMap map(node, path, place);
-  Positions q = chain.middle();
+constexpr double kAcceleration = 5;  // rad/s^2 or m/s^2, where the file says nothing
+constexpr double kAlong = 1e-9;      // rad: directions nearer than this are one
+
+/// A value for each of the arm's joints.
+Positions read_joints(text::YamlMap& map, const KinematicChain& chain, const std::string& mend) {
+  Positions values = chain.middle();
   for (int i = 0; i < chain.size(); ++i) {
     const std::string joint =
         chain.joints()[static_cast<std::size_t>(i)].name.substr(std::string(kArm).size());
-    if (!map.child(joint).IsDefined()) map.fail(joint, "is missing", "Give every joint's position");
-    map.read(joint, q[i]);
+    if (!map.child(joint).IsDefined()) map.fail(joint, "is missing", mend);
+    map.read(joint, values[i]);
   }
   map.finish();
+  return values;
+}
+
+Positions read_acceleration(const YAML::Node& node, const std::filesystem::path& path,
+                            const KinematicChain& chain) {
+  if (!node.IsDefined()) return Positions::Constant(chain.size(), kAcceleration);
+  text::YamlMap map(node, path, "platform.acceleration");
+  const Positions values = read_joints(map, chain, "Give every joint's, or leave all out");
+  for (int i = 0; i < chain.size(); ++i) {
+    if (values[i] > 0 && std::isfinite(values[i])) continue;
+    const std::string& joint = chain.joints()[static_cast<std::size_t>(i)].name;
+    map.fail(joint.substr(std::string(kArm).size()), "is not positive and finite",
+             "Give what the joint can do [rad/s^2 or m/s^2]");
+  }
+  return values;
+}
+
+Positions read_home(const YAML::Node& node, const std::filesystem::path& path,
+                    const std::string& place, const KinematicChain& chain) {
+  text::YamlMap map(node, path, place);
+  const Positions q = read_joints(map, chain, "Give every joint's position");
   if (const std::string problem = chain.limit_problem(q); !problem.empty()) {
     throw geometry::InputError(
         path.string() + ":" + std::to_string(node.Mark().line + 1) + ": " + place + ": " + problem,
@@ -88,6 +111,42 @@ RobotModel Platform::with_hand_at(const Eigen::Ref<const Eigen::VectorXd>& all) 
   return fixed;
 }
 
+std::optional<Eigen::Vector3d> Platform::fixed_approach(const Preshape& preshape) const {
+  const KinematicChain chain = arm_chain();
+  std::vector<geometry::RigidTransform> poses;
+  chain.forward(chain.middle(), poses);
+  const Eigen::Vector3d tool_F = X_FG(preshape).linear().col(2);
+  Eigen::Vector3d approach_B = poses.back().linear() * (chain.X_JT().linear() * tool_F);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!chain.joints()[i].is_revolute) continue;
+    const Eigen::Vector3d axis_B = poses[i].linear() * chain.joints()[i].axis_J;
+    if (axis_B.cross(approach_B).norm() > kAlong) return std::nullopt;
+  }
+  Eigen::Vector3d approach_W = X_WB.linear() * approach_B;
+  for (double& component : approach_W) {
+    if (std::abs(component) < kAlong) component = 0;
+  }
+  return approach_W.normalized();
+}
+
+void Platform::set_gripper(const GripperModel& gripper) {
+  const double before = hand.gripper->max_opening / 2, after = gripper.max_opening / 2;
+  hand.gripper = gripper;
+  for (HandPad& pad : hand.pads) pad.model = gripper.pad;
+  for (Preshape& preshape : hand.preshapes) {
+    preshape.open[0] = preshape.open[0] == before ? after : std::min(preshape.open[0], after);
+  }
+  const auto fit = [&](RobotModel& robot, const std::string& prefix) {
+    for (Joint& joint : robot.joints) {
+      if (joint.kind != Joint::Kind::kPrismatic || !joint.name.starts_with(prefix)) continue;
+      joint.upper = after;
+      joint.max_velocity = gripper.max_speed / 2;
+    }
+  };
+  fit(hand.model, "");
+  fit(model, kHand);
+}
+
 const Platform::Home& Platform::home(const std::string& home_name) const {
   std::vector<std::string> names;
   for (const Home& one : homes) {
@@ -114,7 +173,9 @@ Platform read_platform(const std::filesystem::path& path) {
   map.read("flange", flange);
   map.read("hand", hand);
   const YAML::Node mount = map.child("mount"), world = map.child("world"),
-                   homes = map.child("homes");
+                   homes = map.child("homes"), acceleration = map.child("acceleration");
+  map.choose("hand_port", {{"joints", HandPort::kJoints}, {"gripper", HandPort::kGripper}},
+             platform.hand_port);
   map.finish();
   for (const auto& [key, value] :
        {std::pair{"name", &platform.name}, std::pair{"arm", &arm}, std::pair{"base", &base},
@@ -144,6 +205,11 @@ Platform read_platform(const std::filesystem::path& path) {
   append(platform.hand.model, kHand, platform.model);
 
   const KinematicChain chain = platform.arm_chain();
+  platform.acceleration = read_acceleration(acceleration, path, chain);
+  if (platform.hand_port == HandPort::kGripper && !platform.hand.gripper) {
+    map.fail("hand_port", "is gripper, but " + hand + " has none",
+             "Name a hand with `gripper`, as pg70.yaml, or leave hand_port out");
+  }
   if (!homes.IsDefined() || !homes.IsMap() || homes.size() == 0) {
     map.fail("homes", "is missing or empty", "Give at least one position of the arm's joints");
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,13 @@
 
 namespace prehend::robot {
 
-/// An arm that carries a hand, as one robot.
+/// By which topics and actions a hand is moved.
+enum class HandPort {
+  kJoints,   // /hand/move, by its joints
+  kGripper,  // /gripper/*, by the opening and the motor's current, as drivers of grippers offer
+};
+
+/// An arm, or a stage of linear axes, that carries a hand, as one robot.
 struct Platform {
   struct Home {
     std::string name;
@@ -26,6 +33,8 @@ struct Platform {
   geometry::RigidTransform X_FH = geometry::RigidTransform::Identity();  // hand on the flange
   geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();  // base in the world
   std::vector<Home> homes;  // as in the file; one is called home
+  Positions acceleration;   // rad/s^2 or m/s^2, of arm_chain()'s joints in planned motions
+  HandPort hand_port = HandPort::kJoints;
 
   /// From the base to the flange.
   KinematicChain arm_chain() const { return {model, base, flange}; }
@@ -38,6 +47,12 @@ struct Platform {
                                 const Preshape& preshape) const {
     return X_WB.inverse() * X_WG * X_FG(preshape).inverse();
   }
+  /// The direction in the world of a preshape's approach (z of its tool) where no joint of the arm
+  /// can tilt it, exact where it is along an axis; none for an arm that can.
+  std::optional<Eigen::Vector3d> fixed_approach(const Preshape& preshape) const;
+  /// Takes this gripper, which a robot says it has, for the hand's: its pads, drive and opening;
+  /// the links stay what the URDF has. @pre hand.gripper
+  void set_gripper(const GripperModel& gripper);
   /// The joined robot with the hand's joints fixed at positions `all` (see HandModel): what a
   /// motion planner moves about. @throws std::invalid_argument when `all` has another size.
   RobotModel with_hand_at(const Eigen::Ref<const Eigen::VectorXd>& all) const;

@@ -184,6 +184,14 @@ ArmDrive::ArmDrive(robot::KinematicChain chain, const Eigen::Ref<const Eigen::Ve
                    const ArmDriveOptions& options)
     : chain_(std::move(chain)), options_(options), q_(start) {
   contact::require_positive(options.acceleration, "ArmDriveOptions::acceleration");
+  if (options_.accelerations.empty()) {
+    options_.accelerations.assign(static_cast<std::size_t>(chain_.size()), options.acceleration);
+  }
+  contact::require(options_.accelerations.size() == static_cast<std::size_t>(chain_.size()),
+                   "ArmDriveOptions::accelerations", "empty or one number a joint");
+  for (const double most : options_.accelerations) {
+    contact::require_positive(most, "ArmDriveOptions::accelerations");
+  }
   contact::require_positive(options.bandwidth, "ArmDriveOptions::bandwidth");
   contact::require(start.size() == chain_.size() && start.allFinite(), "the arm's start",
                    "one finite position a joint");
@@ -229,6 +237,7 @@ void ArmDrive::step(double h) {
   const double w = options_.bandwidth;
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const ChainJoint& joint = chain_.joints()[static_cast<std::size_t>(i)];
+    const double most = options_.accelerations[static_cast<std::size_t>(i)];
     double velocity = 0;
     if (follows) {
       // The loop, as far as it is not stiffer than the step can follow.
@@ -237,8 +246,7 @@ void ArmDrive::step(double h) {
       velocity =
           v_[i] + h * (goal.acceleration[i] + 2 * k * (goal.velocity[i] - v_[i]) + k * k * error);
     }
-    velocity =
-        std::clamp(velocity, v_[i] - h * options_.acceleration, v_[i] + h * options_.acceleration);
+    velocity = std::clamp(velocity, v_[i] - h * most, v_[i] + h * most);
     if (std::isfinite(joint.max_velocity)) {
       velocity = std::clamp(velocity, -joint.max_velocity, joint.max_velocity);
     }
@@ -257,7 +265,11 @@ void ArmDrive::step(double h) {
   }
   if (status_ != Status::kMoving || time_ < trajectory_.duration()) return;
   const double away = (q_ - goal.position).cwiseAbs().maxCoeff();
-  if (away < kSettled && v_.cwiseAbs().maxCoeff() < h * options_.acceleration) {
+  bool slow = true;
+  for (Eigen::Index i = 0; i < v_.size(); ++i) {
+    slow = slow && std::abs(v_[i]) < h * options_.accelerations[static_cast<std::size_t>(i)];
+  }
+  if (away < kSettled && slow) {
     status_ = Status::kReached;
     v_.setZero();
     q_ = goal.position;

@@ -36,10 +36,11 @@ struct TrajectoryRequest {
 };
 
 struct ArmDriveOptions {
-  double acceleration = 12;       // rad/s^2 or m/s^2, > 0, of each joint at most
-  double bandwidth = 60;          // rad/s, > 0, of the position loops (critically damped)
-  double start_tolerance = 0.02;  // rad or m, between where the arm stands and the first point
-  double path_tolerance = 0.05;   // rad or m, of each joint while it moves
+  double acceleration = 12;           // rad/s^2 or m/s^2, > 0, of each joint at most
+  std::vector<double> accelerations;  // the same of each; empty: `acceleration` of all
+  double bandwidth = 60;              // rad/s, > 0, of the position loops (critically damped)
+  double start_tolerance = 0.02;      // rad or m, between where the arm stands and the first point
+  double path_tolerance = 0.05;       // rad or m, of each joint while it moves
 };
 
 /// Checks `request` for an arm that stands at `q`, and puts it in the chain's order.

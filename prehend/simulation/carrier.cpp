@@ -40,6 +40,32 @@ void Carrier::move(const geometry::RigidTransform& X_WG_target, double speed) {
   if (!braking_) path_remaining_ = 0;
 }
 
+// A path without end, at a speed of 1 of it each second.
+void Carrier::drive(const Eigen::Vector3d& velocity, double yaw_rate, double h) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kBeyond = 1e-9;  // m
+  if (!velocity.allFinite() || !std::isfinite(yaw_rate)) {
+    throw std::invalid_argument("the carrier's velocity must be finite");
+  }
+  const Eigen::Vector3d next = position_ + h * velocity;
+  if ((next - model_.minimum).minCoeff() < -kBeyond ||
+      (model_.maximum - next).minCoeff() < -kBeyond) {
+    throw std::invalid_argument("the carrier would leave its limits");
+  }
+  next_.reset();
+  goal_.reset();
+  braking_ = false;
+  path_direction_ = velocity;
+  path_yaw_ = yaw_rate;
+  const double speed = velocity.norm(), rate = std::abs(yaw_rate);
+  const bool moves = speed > 0 || rate > 0;
+  path_speed_ = path_max_speed_ = moves ? 1 : 0;
+  path_remaining_ = moves ? kInfinity : 0;
+  path_acceleration_ = std::min(speed > 0 ? model_.max_acceleration / speed : kInfinity,
+                                rate > 0 ? model_.max_yaw_acceleration / rate : kInfinity);
+  if (!moves) path_acceleration_ = 0;
+}
+
 void Carrier::stop() {
   next_.reset();
   braking_ = path_speed_ != 0;
@@ -137,6 +163,7 @@ void Carrier::end_exact_step(double h) {
 
 double Carrier::remaining() const {
   if (next_) return (next_->position - position_).norm();
+  if (!goal_) return 0;
   return path_remaining_ * path_direction_.norm();
 }
 

@@ -15,6 +15,8 @@ class Carrier {
 
   /// See World::move_carrier.
   void move(const geometry::RigidTransform& X_WG_target, double speed);
+  /// See World::drive_carrier.
+  void drive(const Eigen::Vector3d& velocity, double yaw_rate, double h);
   void stop();
 
   /// Chooses the velocity of the coming step of `h` [s]; the pose stays.
@@ -43,6 +45,7 @@ class Carrier {
   double yaw_rate_after(double t) const { return (path_speed_ + t * ramp_) * path_yaw_; }
   Eigen::Vector3d velocity() const { return path_speed_ * path_direction_; }  // m/s
   double yaw_rate() const { return path_speed_ * path_yaw_; }                 // rad/s
+  double yaw() const { return yaw_; }                                         // rad
   bool moving() const { return path_speed_ != 0 || path_remaining_ > 0 || next_.has_value(); }
   double remaining() const;  // m
 

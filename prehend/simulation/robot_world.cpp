@@ -125,6 +125,7 @@ void RobotWorld::Implementation::build() {
   touch = std::make_unique<RobotTouch>(robot, hand_model.pads, std::move(touched));
   system = std::make_unique<engines::Multibody>(scene);
   system->set_contact_stiffness(options.contact_stiffness, options.contact_damping);
+  system->set_ground_stiffness(options.table_stiffness, options.table_damping);
   system->set_touch_finder(touch.get());
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     if (robot.joints[j].follows < 0) {

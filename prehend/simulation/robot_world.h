@@ -24,6 +24,10 @@ struct RobotWorldOptions {
   /// Of a touching point [N/m, N s/m]: rubber of a few millimetres, 0.1 mm for 2 N.
   double contact_stiffness = 2e4;
   double contact_damping = 60;
+  /// The same between objects and the table, hard on hard as World's: 0.1 mm for 10 N. On rubber,
+  /// what stands with its weight near its edge falls over.
+  double table_stiffness = 1e5;
+  double table_damping = 200;
   HandMechanics mechanics;
   HandDriveOptions hand;
   ArmDriveOptions arm;

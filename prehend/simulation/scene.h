@@ -35,6 +35,8 @@ struct CarrierModel {
   /// world, pi/2 along +x (at yaw 0).
   double mounting_tilt = 0;
 
+  bool operator==(const CarrierModel&) const = default;
+
   /// Pose of the gripper frame at `position` [m] and `yaw` [rad]: R_WG = Rz(yaw) Ry(-tilt) Rx(pi).
   geometry::RigidTransform gripper_pose(const Eigen::Vector3d& position, double yaw) const;
 };

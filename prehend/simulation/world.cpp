@@ -218,6 +218,14 @@ void World::move_carrier(const RigidTransform& X_WG_target, double speed) {
   command.speed = speed;
   implementation_->record(std::move(command));
 }
+void World::drive_carrier(const Eigen::Vector3d& velocity_W, double yaw_rate) {
+  implementation_->state.carrier.drive(velocity_W, yaw_rate, scene().step);
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kDriveCarrier;
+  command.pose.translation() = velocity_W;
+  command.value = yaw_rate;
+  implementation_->record(std::move(command));
+}
 void World::stop_carrier() {
   implementation_->state.carrier.stop();
   WorldCommand command;
@@ -233,8 +241,8 @@ GripperReading World::gripper() const {
 
 CarrierReading World::carrier() const {
   const Carrier& carrier = implementation_->state.carrier;
-  return {carrier.pose(), carrier.velocity(), carrier.yaw_rate(), carrier.moving(),
-          carrier.remaining()};
+  return {carrier.pose(),   carrier.velocity(),  carrier.yaw_rate(),
+          carrier.moving(), carrier.remaining(), carrier.yaw()};
 }
 
 ContactWrench World::wrist_wrench() const { return implementation_->state.wrench; }

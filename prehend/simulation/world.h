@@ -36,6 +36,7 @@ struct CarrierReading {
   double yaw_rate = 0;                                 // rad/s
   bool moving = false;
   double remaining = 0;  // m, to the target along the path
+  double yaw = 0;        // rad, whole turns counted
 };
 
 /// What a pad's electronics would show: `rows` x `columns` counts, row by row, row 0 at the
@@ -138,6 +139,11 @@ class World {
   /// @throws std::invalid_argument when speed is not positive, the target is outside the carrier's
   /// limits or turned otherwise than in yaw.
   void move_carrier(const geometry::RigidTransform& X_WG_target, double speed);
+  /// Moves with this velocity [m/s, world] and yaw rate [rad/s] from the next step on, until told
+  /// otherwise: for whoever steers the carrier step by step (StageArm) and minds its limits of
+  /// speed and acceleration. @throws std::invalid_argument when a value is not finite, or the next
+  /// step would leave the carrier's limits.
+  void drive_carrier(const Eigen::Vector3d& velocity_W, double yaw_rate);
   /// Brakes with the carrier's acceleration.
   void stop_carrier();
 
@@ -179,6 +185,8 @@ class World {
 
   /// All bodies and the gripper's parts as a camera sees them. Cheap: meshes are shared.
   std::vector<VisibleBody> visible_bodies() const;
+  /// False: without the gripper, as RobotWorld's.
+  void show_robot(bool show);
 
   /// Everything that changes in a step; restoring it continues bitwise as before. Valid for this
   /// world while no object was added or removed. @throws std::invalid_argument otherwise;

@@ -28,6 +28,9 @@ void apply(const WorldCommand& command, World& world) {
     case WorldCommand::Kind::kMoveCarrier:
       world.move_carrier(command.pose, command.speed);
       return;
+    case WorldCommand::Kind::kDriveCarrier:
+      world.drive_carrier(command.pose.translation(), command.value);
+      return;
     case WorldCommand::Kind::kStopCarrier:
       world.stop_carrier();
       return;
@@ -77,7 +80,7 @@ std::vector<WorldCommand> read_commands(std::string_view bytes, const std::strin
   for (std::uint64_t i = 0; i < count; ++i) {
     WorldCommand& command = commands.emplace_back();
     archive_command(reader, command);
-    const bool known = command.kind <= WorldCommand::Kind::kPlaceObject &&
+    const bool known = command.kind <= WorldCommand::Kind::kDriveCarrier &&
                        command.mode >= GripperMode::kStop &&
                        command.mode <= GripperMode::kCurrent &&
                        command.texture.pattern >= Texture::Pattern::kNoise &&

@@ -18,7 +18,8 @@ struct WorldCommand {
     kStopCarrier,
     kAddObject,
     kRemoveObject,
-    kPlaceObject
+    kPlaceObject,
+    kDriveCarrier  // pose: its translation is the velocity; value: the yaw rate
   };
   std::int64_t step = 0;  // number of steps taken before it
   Kind kind = Kind::kGripper;

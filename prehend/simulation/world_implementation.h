@@ -102,6 +102,7 @@ struct World::Implementation {
   std::uint32_t next_id = 1;
   std::unique_ptr<WorldEngine> engine;  // null: native
   std::shared_ptr<const geometry::TriangleMesh> finger_mesh, housing_mesh, pad_mesh;
+  bool shows_robot = true;  // to cameras
 
   // The gripper's pads and slide.
   std::array<contact::PadMount, 2> mounts;

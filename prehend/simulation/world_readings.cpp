@@ -148,6 +148,8 @@ double World::energy() const {
   return sum;
 }
 
+void World::show_robot(bool show) { implementation_->shows_robot = show; }
+
 std::vector<VisibleBody> World::visible_bodies() const {
   const Implementation& world = *implementation_;
   std::vector<VisibleBody> bodies;
@@ -156,6 +158,7 @@ std::vector<VisibleBody> World::visible_bodies() const {
     bodies.push_back({model.name, model.mesh, body_pose(model, world.state.motion.bodies[i]),
                       model.texture, model.box.max().z()});
   }
+  if (!world.shows_robot) return bodies;
   const Texture metal{Texture::Pattern::kNoise, {0.45, 0.47, 0.5}, {0.5, 0.52, 0.55}, 0.1, 0.02, 3};
   const Texture foam{Texture::Pattern::kNoise, {0.1, 0.1, 0.1}, {0.14, 0.14, 0.14}, 0.2, 0.01, 4};
   const GripperPlacement gripper = world.placement();

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "prehend/control/arm_cycle.h"
+#include "prehend/control/cycle_in_world.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/platform.h"
 #include "prehend/simulation/robot_world.h"
@@ -18,68 +18,6 @@ namespace prehend::control {
 namespace {
 
 using geometry::RigidTransform;
-
-/// The arm of a RobotWorld, in the test's thread.
-struct WorldArm : ArmPort {
-  explicit WorldArm(simulation::RobotWorld& world_in) : world(world_in) {}
-  void follow(const JointPath& path, double contact_force) override {
-    simulation::TrajectoryRequest request;
-    request.joints = path.joints;
-    for (const JointPath::Point& p : path.points) {
-      request.points.push_back({p.time, p.position, p.velocity, p.acceleration});
-    }
-    try {
-      world.follow(request);
-      world.stop_on_contact(contact_force);
-    } catch (const std::invalid_argument& error) {
-      refused = error.what();
-    }
-  }
-  MotionStatus motion() override {
-    using Status = simulation::ArmDrive::Status;
-    if (!refused.empty()) return MotionStatus::kFailed;
-    if (world.arm().status() == Status::kReached) return MotionStatus::kReached;
-    if (world.arm().status() == Status::kMoving || !world.arm().at_rest()) {
-      return MotionStatus::kMoving;
-    }
-    return world.stopped_by_contact() ? MotionStatus::kContact : MotionStatus::kFailed;
-  }
-  std::string problem() override { return refused + world.arm().reason(); }
-  void stop() override { world.arm().stop(); }
-  simulation::RobotWorld& world;
-  std::string refused;
-};
-
-struct WorldHand : HandPort {
-  explicit WorldHand(simulation::RobotWorld& world_in) : world(world_in) {}
-  void move(const std::vector<std::string>& joints, const std::vector<double>& positions,
-            double speed, bool until_contact, const std::vector<double>& effort) override {
-    simulation::HandCommand command;
-    command.position = world.hand().targets();
-    if (!effort.empty()) command.effort = world.hand().most_efforts();
-    const std::vector<std::string>& names = world.motor_names();
-    for (std::size_t i = 0; i < joints.size(); ++i) {
-      const auto found = std::find(names.begin(), names.end(), "hand_" + joints[i]);
-      ASSERT_NE(found, names.end()) << joints[i];
-      command.position[found - names.begin()] = positions[i];
-      if (!effort.empty()) command.effort[found - names.begin()] = effort[i];
-    }
-    command.speed = speed;
-    command.until_contact = until_contact;
-    world.move_hand(command);
-  }
-  MotionStatus motion() override {
-    if (world.hand().moving()) return MotionStatus::kMoving;
-    return world.hand().reached() ? MotionStatus::kReached : MotionStatus::kContact;
-  }
-  std::string problem() override { return "refused"; }
-  std::vector<double> positions() override {
-    const Eigen::VectorXd q = world.hand_positions();
-    return {q.begin(), q.end()};
-  }
-  void stop() override { world.stop_hand(); }
-  simulation::RobotWorld& world;
-};
 
 /// From a stand at `from` to a stand at `to`, by way of `between` poses of the tool: as many points
 /// of inverse kinematics as make straight lines straight.
@@ -182,27 +120,12 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
     grasp.lifted_mass = 0.4;
   }
 
-  ArmPercepts percepts() const {
-    ArmPercepts now;
-    now.time = world.time();
-    for (const simulation::JointReading& joint : world.joints()) {
-      now.names.push_back(joint.name);
-      now.positions.push_back(joint.position);
-    }
-    now.wrist_force = world.wrist_wrench().force;
-    return now;
-  }
-
-  /// Runs to the end; before each step of the cycle `also` is called.
-  void run(ArmCycle& cycle, const std::function<void(const ArmCycle&)>& also = nullptr) {
-    cycle.step(percepts());
-    cycle.start({grasp});
-    while (!cycle.finished() && world.time() < 60) {
-      for (int i = 0; i < 20; ++i) world.step();
-      if (also) also(cycle);
+  /// Runs to the end; after each step of the cycle `also` is called.
+  void run(CycleInWorld& in_world, const std::function<void()>& also = nullptr) {
+    in_world.run({{grasp}, ""}, nullptr, [&] {
       highest = std::max(highest, world.body("box").height);
-      cycle.step(percepts());
-    }
+      if (also) also();
+    });
   }
   ArmCycleOptions options() const {
     ArmCycleOptions made;
@@ -215,14 +138,13 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
       robot::read_platform(std::string("config/robots/") + setup.platform);
   simulation::RobotWorld world{platform, simulation::Scene()};
   ArmGrasp grasp;
-  WorldArm arm{world};
-  WorldHand hand{world};
   double highest = 0;  // m, of the box
 };
 
 TEST_P(InSimulation, PicksABoxAndPutsItDown) {
-  ArmCycle cycle(options(), arm, hand);
-  run(cycle);
+  CycleInWorld in_world(world, options());
+  run(in_world);
+  const ArmCycle& cycle = in_world.cycle();
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_GT(highest, 0.09);
   for (int i = 0; i < 500; ++i) world.step();
@@ -243,18 +165,20 @@ TEST_P(InSimulation, HoldsWhatIsMuchLighterThanGuessedWithAnyOverrun) {
   grasp.lifted_mass = 4;
   ArmCycleOptions far = options();
   far.overrun = 2.5;
-  ArmCycle cycle(far, arm, hand);
-  run(cycle);
+  CycleInWorld in_world(world, far);
+  run(in_world);
+  const ArmCycle& cycle = in_world.cycle();
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_LT(world.body("box").height, 0.003);
 }
 
 // Regression: success was said without an object.
 TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
-  ArmCycle cycle(options(), arm, hand);
+  CycleInWorld in_world(world, options());
+  const ArmCycle& cycle = in_world.cycle();
   bool gone = false;
-  run(cycle, [&](const ArmCycle& now) {
-    if (gone || now.detail() != "arm: carry") return;
+  run(in_world, [&] {
+    if (gone || cycle.detail() != "arm: carry") return;
     gone = true;
     RigidTransform elsewhere = RigidTransform::Identity();
     elsewhere.translation() = Eigen::Vector3d(0.2, -0.3, 0);

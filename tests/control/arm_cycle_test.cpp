@@ -55,7 +55,7 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
                     HasSubstr("lifted 3.00 N"), HasSubstr("the hand is empty")));
   std::vector<std::string> phases;
   for (const auto& [name, seconds] : cycle.phase_times()) phases.push_back(name);
-  EXPECT_THAT(phases, ElementsAre("approach", "grasp", "lift", "move", "release"));
+  EXPECT_THAT(phases, ElementsAre("waiting", "approach", "grasp", "lift", "move", "release"));
 }
 
 TEST(ArmCycle, ReactsToContactAndLiftsFromWhereItStopped) {
@@ -107,6 +107,26 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
   cycle.start({fake_grasp()});
   f.run(cycle);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+}
+
+// Regression: every object that met the table where it was to stand was a surprise.
+TEST(ArmCycle, WhatBearsTheObjectSurprisesHighAboveItsPlaceOnly) {
+  for (const double touch_time : {0.4, 1.9}) {  // s, of the way down's 2 s
+    Fakes f;
+    ArmCycleOptions options;
+    options.reacts = true;
+    ArmCycle cycle(options, f.arm, f.hand);
+    cycle.step(f.now);
+    cycle.start({fake_grasp()});
+    f.arm.says[5] = MotionStatus::kMoving;
+    f.run(cycle, 4000, 5);
+    const double begun = f.now.time;
+    while (f.now.time < begun + touch_time) f.run(cycle, 1);
+    f.arm.says[5] = MotionStatus::kContact;
+    f.run(cycle);
+    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_EQ(surprising(cycle), touch_time < 1 ? 1 : 0) << touch_time;
+  }
 }
 
 // Regression: an overrun beyond a joint's limit was refused by the hand, and each attempt failed.

@@ -1,5 +1,6 @@
 // The cycle, the planner and the simulated world together: plan on the true shape, then grasp it.
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -119,9 +120,10 @@ TEST(ClosedLoop, WrongBeliefIsFeltAndSurvived) {
   const Outcome outcome = grasp_in_simulation(object, believed);
   EXPECT_TRUE(outcome.result.success) << outcome.result.reason;
   EXPECT_GE(outcome.raised, 0.1);
-  ASSERT_FALSE(outcome.surprises.empty());
-  EXPECT_EQ(outcome.surprises.front().kind, SurpriseKind::kOpeningAtContact);
-  EXPECT_TRUE(outcome.surprises.front().surprising);
+  EXPECT_TRUE(
+      std::any_of(outcome.surprises.begin(), outcome.surprises.end(), [](const Surprise& surprise) {
+        return surprise.kind == SurpriseKind::kOpeningAtContact && surprise.surprising;
+      }));
 }
 
 // Nothing stands where it is believed to be: the hand closes on air and gives up in words.

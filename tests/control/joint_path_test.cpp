@@ -29,6 +29,20 @@ double most(const JointPath& path, std::vector<double> JointPath::Point::*values
   return result;
 }
 
+TEST(NearestOnPath, IsOnItsLinesOrBesideThem) {
+  const JointPath path{{"a", "b"}, {{0, {0, 0}, {}, {}}, {2, {1, 0}, {}, {}}, {4, {1, 2}, {}, {}}}};
+  const PlaceOnPath first = nearest_on(path, {"a", "b"}, {0.5, 0.1});
+  EXPECT_NEAR(first.share, 0.25, 1e-12);
+  EXPECT_NEAR(first.off, 0.1, 1e-12);
+  const PlaceOnPath second = nearest_on(path, {"b", "a"}, {1, 1});
+  EXPECT_NEAR(second.share, 0.75, 1e-12);
+  EXPECT_NEAR(second.off, 0, 1e-12);
+  EXPECT_NEAR(nearest_on(path, {"a", "b"}, {1, 5}).share, 1, 1e-12);
+  EXPECT_NEAR(nearest_on(path, {"a", "b"}, {1, 5}).off, 3, 1e-12);
+  EXPECT_THROW(nearest_on(path, {"a"}, {1}), std::invalid_argument);
+  EXPECT_THROW(nearest_on({}, {"a"}, {1}), std::invalid_argument);
+}
+
 TEST(JoinedPath, FromWhereThePlanBeginsIsThePlan) {
   const JointPath path = quick_path(), same = joined(path, {"b", "a"}, {1, 0}, 0.5);
   for (std::size_t i = 0; i < path.points.size(); ++i) {

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "prehend/control/arm_cycle.h"
-#include "tests/control/grasp_cycle_fixture.h"
+#include "tests/control/gripper_cycle_fixture.h"
 
 namespace prehend::control {
 namespace {
@@ -22,7 +22,7 @@ struct Input {
   double limit;          // s
 };
 
-class LostInput : public GraspCycleTest,
+class LostInput : public GripperCycleTest,
                   public testing::WithParamInterface<std::tuple<Input, Phase>> {};
 
 TEST_P(LostInput, StopsAllMotionAndIsTheReason) {
@@ -31,7 +31,7 @@ TEST_P(LostInput, StopsAllMotionAndIsTheReason) {
   run(3, [&, phase = phase, name = input.name] {
     if (lost_at >= 0 || cycle.phase() != phase) return;
     // Not where the phase ends just then.
-    if (std::string(name).ends_with("motion") && !world.carrier_moving()) return;
+    if (std::string(name).ends_with("motion") && !world.arm_moving()) return;
     world.silence(name);
     lost_at = world.percepts().time;
   });
@@ -40,11 +40,11 @@ TEST_P(LostInput, StopsAllMotionAndIsTheReason) {
   EXPECT_THAT(cycle.result().reason, HasSubstr(std::string("lost ") + input.in_words));
   EXPECT_NEAR(world.percepts().time - lost_at, input.limit, 0.05);
   EXPECT_TRUE(world.stopped()) << "the jaws go on";
-  EXPECT_FALSE(world.carrier_moving()) << "the carrier goes on";
+  EXPECT_FALSE(world.arm_moving()) << "the stage goes on";
   EXPECT_EQ(cycle.result().attempts, 1) << "it tried another grasp";
 }
 
-const CycleOptions kDefaults;
+const ArmCycleOptions kDefaults;
 
 INSTANTIATE_TEST_SUITE_P(
     Sensors, LostInput,
@@ -52,26 +52,26 @@ INSTANTIATE_TEST_SUITE_P(
                                      Input{"left", "the left pad's frames", kDefaults.stale_time},
                                      Input{"right", "the right pad's frames", kDefaults.stale_time},
                                      Input{"wrist", "the wrist's force", kDefaults.stale_time},
-                                     Input{"carrier", "the carrier's state", kDefaults.stale_time}),
+                                     Input{"joints", "the joints' states", kDefaults.stale_time}),
                      testing::Values(Phase::kApproach, Phase::kGrasp, Phase::kLift, Phase::kMove,
                                      Phase::kRelease)));
 
 INSTANTIATE_TEST_SUITE_P(
     Servers, LostInput,
-    testing::Combine(testing::Values(Input{"carrier motion", "the server of the carrier's motion",
+    testing::Combine(testing::Values(Input{"arm motion", "the server of the arm's motion",
                                            kDefaults.answer_time}),
                      testing::Values(Phase::kApproach, Phase::kLift, Phase::kMove)));
 
-TEST_F(GraspCycleTest, AGripperWhoseServerIsGoneStopsTheCycle) {
+TEST_F(GripperCycleTest, AGripperWhoseServerIsGoneStopsTheCycle) {
   run(3, [&] { world.silence("gripper motion"); });
-  EXPECT_THAT(cycle.result().reason, HasSubstr("lost the server of the gripper's motion"));
+  EXPECT_THAT(cycle.result().reason, HasSubstr("lost the server of the hand's motion"));
   EXPECT_TRUE(world.stopped());
 }
 
-TEST_F(GraspCycleTest, WaitsForWhatHasNotSpokenYet) {
+TEST_F(GripperCycleTest, WaitsForWhatHasNotSpokenYet) {
   cycle.start({grasp_at(0)});
   for (int i = 0; i < 300; ++i) {
-    Percepts percepts = world.percepts();
+    ArmPercepts percepts = world.percepts();
     percepts.wrist_force.reset();
     cycle.step(percepts);
     world.advance();

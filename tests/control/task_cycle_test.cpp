@@ -1,4 +1,4 @@
-// Tasks as the cycles of both kinds of robots carry them out.
+// Tasks as the cycle carries them out, with a gripper that feels its grip and with fingers.
 
 #include <string>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/control/arm_cycle_fixture.h"
-#include "tests/control/grasp_cycle_fixture.h"
+#include "tests/control/gripper_cycle_fixture.h"
 
 namespace prehend::control {
 namespace {
@@ -22,46 +22,42 @@ std::vector<std::string> states_of(const Cycle& cycle) {
   return names;
 }
 
-template <class Options>
-Options doing(const Task& task) {
-  Options options;
+ArmCycleOptions doing(const Task& task, ArmCycleOptions options = reacting()) {
   options.task = task;
   options.look_timeout = task.all_objects ? 5 : 0;
   return options;
 }
 
-class TaskOfTheGripper : public GraspCycleTest {
+class TaskOfTheGripper : public GripperCycleTest {
  protected:
-  void step(GraspCycle& driven) {
+  void step(ArmCycle& driven) {
     driven.step(world.percepts());
     world.advance();
   }
-  void run_to_the_end(GraspCycle& driven) {
+  void run_to_the_end(ArmCycle& driven) {
     for (int i = 0; i < 60000 && !driven.finished(); ++i) step(driven);
     ASSERT_TRUE(driven.finished()) << driven.detail();
   }
-  void run_until_it_looks(GraspCycle& driven) {
+  void run_until_it_looks(ArmCycle& driven) {
     for (int i = 0; i < 60000 && !driven.finished() && !driven.looks_since(); ++i) step(driven);
     ASSERT_TRUE(driven.looks_since()) << driven.detail();
   }
 };
 
 TEST_F(TaskOfTheGripper, WorkCyclePutsItBackWhereItStood) {
-  GraspCycle working{robot::GripperModel{}, doing<CycleOptions>(task_named("work_cycle")), gripper,
-                     carrier};
+  ArmCycle working{doing(task_named("work_cycle")), arm, hand};
   working.start({grasp_at(0)});
   run_to_the_end(working);
   EXPECT_TRUE(working.result().success) << working.result().reason;
   EXPECT_THAT(states_of(working), ElementsAre("look", "approach", "grasp", "lift", "move_down",
                                               "release", "leave", "success"));
   EXPECT_NEAR(world.highest_object(), 0.15, 1e-3);
-  EXPECT_NEAR(world.X_WG().translation().y(), 0, 1e-9) << "it was not carried";
+  EXPECT_NEAR(world.p_WG().y(), 0, 1e-9) << "it was not carried";
   EXPECT_EQ(working.result().placed, 0);
 }
 
 TEST_F(TaskOfTheGripper, ShakesFiveTimes) {
-  GraspCycle shaking{robot::GripperModel{}, doing<CycleOptions>(task_named("shake_test")), gripper,
-                     carrier};
+  ArmCycle shaking{doing(task_named("shake_test")), arm, hand};
   shaking.start({grasp_at(0)});
   int ways = 0;
   bool high = false;
@@ -77,51 +73,50 @@ TEST_F(TaskOfTheGripper, ShakesFiveTimes) {
 
 TEST_F(TaskOfTheGripper, WhatIsLostInAShakeIsALoss) {
   world.lost_when_carried = false;
-  GraspCycle shaking{robot::GripperModel{}, doing<CycleOptions>(task_named("shake_test")), gripper,
-                     carrier};
+  ArmCycle shaking{doing(task_named("shake_test")), arm, hand};
   shaking.start({grasp_at(0)});
   for (int i = 0; i < 60000 && !shaking.finished(); ++i) {
     if (shaking.detail() == "lifting it again") world.object_width = 0;
     step(shaking);
   }
   EXPECT_FALSE(shaking.result().success);
-  EXPECT_THAT(shaking.result().reason, HasSubstr("lost while carrying"));
+  EXPECT_THAT(shaking.result().reason, HasSubstr("lost while lifting"));
 }
 
 TEST_F(TaskOfTheGripper, ClearsTheTableOfEveryObject) {
-  GraspCycle clearing{robot::GripperModel{}, doing<CycleOptions>(task_named("clear_table")),
-                      gripper, carrier};
+  const Eigen::Vector3d start = world.p_WG();
+  ArmCycle clearing{doing(task_named("clear_table")), arm, hand};
   clearing.start({grasp_at(0)});
   run_until_it_looks(clearing);
   EXPECT_TRUE(clearing.any_object());
   EXPECT_EQ(clearing.result().placed, 1);
-  clearing.take_plan({grasp_at(0.1)}, {0, 0.2, 0});
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << "it stands in the camera's view";
+  clearing.take_plan({grasp_at(0.1)});
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 2);
-  clearing.take_plan({}, {}, "none is left");
+  clearing.take_plan({}, "none is left");
   EXPECT_TRUE(clearing.result().success) << clearing.result().reason;
   EXPECT_THAT(clearing.result().reason, HasSubstr("2 objects were put at their place"));
   EXPECT_THAT(clearing.result().reason, HasSubstr("none is left"));
 }
 
 TEST_F(TaskOfTheGripper, GoesOnWithTheOthersWhereOneCannotBeHeld) {
-  GraspCycle clearing{robot::GripperModel{}, doing<CycleOptions>(task_named("clear_table")),
-                      gripper, carrier};
+  ArmCycle clearing{doing(task_named("clear_table")), arm, hand};
   world.object_is_anywhere = false;
   world.object_x = 0.2;
   clearing.start({grasp_at(0)});
   for (int attempt = 0; attempt < 2; ++attempt) {
     run_until_it_looks(clearing);
     EXPECT_FALSE(clearing.any_object()) << "the same object again";
-    clearing.take_plan({grasp_at(0.03 * (attempt + 1))}, {0, 0.2, 0});
+    clearing.take_plan({grasp_at(0.03 * (attempt + 1))});
   }
   run_until_it_looks(clearing);
   EXPECT_TRUE(clearing.any_object());
   EXPECT_EQ(clearing.given_up(), 1);
-  clearing.take_plan({grasp_at(0.2)}, {0, 0.2, 0});
+  clearing.take_plan({grasp_at(0.2)});
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 1);
-  clearing.take_plan({}, {}, "none is left");
+  clearing.take_plan({}, "none is left");
   EXPECT_FALSE(clearing.result().success) << "one was given up";
   EXPECT_THAT(clearing.result().reason, HasSubstr("1 given up"));
 }
@@ -138,11 +133,11 @@ states:
 )",
                                    "touching.yaml");
   world.obstacle_height = 0.06;
-  GraspCycle cautious{robot::GripperModel{}, doing<CycleOptions>(touching), gripper, carrier};
+  ArmCycle cautious{doing(touching), arm, hand};
   cautious.start({grasp_at(0)});
   double before = 0;
   for (int i = 0; i < 60000 && !cautious.finished(); ++i) {
-    if (cautious.detail() == "approaching") before = world.percepts().time;
+    if (cautious.detail() == "arm: approach") before = world.percepts().time;
     step(cautious);
   }
   EXPECT_TRUE(cautious.result().success) << cautious.result().reason;
@@ -150,7 +145,7 @@ states:
   EXPECT_GT(world.percepts().time - before, 0.5);
   for (const Surprise& surprise : cautious.surprises()) EXPECT_FALSE(surprise.surprising);
   world.obstacle_height = -1;
-  GraspCycle in_vain{robot::GripperModel{}, doing<CycleOptions>(touching), gripper, carrier};
+  ArmCycle in_vain{doing(touching), arm, hand};
   in_vain.start({grasp_at(0)});
   run_to_the_end(in_vain);
   EXPECT_FALSE(in_vain.result().success);
@@ -158,7 +153,7 @@ states:
 
 TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
   Fakes f;
-  ArmCycle cycle(doing<ArmCycleOptions>(task_named("work_cycle")), f.arm, f.hand);
+  ArmCycle cycle(doing(task_named("work_cycle"), {}), f.arm, f.hand);
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
@@ -171,7 +166,7 @@ TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
 
 TEST(TaskOfTheArm, ShakesAlongItsLift) {
   Fakes f;
-  ArmCycle cycle(doing<ArmCycleOptions>(task_named("shake_test")), f.arm, f.hand);
+  ArmCycle cycle(doing(task_named("shake_test"), {}), f.arm, f.hand);
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
@@ -185,7 +180,7 @@ TEST(TaskOfTheArm, ShakesAlongItsLift) {
 
 TEST(TaskOfTheArm, ClearsTheTableOfEveryObject) {
   Fakes f;
-  ArmCycle cycle(doing<ArmCycleOptions>(task_named("clear_table")), f.arm, f.hand);
+  ArmCycle cycle(doing(task_named("clear_table"), {}), f.arm, f.hand);
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   for (int object = 1; object <= 2; ++object) {
@@ -206,7 +201,7 @@ TEST(TaskOfTheArm, ClearsTheTableOfEveryObject) {
 
 TEST(TaskOfTheArm, APlanWithoutAPlaceIsPutBack) {
   Fakes f;
-  ArmCycleOptions options = doing<ArmCycleOptions>(task_named("sort"));
+  ArmCycleOptions options = doing(task_named("sort"), {});
   options.largest_attempts = 1;
   ArmCycle cycle(options, f.arm, f.hand);
   cycle.step(f.now);

@@ -41,6 +41,37 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
             "grasp 3 (score 0.70, held in 90 % of the disturbed trials)");
 }
 
+TEST(ArmGrasps, AreTheSameThereAndBack) {
+  control::ArmGrasp grasp;
+  control::JointPath path{{"arm_1"}, {{0, {0.1}, {0}, {0}}, {0.02, {0.3}, {0}, {1.5}}}};
+  grasp.segments = {{"reach", path}, {"lift", control::reversed(path)}};
+  grasp.hand_joints = {"hand_a", "hand_b"};
+  grasp.hand = {Eigen::Vector2d(0.1, 0.3), Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1, 0),
+                Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)};
+  grasp.effort = 0.4;
+  grasp.largest_effort = {2, 3};
+  msgs::Grasp message;
+  *message.mutable_x_wg() = to_message(geometry::RigidTransform::Identity());
+  add_motion(grasp, &message);
+  ASSERT_TRUE(has_arm_motion(message));
+  const control::ArmGrasp back = arm_grasp_from_message(message);
+  ASSERT_EQ(back.segments.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(back.segments[i].first, grasp.segments[i].first);
+    EXPECT_EQ(back.segments[i].second.joints, path.joints);
+    ASSERT_EQ(back.segments[i].second.points.size(), 2u);
+    EXPECT_EQ(back.segments[i].second.points[1].position,
+              grasp.segments[i].second.points[1].position);
+  }
+  EXPECT_EQ(back.hand_joints, grasp.hand_joints);
+  EXPECT_EQ(back.hand.closed, grasp.hand.closed);
+  EXPECT_EQ(back.hand.rate, grasp.hand.rate);
+  EXPECT_EQ(back.hand.lower, grasp.hand.lower);
+  EXPECT_EQ(back.hand.upper, grasp.hand.upper);
+  EXPECT_EQ(back.effort, 0.4);
+  EXPECT_EQ(back.largest_effort, grasp.largest_effort);
+}
+
 TEST(ArmGrasps, PlansWithoutThemCloseWhatMoves) {
   const control::ArmGrasp made = arm_grasp_from_message(arm_grasp());
   EXPECT_TRUE(made.hand.at(0.5).isApprox(Eigen::Vector2d(1.3, 0.3)));

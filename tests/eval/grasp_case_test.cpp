@@ -39,6 +39,9 @@ TEST(GraspCase, IsReadAsItWasWritten) {
   GraspCase written = case_of("can", {trial_of("predicted", 3, 2, true)});
   written.others = 2;
   written.trials[0].slip = 0.0012345678901234;
+  written.trials[0].stage = "lift";
+  written.trials[0].surprises = {{control::SurpriseKind::kTactileSum, 8, 5.25, 0, true, ""},
+                                 {control::SurpriseKind::kMotion, 1, std::nan(""), 0, false, ""}};
   write_grasp_case(folder.path / "a.yaml", written);
   const GraspCase read = read_grasp_case(folder.path / "a.yaml");
   EXPECT_EQ(read.case_name, written.case_name);
@@ -48,10 +51,23 @@ TEST(GraspCase, IsReadAsItWasWritten) {
   EXPECT_EQ(read.trials[0].outcome, written.trials[0].outcome);
   EXPECT_EQ(read.trials[0].slip, written.trials[0].slip);
   EXPECT_TRUE(std::isnan(read.trials[0].contact_error));
+  EXPECT_EQ(read.trials[0].stage, "lift");
+  ASSERT_EQ(read.trials[0].surprises.size(), 2u);
+  EXPECT_EQ(read.trials[0].surprises[0].kind, control::SurpriseKind::kTactileSum);
+  EXPECT_EQ(read.trials[0].surprises[0].predicted, 8);
+  EXPECT_EQ(read.trials[0].surprises[0].felt, 5.25);
+  EXPECT_TRUE(read.trials[0].surprises[0].surprising);
+  EXPECT_EQ(read.trials[0].surprises[1].kind, control::SurpriseKind::kMotion);
+  EXPECT_TRUE(std::isnan(read.trials[0].surprises[1].felt));
   EXPECT_TRUE(read.trials[0].lifted);
   EXPECT_FALSE(read.trials[0].lifted_at_first());
   write_text(folder.path / "b.yaml", "[1, 2]\n");
   EXPECT_THROW(read_grasp_case(folder.path / "b.yaml"), geometry::InputError);
+  for (const int kind : {-1, 11}) {
+    written.trials[0].surprises[0].kind = static_cast<control::SurpriseKind>(kind);
+    write_grasp_case(folder.path / "c.yaml", written);
+    EXPECT_THROW(read_grasp_case(folder.path / "c.yaml"), geometry::InputError) << kind;
+  }
 }
 
 TEST(GraspTotals, CountOnlyObjectsThatFit) {

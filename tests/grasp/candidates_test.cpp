@@ -1,4 +1,4 @@
-#include "prehend/grasp/candidates.h"
+#include "prehend/grasp/generators/candidates.h"
 
 #include <algorithm>
 #include <cmath>

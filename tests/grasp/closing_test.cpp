@@ -1,4 +1,4 @@
-#include "prehend/grasp/closing.h"
+#include "prehend/grasp/closing/close_pads.h"
 
 #include <cmath>
 #include <numbers>

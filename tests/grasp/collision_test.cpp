@@ -1,4 +1,4 @@
-#include "prehend/grasp/collision.h"
+#include "prehend/grasp/closing/collision.h"
 
 #include <limits>
 

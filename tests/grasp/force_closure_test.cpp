@@ -1,4 +1,4 @@
-#include "prehend/grasp/force_closure.h"
+#include "prehend/grasp/wrench/force_closure.h"
 
 #include <algorithm>
 #include <cmath>

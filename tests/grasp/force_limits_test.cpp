@@ -1,4 +1,4 @@
-#include "prehend/grasp/force_limits.h"
+#include "prehend/grasp/wrench/force_limits.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "prehend/grasp/dense_programme.h"
+#include "prehend/grasp/wrench/dense_programme.h"
 #include "tests/grasp/hand_scene.h"
 
 namespace prehend::grasp {
@@ -138,7 +138,7 @@ TEST(HandForces, DoTheWorkOfTheirMotors) {
       std::vector<RigidTransform> poses;
       model.link_poses(closed.all, poses);
       for (const robot::Finger& finger : model.fingers) {
-        HandContact contact;
+        GraspContact contact;
         contact.link = finger.links.back();
         contact.contact_W.point =
             X_WH * (poses[static_cast<std::size_t>(contact.link)] * Vector3d(0.01, 0.004, 0.03));
@@ -188,7 +188,7 @@ TEST(HandForces, BrokenAwayOuterJointIsAloneOnItsMotor) {
   ClosedFingers closed;
   closed.all = model.all_positions(model.preshape("spread_0").open);
   closed.broken_away.assign(3, 0);
-  HandContact contact;
+  GraspContact contact;
   contact.link = model.model.link_index("finger_3_inner_link");
   contact.contact_W = {Vector3d(-0.08, 0, 0.12), Vector3d::UnitX(), 0.5, 0};
   closed.contacts = {contact};

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "prehend/grasp/generator.h"
+#include "prehend/grasp/generators/generator.h"
 #include "prehend/grasp/ledger.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
@@ -162,26 +162,26 @@ TEST(Generators, UnknownNameIsToldTheNearest) {
 
 TEST(Ledger, KeepsTheNearestMiss) {
   Ledger ledger;
-  ledger.reject("too wide", "circles", Miss{Miss::Quantity::kLength, 0.094, 0.069});
-  ledger.reject("too wide", "circles", Miss{Miss::Quantity::kLength, 0.074, 0.069});
-  ledger.reject("too wide", "circles");
-  ledger.reject("too wide", "boxes");
-  ledger.reject("turns", "circles", Miss{Miss::Quantity::kAngle, 0.2, 0.1});
+  ledger.reject(Reason::kTooWide, "circles", Miss{Miss::Quantity::kLength, 0.094, 0.069});
+  ledger.reject(Reason::kTooWide, "circles", Miss{Miss::Quantity::kLength, 0.074, 0.069});
+  ledger.reject(Reason::kTooWide, "circles");
+  ledger.reject(Reason::kTooWide, "boxes");
+  ledger.reject(Reason::kTurns, "circles", Miss{Miss::Quantity::kAngle, 0.2, 0.1});
   const auto rejections = ledger.rejections();
   ASSERT_EQ(rejections.size(), 3u);
   EXPECT_EQ(rejections[0].nearest_miss, "74.0 mm > 69.0 mm");
   EXPECT_EQ(rejections[0].count, 3);
   EXPECT_EQ(rejections[1].nearest_miss, "");
   EXPECT_EQ(rejections[2].nearest_miss, "11.5 deg > 5.7 deg");
-  constexpr std::array kTested{"turns", "too wide"};
-  ledger.reject("no time", "circles");
+  constexpr std::array kTested{Reason::kTurns, Reason::kTooWide};
+  ledger.reject(Reason::kNoTime, "circles");
   const auto ordered = ledger.rejections(kTested);
   ASSERT_EQ(ordered.size(), 4u);
-  EXPECT_EQ(ordered[0].reason, "turns");
+  EXPECT_EQ(ordered[0].reason, Reason::kTurns);
   EXPECT_EQ(ordered[1].generator, "circles");
   EXPECT_EQ(ordered[2].generator, "boxes");
-  EXPECT_EQ(ordered[3].reason, "no time");
-  EXPECT_EQ(ledger.count("too wide"), 4);
+  EXPECT_EQ(ordered[3].reason, Reason::kNoTime);
+  EXPECT_EQ(ledger.count(Reason::kTooWide), 4);
   EXPECT_EQ(ledger.total(), 6);
   EXPECT_EQ(to_text({Miss::Quantity::kLength, -0.0032, 0.004}), "-3.2 mm < 4.0 mm");
   // It was "30.0 mm > 30.0 mm".

@@ -1,4 +1,4 @@
-#include "prehend/grasp/grasp_database.h"
+#include "prehend/grasp/known/grasp_database.h"
 
 #include <sqlite3.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 // Plans with a database behind them: stored grasps are reused where they serve.
 
-#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known/grasp_memory.h"
 
 #include <unistd.h>
 
@@ -40,18 +40,19 @@ class Memory : public ::testing::Test {
   static geometry::TriangleMesh mesh() {
     return moved(geometry::make_box({0.04, 0.05, 0.1}), Vector3d(0, 0, 0.05));
   }
-  GraspPlanResult plan(const PlacedObject& placed, const Obstacles& obstacles = {}) {
+  GraspPlan plan(const PlacedObject& placed, const Obstacles& obstacles = {}) {
     surface::ObjectModel object;
     object.mesh_W = moved(mesh(), placed.X_WO);
     Reachability from_above;
     from_above.approach_W = -Vector3d::UnitZ();
     return plan_grasps_with_memory(*database_, placed, object, geometry::Plane{}, obstacles,
-                                   kMemoryGripper, from_above, options_, &remembered_);
+                                   HandToClose(gripper_), from_above, options_, &remembered_);
   }
   std::vector<StoredGrasp> stored() const {
     return database_->grasps(kMemoryGripper.name, content_hash(mesh()));
   }
 
+  robot::HandModel gripper_ = robot::parallel_hand(kMemoryGripper);
   std::filesystem::path folder_;
   std::optional<GraspDatabase> database_;
   PlannerOptions options_;
@@ -128,7 +129,7 @@ TEST_F(Memory, WhatFailedRanksLower) {
 TEST_F(Memory, HandsRememberPreshapes) {
   const TestHand hand("sdh2");
   const PlacedObject here = at({0.1, 0, 0}, 0.3), there = at({-0.2, 0.1, 0}, 1.9);
-  HandPlannerOptions options;
+  PlannerOptions options = default_options(hand.model);
   options.candidates.circles.directions_per_circle = 4;
   options.candidates.circles.rolls = 2;
   options.candidates.circles.standoffs = 2;
@@ -137,13 +138,13 @@ TEST_F(Memory, HandsRememberPreshapes) {
   const auto plan_at = [&](const PlacedObject& placed) {
     surface::ObjectModel object;
     object.mesh_W = moved(mesh(), placed.X_WO);
-    return plan_hand_grasps_with_memory(*database_, placed, object, geometry::Plane{}, {},
+    return plan_grasps_with_memory(*database_, placed, object, geometry::Plane{}, {},
                                         hand.ready, {}, options, &remembered_);
   };
-  const HandPlan first = plan_at(here);
+  const GraspPlan first = plan_at(here);
   ASSERT_FALSE(first.grasps.empty());
   EXPECT_FALSE(remembered_.reused);
-  const HandPlan second = plan_at(there);
+  const GraspPlan second = plan_at(there);
   EXPECT_TRUE(remembered_.reused);
   ASSERT_FALSE(second.grasps.empty());
   EXPECT_LE(second.candidates, remembered_.stored);
@@ -154,7 +155,7 @@ TEST_F(Memory, HandsRememberPreshapes) {
   auto known = database_->grasps(hand.model.name, here.hash);
   for (auto& grasp : known) grasp.joints.front() += 0.1;
   database_->replace(hand.model.name, here.hash, "carton", known);
-  const HandPlan third = plan_at(here);
+  const GraspPlan third = plan_at(here);
   EXPECT_FALSE(remembered_.reused);
   EXPECT_EQ(third.grasps.size(), first.grasps.size());
 }

@@ -34,7 +34,7 @@ Reachability along(const Vector3d& approach) {
 }
 
 /// Plans on what stands on the table; every candidate must be accounted for and every grasp be one.
-GraspPlanResult plan(const TriangleMesh& mesh, const PlannerOptions& options = few(),
+GraspPlan plan(const TriangleMesh& mesh, const PlannerOptions& options = few(),
                      const Obstacles& obstacles = {}) {
   surface::ObjectModel object;
   object.mesh_W = moved(mesh, Vector3d(0, 0, -geometry::bounds(mesh).min().z()));
@@ -49,8 +49,8 @@ GraspPlanResult plan(const TriangleMesh& mesh, const PlannerOptions& options = f
     EXPECT_GE(grasp.score, 0);
     EXPECT_GT(grasp.quality, 0);
     EXPECT_TRUE(grasp.X_WG.matrix().allFinite());
-    EXPECT_GT(grasp.grasp_force, 0);
-    EXPECT_LE(grasp.pregrasp_opening, kGripper.max_opening);
+    EXPECT_GT(grasp.force, 0);
+    EXPECT_LE(pregrasp_opening(grasp), kGripper.max_opening);
   }
   return result;
 }
@@ -105,18 +105,18 @@ TEST(GripperExtremes, DegenerateTrianglesChangeNothing) {
 TEST(GripperExtremes, FrictionOfNearlyNoneAndOfTwo) {
   const TriangleMesh carton = geometry::make_box({0.04, 0.05, 0.1});
   PlannerOptions options = few();
-  options.friction = options.uncertainty.least_friction = options.uncertainty.largest_friction =
+  options.pads.friction = options.uncertainty.least_friction = options.uncertainty.largest_friction =
       1e-6;
   const auto none = plan(carton, options);
   EXPECT_TRUE(none.grasps.empty());
-  options.friction = 0;
+  options.pads.friction = 0;
   EXPECT_THROW(plan(carton, options), std::invalid_argument);
-  options.friction = options.uncertainty.largest_friction = 2;
+  options.pads.friction = options.uncertainty.largest_friction = 2;
   const auto rough = plan(carton, options);
   const auto usual = plan(carton);
   ASSERT_FALSE(rough.grasps.empty());
   EXPECT_GE(rough.grasps.size(), usual.grasps.size());
-  EXPECT_LE(rough.grasps.front().grasp_force, usual.grasps.front().grasp_force);
+  EXPECT_LE(rough.grasps.front().force, usual.grasps.front().force);
 }
 
 TEST(GripperExtremes, TouchingANeighbourOrFiveMillimetresFromIt) {

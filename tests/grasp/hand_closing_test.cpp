@@ -1,4 +1,4 @@
-#include "prehend/grasp/hand_closing.h"
+#include "prehend/grasp/closing/close_fingers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -110,7 +110,7 @@ TEST(CloseFingers, ParallelFingersStopAtTheBoxFaces) {
       EXPECT_NEAR(sdh.position(closed, "thumb_proximal") + sdh.position(closed, "thumb_distal"), 0,
                   1e-9);
       ASSERT_EQ(closed.contacts.size(), 3u);
-      for (const HandContact& contact : closed.contacts) {
+      for (const GraspContact& contact : closed.contacts) {
         const bool is_thumb = contact.finger == 2;
         EXPECT_NEAR(contact.contact_W.point.x(), middle + (is_thumb ? -1 : 1) * width / 2, 1e-5);
         EXPECT_NEAR(contact.contact_W.normal.x(), is_thumb ? 1 : -1, 1e-3);
@@ -137,7 +137,7 @@ TEST(CloseFingers, BallBetweenThreeFingersIsMetAlikeByAll) {
     for (const char* joint : {"finger_1_proximal", "finger_2_proximal", "thumb_proximal"}) {
       EXPECT_NEAR(sdh.position(closed, joint), expected, kAngle) << radius;
     }
-    for (const HandContact& contact : closed.contacts) {
+    for (const GraspContact& contact : closed.contacts) {
       sum += contact.contact_W.normal;
       // Towards the middle of the ball.
       EXPECT_GT(contact.contact_W.normal.dot(

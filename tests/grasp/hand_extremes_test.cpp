@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/grasp/hand_planner.h"
-#include "prehend/grasp/wrench_hull.h"
+#include "prehend/grasp/planner.h"
+#include "prehend/grasp/wrench/wrench_hull.h"
 #include "tests/grasp/hand_scene.h"
 
 namespace prehend::grasp {
@@ -20,8 +20,8 @@ using geometry::TriangleMesh;
 
 const RigidTransform kHere = RigidTransform::Identity();
 
-HandPlannerOptions few() {
-  HandPlannerOptions options;
+PlannerOptions few() {
+  PlannerOptions options = default_options(TestHand("sdh2").model);
   options.candidates.circles.directions_per_circle = 4;
   options.candidates.circles.rolls = 2;
   options.candidates.circles.standoffs = 2;
@@ -40,12 +40,12 @@ int plan_both(const TriangleMesh& mesh, double friction = -1) {
     robot::HandModel model = robot::read_hand_model(std::string("config/robots/") + name + ".yaml");
     if (friction >= 0) model.friction = friction;
     const HandToClose hand(model);
-    const HandPlan plan = plan_hand_grasps(object, geometry::Plane{}, {}, hand, {}, few());
+    const GraspPlan plan = plan_grasps(object, geometry::Plane{}, {}, hand, {}, few());
     int counted = static_cast<int>(plan.grasps.size());
     for (const Rejection& rejection : plan.rejections) counted += rejection.count;
     EXPECT_EQ(counted, plan.candidates) << name;
     EXPECT_EQ(plan.grasps.empty(), !plan.problem.empty()) << name;
-    for (const HandGrasp& grasp : plan.grasps) {
+    for (const Grasp& grasp : plan.grasps) {
       EXPECT_TRUE(std::isfinite(grasp.score) && grasp.score > 0) << name;
       EXPECT_GT(grasp.quality, 0) << name;
       EXPECT_TRUE(grasp.closed_all.allFinite()) << name;
@@ -104,7 +104,7 @@ TEST(HandExtremes, MeshesThatAreNotSolids) {
   surface::ObjectModel object;
   object.mesh_W = undefined;
   const TestHand hand("sdh2");
-  EXPECT_THROW(plan_hand_grasps(object, geometry::Plane{}, {}, hand.ready, {}, few()),
+  EXPECT_THROW(plan_grasps(object, geometry::Plane{}, {}, hand.ready, {}, few()),
                geometry::InputError);
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/grasp/hand_closing.h"
+#include "prehend/grasp/closing/close_fingers.h"
 
 namespace prehend::grasp {
 

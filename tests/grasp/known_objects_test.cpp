@@ -1,6 +1,6 @@
 // Known objects in rendered views: the right one is found where it stands, others are refused.
 
-#include "prehend/grasp/known_objects.h"
+#include "prehend/grasp/known/known_objects.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -31,19 +31,19 @@ Reachability carrier() {
   return reachability;
 }
 
-int rejected(const GraspPlanResult& result, const std::string& reason) {
+int rejected(const GraspPlan& result, Reason reason) {
   int count = 0;
   for (const Rejection& entry : result.rejections)
     count += entry.reason == reason ? entry.count : 0;
   return count;
 }
 
-int rejected(const GraspPlanResult& result) {
+int rejected(const GraspPlan& result) {
   return std::accumulate(result.rejections.begin(), result.rejections.end(), 0,
                          [](int sum, const Rejection& entry) { return sum + entry.count; });
 }
 
-GraspPlanResult plan(const std::string& name, const surface::ObjectModel& object,
+GraspPlan plan(const std::string& name, const surface::ObjectModel& object,
                      const Reachability& reachability = carrier(),
                      const Obstacles& obstacles = {}) {
   const auto start = std::chrono::steady_clock::now();
@@ -54,7 +54,7 @@ GraspPlanResult plan(const std::string& name, const surface::ObjectModel& object
   std::printf("%s: %d candidates, %zu grasps listed, %.3f s, %s\n", name.c_str(), result.candidates,
               result.grasps.size(), seconds, result.problem.c_str());
   for (const Rejection& entry : result.rejections) {
-    std::printf("  %5d %s (%s)\n", entry.count, entry.reason.c_str(), entry.nearest_miss.c_str());
+    std::printf("  %5d %s (%s)\n", entry.count, to_string(entry.reason).c_str(), entry.nearest_miss.c_str());
   }
   EXPECT_EQ(static_cast<int>(result.grasps.size()) + rejected(result), result.candidates);
   EXPECT_EQ(result.grasps.empty(), !result.problem.empty());
@@ -71,7 +71,7 @@ TEST(PlanGrasps, CubeFromAbove) {
   const Grasp& best = result.grasps.front();
   EXPECT_NEAR(best.predicted.opening, 0.05, 5e-4);
   EXPECT_NEAR(best.predicted.lifted_mass, 0.1, 1e-3);
-  EXPECT_NEAR(best.predicted.tactile_sum, best.grasp_force, 0.02 * best.grasp_force);
+  EXPECT_NEAR(best.predicted.tactile_sum, best.force, 0.02 * best.force);
   EXPECT_NEAR(best.approach_W.z(), -1, 1e-12);
   EXPECT_NEAR(best.X_WG.translation().x(), 0.4, 1e-3);
   EXPECT_NEAR(best.X_WG.translation().y(), 0.1, 1e-3);
@@ -79,8 +79,11 @@ TEST(PlanGrasps, CubeFromAbove) {
   // The fingertips stay over the table.
   EXPECT_GT((best.X_WG * Eigen::Vector3d(0, 0, kPlannerGripper.tip_z())).z(), 0.0039);
   // The contacts lie on opposite faces of the cube, 50 mm apart.
-  ASSERT_FALSE(best.left_contacts_W.empty());
-  const Eigen::Vector3d apart = best.left_contacts_W.front() - best.right_contacts_W.front();
+  ASSERT_FALSE(best.contacts.empty());
+  EXPECT_EQ(best.contacts.front().pad, 0);
+  EXPECT_EQ(best.contacts.back().pad, 1);
+  const Eigen::Vector3d apart =
+      best.contacts.front().contact_W.point - best.contacts.back().contact_W.point;
   EXPECT_NEAR(std::abs(apart.dot(best.X_WG.linear().col(1))), 0.05, 1e-3);
 }
 
@@ -141,7 +144,7 @@ TEST(PlanGrasps, LedgerSaysHowNearTheBestCame) {
       plan("box 80 mm", object_at(geometry::make_box({0.12, 0.08, 0.1}), {0.4, 0, 0.05}, 0.2));
   bool told = false;
   for (const Rejection& entry : result.rejections) {
-    if (entry.reason != "wider than the gripper opens" || entry.generator != "circles") continue;
+    if (entry.reason != Reason::kTooWide || entry.generator != "circles") continue;
     EXPECT_EQ(entry.nearest_miss, "80.0 mm > 66.0 mm");
     told = true;
   }
@@ -197,10 +200,10 @@ TEST(PlanGrasps, ALittleTooWideIsListedWithARemarkAndNotRobust) {
   for (const auto& grasp : tried.grasps) {
     EXPECT_NE(grasp.remark.find("68.0 mm wide by the prediction"), std::string::npos)
         << grasp.remark;
-    EXPECT_LE(grasp.pregrasp_opening, kPlannerGripper.max_opening);
+    EXPECT_LE(pregrasp_opening(grasp), kPlannerGripper.max_opening);
     EXPECT_EQ(grasp.robustness, 0);
   }
-  options.width_tolerance = 0;
+  options.pads.width_tolerance = 0;
   EXPECT_TRUE(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options)
                   .grasps.empty());
 }
@@ -246,7 +249,7 @@ TEST(PlanGrasps, OutOfTimeSaysWhatWasNotTried) {
   const auto result = plan_grasps(object_at(geometry::make_box({0.05, 0.05, 0.05}), {0, 0, 0.025}),
                                   geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   EXPECT_TRUE(result.grasps.empty());
-  EXPECT_EQ(rejected(result, "not tried: the time was used up"), result.candidates);
+  EXPECT_EQ(rejected(result, Reason::kNoTime), result.candidates);
   EXPECT_NE(result.problem.find("not tried"), std::string::npos) << result.problem;
 }
 
@@ -288,7 +291,7 @@ TEST(PlanGrasps, NeighboursNarrowTheChoice) {
   }
   const auto between = plan("cube 40 mm between walls", cube, carrier(), walls);
   ASSERT_FALSE(alone.grasps.empty());
-  EXPECT_GT(rejected(between, "hand would hit another object"), 0);
+  EXPECT_GT(rejected(between, Reason::kObstacle), 0);
   for (const auto& grasp : between.grasps) {
     EXPECT_GT(std::abs(grasp.X_WG.linear().col(1).x()), 0.9);
   }
@@ -315,7 +318,7 @@ TEST(PlanGrasps, NarrowerOpeningBesideANeighbour) {
   bool narrowed = false;
   for (const auto& grasp : result.grasps) {
     if (std::abs(grasp.X_WG.linear().col(1).y()) > 0.9) {
-      EXPECT_LT(grasp.pregrasp_opening, 0.045);
+      EXPECT_LT(pregrasp_opening(grasp), 0.045);
       narrowed = true;
     }
   }

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/grasp/known_objects.h"
+#include "prehend/grasp/known/known_objects.h"
 
 namespace prehend::grasp {
 

@@ -1,4 +1,4 @@
-#include "prehend/grasp/solid_balls.h"
+#include "prehend/grasp/closing/solid_balls.h"
 
 #include <cmath>
 #include <filesystem>

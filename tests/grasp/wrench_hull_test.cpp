@@ -1,4 +1,4 @@
-#include "prehend/grasp/wrench_hull.h"
+#include "prehend/grasp/wrench/wrench_hull.h"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "prehend/grasp/force_closure.h"
+#include "prehend/grasp/wrench/force_closure.h"
 
 namespace prehend::grasp {
 namespace {

@@ -12,7 +12,7 @@
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
-#include "prehend/grasp/grasp_database.h"
+#include "prehend/grasp/known/grasp_database.h"
 #include "prehend/surface/model.h"
 #include "tests/grasp/seen_object.h"
 #include "tests/launch/supervision_fixture.h"

@@ -244,12 +244,15 @@ struct Crowd {
         model(platform.with_hand_at(
             platform.hand.all_positions(platform.hand.preshapes.front().open))),
         chain(platform.arm_chain()) {
-    world.add_box("table", at(0.5, 0, -0.1), {1.2, 1.2, 0.2});
+    // Round the base of an arm; a stage hangs over them.
+    const double low = chain.joints().front().is_revolute ? 0 : -1.4;  // m
+    world.add_box("table", at(0.5, 0, low - 0.1), {1.2, 1.2, 0.2});
     std::mt19937_64 random(3);
     for (int i = 0; i < 6; ++i) {
       const double angle = i;
       RigidTransform X = any_pose(random, 0.1);
-      X.translation() += Vector3d(0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.4 + 0.1 * i);
+      X.translation() +=
+          Vector3d(0.6 * std::cos(angle), 0.6 * std::sin(angle), low + 0.4 + 0.1 * i);
       world.add_box("box", X, {0.1, 0.2, 0.3});
     }
     for (int i = 0; i < 6; ++i) {
@@ -258,7 +261,7 @@ struct Crowd {
       for (int k = 0; k < 40; ++k) {
         const Vector3d at_piece = any_pose(random, 1).translation().normalized();
         piece.vertices.push_back(X * Vector3d(at_piece.cwiseProduct(Vector3d(0.05, 0.1, 0.15))) +
-                                 Vector3d(0, 0, 0.8));
+                                 Vector3d(0, 0, low + 0.8));
       }
       world.add_convex("piece", piece);
     }
@@ -308,7 +311,7 @@ TEST_P(CheckersOn, AgreeOnTenThousandPoses) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Platforms, CheckersOn,
-                         ::testing::Values("kr5_pg70", "kr5_sdh", "pa10_barrett"),
+                         ::testing::Values("kr5_pg70", "kr5_sdh", "pa10_barrett", "stage_pg70"),
                          [](const auto& platform) { return platform.param; });
 
 TEST(PickMotion, EveryPlannerAndCheckerPicks) {

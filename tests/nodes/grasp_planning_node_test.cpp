@@ -169,14 +169,14 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   };
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "friction:=0.5"}),
               HasSubstr("'friction' does not apply with a hand of fingers"));
-  EXPECT_THAT(refusal({"home:=side"}), HasSubstr("'home' does not apply without a platform"));
-  EXPECT_THAT(refusal({"path_planner:=ompl_bitrrt"}),
-              HasSubstr("'path_planner' does not apply without a platform"));
-  EXPECT_THAT(refusal({"collision_checker:=fcl"}),
-              HasSubstr("'collision_checker' does not apply without a platform"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "front:=config/fidelity/plan.yaml"}),
+              HasSubstr("'front' does not apply with a hand of fingers"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper:=config/robots/pg70_dsa.yaml"}),
+              HasSubstr("gripper does not apply: the platform has its own hand"));
+  EXPECT_THAT(refusal({"platform:="}), HasSubstr("There is no platform ''"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "path_planner:=rrt_conect"}),
               AllOf(HasSubstr("ompl_bitrrt"), HasSubstr("the nearest is rrt_connect")));
-  EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "rolls:=4"}),
+  EXPECT_THAT(refusal({"budget:=0.3", "rolls:=4"}),
               HasSubstr("'rolls' does not apply beside a budget"));
   EXPECT_THAT(refusal({"budget:=0.3", "front:=config/fidelity/plan.yaml", "generators:=[boxes]"}),
               HasSubstr("'generators' does not apply beside a budget"));
@@ -198,6 +198,31 @@ TEST_F(GraspPlanningNode, FlatPiecesAreObstaclesAndCanBeHeld) {
     EXPECT_THAT(plan.problem(), IsEmpty()) << "object " << id;
     ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
     EXPECT_GT(plan.grasps(0).arm_size(), 0) << "object " << id;
+  }
+}
+
+// Of a stage too: its joints' motions, the gripper's own words, and the gripper they are for.
+TEST_F(GraspPlanningNode, AStageIsAPlatformLikeTheOthers) {
+  start({"gripper:=config/robots/pg70_dsa.yaml", "motions:=2"});
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.2 * (id - 1.0)));
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  for (const auto& [id, plan] : all) {
+    EXPECT_THAT(plan.problem(), IsEmpty()) << "object " << id;
+    EXPECT_TRUE(plan.has_gripper());
+    ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
+    const msgs::Grasp& grasp = plan.grasps(0);
+    ASSERT_EQ(grasp.arm_size(), 6) << "object " << id;
+    const auto& names = grasp.arm(0).trajectory().joint_name();
+    EXPECT_EQ(std::vector<std::string>(names.begin(), names.end()),
+              (std::vector<std::string>{"arm_x", "arm_y", "arm_z", "arm_yaw"}));
+    // At the end of the approach the slides are where the grasp is.
+    const auto& points = grasp.arm(1).trajectory().points();
+    const auto& last = points[points.size() - 1];
+    EXPECT_NEAR(last.position(0), grasp.x_wg().position().x(), 1e-6);
+    EXPECT_NEAR(last.position(2), grasp.x_wg().position().z(), 1e-6);
+    EXPECT_GT(grasp.pregrasp_opening(), 0.05);
+    EXPECT_GT(grasp.left_contacts_size(), 0);
   }
 }
 

@@ -26,8 +26,6 @@ Points box(double x, double y, double half, double height) {
   return corners;
 }
 
-Points hand(double radius) { return box(0, 0, radius, 0.1); }
-
 // Between two boxes [m], 0 where they overlap.
 double gap(const Points& object, const Eigen::Vector3d& move, const Points& other) {
   Eigen::AlignedBox2d a, b;
@@ -81,31 +79,6 @@ TEST(FreePlaces, RoomIsNeverOverestimatedAndHardlyUnderestimated) {
     options.clearance = options.enough = 1.001 * true_gap + 1e-6;
     EXPECT_FALSE(free_places({}, object, {other}, options).problem.empty()) << n;
   }
-}
-
-TEST(FreePlaces, TallNeighboursAreInTheWayOfACarrier) {
-  Points wall;
-  for (const Eigen::Vector3d& p : box(0, 0, 1, 1)) {
-    wall.emplace_back(0.5 * p.x(), 0.0775 + 0.0025 * p.y(), 0.5 * p.z());
-  }
-  PlaceOptions options;
-  options.enough = 0.03;
-  EXPECT_GT(free_places({}, box(0, 0, 0.02, 0.1), {wall}, options).moves_W.front().y(), 0.1);
-  options.straight_height = 0.15;
-  for (const Eigen::Vector3d& move :
-       free_places({}, box(0, 0, 0.02, 0.1), {wall}, options).moves_W) {
-    EXPECT_LT(move.y(), 1e-9);
-  }
-}
-
-TEST(FreePlaces, AHandNeedsRoomToo) {
-  const Points other = box(0, 0.24, 0.02, 0.1);
-  PlaceOptions options;
-  options.directions = 1;
-  options.farthest = options.distance;
-  EXPECT_EQ(free_places({}, box(0, 0, 0.02, 0.1), {other}, options).moves_W.size(), 2u);
-  options.hand_W = hand(0.06);
-  EXPECT_EQ(free_places({}, box(0, 0, 0.02, 0.1), {other}, options).moves_W.size(), 1u);
 }
 
 TEST(FreePlaces, OnlyWhereItCanBeCarried) {

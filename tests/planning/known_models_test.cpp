@@ -6,7 +6,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/grasp/grasp_database.h"
+#include "prehend/grasp/known/grasp_database.h"
 #include "tests/grasp/seen_object.h"
 #include "tests/launch/child_program.h"
 

@@ -13,6 +13,9 @@ inline KinematicChain kr5() {
 inline KinematicChain pa10() {
   return KinematicChain(read_urdf("config/robots/pa10_7c.urdf"), "base_link", "tool0");
 }
+inline KinematicChain stage() {
+  return KinematicChain(read_urdf("config/robots/stage_pg70.urdf"), "base_link", "tool0");
+}
 
 inline double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1.0p-53;

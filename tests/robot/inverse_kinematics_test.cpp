@@ -40,6 +40,12 @@ bool has(const InverseAnswer& answer, const Positions& q, double tolerance) {
 TEST(InverseKinematics, FindsTheMethodFromTheAxes) {
   EXPECT_EQ(InverseKinematics(kr5()).method(), InverseMethod::kSphericalWrist);
   EXPECT_EQ(InverseKinematics(pa10()).method(), InverseMethod::kSphericalShoulderAndWrist);
+  EXPECT_EQ(InverseKinematics(stage()).method(), InverseMethod::kThreeSlides);
+  // Two slides along one line span no space.
+  RobotModel flat = read_urdf("config/robots/stage_pg70.urdf");
+  flat.joints[static_cast<std::size_t>(flat.joint_index("y"))].axis_J = Eigen::Vector3d::UnitX();
+  EXPECT_EQ(InverseKinematics(KinematicChain(flat, "base_link", "tool0")).method(),
+            InverseMethod::kNumeric);
   // A bent wrist, and a part of an arm.
   RobotModel bent = read_urdf("config/robots/kr5_sixx_r850.urdf");
   bent.joints[static_cast<std::size_t>(bent.joint_index("axis_6"))].X_PJ.translation().z() = 0.01;
@@ -316,6 +322,83 @@ TEST(InverseKinematics, AnyOtherChainByDampedLeastSquares) {
   RigidTransform far = RigidTransform::Identity();
   far.translation().x() = 3;
   EXPECT_THAT(inverse.solve(far).reason, HasSubstr("31 starts"));
+}
+
+/// A stage with slides askew, before (behind) the joint that turns.
+KinematicChain askew_stage(bool turns_first) {
+  RobotModel model;
+  model.links = {{"base_link"}};
+  const auto add = [&model](Joint::Kind kind, const Eigen::Vector3d& axis) {
+    Joint joint;
+    joint.name = "joint_" + std::to_string(model.joints.size());
+    joint.kind = kind;
+    joint.parent = static_cast<int>(model.links.size()) - 1;
+    joint.child = joint.parent + 1;
+    joint.axis_J = axis.normalized();
+    joint.lower = -2;
+    joint.upper = 2;
+    const double size = 0.1 * static_cast<double>(model.joints.size() + 1);
+    joint.X_PJ = geometry::make_transform({0.3, size, -0.4, 0.7}, {size, -0.2, 0.5});
+    model.joints.push_back(joint);
+    model.links.push_back({"link_" + std::to_string(model.joints.size())});
+  };
+  const Eigen::Vector3d turning(0.3, 1, -0.2);
+  if (turns_first) add(Joint::Kind::kRevolute, turning);
+  for (const Eigen::Vector3d& along :
+       {Eigen::Vector3d(1, 0.2, 0), Eigen::Vector3d(0, 1, 0.5), Eigen::Vector3d(0.1, -0.3, 1)}) {
+    add(Joint::Kind::kPrismatic, along);
+  }
+  if (!turns_first) add(Joint::Kind::kRevolute, turning);
+  return KinematicChain(model, "base_link", "link_4");
+}
+
+TEST(InverseKinematics, ThreeSlidesReachThePoseOneWay) {
+  for (const KinematicChain& arm : {stage(), askew_stage(false), askew_stage(true)}) {
+    const InverseKinematics inverse(arm);
+    ASSERT_EQ(inverse.method(), InverseMethod::kThreeSlides);
+    std::mt19937_64 random(9);
+    std::vector<RigidTransform> poses;
+    for (int n = 0; n < 1000; ++n) {
+      const Positions q = random_positions(arm, random);
+      poses.push_back(arm.forward(q));
+      const InverseAnswer answer = inverse.solve(poses.back(), q);
+      ASSERT_EQ(answer.solutions.size(), 1u) << answer.reason;
+      EXPECT_LT((answer.solutions.front() - q).cwiseAbs().maxCoeff(), 1e-9);
+    }
+    std::vector<InverseSolutions> batch;
+    inverse.solve_batch(poses, arm.middle(), batch);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      ASSERT_EQ(batch[i].count, 1);
+      EXPECT_LT(difference(arm.forward(batch[i].q[0]), poses[i]), 1e-12);
+    }
+  }
+}
+
+TEST(InverseKinematics, ThreeSlidesRefuseWhatIsTiltedOrBeyondTheirWays) {
+  const InverseKinematics inverse(stage());
+  const Positions middle = inverse.chain().middle();
+  RigidTransform X = inverse.chain().forward(middle);
+  X.rotate(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+  const InverseAnswer tilted = inverse.solve(X);
+  EXPECT_TRUE(tilted.solutions.empty());
+  EXPECT_EQ(tilted.failure, InverseFailure::kOutOfReach);
+  EXPECT_NEAR(tilted.miss, 0.1, 1e-12);
+  EXPECT_THAT(tilted.reason, HasSubstr("tilted by 5.73 deg, and only joint 'yaw' turns the tool"));
+  X = inverse.chain().forward(middle);
+  X.translation().x() += 0.7;
+  const InverseAnswer beyond = inverse.solve(X);
+  EXPECT_TRUE(beyond.solutions.empty());
+  EXPECT_EQ(beyond.failure, InverseFailure::kBeyondLimits);
+  EXPECT_NEAR(beyond.miss, 0.1, 1e-12);
+  EXPECT_THAT(beyond.reason, HasSubstr("joint 'x' at 700.0 mm is beyond 600.0 mm"));
+  // Half a turn more is another place of the same pose.
+  Positions turned = middle;
+  turned[3] = 3.1;
+  Positions seed = middle;
+  seed[3] = -3;
+  const InverseAnswer round = inverse.solve(inverse.chain().forward(turned), seed);
+  ASSERT_EQ(round.solutions.size(), 1u);
+  EXPECT_NEAR(round.solutions.front()[3], 3.1 - 2 * kPi, 1e-9);
 }
 
 TEST(InverseKinematics, FrameOfTheBaseDoesNotMatter) {

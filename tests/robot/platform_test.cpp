@@ -51,6 +51,52 @@ TEST(Platform, ToolIsWhereInverseKinematicsPutsIt) {
   }
 }
 
+TEST(Platform, AStagesJointsAreWhereItsToolIs) {
+  const Platform stage = shipped_platform("stage_pg70");
+  EXPECT_EQ(stage.hand_port, HandPort::kGripper);
+  const Positions q = (Positions(4) << 0.1, -0.2, 0.3, 0.5).finished();
+  RigidTransform X_WG = RigidTransform::Identity();
+  X_WG.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()));
+  X_WG.linear() = X_WG.linear() * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  X_WG.translation() = q.head<3>();
+  const Preshape& open = stage.hand.preshapes.front();
+  EXPECT_LT(difference(stage.X_WB * stage.arm_chain().forward(q) * stage.X_FG(open), X_WG), 1e-12);
+  EXPECT_EQ(stage.acceleration, (Positions(4) << 1, 1, 1, 3).finished());
+}
+
+TEST(Platform, OnlyAStageHasAFixedApproach) {
+  const Platform stage = shipped_platform("stage_pg70");
+  const auto down = stage.fixed_approach(stage.hand.preshapes.front());
+  ASSERT_TRUE(down);
+  EXPECT_EQ(*down, -Eigen::Vector3d::UnitZ());  // exactly
+  for (const char* name : kPlatforms) {
+    const Platform arm = shipped_platform(name);
+    EXPECT_FALSE(arm.fixed_approach(arm.hand.preshapes.front())) << name;
+    EXPECT_EQ(arm.hand_port, HandPort::kJoints) << name;
+  }
+  // Mounted across, the joint that turns tilts it.
+  Platform across = stage;
+  across.X_FH.rotate(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()));
+  EXPECT_FALSE(across.fixed_approach(across.hand.preshapes.front()));
+}
+
+TEST(Platform, TakesTheGripperThatARobotSays) {
+  Platform stage = shipped_platform("stage_pg70");
+  GripperModel wide = *stage.hand.gripper;
+  wide.max_opening = 0.12;
+  wide.pad.rows = 10;
+  stage.set_gripper(wide);
+  EXPECT_EQ(stage.hand.gripper->max_opening, 0.12);
+  EXPECT_EQ(stage.hand.preshapes.front().open[0], 0.06);
+  EXPECT_EQ(stage.hand.pads.front().model.rows, 10);
+  for (const RobotModel* model : {&stage.hand.model, &stage.model}) {
+    int jaws = 0;
+    for (const Joint& joint : model->joints) jaws += joint.upper == 0.06;
+    EXPECT_EQ(jaws, 2);
+  }
+  EXPECT_EQ(stage.arm_chain().joints()[0].upper, 0.6);  // the arm stays
+}
+
 TEST(Platform, JoinsArmAndHandWithTheirMimics) {
   const Platform platform = shipped_platform("pa10_barrett");
   const RobotModel& model = platform.model;
@@ -97,6 +143,13 @@ TEST_F(PlatformFile, ErrorsNameLineNearestAndMend) {
   EXPECT_HAS(error("hand: sdh2.yaml", "hand: sdh3.yaml"), "sdh3.yaml does not exist");
   EXPECT_HAS(error("arm: kr5_sixx_r850.urdf", ""), "platform.arm is missing");
   EXPECT_HAS(error("xyz: [0, 0, 0.02]", "xyz: [0, 0]"), "3 finite numbers");
+  const auto stage = [this](const std::string& from, const std::string& to) {
+    return error_of([&] { read_platform(changed("stage_pg70.yaml", from, to)); });
+  };
+  EXPECT_HAS(stage("hand_port: gripper", "hand_port: grpper"), "Write one of joints, gripper");
+  EXPECT_HAS(stage("hand: pg70.yaml", "hand: sdh2.yaml"), "but sdh2.yaml has none");
+  EXPECT_HAS(stage("z: 1, yaw: 3}", "z: 0, yaw: 3}"), "acceleration.z is not positive");
+  EXPECT_HAS(stage("z: 1, yaw: 3}", "yaw: 3}"), "acceleration.z is missing");
   EXPECT_HAS(error_of([] { shipped_platform("kr5_sdh").home("hme"); }), "The nearest is 'home'");
 }
 

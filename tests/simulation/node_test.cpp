@@ -164,6 +164,58 @@ TEST_F(SimulationNode, CarrierMovesAndStopsOnContact) {
   EXPECT_NE(outcome->reason().find("limits"), std::string::npos) << outcome->reason();
 }
 
+// The stage's joints, as any arm's.
+TEST_F(SimulationNode, StageFollowsItsJointsAndStopsOnContact) {
+  std::vector<double> q;
+  const auto joints = node_->subscribe<msgs::JointState>(
+      "/joint_states", QoS::latest(), [&](const graph::Received<msgs::JointState>& m) {
+        const std::lock_guard lock(mutex_);
+        q.assign(m->position().begin(), m->position().end());
+      });
+  ASSERT_TRUE(wait_until([&] { return q.size() == 4; }));
+  const auto client =
+      node_->action_client<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
+                           msgs::FollowTrajectoryResult>("/arm/follow");
+  const auto goal_to = [](const std::vector<double>& from, const std::vector<double>& to,
+                          double seconds) {
+    msgs::FollowTrajectoryGoal goal;
+    for (const char* name : {"arm_x", "arm_y", "arm_z", "arm_yaw"}) {
+      goal.mutable_trajectory()->add_joint_name(name);
+    }
+    for (const auto& [time, at] : {std::pair(0.0, from), std::pair(seconds, to)}) {
+      auto& point = *goal.mutable_trajectory()->add_points();
+      point.set_time(time);
+      for (const double value : at) point.add_position(value), point.add_velocity(0);
+    }
+    return goal;
+  };
+  const std::vector<double> start{-0.35, 0, 0.45, 0}, above{0.25, 0, 0.2, 0.5};
+  auto outcome = client.send(goal_to(start, above, 3)).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->reached()) << outcome->reason();
+  EXPECT_TRUE(wait_until([&] {
+    double off = 0;
+    for (std::size_t i = 0; i < 4; ++i) off = std::max(off, std::abs(q[i] - above[i]));
+    return off < 1e-6;
+  }));
+
+  std::vector<double> below = above;
+  below[2] = 0.021;  // tips 5 mm below the table
+  msgs::FollowTrajectoryGoal down = goal_to(above, below, 3);
+  down.set_stop_on_contact(true);
+  down.set_contact_force(5);
+  outcome = client.send(down).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_TRUE(outcome->contact());
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_NEAR(outcome->position(2), 0.0258, 0.0016);
+
+  outcome = client.send(goal_to(start, above, 3)).wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_NE(outcome->reason().find("starts"), std::string::npos) << outcome->reason();
+}
+
 TEST_F(SimulationNode, GripperMovesByAction) {
   const auto client = node_->action_client<msgs::MoveGripperGoal, msgs::MoveGripperFeedback,
                                            msgs::MoveGripperResult>("/gripper/move");

@@ -15,13 +15,10 @@
 
 #include "drivers/wire/stream/tcp_server.h"
 #include "msgs/convert/geometry.h"
-#include "msgs/convert/grasp.h"
-#include "msgs/convert/gripper.h"
 #include "msgs/convert/objects.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
-#include "prehend/grasp/planner.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/surface/model.h"
 #include "tests/system/launched.h"
@@ -50,7 +47,6 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
                scratch_.path() / "robot.txt"),
         node_(options()),
         models_(node_.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(4))),
-        plans_(node_.advertise<msgs::GraspPlan>("/plans", graph::QoS::latched(4))),
         carrier_(node_.subscribe<msgs::CarrierState>(
             "/carrier/state", graph::QoS::latest(),
             [this](const graph::Received<msgs::CarrierState>& state) {
@@ -71,7 +67,7 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
   }
 
   // Of the demo's carton, as if it had been seen.
-  void publish_plan() {
+  void publish_model() {
     const simulation::Scene scene = simulation::read_scene("config/scenes/demo.yaml");
     const simulation::SceneObject& carton = scene.objects.front();
     const auto object = surface::model_of_mesh(geometry::transformed(
@@ -79,21 +75,12 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
         geometry::make_transform(
             Eigen::Quaterniond(Eigen::AngleAxisd(carton.yaw, Eigen::Vector3d::UnitZ())),
             {carton.x, carton.y, 0})));
-    grasp::Reachability reachability;
-    reachability.approach_W = -Eigen::Vector3d::UnitZ();
-    auto plan = convert::to_message(
-        grasp::plan_grasps(object, geometry::Plane{}, {}, scene.gripper, reachability));
-    ASSERT_GT(plan.grasps_size(), 0) << plan.problem();
-    *plan.mutable_gripper() = convert::describe_gripper("config/robots/pg70_dsa.yaml");
-    plan.mutable_header()->set_stamp(1);
-    plan.set_object_count(1);
     auto model = convert::to_message(object);
     model.mutable_header()->set_stamp(1);
     model.set_object_count(1);
     model.set_valid(true);
     *model.mutable_table() = convert::to_message(geometry::Plane{});
     models_.publish(model);
-    plans_.publish(plan);
   }
 
   bool eventually(const std::function<bool()>& condition, seconds timeout) {
@@ -132,7 +119,6 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
   std::optional<msgs::CycleResult> result_;
   graph::Node node_;
   graph::Publisher<msgs::ObjectModel> models_;
-  graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription carrier_, results_;
 };
 
@@ -140,7 +126,10 @@ TEST_P(LostDevice, StopsAllMotionAndIsTheReason) {
   const Loss& loss = GetParam();
   ASSERT_TRUE(eventually([&] { return carrier_state_.header().stamp() > 0; }, seconds(60)))
       << robot_.output();
-  publish_plan();
+  publish_model();
+  const Launched planning(
+      "grasp_planning", {"--registry", registry_, "--clock", "simulated", "--param", "motions:=1"},
+      scratch_.path() / "planning.txt");
   Launched cycle("grasp_cycle",
                  {"--registry", registry_, "--clock", "simulated", "--param", "look_timeout:=0"},
                  scratch_.path() / "cycle.txt");
@@ -171,8 +160,8 @@ INSTANTIATE_TEST_SUITE_P(
     Devices, LostDevice,
     ::testing::Values(
         Loss{"pg70_emulator", "mute", "closing until both pads touch", "lost the gripper's state"},
-        Loss{"ft300_emulator", "silent", "approach: approaching", "lost the wrist's force"},
-        Loss{"dsa_emulator", "silent", "lift: lifting by", "pad's frames"}),
+        Loss{"ft300_emulator", "silent", "approach: arm: approach", "lost the wrist's force"},
+        Loss{"dsa_emulator", "silent", "lift: arm: lift", "pad's frames"}),
     [](const auto& test) { return test.param.node; });
 
 }  // namespace

@@ -18,11 +18,7 @@
 namespace prehend::testing {
 namespace {
 
-std::vector<std::string> all_platforms() {
-  std::vector<std::string> names = robot::platform_names("config/robots");
-  names.emplace_back("stage_pg70");
-  return names;
-}
+std::vector<std::string> all_platforms() { return robot::platform_names("config/robots"); }
 
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);

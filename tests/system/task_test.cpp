@@ -19,11 +19,7 @@
 namespace prehend::testing {
 namespace {
 
-std::vector<std::string> all_robots() {
-  std::vector<std::string> names = robot::platform_names("config/robots");
-  names.emplace_back("stage_pg70");
-  return names;
-}
+std::vector<std::string> all_robots() { return robot::platform_names("config/robots"); }
 
 std::string page_text(const std::filesystem::path& file) {
   std::ifstream in(file);

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/grasp/grasp_database.h"
+#include "prehend/grasp/known/grasp_database.h"
 #include "tools/json.h"
 #include "tools/table.h"
 

@@ -22,10 +22,10 @@ grasp::Obstacles obstacles_of(const PlanTarget& target) {
   return obstacles;
 }
 
-grasp::Reachability reachability_of(const PlanChoices& choices) {
+grasp::Reachability reachability_of(const PlanChoices& choices, const Planned& planned) {
   grasp::Reachability reachability;
   if (choices.approach == "down") reachability.approach_W = -Eigen::Vector3d::UnitZ();
-  return reachability;
+  return planned.platform ? planning::within_reach(reachability, *planned.platform) : reachability;
 }
 
 // Grasps of a predicted shape are of no use again.
@@ -108,10 +108,10 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   progress.stage("planning grasps on " + with_commas(target.object.mesh_W.triangles.size()) +
                  " triangles");
   auto database = database_of(choices, target);
-  planned.plan = planning::plan_hand(grasp::HandToClose(planned.hand), target.object,
-                                     target.table_W, obstacles_of(target), reachability_of(choices),
-                                     options_of(choices, &planned), database ? &*database : nullptr,
-                                     target.known);
+  planned.plan = planning::plan_hand(
+      grasp::HandToClose(planned.hand), target.object, target.table_W, obstacles_of(target),
+      reachability_of(choices, planned), options_of(choices, &planned),
+      database ? &*database : nullptr, target.known);
   stage("grasps");
   if (planned.platform && !planned.plan.grasps.empty()) {
     progress.stage("planning the arm's motion");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "prehend/geometry/plane.h"
-#include "prehend/grasp/grasp_memory.h"
+#include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/surface/object_model.h"
 #include "tools/grasp_plan/choices.h"
 #include "tools/grasp_plan/progress.h"

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "prehend/grasp/generator.h"
+#include "prehend/grasp/generators/generator.h"
 
 namespace prehend::grasp {
 

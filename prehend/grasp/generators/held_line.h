@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "prehend/grasp/generator.h"
+#include "prehend/grasp/generators/generator.h"
 
 namespace prehend::grasp {
 

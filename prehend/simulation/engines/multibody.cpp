@@ -57,6 +57,7 @@ Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadTouch::
   law_.damping = law_.bristle_damping = 2 * std::sqrt(law_.stiffness * heaviest);
   law_.bristle_law = contact::BristleLaw::kElastoPlastic;
   law_.return_map = true;
+  ground_law_ = law_;
   joint_force_.assign(scene.joints.size(), 0.0);
   drive_force_.assign(scene.joints.size(), 0.0);
   mechanics_.resize(scene.joints.size());
@@ -106,6 +107,14 @@ void Multibody::set_contact_stiffness(double stiffness, double damping) {
   contact::require_positive(damping, "the damping of contacts");
   law_.stiffness = law_.bristle_stiffness = stiffness;
   law_.damping = law_.bristle_damping = damping;
+  ground_law_ = law_;
+}
+
+void Multibody::set_ground_stiffness(double stiffness, double damping) {
+  contact::require_positive(stiffness, "the stiffness of contacts with the ground");
+  contact::require_positive(damping, "the damping of contacts with the ground");
+  ground_law_.stiffness = ground_law_.bristle_stiffness = stiffness;
+  ground_law_.damping = ground_law_.bristle_damping = damping;
 }
 
 MultibodyState Multibody::initial_state() const {

@@ -126,6 +126,8 @@ class Multibody {
   void set_touch_finder(TouchFinder* finder) { finder_ = finder; }
   /// Of contacts, in place of what kSink says [N/m, N s/m], > 0.
   void set_contact_stiffness(double stiffness, double damping);
+  /// The same of free bodies on the ground alone; call it after set_contact_stiffness().
+  void set_ground_stiffness(double stiffness, double damping);
   const EngineScene& scene() const { return scene_; }
   /// Of a body by the velocities of the step under way: linear, of the origin, and angular; world.
   Vector6 twist(int body, const Eigen::VectorXd& u) const { return twist_of(body, at_, u); }
@@ -201,7 +203,8 @@ class Multibody {
   TouchFinder* finder_ = nullptr;
   std::vector<Vector6> wrench_;
   std::vector<PadTouch> pads_;
-  contact::TexelLaw law_;  // of contacts, without friction
+  contact::TexelLaw law_, ground_law_;  // of contacts, and of free bodies' on the ground, without
+                                        // friction
 
   // Of the step under way.
   mutable Configuration completed_;

@@ -21,7 +21,7 @@ constexpr double kSamePoint = 0.003;  // m, within which a contact is known agai
 }  // namespace
 
 contact::TexelLaw Multibody::contact_law(int a, int b) const {
-  contact::TexelLaw law = law_;
+  contact::TexelLaw law = b < 0 && free_[a] >= 0 ? ground_law_ : law_;
   law.static_friction = law.dynamic_friction = std::min(
       scene_.bodies[a].friction, b < 0 ? scene_.ground_friction : scene_.bodies[b].friction);
   return law;

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "prehend/control/arm_cycle.h"
+#include "prehend/control/world_ports.h"
+
+namespace prehend::control {
+
+struct CycleInWorldOptions {
+  double period = 0.01;   // s, > 0, of the cycle, and of the joints and the wrist; the pads' frames
+                          // come every second time
+  int touch_counts = 10;  // >= 0, above: a texel is touched
+  double time_limit = 240;  // s, > 0, simulated, of run()
+};
+
+/// Grasps to execute, best first, or why there are none.
+struct GraspsToTry {
+  std::vector<ArmGrasp> grasps;
+  std::string problem;
+};
+
+/// The cycle of a platform in a simulated world, in one thread and without messages: what the nodes
+/// simulation and grasp_cycle do together, but that nothing takes time between them and a new look
+/// gives its plan at once. Same world and same grasps: bitwise the same run.
+class CycleInWorld {
+ public:
+  /// @pre the world, which has an arm, outlives it.
+  /// @throws std::invalid_argument for options out of range.
+  CycleInWorld(simulation::RobotWorld& world, const ArmCycleOptions& options,
+               const CycleInWorldOptions& run = {});
+
+  /// The world goes on by a period, the cycle makes a step.
+  void step();
+
+  /// Executes `first` to the end of the cycle, or to the time limit, at which it is aborted.
+  /// @param look_again grasps planned on a new look after a failed attempt; of use with
+  /// ArmCycleOptions::look_timeout. @param after_step called after each step().
+  const CycleResult& run(GraspsToTry first,
+                         const std::function<GraspsToTry()>& look_again = nullptr,
+                         const std::function<void()>& after_step = nullptr);
+
+  const ArmCycle& cycle() const { return cycle_; }
+
+ private:
+  ArmPercepts feel();
+
+  simulation::RobotWorld& world_;
+  CycleInWorldOptions options_;
+  WorldArm arm_;
+  WorldHand hand_;
+  ArmCycle cycle_;
+  int steps_;                       // of the world in a period
+  long count_ = 0;                  // periods
+  std::vector<PadPercept> frames_;  // of the pads, the last
+  double frame_time_ = 0;           // s
+};
+
+}  // namespace prehend::control

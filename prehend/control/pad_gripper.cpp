@@ -1,0 +1,214 @@
+#include "prehend/control/pad_gripper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "prehend/text/require.h"
+
+namespace prehend::control {
+namespace {
+
+constexpr double kClosed = 1e-3;    // m, of the opening: nothing is between the pads
+constexpr double kBreakAway = 0.5;  // s, after which a drive that stands is blocked
+constexpr double kLeastPush = 5;    // N, per finger, that breaks the drive away
+
+std::string millimetres(double metres) { return fmt::format("{:.1f} mm", metres * 1e3); }
+
+}  // namespace
+
+void PadGripperOptions::validate() const {
+  const text::Require require{"PadGripperOptions."};
+  for (const auto& [value, name] :
+       {std::pair{closing_speed, "closing_speed"}, std::pair{pressing_speed, "pressing_speed"},
+        std::pair{fast_closing_speed, "fast_closing_speed"}, std::pair{touch_force, "touch_force"},
+        std::pair{early_force, "early_force"}, std::pair{largest_collapse, "largest_collapse"},
+        std::pair{closing_timeout, "closing_timeout"}, std::pair{force_timeout, "force_timeout"},
+        std::pair{stale_time, "stale_time"}}) {
+    require(std::isfinite(value) && value > 0, std::string(name) + " must be positive");
+  }
+  require(closing_margin >= 0, "closing_margin must not be negative");
+  require(settled_time >= 0, "settled_time must not be negative");
+  require(held_ratio >= 0 && held_ratio <= 1, "held_ratio must be in [0, 1]");
+  require(largest_excess >= 1, "largest_excess must be at least 1");
+  require(least_share > 0 && least_share <= 1, "least_share must be in (0, 1]");
+  force.validate();
+}
+
+PadGripper::PadGripper(const robot::GripperModel& gripper, const PadGripperOptions& options,
+                       GripperPort& port)
+    : gripper_(gripper), options_(options), port_(port), controller_(options.force) {
+  options_.validate();
+  set_gripper(gripper);
+}
+
+void PadGripper::set_gripper(const robot::GripperModel& gripper) {
+  gripper_ = gripper;
+  options_.force.force_per_current = gripper.force_per_current;
+  options_.force.largest_current = gripper.nominal_current;
+  controller_ = ForceController(options_.force);
+}
+
+void PadGripper::prepare(const ArmGrasp& grasp) {
+  force_ = grasp.force;
+  predicted_opening_ = 2 * grasp.hand.closed[0];
+}
+
+void PadGripper::move(const std::vector<std::string>& /*joints*/,
+                      const std::vector<double>& positions, double speed, bool until_contact,
+                      const std::vector<double>& /*effort*/) {
+  problem_.clear();
+  begun_ = now_;
+  mode_ = until_contact ? Mode::kCloses : Mode::kMoves;
+  status_ = MotionStatus::kMoving;
+  if (until_contact) return;
+  port_.move_to(std::min(2 * positions.at(0), gripper_.max_opening), speed * gripper_.max_speed);
+}
+
+MotionStatus PadGripper::motion() {
+  if (mode_ != Mode::kMoves) return status_;
+  const MotionStatus status = port_.motion();
+  // What opens and is blocked is no contact that anybody asked for.
+  if (status == MotionStatus::kContact || status == MotionStatus::kFailed) {
+    problem_ = "the gripper does not open";
+    return MotionStatus::kFailed;
+  }
+  return status;
+}
+
+std::vector<double> PadGripper::positions() {
+  if (!percept_) return {};
+  return {percept_->opening / 2};
+}
+
+void PadGripper::stop() {
+  mode_ = Mode::kStands;
+  port_.stop();
+}
+
+void PadGripper::press() {
+  controller_.start(force_, mean_sum());
+  updated_ = begun_ = now_;
+  settled_since_.reset();
+  mode_ = Mode::kPresses;
+  status_ = MotionStatus::kMoving;
+}
+
+void PadGripper::step(const ArmPercepts& percepts) {
+  now_ = percepts.time;
+  percept_ = percepts.gripper;
+  left_.reset();
+  right_.reset();
+  for (const PadPercept& pad : percepts.pads) {
+    if (pad.name == "left") left_ = pad;
+    if (pad.name == "right") right_ = pad;
+  }
+  if (!percept_ || !left_ || !right_) return;  // who asks inputs() stops
+  if (mode_ == Mode::kCloses) close();
+  if (mode_ == Mode::kPresses) settle();
+  if (mode_ == Mode::kHolds) regulate();
+}
+
+void PadGripper::fail(const std::string& problem) {
+  problem_ = problem;
+  mode_ = Mode::kStands;
+  status_ = MotionStatus::kFailed;
+}
+
+void PadGripper::close() {
+  const bool left = left_->sum > options_.touch_force, right = right_->sum > options_.touch_force;
+  if (left && right) {
+    mode_ = Mode::kStands;
+    status_ = MotionStatus::kContact;
+    return;
+  }
+  const std::string felt =
+      left || right ? std::string("only the ") + (left ? "left" : "right") + " pad felt something"
+                    : "neither pad felt anything";
+  if (percept_->blocked && now_ - begun_ > kBreakAway) return fail("closing was blocked, " + felt);
+  if (percept_->opening < kClosed) return fail("closed completely, " + felt);
+  if (now_ - begun_ > options_.closing_timeout) return fail("closing timed out, " + felt);
+  // Enough to break the drive away and push the object to the middle, not more than the grasp.
+  const double current = std::clamp(
+      (gripper_.friction_force + std::max(kLeastPush, force_ / 2)) / gripper_.force_per_current,
+      options_.force.least_current, options_.force.largest_current);
+  // Faster through what should be empty.
+  const bool far =
+      !left && !right && percept_->opening > predicted_opening_ + options_.closing_margin;
+  port_.command_velocity(-(far ? options_.fast_closing_speed : options_.closing_speed), current);
+}
+
+void PadGripper::regulate() {
+  const double current = controller_.update(mean_sum(), now_ - updated_);
+  updated_ = now_;
+  port_.command_velocity(-options_.pressing_speed, current);
+}
+
+void PadGripper::settle() {
+  regulate();
+  if (!controller_.settled()) settled_since_.reset();
+  if (controller_.settled() && !settled_since_) settled_since_ = now_;
+  if (percept_->opening < kClosed) return fail("the object slipped out while gripping");
+  if (!settled_since_ || now_ - *settled_since_ < options_.settled_time) {
+    if (now_ - begun_ <= options_.force_timeout) return;
+    // Dry friction of the drive can hold more than was asked for: that is no reason to let go.
+    const double felt = mean_sum();
+    if (felt < options_.least_share * force_ || felt > options_.largest_excess * force_) {
+      return fail(
+          fmt::format("the grasp force was not reached: {:.1f} N of {:.1f} N", felt, force_));
+    }
+  }
+  grip_opening_ = percept_->opening;
+  mode_ = Mode::kHolds;
+  status_ = MotionStatus::kReached;
+}
+
+std::vector<InputAge> PadGripper::inputs() const {
+  const auto age = [](const auto& percept) {
+    return percept ? std::optional(percept->age) : std::nullopt;
+  };
+  return {{"the gripper's state", age(percept_), options_.stale_time},
+          {"the left pad's frames", age(left_), options_.stale_time},
+          {"the right pad's frames", age(right_), options_.stale_time}};
+}
+
+std::string PadGripper::fault() const {
+  if (!percept_ || percept_->error == 0) return {};
+  return "the gripper reports error " + std::to_string(percept_->error);
+}
+
+bool PadGripper::touches() const {
+  const auto feels = [this](const std::optional<PadPercept>& pad) {
+    return pad && pad->sum > std::max(options_.touch_force, options_.early_force);
+  };
+  return feels(left_) || feels(right_);
+}
+
+std::string PadGripper::lost(bool rests) const {
+  if (!percept_ || !left_ || !right_) return {};
+  if (percept_->opening < grip_opening_ - options_.largest_collapse) {
+    return "the opening collapsed from " + millimetres(grip_opening_) + " to " +
+           millimetres(percept_->opening);
+  }
+  // What stands leans on one pad more than on the other, but it stays between them.
+  if (rests) return {};
+  const double least = std::max(options_.touch_force, options_.held_ratio * force_);
+  for (const PadPercept* pad : {&*left_, &*right_}) {
+    if (pad->sum < least) return fmt::format("the {} pad feels only {:.1f} N", pad->name, pad->sum);
+  }
+  return {};
+}
+
+std::string PadGripper::grip() const {
+  return fmt::format("gripped with {:.1f} N at an opening of {}", controller_.target(),
+                     millimetres(grip_opening_));
+}
+
+std::string PadGripper::still_felt() const {
+  const double left = left_ ? left_->sum : 0, right = right_ ? right_->sum : 0;
+  if (std::max(left, right) <= options_.touch_force) return {};
+  return fmt::format("the pads still feel {:.1f} N and {:.1f} N", left, right);
+}
+
+}  // namespace prehend::control

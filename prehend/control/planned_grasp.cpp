@@ -1,0 +1,62 @@
+#include "prehend/control/planned_grasp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace prehend::control {
+namespace {
+
+constexpr double kSamplePeriod = 0.02;  // s
+
+std::vector<double> list_of(const Eigen::VectorXd& values) {
+  return {values.begin(), values.end()};
+}
+
+JointPath sampled(const robot::KinematicChain& chain, const motion::BlendedTrajectory& trajectory) {
+  JointPath path;
+  for (const robot::ChainJoint& joint : chain.joints()) path.joints.push_back(joint.name);
+  const double duration = trajectory.duration();
+  const int steps = std::max(1, static_cast<int>(std::ceil(duration / kSamplePeriod)));
+  for (int i = 0; i <= steps; ++i) {
+    const double time = duration * i / steps;
+    const motion::TrajectoryPoint at = trajectory.at(time);
+    path.points.push_back(
+        {time, list_of(at.position), list_of(at.velocity), list_of(at.acceleration)});
+    if (duration <= 0) break;
+  }
+  return path;
+}
+
+}  // namespace
+
+ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick) {
+  const planning::PlannedGrasp& grasp = pick.grasp;
+  const robot::HandModel& hand = platform.hand;
+  ArmGrasp result;
+  result.pose = {grasp.pose.X_WG, grasp.pose.preshape};
+  const robot::KinematicChain chain = platform.arm_chain();
+  for (const motion::PickSegment& segment : pick.segments) {
+    result.segments.emplace_back(segment.name, sampled(chain, *segment.trajectory));
+  }
+  for (const std::string& name : hand.actuated_names()) {
+    result.hand_joints.push_back("hand_" + name);
+  }
+  result.hand =
+      robot::closing_way(hand, hand.preshape(grasp.pose.preshape), grasp.pose.open, grasp.closed);
+  result.lifted_mass = grasp.predicted.lifted_mass;
+  result.score = grasp.score;
+  result.robustness = grasp.robustness;
+  result.force = grasp.force;
+  if (grasp.effort > 0) result.effort = std::min(1.0, grasp.effort);
+  for (const int joint : hand.actuated) {
+    result.largest_effort.push_back(hand.model.joints[static_cast<std::size_t>(joint)].max_effort);
+  }
+  result.contact_area = grasp.predicted.contact_area;
+  result.tactile_sum = grasp.predicted.tactile_sum;
+  return result;
+}
+
+}  // namespace prehend::control

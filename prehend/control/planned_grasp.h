@@ -1,0 +1,13 @@
+#pragma once
+
+#include "prehend/control/arm_cycle.h"
+#include "prehend/planning/platform_plan.h"
+
+namespace prehend::control {
+
+/// What the cycle executes of a planned grasp: its pose, the arm's segments sampled every 20 ms,
+/// how the hand closes (its joints with the prefix hand_ that they have in the platform), and what
+/// is to be felt. @throws geometry::InputError for an unknown preshape.
+ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick);
+
+}  // namespace prehend::control

@@ -1,0 +1,162 @@
+#include "prehend/grasp/closing/distance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace prehend::grasp {
+namespace {
+
+constexpr double kMostNodes = 8e6;
+constexpr int kCoarse = 4;  // nodes between those that tell how far is far
+
+std::unique_ptr<std::atomic<float>[]> empty_nodes(const Eigen::Vector3i& count) {
+  const auto total = static_cast<std::size_t>(count.prod());
+  auto nodes = std::make_unique<std::atomic<float>[]>(total);
+  for (std::size_t i = 0; i < total; ++i) {
+    nodes[i].store(std::numeric_limits<float>::quiet_NaN(), std::memory_order_relaxed);
+  }
+  return nodes;
+}
+
+std::size_t index_of(const Eigen::Vector3i& count, int x, int y, int z) {
+  return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count.y()) +
+          static_cast<std::size_t>(y)) *
+             static_cast<std::size_t>(count.x()) +
+         static_cast<std::size_t>(x);
+}
+
+}  // namespace
+
+DistanceGrid::DistanceGrid(const geometry::MeshQuery& mesh, double cell, double margin)
+    : mesh_(&mesh), cell_(cell), per_cell_(1 / cell) {
+  if (!(cell > 0) || !std::isfinite(cell) || !(margin > 0) || !std::isfinite(margin)) {
+    throw std::invalid_argument("DistanceGrid: cell and margin must be positive and finite");
+  }
+  for (const auto& t : mesh.mesh().triangles) {
+    for (int k = 0; k < 3; ++k) box_.extend(mesh.mesh().vertices[static_cast<std::size_t>(t[k])]);
+  }
+  origin_ = box_.min().array() - margin;
+  const Eigen::Vector3d size = box_.sizes().array() + 2 * margin;
+  const Eigen::Array3d counts = (size / cell).array().ceil() + 2;
+  count_.setZero();
+  coarse_count_.setZero();
+  if (!(counts.prod() <= kMostNodes)) return;
+  count_ = counts.cast<int>();
+  coarse_count_ = (count_.array() + kCoarse - 1) / kCoarse;
+  nodes_ = empty_nodes(count_);
+  coarse_nodes_ = empty_nodes(coarse_count_);
+}
+
+double DistanceGrid::coarse_node(int x, int y, int z) const {
+  auto& stored = coarse_nodes_[index_of(coarse_count_, x, y, z)];
+  float value = stored.load(std::memory_order_relaxed);
+  if (std::isnan(value)) {
+    const auto found = mesh_->nearest(origin_ + kCoarse * cell_ * Eigen::Vector3d(x, y, z));
+    value = static_cast<float>(found ? found->distance : 1e9);
+    stored.store(value, std::memory_order_relaxed);
+  }
+  return value;
+}
+
+double DistanceGrid::node(int x, int y, int z) const {
+  auto& stored = nodes_[index_of(count_, x, y, z)];
+  float value = stored.load(std::memory_order_relaxed);
+  if (std::isnan(value)) {
+    // Not farther than its coarse neighbour and the way there: the search has less to look at.
+    const double way = std::sqrt(3.0) * kCoarse * cell_;
+    const double most = coarse_node(x / kCoarse, y / kCoarse, z / kCoarse) + way;
+    const Eigen::Vector3d p = origin_ + cell_ * Eigen::Vector3d(x, y, z);
+    auto found = mesh_->nearest(p, most);
+    if (!found) found = mesh_->nearest(p);
+    value = static_cast<float>(found ? found->distance : 1e9);
+    stored.store(value, std::memory_order_relaxed);
+  }
+  return value;
+}
+
+bool DistanceGrid::find_cell(const Eigen::Vector3d& p, Cell& cell) const {
+  const double x = (p.x() - origin_.x()) * per_cell_, y = (p.y() - origin_.y()) * per_cell_,
+               z = (p.z() - origin_.z()) * per_cell_;
+  if (!(x >= 0 && y >= 0 && z >= 0 && x < count_.x() - 1 && y < count_.y() - 1 &&
+        z < count_.z() - 1)) {
+    return false;
+  }
+  cell.x = static_cast<int>(x);
+  cell.y = static_cast<int>(y);
+  cell.z = static_cast<int>(z);
+  cell.part_x = x - cell.x;
+  cell.part_y = y - cell.y;
+  cell.part_z = z - cell.z;
+  return true;
+}
+
+void DistanceGrid::corners(const Cell& cell, double (&values)[8]) const {
+  const std::atomic<float>* from = &nodes_[index_of(count_, cell.x, cell.y, cell.z)];
+  const auto row = static_cast<std::size_t>(count_.x());
+  const auto layer = row * static_cast<std::size_t>(count_.y());
+  const std::size_t offsets[8] = {0,     1,         row,         row + 1,
+                                  layer, layer + 1, layer + row, layer + row + 1};
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    values[corner] = from[offsets[corner]].load(std::memory_order_relaxed);
+    sum += values[corner];
+  }
+  if (!std::isnan(sum)) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    values[corner] =
+        node(cell.x + (corner & 1), cell.y + ((corner >> 1) & 1), cell.z + (corner >> 2));
+  }
+}
+
+double DistanceGrid::distance(const Eigen::Vector3d& p) const {
+  Cell cell;
+  if (!nodes_ || !find_cell(p, cell)) {
+    const double outside = box_.exteriorDistance(p);
+    if (outside > kNear) return outside;
+    const auto found = mesh_->nearest(p);
+    return found ? found->distance : std::numeric_limits<double>::infinity();
+  }
+  // What a coarse node tells: nobody is nearer than its distance less the way to it.
+  const double x = (cell.x + cell.part_x) / kCoarse, y = (cell.y + cell.part_y) / kCoarse,
+               z = (cell.z + cell.part_z) / kCoarse;
+  const int cx = std::min(static_cast<int>(x + 0.5), coarse_count_.x() - 1),
+            cy = std::min(static_cast<int>(y + 0.5), coarse_count_.y() - 1),
+            cz = std::min(static_cast<int>(z + 0.5), coarse_count_.z() - 1);
+  const double way =
+      kCoarse * cell_ * std::sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy) + (z - cz) * (z - cz));
+  const double bound = coarse_node(cx, cy, cz) - way;
+  if (bound > kNear) return bound;
+  double v[8];
+  corners(cell, v);
+  const double x00 = v[0] + cell.part_x * (v[1] - v[0]), x10 = v[2] + cell.part_x * (v[3] - v[2]);
+  const double x01 = v[4] + cell.part_x * (v[5] - v[4]), x11 = v[6] + cell.part_x * (v[7] - v[6]);
+  const double y0 = x00 + cell.part_y * (x10 - x00), y1 = x01 + cell.part_y * (x11 - x01);
+  return y0 + cell.part_z * (y1 - y0);
+}
+
+Eigen::Vector3d DistanceGrid::away(const Eigen::Vector3d& p) const {
+  Cell cell;
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  if (nodes_ && find_cell(p, cell)) {
+    double v[8];
+    corners(cell, v);
+    const double parts[3] = {cell.part_x, cell.part_y, cell.part_z};
+    for (int corner = 0; corner < 8; ++corner) {
+      for (int k = 0; k < 3; ++k) {
+        double weight = (corner >> k) & 1 ? 1 : -1;
+        for (int other = 0; other < 3; ++other) {
+          if (other != k) weight *= (corner >> other) & 1 ? parts[other] : 1 - parts[other];
+        }
+        slope[k] += weight * v[corner];
+      }
+    }
+  } else if (const auto found = mesh_->nearest(p)) {
+    slope = p - found->point;
+  }
+  const double length = slope.norm();
+  return length > 1e-12 ? Eigen::Vector3d(slope / length) : Eigen::Vector3d::Zero();
+}
+
+}  // namespace prehend::grasp

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "prehend/grasp/closing/close_fingers.h"
+#include "prehend/grasp/closing/close_pads.h"
+#include "prehend/grasp/closing/collision.h"
+#include "prehend/grasp/generators/generator.h"
+#include "prehend/grasp/uncertainty.h"
+
+namespace prehend::grasp {
+
+/// What pads that close need to know, and how such grasps are weighed: the mean of these.
+struct PadOptions {
+  struct Weights {
+    double quality = 0.35;      // epsilon / (epsilon + 0.05)
+    double centredness = 0.35;  // exp(-d / 20 mm), d from the centre of mass to the pads' line
+    double area = 0.2;          // mean patch area / pad area
+    double clearance = 0.1;     // min(1, fingertips' height over the table / 20 mm)
+  };
+  ClosingOptions closing;
+  Weights weights;
+  double friction = 0.6;              // > 0, assumed; below the pads' mu_d to stay on the safe side
+  double least_force = 8;             // N, > 0, per pad: less is not controllable
+  double largest_force = 0;           // N, per pad; 0: what the gripper's nominal current gives
+  double opening_clearance = 0.005;   // m, >= 0, of each pad when a narrower opening must do
+  /// m, >= 0: sections that are too wide by up to this much are listed too, with a remark: the
+  /// prediction may be wider than the object. They come last: nothing of them is robust.
+  double width_tolerance = 0.006;
+  double largest_offset = 0.004;  // m, >= 0, of the grasped section from the hand's middle
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// The same of fingers. Their friction is the hand's.
+struct FingerOptions {
+  struct Weights {
+    double quality = 0.4;      // epsilon / (epsilon + 0.05)
+    double margin = 0.3;       // disturbance margin / (it + the weight)
+    double centredness = 0.2;  // exp(-d / 30 mm), d from the centre of mass to the contacts' mean
+    double pads = 0.1;         // share of the contacts that are on pads, or on a hand without pads
+  };
+  HandClosingOptions closing;
+  Weights weights;
+  double largest_shortfall = 0.03;  // m, >= 0, by which the hand may be stopped before its standoff
+  int least_fingers = 2;            // > 0, that must touch the object (the palm counts as one)
+  bool volume = false;              // also Grasp::volume, some ms for each grasp in the result
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// A pose of the tool frame of a preshape.
+struct HandCandidate {
+  Candidate candidate;
+  std::string preshape;  // by its name; empty: the hand's first
+};
+
+/// The defaults are those of a parallel gripper; default_options() has every hand's.
+struct PlannerOptions {
+  std::vector<std::string> generators{"circles", "boxes"};  // of generator_names(), at least one
+  /// Tried as well when no grasp of the former holds in `enough` of its disturbed trials: walls,
+  /// rims and handles of what is too wide.
+  std::vector<std::string> further_generators{"antipodal"};
+  double enough = 0;            // 0..1; 0: any grasp is
+  GeneratorOptions candidates;  // how many of them
+  /// Every candidate also turned by half a turn about the approach: of hands that are not symmetric.
+  bool both_ways = false;
+  std::vector<std::string> preshapes;  // of the hand's; empty: all of them
+  /// Poses to try instead of what the generators make, if there are any; kGiven is their
+  /// generator's name then.
+  std::vector<HandCandidate> given_W;
+  CollisionOptions collision;
+  UncertaintyOptions uncertainty;
+  int robust_count = 0;  // >= 0, of the best grasps, are assessed for robustness, the others count
+                         // as if they never held; 0: all
+  int cone_edges = 8;    // >= 3, of the linearised friction cones
+  double density = 800;  // kg/m^3, > 0, assumed of the unknown object
+  double safety_factor = 2.5;       // >= 1, of the grasp force against slipping, or of the motors'
+                                    // limits against what the load needs
+  double lift_acceleration = 1.0;   // m/s^2, >= 0, upwards on top of gravity
+  double pregrasp_distance = 0.08;  // m, > 0, back along the approach
+  /// A grasp's mean of its closing's weights is multiplied by 1 - guessed + guessed (share of the
+  /// contact that is on surface that is there, by vertex_confidence), ...
+  double guessed_weight = 0.5;  // 0..1
+  /// ... and by 1 - robust + robust Grasp.robustness.
+  double robust_weight = 0.9;  // 0..1
+  int largest_count = 32;      // > 0, of grasps in the result
+  /// s of wall time, >= 0: candidates, spread over all of them, are tried until it is used up; 0:
+  /// all are. With a budget the result depends on how fast the machine is.
+  double budget = 0;
+  int threads = 0;  // >= 0; 0: all cores. The result does not depend on it
+  /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp (of
+  /// a parallel gripper for both turned by half about the approach, too), by several threads at
+  /// once. Empty: it reaches all. Must give the same answer for the same pose.
+  std::function<bool(const geometry::RigidTransform& X_WH)> reaches;
+  PadOptions pads;        // of a parallel gripper with pads
+  FingerOptions fingers;  // of every other hand
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// What is a good start for this hand: with fingers fewer candidates in more ways.
+PlannerOptions default_options(const robot::HandModel& hand);
+
+}  // namespace prehend::grasp

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/grasp/hand_closing.h"
+#include "prehend/planning/hand_plan.h"
+#include "prehend/planning/platform_pick.h"
+#include "prehend/robot/platform.h"
+
+// From an object to grasps that a platform can execute, as its node and its evaluation plan them.
+namespace prehend::planning {
+
+/// The other objects of a view, in the world frame. Pads keep from the meshes, fingers and arm from
+/// their pieces.
+struct Neighbours {
+  std::vector<geometry::TriangleMesh> meshes_W;  // as predicted
+  std::vector<geometry::TriangleMesh> pieces_W;  // convex, of the same
+};
+
+/// A grasp of a platform's hand and the arm's way round it.
+struct PlannedPick {
+  PlannedGrasp grasp;
+  std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
+  std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
+};
+
+struct PlatformPlan {
+  std::vector<PlannedPick> picks;  // those with a motion, best first, then the others, best first
+  std::vector<grasp::Rejection> rejections;           // where other candidates fell
+  std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
+  int candidates = 0;      // of the hand: = its grasps + all `rejections`
+  double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
+  std::string problem;     // "cannot be grasped: ..." when nothing can be executed, else empty
+};
+
+struct PlatformPlanOptions {
+  HandPlanOptions grasps;   // their `reaches` is the arm's
+  PlatformPickOptions arm;  // its moves_W are those of `place`
+  PlaceOptions place;
+  int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_hand() within
+/// the arm's reach, free_places_for(), and plan_platform_pick() for as many as get a motion.
+class PlatformPlanner {
+ public:
+  explicit PlatformPlanner(robot::Platform platform);
+  PlatformPlanner(const PlatformPlanner&) = delete;
+  PlatformPlanner& operator=(const PlatformPlanner&) = delete;
+
+  const robot::Platform& platform() const { return platform_; }
+  /// Plans for this gripper, which the robot says it has. @pre platform().hand.gripper
+  void set_gripper(const robot::GripperModel& gripper);
+
+  /// @param object of which the convex pieces are what the arm keeps from.
+  /// @param start of the arm's joints.
+  /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
+  /// @throws as plan_hand(), free_places_for() and plan_platform_pick().
+  PlatformPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
+                    const Neighbours& neighbours,
+                    const grasp::Reachability& reachability, const robot::Positions& start,
+                    const PlatformPlanOptions& options, grasp::GraspDatabase* database = nullptr,
+                    const std::optional<grasp::PlacedObject>& known = std::nullopt) const;
+
+ private:
+  void add_motions(std::vector<PlannedGrasp> grasps, const PlatformScene& scene,
+                   const robot::Positions& start, const PlatformPlanOptions& options,
+                   PlatformPlan* plan) const;
+
+  robot::Platform platform_;
+  grasp::HandToClose hand_;  // of platform_
+};
+
+}  // namespace prehend::planning

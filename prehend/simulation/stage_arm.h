@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prehend/robot/platform.h"
+#include "prehend/simulation/arm_drive.h"
+#include "prehend/simulation/world.h"
+
+namespace prehend::simulation {
+
+/// The carrier that a platform is: three slides along the world's axes and a joint that turns the
+/// gripper about the vertical, which holds it straight down. Its limits, speeds and accelerations
+/// are the platform's, it starts at `home`.
+/// @throws geometry::InputError for any other platform, and for an unknown home.
+CarrierModel carrier_of(const robot::Platform& platform, const std::string& home);
+
+/// The joints of a stage: moves the carrier of a World along trajectories, as ArmDrive does with
+/// the joints of an arm, with the platform's accelerations twice over for its loops and its brakes.
+/// Its state is its value: copy to save.
+class StageArm {
+ public:
+  /// @throws as carrier_of().
+  StageArm(const robot::Platform& platform, const std::string& home);
+
+  /// Checks and starts, from where the carrier stands.
+  /// @throws std::invalid_argument (check_trajectory).
+  void follow(const TrajectoryRequest& request, const std::vector<double>& tolerance,
+              const World& world);
+  void stop() { drive_.stop(); }
+  /// Forgets the last trajectory, and leaves the carrier to others.
+  void let_go();
+  /// Stops when the wrist's contact force exceeds `force` [N] in a step; 0: not.
+  void stop_on_contact(double force);
+  bool stopped_by_contact() const { return contact_; }
+
+  /// Before (after) each World::step(): gives the carrier its velocity (feels the wrist). Somebody
+  /// else may move the carrier while no trajectory is followed.
+  void begin_step(World& world);
+  void end_step(const World& world);
+
+  const ArmDrive& drive() const { return drive_; }
+  bool moves() const { return moves_; }
+
+ private:
+  ArmDriveOptions options_;
+  ArmDrive drive_;
+  bool moves_ = false;  // the carrier is driven
+  double contact_limit_ = 0;
+  bool contact_ = false;
+};
+
+/// Where the joints x, y, z [m] and yaw [rad] of a World's carrier are.
+robot::Positions stage_position(const World& world);
+
+}  // namespace prehend::simulation

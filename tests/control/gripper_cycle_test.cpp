@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "tests/control/gripper_cycle_fixture.h"
+
+namespace prehend::control {
+namespace {
+
+TEST_F(GripperCycleTest, GraspsLiftsMovesAndReleases) {
+  run(3);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+  EXPECT_EQ(cycle.result().grasp_index, 0);
+  EXPECT_GE(world.highest_object(), 0.12);
+  EXPECT_EQ(world.object_height(), 0);
+  EXPECT_NEAR(world.opening(), 0.069, 1e-6);
+  for (auto kind : {SurpriseKind::kOpeningAtContact, SurpriseKind::kContactArea,
+                    SurpriseKind::kTactileSum, SurpriseKind::kHeldAfterLift}) {
+    ASSERT_NE(surprise(kind), nullptr);
+    EXPECT_FALSE(surprise(kind)->surprising) << static_cast<int>(kind);
+  }
+  std::vector<std::string> phases;
+  for (const auto& [phase, seconds] : cycle.phase_times()) phases.push_back(phase);
+  EXPECT_EQ(phases,
+            (std::vector<std::string>{"waiting", "approach", "grasp", "lift", "move", "release"}));
+}
+
+TEST_F(GripperCycleTest, WrongWidthIsASurpriseButGripped) {
+  world.object_width = 0.035;
+  run(1);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  ASSERT_NE(surprise(SurpriseKind::kOpeningAtContact), nullptr);
+  EXPECT_TRUE(surprise(SurpriseKind::kOpeningAtContact)->surprising);
+  EXPECT_NEAR(surprise(SurpriseKind::kOpeningAtContact)->felt, 0.035, 1e-3);
+}
+
+TEST_F(GripperCycleTest, NothingThereTriesTheNextGrasps) {
+  world.object_width = 0;
+  run(5);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_EQ(cycle.result().attempts, 3);
+  EXPECT_NE(cycle.result().reason.find("neither pad"), std::string::npos) << cycle.result().reason;
+  // Regression: without one surprise.
+  const auto surprises = std::count_if(
+      cycle.surprises().begin(), cycle.surprises().end(),
+      [](const Surprise& s) { return s.kind == SurpriseKind::kFingersTouch && s.surprising; });
+  EXPECT_EQ(surprises, 3) << "one for each attempt";
+}
+
+// The reason was "closed completely, neither pad felt anything", of the attempts that came after.
+TEST_F(GripperCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
+  world.lost_when_carried = true;
+  run(3);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_EQ(cycle.result().attempts, 3);
+  const std::string& reason = cycle.result().reason;
+  EXPECT_NE(reason.find("attempt 1 came furthest: grasp 0: lost while carrying"), std::string::npos)
+      << reason;
+  EXPECT_LT(reason.find("lost while carrying"), reason.find("neither pad")) << reason;
+  const auto held = std::count_if(
+      cycle.surprises().begin(), cycle.surprises().end(),
+      [](const Surprise& s) { return s.kind == SurpriseKind::kHeldWhileCarried && s.surprising; });
+  EXPECT_EQ(held, 1);
+}
+
+TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
+  world.slips_when_lifted = true;
+  run(1);
+  EXPECT_FALSE(cycle.result().success);
+  ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
+  EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
+  EXPECT_NE(cycle.result().reason.find("nothing is held after the lift: the opening"),
+            std::string::npos)
+      << cycle.result().reason;
+}
+
+// Regression: nobody looked while it was lowered, nor whether the hand was empty after.
+TEST_F(GripperCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
+  run(1, [&] {
+    if (cycle.detail() == "arm: place") world.object_width = 0;
+  });
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("lost while lowering"), std::string::npos)
+      << cycle.result().reason;
+  ASSERT_NE(surprise(SurpriseKind::kHeldWhileCarried), nullptr);
+  EXPECT_TRUE(surprise(SurpriseKind::kHeldWhileCarried)->surprising);
+}
+
+TEST_F(GripperCycleTest, WhatSticksToTheHandIsNotPutDown) {
+  run(1, [&] {
+    if (cycle.detail() == "arm: retreat") world.object_width = 0.08;
+  });
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("did not leave the hand"), std::string::npos)
+      << cycle.result().reason;
+}
+
+// Once grasps that held well were let go, as a finger met the object beside its pad.
+TEST_F(GripperCycleTest, LiftsWithLessForceThanAskedForWhenThePadsGetNoMore) {
+  world.finger_stop = 0.05 - 8.0 / 20000;  // 8 N of 12
+  run(1);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_GE(world.highest_object(), 0.12);
+}
+
+TEST_F(GripperCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
+  world.finger_stop = 0.05 - 5.0 / 20000;
+  run(1);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("force was not reached"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, EarlyTouchBacksOff) {
+  world.obstacle_height = 0.08;
+  run(2);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_EQ(cycle.result().attempts, 2);
+  ASSERT_NE(surprise(SurpriseKind::kTouchedTooEarly), nullptr);
+  EXPECT_GT(world.height(), 0.12);
+}
+
+// Once it went on to where it was to go before it came back, or refused to.
+TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
+  world.obstacle_height = 0.35;
+  const Eigen::Vector3d start = world.p_WG();
+  cycle.start({grasp_at(0.5)});
+  double lowest = 1;
+  for (int i = 0; i < 20000 && !cycle.finished(); ++i) {
+    cycle.step(world.percepts());
+    world.advance();
+    lowest = std::min(lowest, world.height());
+  }
+  EXPECT_NE(cycle.result().reason.find("the arm hit something"), std::string::npos)
+      << cycle.result().reason;
+  EXPECT_TRUE(world.p_WG().isApprox(start, 1e-6)) << world.p_WG().transpose();
+  EXPECT_GT(lowest, 0.34);
+}
+
+TEST_F(GripperCycleTest, OneNumbPad) {
+  world.right_gain = 0;
+  run(1);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("only the left pad"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, JammedGripperGivesUp) {
+  world.jammed = true;
+  run(1);
+  EXPECT_NE(cycle.result().reason.find("does not open"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, StuckStageTimesOut) {
+  world.arm_stuck = true;
+  run(1);
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_NE(cycle.result().reason.find("took too long"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, EmptyPlanEndsWithItsReason) {
+  cycle.start({}, "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
+  EXPECT_TRUE(cycle.finished());
+  EXPECT_FALSE(cycle.result().success);
+  EXPECT_EQ(cycle.result().reason,
+            "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
+}
+
+TEST_F(GripperCycleTest, SilentDevicesTimeOut) {
+  cycle.start({grasp_at(0)});
+  ArmPercepts nothing;
+  for (int i = 0; i < 10000 && !cycle.finished(); ++i) {
+    nothing.time = 5 + i * kStep;
+    cycle.step(nothing);
+  }
+  EXPECT_TRUE(cycle.finished());
+  EXPECT_NE(cycle.result().reason.find("the wrist's force (nothing has come)"), std::string::npos)
+      << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, CanStartAgain) {
+  run(1);
+  ASSERT_TRUE(cycle.result().success);
+  run(1);
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+}
+
+TEST_F(GripperCycleTest, AbortStops) {
+  cycle.start({grasp_at(0)});
+  for (int i = 0; i < 50; ++i) {
+    cycle.step(world.percepts());
+    world.advance();
+  }
+  cycle.abort("told to");
+  EXPECT_TRUE(cycle.finished());
+  EXPECT_TRUE(world.stopped());
+  EXPECT_EQ(cycle.result().reason, "told to");
+}
+
+TEST(PadGripperOptions, AreChecked) {
+  FakeWorld world;
+  FakeDrive drive(world);
+  PadGripperOptions options;
+  options.least_share = 1.5;
+  EXPECT_THROW(PadGripper(robot::GripperModel{}, options, drive), std::invalid_argument);
+}
+
+TEST(Surprise, NanSurprises) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(compare(SurpriseKind::kTactileSum, 10, nan, {}, "stop").surprising);
+  EXPECT_EQ(compare(SurpriseKind::kTactileSum, 10, nan, {}, "stop").reaction, "stop");
+}
+
+TEST(Surprise, TakesTheLargerTolerance) {
+  SurpriseTolerances tolerances;
+  EXPECT_FALSE(compare(SurpriseKind::kTactileSum, 10, 11.9, tolerances, "x").surprising);
+  EXPECT_TRUE(compare(SurpriseKind::kTactileSum, 10, 12.1, tolerances, "x").surprising);
+  EXPECT_FALSE(compare(SurpriseKind::kTactileSum, 1, 1.9, tolerances, "x").surprising);
+  EXPECT_TRUE(compare(SurpriseKind::kHeldAfterLift, 1, 0, tolerances, "x").surprising);
+  EXPECT_FALSE(compare(SurpriseKind::kHeldAfterLift, 1, 1, tolerances, "x").surprising);
+  tolerances.area = -1;
+  EXPECT_THROW(tolerances.validate(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prehend::control

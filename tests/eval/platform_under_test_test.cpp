@@ -1,0 +1,101 @@
+#include "eval/grasp/platform_under_test.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/simulation/shapes.h"
+
+namespace prehend::eval {
+namespace {
+
+using control::SurpriseKind;
+
+PlannerSetting on_truth() {
+  PlannerSetting setting;
+  setting.name = to_string(PlannedOn::kTruth);
+  setting.planned_on = PlannedOn::kTruth;
+  return setting;
+}
+
+Belief believed(const geometry::TriangleMesh& mesh_W) {
+  Belief belief;
+  belief.object.mesh_W = mesh_W;
+  return belief;
+}
+
+int count_of(const GraspTrial& trial, SurpriseKind kind, bool surprising) {
+  int count = 0;
+  for (const auto& s : trial.surprises) count += s.kind == kind && s.surprising == surprising;
+  return count;
+}
+
+TEST(PlatformUnderTest, LiftsWhatIsThereAndTellsWhatItFelt) {
+  const HandUnderTest hand = platform_under_test("config/robots/kr5_pg70.yaml", true);
+  EXPECT_EQ(hand.name, "kr5_pg70");
+  const TrueObject truth{simulation::make_standing_box({0.04, 0.05, 0.12}), 0.2, {}};
+  const GraspTrial trial = hand.grasp(believed(truth.mesh_W), truth, on_truth(), nullptr);
+  EXPECT_TRUE(trial.lifted_at_first()) << trial.problem << trial.outcome;
+  EXPECT_EQ(trial.stage, "");
+  EXPECT_GE(trial.best_robustness, 0.5);
+  EXPECT_LT(trial.contact_error, 1e-3) << "planned on the truth";
+  EXPECT_LT(trial.slip, 0.005);
+  // Its pads feel, so that what they feel is compared.
+  EXPECT_EQ(count_of(trial, SurpriseKind::kTactileSum, true) +
+                count_of(trial, SurpriseKind::kTactileSum, false),
+            1);
+  EXPECT_EQ(count_of(trial, SurpriseKind::kHeldAfterLift, false), 1);
+}
+
+// What is believed to be there is not: every attempt fails where the fingers close, with a
+// surprise.
+TEST(PlatformUnderTest, SaysAtWhichStageItFailed) {
+  const HandUnderTest hand = platform_under_test("config/robots/kr5_sdh.yaml", true);
+  const geometry::TriangleMesh box_W = simulation::make_standing_box({0.05, 0.05, 0.14});
+  geometry::RigidTransform elsewhere = geometry::RigidTransform::Identity();
+  elsewhere.translation() = Eigen::Vector3d(0.3, 0.4, 0);
+  const TrueObject truth{geometry::transformed(box_W, elsewhere), 0.2, {}};
+  int looks = 0;
+  const GraspTrial trial = hand.grasp(believed(box_W), truth, on_truth(),
+                                      [&](const geometry::RigidTransform& X_moved) -> Belief {
+                                        EXPECT_LT(X_moved.translation().norm(), 0.01);
+                                        if (++looks == 1) return believed(box_W);
+                                        throw geometry::InputError("fog", "wait");
+                                      });
+  EXPECT_FALSE(trial.lifted);
+  EXPECT_EQ(trial.attempts, 3);
+  EXPECT_EQ(trial.plans, 2);
+  EXPECT_EQ(looks, 2);
+  EXPECT_EQ(trial.stage, "grasp");
+  EXPECT_NE(trial.outcome.find("closed on nothing"), std::string::npos) << trial.outcome;
+  EXPECT_EQ(count_of(trial, SurpriseKind::kFingersTouch, true), 3);
+}
+
+TEST(PlatformUnderTest, WhatNoHandCanHoldEndsAtThePlan) {
+  const HandUnderTest hand = platform_under_test("config/robots/kr5_pg70.yaml", true);
+  const TrueObject truth{simulation::make_standing_box({0.3, 0.3, 0.3}), 0.2, {}};
+  const GraspTrial trial = hand.grasp(believed(truth.mesh_W), truth, on_truth(), nullptr);
+  EXPECT_EQ(trial.grasps, 0);
+  EXPECT_EQ(trial.stage, "plan");
+  EXPECT_NE(trial.problem.find("cannot be grasped"), std::string::npos);
+}
+
+TEST(InReach, PlatformsThatReachTheMiddleStayAndOthersAreMoved) {
+  const robot::Platform at_place = robot::read_platform("config/robots/kr5_sdh.yaml");
+  EXPECT_EQ(in_reach(at_place).X_WB.matrix(), at_place.X_WB.matrix());
+  robot::Platform far = at_place;
+  far.X_WB.translation() += Eigen::Vector3d(4, -7, 0);
+  const robot::Platform moved = in_reach(far);
+  EXPECT_EQ(moved.X_WB.linear(), far.X_WB.linear());
+  EXPECT_EQ(moved.X_WB.translation().z(), far.X_WB.translation().z());
+  const double distance = moved.X_WB.translation().head<2>().norm();
+  EXPECT_GT(distance, 0.3) << "not under the arm's base";
+  EXPECT_LT(distance, 0.85) << "the KR5 sixx R850 reaches 0.85 m";
+  EXPECT_EQ(in_reach(moved).X_WB.matrix(), moved.X_WB.matrix());
+  far.X_WB.translation().z() = 3;
+  EXPECT_THROW(in_reach(far), geometry::InputError);
+}
+
+}  // namespace
+}  // namespace prehend::eval

@@ -1,0 +1,74 @@
+#include "prehend/planning/hand_plan.h"
+
+#include <gtest/gtest.h>
+
+#include "prehend/surface/model.h"
+
+namespace prehend::planning {
+namespace {
+
+using geometry::TriangleMesh;
+
+const robot::Platform& stage() {
+  static const robot::Platform platform = robot::read_platform("config/robots/stage_pg70.yaml");
+  return platform;
+}
+
+surface::ObjectModel standing(const TriangleMesh& mesh, const Eigen::Vector3d& p_W, double yaw) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  return surface::model_of_mesh(geometry::transformed(mesh, geometry::make_transform(turn, p_W)));
+}
+
+HandPlanResult plan_on_stage(const surface::ObjectModel& object, const HandPlanOptions& options) {
+  return plan_hand(grasp::HandToClose(stage().hand), object, geometry::Plane{}, {},
+                   within_reach(grasp::Reachability{}, stage()), within_reach(options, stage()));
+}
+
+// What carries the gripper is no part of the search.
+TEST(StageHandPlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
+  grasp::Reachability down;
+  down.approach_W = -Eigen::Vector3d::UnitZ();
+  const TriangleMesh can = geometry::make_revolution({{0.03, 0}, {0.03, 0.1}}, 48);
+  const TriangleMesh ball = geometry::make_sphere(0.028, 3);
+  const surface::ObjectModel objects[] = {
+      standing(geometry::make_box({0.05, 0.07, 0.12}), {0.1, -0.2, 0.06}, 0.5),
+      standing(can, {-0.3, 0.25, 0}, 0), standing(ball, {0, 0, 0.028}, 0)};
+  for (const surface::ObjectModel& object : objects) {
+    const HandPlanOptions options;
+    const grasp::GraspPlanResult direct = grasp::plan_grasps(
+        object, geometry::Plane{}, {}, *stage().hand.gripper, down, options.pads);
+    const HandPlanResult plan = plan_on_stage(object, options);
+    ASSERT_FALSE(direct.grasps.empty()) << direct.problem;
+    EXPECT_EQ(plan.candidates, direct.candidates);
+    ASSERT_EQ(plan.grasps.size(), direct.grasps.size());
+    for (std::size_t i = 0; i < direct.grasps.size(); ++i) {
+      const grasp::Grasp& a = direct.grasps[i];
+      ASSERT_TRUE(plan.grasps[i].pads);
+      const grasp::Grasp& b = *plan.grasps[i].pads;
+      EXPECT_EQ(a.X_WG.matrix(), b.X_WG.matrix());
+      EXPECT_EQ(a.approach_W, b.approach_W);
+      EXPECT_EQ(a.score, b.score);
+      EXPECT_EQ(a.quality, b.quality);
+      EXPECT_EQ(a.robustness, b.robustness);
+      EXPECT_EQ(a.grasp_force, b.grasp_force);
+      EXPECT_EQ(a.predicted.opening, b.predicted.opening);
+      EXPECT_EQ(a.left_contacts_W, b.left_contacts_W);
+    }
+  }
+}
+
+TEST(StageHandPlan, WhatIsBeyondItsWaysIsRefusedAsOutOfReach) {
+  const auto box = geometry::make_box({0.05, 0.07, 0.12});
+  const HandPlanResult plan = plan_on_stage(standing(box, {0.75, 0, 0.06}, 0), {});
+  EXPECT_TRUE(plan.grasps.empty());
+  EXPECT_NE(plan.problem.find("reach"), std::string::npos) << plan.problem;
+}
+
+TEST(StageHandPlan, ADirectionThatIsAskedForStays) {
+  grasp::Reachability aslant;
+  aslant.approach_W = Eigen::Vector3d(0, 0.6, -0.8);
+  EXPECT_EQ(*within_reach(aslant, stage()).approach_W, *aslant.approach_W);
+}
+
+}  // namespace
+}  // namespace prehend::planning
