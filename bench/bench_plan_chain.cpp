@@ -6,7 +6,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/platform.h"
@@ -25,33 +24,16 @@ struct Completed {
   shape::CompletedShape shape = shape::complete_by_symmetry(view.view());
 };
 
-std::vector<planning::PlatformGrasp> gripper_grasps(const surface::ObjectModel& object,
-                                                    const geometry::Plane& table_W,
-                                                    const robot::Platform& platform, int threads) {
-  grasp::PlannerOptions options;
+std::vector<planning::PlatformGrasp> ranked_grasps(const surface::ObjectModel& object,
+                                                   const geometry::Plane& table_W,
+                                                   const robot::Platform& platform,
+                                                   const grasp::HandToClose& hand, int threads) {
+  grasp::PlannerOptions options = grasp::default_options(platform.hand);
   options.threads = threads;
-  const auto gripper = robot::read_gripper_model("config/robots/pg70_dsa.yaml");
+  if (!platform.hand.gripper) options = planning::within_reach(std::move(options), platform);
   std::vector<planning::PlatformGrasp> grasps;
-  for (const auto& grasp : grasp::plan_grasps(object, table_W, {}, gripper, {}, options).grasps) {
-    // The model's joint is half of the opening.
-    grasps.push_back({grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance,
-                      platform.hand.preshapes.front().name,
-                      Eigen::VectorXd::Constant(1, grasp.pregrasp_opening / 2), grasp.score});
-  }
-  return grasps;
-}
-
-std::vector<planning::PlatformGrasp> hand_grasps(const surface::ObjectModel& object,
-                                                 const geometry::Plane& table_W,
-                                                 const robot::Platform& platform,
-                                                 const grasp::HandToClose& hand, int threads) {
-  grasp::HandPlannerOptions options;
-  options.threads = threads;
-  options.reaches = planning::arm_reach(platform);
-  std::vector<planning::PlatformGrasp> grasps;
-  for (const auto& grasp : grasp::plan_hand_grasps(object, table_W, {}, hand, {}, options).grasps) {
-    grasps.push_back({grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance, grasp.preshape,
-                      grasp.open, grasp.score});
+  for (const auto& grasp : grasp::plan_grasps(object, table_W, {}, hand, {}, options).grasps) {
+    grasps.push_back(planning::to_pick(grasp));
   }
   return grasps;
 }
@@ -85,9 +67,8 @@ void chain(benchmark::State& state, const std::string& name) {
         surface::make_object_model(completed.shape, completed.view.table_W, meshing);
     triangles = object.mesh_W.triangles.size();
     lap(&mesh);
-    const auto grasps = name == "kr5_pg70"
-                            ? gripper_grasps(object, completed.view.table_W, platform, threads)
-                            : hand_grasps(object, completed.view.table_W, platform, hand, threads);
+    const auto grasps =
+        ranked_grasps(object, completed.view.table_W, platform, hand, threads);
     lap(&grasping);
     const planning::PlatformPick pick =
         planning::plan_platform_pick(platform, platform.home("home").arm, grasps,

@@ -7,7 +7,8 @@
 
 #include "prehend/grasp/closing/pad_closing.h"
 #include "prehend/grasp/wrench/force_closure.h"
-#include "prehend/grasp/hand_planner.h"
+#include "prehend/grasp/closing/finger_closing.h"
+#include "prehend/grasp/planner.h"
 #include "prehend/grasp/wrench/wrench_hull.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/platform.h"
@@ -91,14 +92,13 @@ BENCHMARK(BM_CandidateBarrett)->Unit(benchmark::kMicrosecond);
 void plan(benchmark::State& state, const std::string& platform) {
   const Scene scene(platform);
   const surface::ObjectModel object = carton();
-  grasp::HandPlannerOptions options;
+  grasp::PlannerOptions options = grasp::default_options(scene.platform.hand);
   options.threads = 1;
   options.reaches = [&scene](const RigidTransform& X_WH) { return scene.reaches(X_WH); };
   int candidates = 0;
   std::size_t grasps = 0;
   for (auto _ : state) {
-    const auto result =
-        grasp::plan_hand_grasps(object, geometry::Plane{}, {}, scene.hand, {}, options);
+    const auto result = grasp::plan_grasps(object, geometry::Plane{}, {}, scene.hand, {}, options);
     candidates = result.candidates;
     grasps = result.grasps.size();
   }
@@ -127,23 +127,23 @@ void BM_CandidatePg70(benchmark::State& state) {
   const surface::ObjectModel object = narrow_box();
   grasp::PlannerOptions options;
   const robot::GripperModel gripper;
-  const grasp::GraspEvaluator evaluator(grasp::make_solid(object.mesh_W, options.density),
-                                        geometry::Plane{}, {}, gripper, {}, options);
+  const auto& preshape = scene.platform.hand.preshapes.front();
+  const grasp::PadClosing evaluator(grasp::make_solid(object.mesh_W, options.density),
+                                    geometry::Plane{}, {}, scene.platform.hand, {}, options);
   std::vector<grasp::Candidate> closing;
   const auto generator = grasp::make_generator("antipodal", options.candidates);
   for (const auto& candidate : generator->generate({evaluator.query(),
                                                     evaluator.solid().center_of_mass_W,
                                                     {},
-                                                    grasp::hand_reach(gripper),
+                                                    evaluator.reach(preshape),
                                                     {}})) {
-    grasp::EvaluatedGrasp evaluated;
-    if (!evaluator.evaluate(candidate, &evaluated)) closing.push_back(candidate);
+    grasp::ClosedGrasp evaluated;
+    if (!evaluator.evaluate(candidate, preshape, &evaluated)) closing.push_back(candidate);
   }
-  const auto& preshape = scene.platform.hand.preshapes.front();
   std::size_t i = 0;
   for (auto _ : state) {
-    grasp::EvaluatedGrasp evaluated;
-    benchmark::DoNotOptimize(evaluator.evaluate(closing[i], &evaluated));
+    grasp::ClosedGrasp evaluated;
+    benchmark::DoNotOptimize(evaluator.evaluate(closing[i], preshape, &evaluated));
     benchmark::DoNotOptimize(scene.arm.solve(scene.platform.X_BF(closing[i].X_WG, preshape)));
     i = (i + 1) % closing.size();
   }

@@ -45,7 +45,7 @@ struct Chain {
     const auto& object = segmented.objects.at(target);
     return shape::complete_by_symmetry(shape::view_of(segmented, object));
   }
-  grasp::GraspPlanResult plan() const {
+  grasp::GraspPlan plan() const {
     return grasp::plan_grasps(model, segmented.table_W, {}, scene.gripper, {});
   }
 };

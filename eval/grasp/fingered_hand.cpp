@@ -22,13 +22,7 @@ struct Hand {
   const grasp::HandToClose to_close;
 };
 
-std::vector<Eigen::Vector3d> contact_points(const grasp::HandGrasp& grasp) {
-  std::vector<Eigen::Vector3d> points;
-  for (const auto& contact : grasp.contacts) points.push_back(contact.contact_W.point);
-  return points;
-}
-
-void record_plan(const grasp::HandPlan& plan, GraspTrial* trial) {
+void record_plan(const grasp::GraspPlan& plan, GraspTrial* trial) {
   trial->candidates = plan.candidates;
   trial->grasps = static_cast<int>(plan.grasps.size());
   trial->problem = plan.problem;
@@ -41,17 +35,17 @@ GraspTrial try_hand(const Hand& hand, const Belief& believed, const TrueObject& 
                     const PlannerSetting& setting) {
   GraspTrial trial;
   const double start = processor_time();
-  const grasp::HandPlan plan =
-      grasp::plan_hand_grasps(believed.object, geometry::Plane{}, believed.obstacles, hand.to_close,
-                              {}, setting.hand_options);
+  const grasp::GraspPlan plan =
+      grasp::plan_grasps(believed.object, geometry::Plane{}, believed.obstacles, hand.to_close, {},
+                         options_for(hand.model, setting));
   trial.plan_seconds = processor_time() - start;
   record_plan(plan, &trial);
   simulation::HandGraspOptions execution;
   execution.mass = truth.mass;
   const int attempts = std::min(kAttempts, trial.grasps);
   while (!trial.lifted && trial.attempts < attempts) {
-    const grasp::HandGrasp& grasp = plan.grasps[static_cast<std::size_t>(trial.attempts++)];
-    const std::vector<Eigen::Vector3d> contacts = contact_points(grasp);
+    const grasp::Grasp& grasp = plan.grasps[static_cast<std::size_t>(trial.attempts++)];
+    const std::vector<Eigen::Vector3d> contacts = grasp::contact_points(grasp);
     const auto outcome =
         simulation::execute_hand_grasp(hand.model,
                                        {grasp.X_WG, grasp.preshape, grasp.open, grasp.closed,

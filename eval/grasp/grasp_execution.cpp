@@ -152,12 +152,12 @@ class SimulatedStage : public control::ArmPort {
     };
     result.hand = robot::closing_way(
         platform_.hand, platform_.hand.preshapes.front(),
-        joints(std::min(grasp.pregrasp_opening, platform_.hand.gripper->max_opening)),
+        joints(std::min(pregrasp_opening(grasp), platform_.hand.gripper->max_opening)),
         joints(grasp.predicted.opening));
     result.lifted_mass = grasp.predicted.lifted_mass;
     result.score = grasp.score;
     result.robustness = grasp.robustness;
-    result.force = grasp.grasp_force;
+    result.force = grasp.force;
     result.contact_area = grasp.predicted.contact_area;
     result.tactile_sum = grasp.predicted.tactile_sum;
     return result;
@@ -193,7 +193,7 @@ control::ArmPercepts perceive(const World& world, const std::vector<std::string>
 
 }  // namespace
 
-GraspExecution execute_grasps(World& world, std::size_t object, const grasp::GraspPlanResult& plan,
+GraspExecution execute_grasps(World& world, std::size_t object, const grasp::GraspPlan& plan,
                               double time_limit, const LookAgain& look_again) {
   const auto start = world.body(object);
   const double start_time = world.time(), step = world.scene().step;

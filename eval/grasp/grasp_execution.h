@@ -31,7 +31,7 @@ struct GraspExecution {
 
 /// Grasps planned on a new look at the object, which has moved by X_moved (see GraspExecution) from
 /// where it stood when the first plan was made.
-using LookAgain = std::function<grasp::GraspPlanResult(const geometry::RigidTransform& X_moved)>;
+using LookAgain = std::function<grasp::GraspPlan(const geometry::RigidTransform& X_moved)>;
 
 /// Executes ranked grasps of the object `object` (index of the world's bodies) by ArmCycle on the
 /// stage at 100 Hz, as the node grasp_cycle does, with the world's ideal readings. The stage moves
@@ -39,7 +39,7 @@ using LookAgain = std::function<grasp::GraspPlanResult(const geometry::RigidTran
 /// a failed attempt the cycle looks again, if there is `look_again`: the new plan is there at once.
 /// Ends after `time_limit` [s, simulated] at the latest.
 GraspExecution execute_grasps(simulation::World& world, std::size_t object,
-                              const grasp::GraspPlanResult& plan, double time_limit = 120,
+                              const grasp::GraspPlan& plan, double time_limit = 120,
                               const LookAgain& look_again = nullptr);
 
 }  // namespace prehend::eval

@@ -33,7 +33,10 @@ std::vector<PlannerSetting> compared_settings() {
   for (const PlannedOn on : {PlannedOn::kPredicted, PlannedOn::kTruth, PlannedOn::kDelaunay}) {
     settings.push_back({to_string(on), on, {}, {}});
     // The truth is not wider than the object.
-    if (on == PlannedOn::kTruth) settings.back().options.width_tolerance = 0;
+    if (on != PlannedOn::kTruth) continue;
+    settings.back().change = [](grasp::PlannerOptions* options) {
+      options->pads.width_tolerance = 0;
+    };
   }
   return settings;
 }

@@ -2,6 +2,13 @@
 
 namespace prehend::eval {
 
+grasp::PlannerOptions options_for(const robot::HandModel& hand, const PlannerSetting& setting) {
+  grasp::PlannerOptions options = grasp::default_options(hand);
+  if (setting.change) setting.change(&options);
+  options.threads = 1;
+  return options;
+}
+
 double mean_distance(const std::vector<Eigen::Vector3d>& points_W,
                      const geometry::MeshQuery& surface_W) {
   double sum = 0;

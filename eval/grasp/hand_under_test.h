@@ -8,7 +8,6 @@
 
 #include "eval/grasp/grasp_case.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/grasp/hand_planner.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/surface/object_model.h"
 
@@ -18,10 +17,14 @@ namespace prehend::eval {
 struct PlannerSetting {
   std::string name;
   PlannedOn planned_on = PlannedOn::kPredicted;
-  grasp::PlannerOptions options;           // of a parallel gripper
-  grasp::HandPlannerOptions hand_options;  // of a hand with fingers
+  /// What it changes of the hand's default options; empty: nothing.
+  std::function<void(grasp::PlannerOptions* options)> change;
   int alternatives = 0;  // shapes besides the predicted one on which grasps are tried
 };
+
+/// The hand's default options with what the setting changes, on one thread: processes share the
+/// cores, and times are of one.
+grasp::PlannerOptions options_for(const robot::HandModel& hand, const PlannerSetting& setting);
 
 /// An object as a hand meets it: in the world, on the table z = 0.
 struct TrueObject {

@@ -20,7 +20,7 @@ constexpr double kTimeLimit = 180;  // s, simulated, of three attempts
 double area_on(const geometry::MeshQuery& object_W, const grasp::Grasp& grasp,
                const robot::GripperModel& gripper) {
   const grasp::ClosedHand hand =
-      grasp::close_hand(object_W, grasp.X_WG, grasp.pregrasp_opening, grasp.grasp_force, gripper);
+      grasp::close_hand(object_W, grasp.X_WG, grasp::pregrasp_opening(grasp), grasp.force, gripper);
   return hand.outcome == grasp::ClosingOutcome::kClosed ? 0.5 * (hand.left.area + hand.right.area)
                                                         : kUnknown;
 }
@@ -33,10 +33,11 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
   reachability.workspace_W = {scene.carrier.minimum, scene.carrier.maximum};
   GraspTrial trial;
   const double start = processor_time();
-  grasp::PlannerOptions options = setting.options;
-  options.threads = 1;  // processes share the cores, and times are of one
+  const robot::HandModel hand = robot::parallel_hand(scene.gripper);
+  const grasp::HandToClose to_close(hand);
+  const grasp::PlannerOptions options = options_for(hand, setting);
   const auto plan_on = [&](const Belief& belief) {
-    return grasp::plan_grasps(belief.object, geometry::Plane{}, belief.obstacles, scene.gripper,
+    return grasp::plan_grasps(belief.object, geometry::Plane{}, belief.obstacles, to_close,
                               reachability, options);
   };
   const auto plan = plan_on(believed);
@@ -59,7 +60,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
         try {
           return plan_on(believe_again(X_moved));
         } catch (const std::exception& error) {
-          grasp::GraspPlanResult none;
+          grasp::GraspPlan none;
           none.problem = error.what();
           return none;
         }
@@ -70,10 +71,8 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
   trial.slip = execution.slip;
   trial.plans = execution.result.plans;
   const grasp::Grasp& grasp = execution.grasp;
-  std::vector<Eigen::Vector3d> contacts_W = grasp.left_contacts_W;
-  contacts_W.insert(contacts_W.end(), grasp.right_contacts_W.begin(), grasp.right_contacts_W.end());
   const geometry::MeshQuery truth_W(geometry::transformed(truth.mesh_W, execution.X_moved));
-  trial.contact_error = mean_distance(contacts_W, truth_W);
+  trial.contact_error = mean_distance(grasp::contact_points(grasp), truth_W);
   if (trial.attempts > 0)
     trial.area_error = grasp.predicted.contact_area / area_on(truth_W, grasp, scene.gripper) - 1;
   trial.robustness = grasp.robustness;

@@ -74,7 +74,9 @@ std::vector<MeasuredPlan> measure_plan_tradeoff(
     measured.back().setting.seconds = 0;
     PlannerSetting& planner = planners.emplace_back();
     planner.name = fidelity::to_string(setting);
-    fidelity::apply_plan_setting(setting, &planner.options);
+    planner.change = [setting](grasp::PlannerOptions* options) {
+      fidelity::apply_plan_setting(setting, options);
+    };
   }
   const HandUnderTest hand = parallel_gripper();
   for (const Case& one : cases) {

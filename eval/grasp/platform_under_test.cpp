@@ -77,9 +77,7 @@ Belief in_pieces(Belief belief) {
 planning::PlatformPlan plan_for(const Subject& subject, const Belief& belief,
                                 const PlannerSetting& setting) {
   planning::PlatformPlanOptions options;
-  options.grasps = {setting.options, setting.hand_options};
-  // Processes share the cores, and times are of one.
-  options.grasps.pads.threads = options.grasps.fingers.threads = 1;
+  options.grasps = options_for(subject.planner.platform().hand, setting);
   const std::vector<geometry::TriangleMesh>& others_W = belief.obstacles.meshes_W;
   return subject.planner.plan(belief.object, {}, {others_W, others_W}, {}, subject.start, options);
 }
@@ -125,7 +123,7 @@ class Execution {
     if (!grasp_) return;
     trial->slip = slip_;
     trial->contact_error = mean_distance(
-        grasp_->contacts_W, geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
+        grasp::contact_points(*grasp_), geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
     trial->robustness = grasp_->robustness;
     trial->guessed_contact = grasp_->guessed_contact;
   }
@@ -186,8 +184,8 @@ class Execution {
   simulation::RobotWorld world_;
   control::CycleInWorld run_;
   simulation::RobotBodyReading start_;
-  std::vector<planning::PlannedGrasp> tried_;            // of the present plan
-  std::optional<planning::PlannedGrasp> grasp_;          // of the last attempt
+  std::vector<grasp::Grasp> tried_;            // of the present plan
+  std::optional<grasp::Grasp> grasp_;          // of the last attempt
   RigidTransform X_moved_ = RigidTransform::Identity();  // of the object when that began
   std::optional<Eigen::Vector3d> p_HB_;                  // m, when the lift began
   Phase phase_ = Phase::kWaiting;

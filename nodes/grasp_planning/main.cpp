@@ -12,7 +12,7 @@
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/objects.h"
 #include "nodes/grasp_planning/grasp_records.h"
-#include "nodes/grasp_planning/hand_options.h"
+#include "nodes/grasp_planning/misfit_parameters.h"
 #include "nodes/grasp_planning/model_batch.h"
 #include "nodes/grasp_planning/platform_planning.h"
 #include "nodes/gripper_source/gripper_source.h"
@@ -37,8 +37,9 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   }
 }
 
-grasp::PlannerOptions declare_planner_options(graph::Node& node) {
-  grasp::PlannerOptions options;
+// The defaults are the hand's.
+grasp::PlannerOptions declare_planner_options(graph::Node& node, const robot::HandModel& hand) {
+  grasp::PlannerOptions options = grasp::default_options(hand);
   const auto declare = [&node](const std::string& name, double& value, const std::string& unit,
                                double minimum, const std::string& description) {
     value = node.declare_parameter<double>({.name = name,
@@ -49,10 +50,10 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
                                             .read_only = true});
   };
   declare("density", options.density, "kg/m^3", 1, "assumed of the objects");
-  declare("friction", options.friction, "", 0.01, "assumed between pads and objects");
+  declare("friction", options.pads.friction, "", 0.01, "assumed between pads and objects");
   declare("safety_factor", options.safety_factor, "", 1, "of the grasp force against slipping");
-  declare("least_force", options.least_force, "N", 0.1, "per pad");
-  declare("largest_force", options.largest_force, "N", 0,
+  declare("least_force", options.pads.least_force, "N", 0.1, "per pad");
+  declare("largest_force", options.pads.largest_force, "N", 0,
           "per pad, 0: by the gripper's nominal current");
   declare("pregrasp_distance", options.pregrasp_distance, "m", 0.01,
           "back along the approach direction");
@@ -63,9 +64,8 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node) {
       {.name = "generators",
        .choices = grasp::generator_names(),
        .description =
-           "ways to make candidates, these alone; none: circles and boxes for the "
-           "parallel gripper, circles for a platform's hand, and antipodal where none of "
-           "those holds",
+           "ways to make candidates, these alone; none: circles and boxes for a parallel gripper, "
+           "circles for other hands, and antipodal where none of those holds",
        .read_only = true});
   if (!generators.empty()) {
     options.generators = generators;
@@ -127,8 +127,7 @@ std::vector<std::string> usable_names(graph::Node& node, const Registry& registr
   return registry.names();
 }
 
-std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
-                                                          grasp::PlannerOptions common) {
+std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
        .default_value = "stage_pg70",
@@ -144,7 +143,10 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
        .default_value = "home",
        .description = "of the platform: where its arm stands when a motion starts",
        .read_only = true});
+  robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   planning::PlatformPlanOptions options;
+  options.grasps = declare_planner_options(node, platform.hand);
   planning::PlatformPickOptions& arm = options.arm;
   options.place.given_W = planning::read_place(node.declare_parameter<std::string>(
       {.name = "place",
@@ -179,18 +181,14 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node,
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
-  robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
-  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
   const auto front = node.parameter<std::string>("front");
-  const bool front_chooses = platform.hand.gripper && !front.empty() && common.budget > 0;
+  const bool front_chooses = platform.hand.gripper && !front.empty() && options.grasps.budget > 0;
   nodes::refuse_what_does_not_apply(node, platform, front_chooses);
   if (front_chooses) {
     const std::string chosen =
-        fidelity::apply_plan_budget(fidelity::read_front(front), common.budget, &common);
+        fidelity::apply_plan_budget(fidelity::read_front(front), options.grasps.budget, &options.grasps);
     node.log_info("chosen from {}: {}", front, chosen);
   }
-  common.validate();
-  options.grasps = {common, nodes::hand_options(node, common)};
   return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
                                                     std::move(task));
 }
@@ -209,7 +207,7 @@ class GraspPlanning {
  public:
   explicit GraspPlanning(graph::Node& node)
       : node_(node),
-        platform_(declare_platform(node, declare_planner_options(node))),
+        platform_(declare_platform(node)),
         gripper_(node),
         approach_(node.declare_parameter<std::string>(
             {.name = "approach",

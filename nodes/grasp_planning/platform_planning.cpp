@@ -46,26 +46,7 @@ void PlatformPlanning::start_from(const msgs::JointState& joints) {
 }
 
 msgs::Grasp PlatformPlanning::to_message(const planning::PlannedPick& pick) const {
-  const planning::PlannedGrasp& grasp = pick.grasp;
-  msgs::Grasp message = grasp.pads ? convert::to_message(*grasp.pads) : msgs::Grasp();
-  if (!grasp.pads) {
-    *message.mutable_x_wg() = convert::to_message(grasp.pose.X_WG);
-    *message.mutable_approach_direction() = convert::to_message(grasp.pose.approach_W);
-    message.set_roll(grasp.roll);
-    message.set_pregrasp_distance(grasp.pose.pregrasp_distance);
-    message.set_grasp_force(grasp.force);
-    message.set_quality(grasp.quality);
-    message.set_score(grasp.score);
-    if (grasp.robustness >= 0) message.set_robustness(grasp.robustness);
-    message.set_generator(grasp.generator);
-    message.set_guessed_contact(grasp.guessed_contact);
-    message.set_remark(grasp.remark);
-    *message.mutable_predicted() = convert::to_message(grasp.predicted);
-  }
-  message.set_preshape(grasp.pose.preshape);
-  for (const Eigen::Vector3d& p_W : grasp.contacts_W) {
-    *message.add_contacts() = convert::to_message(p_W);
-  }
+  msgs::Grasp message = convert::to_message(pick.grasp, planner_.platform().hand);
   if (pick.move_W) *message.mutable_move() = convert::to_message(*pick.move_W);
   convert::add_motion(control::arm_grasp(planner_.platform(), pick), &message);
   return message;

@@ -43,8 +43,7 @@ class PlatformPlanning {
 
   /// Under which grasps are remembered.
   const std::string& hand() const {
-    const robot::HandModel& hand = planner_.platform().hand;
-    return hand.gripper ? hand.gripper->name : hand.name;
+    return grasp::remembered_as(planner_.platform().hand);
   }
 
  private:

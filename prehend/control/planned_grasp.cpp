@@ -33,10 +33,10 @@ JointPath sampled(const robot::KinematicChain& chain, const motion::BlendedTraje
 }  // namespace
 
 ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick) {
-  const planning::PlannedGrasp& grasp = pick.grasp;
+  const grasp::Grasp& grasp = pick.grasp;
   const robot::HandModel& hand = platform.hand;
   ArmGrasp result;
-  result.pose = {grasp.pose.X_WG, grasp.pose.preshape};
+  result.pose = {grasp.X_WG, grasp.preshape};
   const robot::KinematicChain chain = platform.arm_chain();
   for (const motion::PickSegment& segment : pick.segments) {
     result.segments.emplace_back(segment.name, sampled(chain, *segment.trajectory));
@@ -45,7 +45,7 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
     result.hand_joints.push_back("hand_" + name);
   }
   result.hand =
-      robot::closing_way(hand, hand.preshape(grasp.pose.preshape), grasp.pose.open, grasp.closed);
+      robot::closing_way(hand, hand.preshape(grasp.preshape), grasp.open, grasp.closed);
   result.lifted_mass = grasp.predicted.lifted_mass;
   result.score = grasp.score;
   result.robustness = grasp.robustness;

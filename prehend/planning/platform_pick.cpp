@@ -122,6 +122,24 @@ std::function<bool(const RigidTransform&)> arm_reach(const robot::Platform& plat
   };
 }
 
+grasp::Reachability within_reach(grasp::Reachability reachability,
+                                 const robot::Platform& platform) {
+  if (!reachability.approach_W) {
+    reachability.approach_W = platform.fixed_approach(platform.hand.preshapes.front());
+  }
+  return reachability;
+}
+
+grasp::PlannerOptions within_reach(grasp::PlannerOptions options, const robot::Platform& platform) {
+  options.reaches = arm_reach(platform);
+  return options;
+}
+
+PlatformGrasp to_pick(const grasp::Grasp& grasp) {
+  return {grasp.X_WG,     grasp.approach_W, grasp.pregrasp_distance,
+          grasp.preshape, grasp.open,       std::clamp(grasp.score, 0.0, 1.0)};
+}
+
 FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
                            PlaceOptions options) {
   std::vector<Eigen::Vector3d> object;

@@ -6,6 +6,7 @@
 
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/grasp/planner.h"
 #include "prehend/motion/checker_registry.h"
 #include "prehend/motion/pick_motion.h"
 #include "prehend/planning/free_places.h"
@@ -54,10 +55,19 @@ struct PlatformPick {
 };
 
 /// Whether the arm of `platform` reaches a pose X_WH of the hand's root, its links and the world
-/// aside: for grasp::HandPlannerOptions::reaches. May refuse what a redundant arm reaches with few
+/// aside: for grasp::PlannerOptions::reaches. May refuse what a redundant arm reaches with few
 /// of its elbows' angles only. The answer does not refer to the platform.
 std::function<bool(const geometry::RigidTransform& X_WH)> arm_reach(
     const robot::Platform& platform);
+
+/// With the direction of approach of a platform that can take no other
+/// (Platform::fixed_approach()), where none is given.
+grasp::Reachability within_reach(grasp::Reachability reachability, const robot::Platform& platform);
+/// The options with an arm that must reach each grasp and its pregrasp (arm_reach()).
+grasp::PlannerOptions within_reach(grasp::PlannerOptions options, const robot::Platform& platform);
+
+/// The grasp as the arm's motion needs it.
+PlatformGrasp to_pick(const grasp::Grasp& grasp);
 
 /// Free places for the object of `scene` (free_places()) on the part of the table that the arm's
 /// motions are planned on. @throws as free_places().

@@ -11,8 +11,7 @@
 namespace prehend::planning {
 
 void PlatformPlanOptions::validate() const {
-  grasps.pads.validate();
-  grasps.fingers.validate();
+  grasps.validate();
   place.validate();
   text::Require{"PlatformPlanOptions."}(motions > 0, "motions must be positive");
 }
@@ -36,14 +35,18 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   options.validate();
   grasp::Obstacles obstacles;
   obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
-  HandPlanResult grasps = plan_hand(
-      hand_, object, table_W, obstacles, within_reach(reachability, platform_),
-      within_reach(options.grasps, platform_), database, known);
+  const grasp::Reachability reach = within_reach(reachability, platform_);
+  const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
+  grasp::GraspPlan grasps =
+      database && known
+          ? plan_grasps_with_memory(*database, *known, object, table_W, obstacles, hand_, reach,
+                                    reaching)
+          : plan_grasps(object, table_W, obstacles, hand_, reach, reaching);
   PlatformPlan plan;
   plan.rejections = std::move(grasps.rejections);
   plan.candidates = grasps.candidates;
   plan.problem = grasps.problem;
-  for (const PlannedGrasp& grasp : grasps.grasps) {
+  for (const grasp::Grasp& grasp : grasps.grasps) {
     plan.robustness = std::max(plan.robustness, grasp.robustness);
   }
   if (!grasps.grasps.empty()) {
@@ -54,7 +57,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
 }
 
 // The grasps that the arm can execute, best first, and then the others; or why there is none.
-void PlatformPlanner::add_motions(std::vector<PlannedGrasp> grasps, const PlatformScene& scene,
+void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
                                   const robot::Positions& start, const PlatformPlanOptions& options,
                                   PlatformPlan* plan) const {
   const FreePlaces places = free_places_for(platform_, scene, options.place);
@@ -68,7 +71,7 @@ void PlatformPlanner::add_motions(std::vector<PlannedGrasp> grasps, const Platfo
   std::string arm_problem;
   for (int i = 0; i < options.motions && !grasps.empty(); ++i) {
     std::vector<PlatformGrasp> poses;
-    for (const PlannedGrasp& grasp : grasps) poses.push_back(grasp.pose);
+    for (const grasp::Grasp& grasp : grasps) poses.push_back(to_pick(grasp));
     PlatformPick pick = plan_platform_pick(platform_, start, poses, scene, arm);
     if (i == 0) plan->arm_rejections = pick.motion.rejections;
     if (!pick.motion.found()) {
@@ -89,7 +92,7 @@ void PlatformPlanner::add_motions(std::vector<PlannedGrasp> grasps, const Platfo
                                 arm_problem);
     return;
   }
-  for (PlannedGrasp& grasp : grasps) plan->picks.push_back({std::move(grasp), {}, std::nullopt});
+  for (grasp::Grasp& grasp : grasps) plan->picks.push_back({std::move(grasp), {}, std::nullopt});
 }
 
 }  // namespace prehend::planning

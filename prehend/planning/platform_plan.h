@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "prehend/grasp/hand_closing.h"
-#include "prehend/planning/hand_plan.h"
+#include "prehend/grasp/closing/close_fingers.h"
+#include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/platform.h"
 
@@ -23,7 +23,7 @@ struct Neighbours {
 
 /// A grasp of a platform's hand and the arm's way round it.
 struct PlannedPick {
-  PlannedGrasp grasp;
+  grasp::Grasp grasp;
   std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
   std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
 };
@@ -38,7 +38,7 @@ struct PlatformPlan {
 };
 
 struct PlatformPlanOptions {
-  HandPlanOptions grasps;   // their `reaches` is the arm's
+  grasp::PlannerOptions grasps;  // their `reaches` is the arm's
   PlatformPickOptions arm;  // its moves_W are those of `place`
   PlaceOptions place;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
@@ -46,7 +46,7 @@ struct PlatformPlanOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_hand() within
+/// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_grasps() within
 /// the arm's reach, free_places_for(), and plan_platform_pick() for as many as get a motion.
 class PlatformPlanner {
  public:
@@ -61,7 +61,7 @@ class PlatformPlanner {
   /// @param object of which the convex pieces are what the arm keeps from.
   /// @param start of the arm's joints.
   /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
-  /// @throws as plan_hand(), free_places_for() and plan_platform_pick().
+  /// @throws as plan_grasps(), free_places_for() and plan_platform_pick().
   PlatformPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
                     const Neighbours& neighbours,
                     const grasp::Reachability& reachability, const robot::Positions& start,
@@ -69,7 +69,7 @@ class PlatformPlanner {
                     const std::optional<grasp::PlacedObject>& known = std::nullopt) const;
 
  private:
-  void add_motions(std::vector<PlannedGrasp> grasps, const PlatformScene& scene,
+  void add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
                    const robot::Positions& start, const PlatformPlanOptions& options,
                    PlatformPlan* plan) const;
 

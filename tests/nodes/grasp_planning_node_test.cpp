@@ -222,7 +222,7 @@ TEST_F(GraspPlanningNode, AStageIsAPlatformLikeTheOthers) {
     EXPECT_NEAR(last.position(0), grasp.x_wg().position().x(), 1e-6);
     EXPECT_NEAR(last.position(2), grasp.x_wg().position().z(), 1e-6);
     EXPECT_GT(grasp.pregrasp_opening(), 0.05);
-    EXPECT_GT(grasp.left_contacts_size(), 0);
+    EXPECT_GT(grasp.contacts_size(), 0);
   }
 }
 

@@ -22,12 +22,7 @@ std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint3
     message->set_problem("cannot be grasped: too wide");
     return message;
   }
-  grasp::Grasp grasp;
-  grasp.score = score;
-  grasp.grasp_force = 10;
-  grasp.pregrasp_opening = 0.06;
-  grasp.pregrasp_distance = 0.08;
-  *message->add_grasps() = convert::to_message(grasp);
+  message->add_grasps()->set_score(score);
   return message;
 }
 

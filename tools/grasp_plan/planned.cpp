@@ -35,23 +35,20 @@ std::optional<grasp::GraspDatabase> database_of(const PlanChoices& choices,
   return grasp::GraspDatabase(choices.database);
 }
 
-planning::HandPlanOptions options_of(const PlanChoices& choices, Planned* planned) {
-  planning::HandPlanOptions options;
-  grasp::PlannerOptions& pads = options.pads;
-  grasp::HandPlannerOptions& fingers = options.fingers;
+grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
+  grasp::PlannerOptions options = grasp::default_options(planned->hand);
   if (!choices.generators.empty()) {
-    pads.generators = fingers.generators = choices.generators;
-    pads.further_generators.clear();
-    fingers.further_generators.clear();
+    options.generators = choices.generators;
+    options.further_generators.clear();
   }
-  pads.density = fingers.density = choices.density;
-  pads.budget = fingers.budget = choices.budget;
+  options.density = choices.density;
+  options.budget = choices.budget;
   if (choices.generators.empty() && choices.budget > 0 && planned->hand.gripper) {
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
-    planned->chosen = fidelity::apply_plan_budget(front, choices.budget, &pads);
+    planned->chosen = fidelity::apply_plan_budget(front, choices.budget, &options);
   }
-  pads.candidates.seed = pads.uncertainty.seed = fingers.candidates.seed = choices.seed;
-  fingers.preshapes = choices.preshapes;
+  options.candidates.seed = options.uncertainty.seed = choices.seed;
+  options.preshapes = choices.preshapes;
   return planned->platform ? planning::within_reach(std::move(options), *planned->platform)
                            : options;
 }
@@ -83,7 +80,7 @@ void plan_arm(const planning::PlatformPickOptions& options, const PlanTarget& ta
     scene.obstacle_pieces_W.insert(scene.obstacle_pieces_W.end(), pieces.begin(), pieces.end());
   }
   std::vector<planning::PlatformGrasp> grasps;
-  for (const planning::PlannedGrasp& grasp : planned->plan.grasps) grasps.push_back(grasp.pose);
+  for (const grasp::Grasp& grasp : planned->plan.grasps) grasps.push_back(planning::to_pick(grasp));
   planned->arm = planning::plan_platform_pick(
       *planned->platform, planned->platform->home("home").arm, grasps, scene, options);
 }
@@ -108,10 +105,16 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   progress.stage("planning grasps on " + with_commas(target.object.mesh_W.triangles.size()) +
                  " triangles");
   auto database = database_of(choices, target);
-  planned.plan = planning::plan_hand(
-      grasp::HandToClose(planned.hand), target.object, target.table_W, obstacles_of(target),
-      reachability_of(choices, planned), options_of(choices, &planned),
-      database ? &*database : nullptr, target.known);
+  const grasp::HandToClose hand(planned.hand);
+  const grasp::Obstacles obstacles = obstacles_of(target);
+  const grasp::Reachability reachability = reachability_of(choices, planned);
+  const grasp::PlannerOptions options = options_of(choices, &planned);
+  planned.plan = database ? grasp::plan_grasps_with_memory(*database, *target.known, target.object,
+                                                           target.table_W, obstacles, hand,
+                                                           reachability, options,
+                                                           &planned.remembered)
+                          : grasp::plan_grasps(target.object, target.table_W, obstacles, hand,
+                                               reachability, options);
   stage("grasps");
   if (planned.platform && !planned.plan.grasps.empty()) {
     progress.stage("planning the arm's motion");

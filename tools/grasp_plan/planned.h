@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "prehend/planning/hand_plan.h"
+#include "prehend/grasp/known/grasp_memory.h"
+#include "prehend/planning/platform_pick.h"
 #include "tools/grasp_plan/target.h"
 
 namespace prehend::tools {
@@ -12,7 +13,8 @@ namespace prehend::tools {
 struct Planned {
   robot::HandModel hand;
   std::optional<robot::Platform> platform;
-  planning::HandPlanResult plan;
+  grasp::GraspPlan plan;
+  grasp::Remembered remembered;  // what the database had to do with it
   std::string chosen;  // by the budget from the measured front, in words
   std::optional<planning::PlatformPick> arm;
   StageTimes times;

@@ -40,14 +40,14 @@ Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
   const auto count = std::min<std::size_t>(planned.plan.grasps.size(),
                                            static_cast<std::size_t>(std::max(0, choices.rows)));
   for (std::size_t i = 0; i < count; ++i) {
-    const planning::PlannedGrasp& g = planned.plan.grasps[i];
+    const grasp::Grasp& g = planned.plan.grasps[i];
     rows.push_back(
         {fmt::format("{}{}", i + 1,
                      planned.arm && planned.arm->grasp == static_cast<int>(i) ? " *" : ""),
          fmt::format("{:.3f}", g.score), fmt::format("{:.4f}", g.quality),
          g.robustness < 0 ? "-" : fmt::format("{:.0f} %", 100 * g.robustness),
-         fmt::format("{:.0f} %", 100 * g.effort), g.pose.preshape,
-         metres(g.pose.X_WG.translation()), metres(g.pose.approach_W), g.generator, g.remark});
+         fmt::format("{:.0f} %", 100 * g.effort), g.preshape,
+         metres(g.X_WG.translation()), metres(g.approach_W), g.generator, g.remark});
   }
   return rows;
 }
@@ -60,7 +60,7 @@ Rows ledger_rows(const Planned& planned) {
                    [](const auto& a, const auto& b) { return a.count > b.count; });
   Rows rows;
   for (const auto& r : rejections) {
-    rows.push_back({fmt::format("{} of {}", r.count, planned.plan.candidates), r.reason,
+    rows.push_back({fmt::format("{} of {}", r.count, planned.plan.candidates), to_string(r.reason),
                     r.generator, r.nearest_miss.empty() ? "-" : r.nearest_miss});
   }
   return rows;
@@ -80,7 +80,7 @@ Rows arm_ledger_rows(const Planned& planned) {
 std::vector<report::Rejected> fallen_candidates(const Planned& planned) {
   std::vector<report::Rejected> fallen;
   for (const auto& r : planned.plan.rejections) {
-    fallen.push_back({r.reason, r.generator, r.count, r.nearest_miss});
+    fallen.push_back({to_string(r.reason), r.generator, r.count, r.nearest_miss});
   }
   return fallen;
 }
@@ -135,7 +135,7 @@ std::string verdict(const Planned& planned) {
   if (!planned.plan.problem.empty()) return planned.plan.problem;
   if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
   if (planned.arm) {
-    const planning::PlannedGrasp& taken =
+    const grasp::Grasp& taken =
         planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)];
     return fmt::format(
         "The arm takes grasp {} (score {:.2f}, {}): the best that it can execute, or within {:.2f} "
@@ -167,9 +167,9 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
     notes.push_back("what the arm touches is tested by " + choices.collision_checker);
   }
   if (!choices.database.empty()) {
-    const int stored = planned.plan.remembered.stored;
+    const int stored = planned.remembered.stored;
     notes.push_back(!target.known ? "the object is not known: the database is not used"
-                    : planned.plan.remembered.reused
+                    : planned.remembered.reused
                         ? fmt::format("grasps from {} of {}", stored, choices.database)
                     : stored == 0 ? "added to " + choices.database
                                   : fmt::format("none of {} grasps of {} serves here: planned anew",
@@ -180,21 +180,21 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
 
 Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
-  for (const planning::PlannedGrasp& g : planned.plan.grasps) {
-    const Eigen::Quaterniond q(g.pose.X_WG.linear());
-    const Eigen::Vector3d& p = g.pose.X_WG.translation();
+  for (const grasp::Grasp& g : planned.plan.grasps) {
+    const Eigen::Quaterniond q(g.X_WG.linear());
+    const Eigen::Vector3d& p = g.X_WG.translation();
     Json position = Json::array(), orientation = Json::array(), approach = Json::array(),
          joints = Json::array();
     for (int k = 0; k < 3; ++k) position.add(p[k]);
     for (const double value : {q.w(), q.x(), q.y(), q.z()}) orientation.add(value);
-    for (int k = 0; k < 3; ++k) approach.add(g.pose.approach_W[k]);
-    for (Eigen::Index k = 0; k < g.all.size(); ++k) joints.add(g.all[k]);
+    for (int k = 0; k < 3; ++k) approach.add(g.approach_W[k]);
+    for (Eigen::Index k = 0; k < g.closed_all.size(); ++k) joints.add(g.closed_all[k]);
     grasps.add(Json::object()
                    .set("score", g.score)
                    .set("quality", g.quality)
                    .set("robustness", g.robustness < 0 ? Json::null() : Json(g.robustness))
                    .set("effort", g.effort)
-                   .set("preshape", g.pose.preshape)
+                   .set("preshape", g.preshape)
                    .set("position_m", position)
                    .set("orientation_wxyz", orientation)
                    .set("approach_direction", approach)
@@ -204,7 +204,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
   }
   for (const auto& r : planned.plan.rejections) {
     ledger.add(Json::object()
-                   .set("reason", r.reason)
+                   .set("reason", to_string(r.reason))
                    .set("generator", r.generator)
                    .set("count", r.count)
                    .set("nearest_miss", r.nearest_miss));
@@ -248,14 +248,12 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
 // Object, hand and, where the arm reaches the grasp, the arm.
 std::vector<report::ColoredMesh> scene_of(const PlanTarget& target, const Planned& planned,
                                           std::size_t index) {
-  const planning::PlannedGrasp& grasp = planned.plan.grasps[index];
-  const robot::Preshape& preshape = planned.hand.preshape(grasp.pose.preshape);
-  const RigidTransform X_WH = grasp.pose.X_WG * (planned.hand.X_HP * preshape.X_PG).inverse();
+  const grasp::Grasp& grasp = planned.plan.grasps[index];
   std::vector<report::ColoredMesh> meshes{{target.object.mesh_W, {214, 164, 86}}};
   for (const auto& pieces : target.neighbours_W) {
     meshes.push_back({geometry::concatenated(pieces), {190, 190, 190}});
   }
-  meshes.push_back({geometry::transformed(report::robot_mesh(planned.hand.model, grasp.all), X_WH),
+  meshes.push_back({geometry::transformed(report::robot_mesh(planned.hand.model, grasp.closed_all), grasp.X_WH),
                     {88, 122, 168}});
   return meshes;
 }
@@ -273,7 +271,7 @@ report::ColoredMesh arm_mesh(const Planned& planned) {
     positions[platform.model.joint_index(chain.joints()[static_cast<std::size_t>(k)].name)] = q[k];
   }
   const Eigen::VectorXd& hand =
-      planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)].all;
+      planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)].closed_all;
   for (std::size_t k = 0; k < planned.hand.model.joints.size(); ++k) {
     positions[platform.model.joint_index("hand_" + planned.hand.model.joints[k].name)] =
         hand[static_cast<Eigen::Index>(k)];
@@ -326,7 +324,7 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   for (std::size_t i = 0; i < std::min(kPictures, planned.plan.grasps.size()); ++i) {
     pictures.push_back(picture(scene_of(target, planned, i), 0.7));
     captions.push_back(fmt::format("{}: score {:.3f} {}", i + 1, planned.plan.grasps[i].score,
-                                   planned.plan.grasps[i].pose.preshape));
+                                   planned.plan.grasps[i].preshape));
   }
   if (pictures.empty()) {
     pictures.push_back(picture({{target.object.mesh_W, {214, 164, 86}}}, 0.7));

@@ -1,4 +1,4 @@
-#include "prehend/planning/hand_plan.h"
+#include "prehend/planning/platform_pick.h"
 
 #include <gtest/gtest.h>
 
@@ -19,13 +19,13 @@ surface::ObjectModel standing(const TriangleMesh& mesh, const Eigen::Vector3d& p
   return surface::model_of_mesh(geometry::transformed(mesh, geometry::make_transform(turn, p_W)));
 }
 
-HandPlanResult plan_on_stage(const surface::ObjectModel& object, const HandPlanOptions& options) {
-  return plan_hand(grasp::HandToClose(stage().hand), object, geometry::Plane{}, {},
+grasp::GraspPlan plan_on_stage(const surface::ObjectModel& object, const grasp::PlannerOptions& options) {
+  return grasp::plan_grasps(grasp::HandToClose(stage().hand), object, geometry::Plane{}, {},
                    within_reach(grasp::Reachability{}, stage()), within_reach(options, stage()));
 }
 
 // What carries the gripper is no part of the search.
-TEST(StageHandPlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
+TEST(StagePlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
   grasp::Reachability down;
   down.approach_W = -Eigen::Vector3d::UnitZ();
   const TriangleMesh can = geometry::make_revolution({{0.03, 0}, {0.03, 0.1}}, 48);
@@ -34,37 +34,37 @@ TEST(StageHandPlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
       standing(geometry::make_box({0.05, 0.07, 0.12}), {0.1, -0.2, 0.06}, 0.5),
       standing(can, {-0.3, 0.25, 0}, 0), standing(ball, {0, 0, 0.028}, 0)};
   for (const surface::ObjectModel& object : objects) {
-    const HandPlanOptions options;
-    const grasp::GraspPlanResult direct = grasp::plan_grasps(
-        object, geometry::Plane{}, {}, *stage().hand.gripper, down, options.pads);
-    const HandPlanResult plan = plan_on_stage(object, options);
+    const grasp::PlannerOptions options;
+    const grasp::GraspPlan direct = grasp::plan_grasps(
+        object, geometry::Plane{}, {}, *stage().hand.gripper, down, options);
+    const grasp::GraspPlan plan = plan_on_stage(object, options);
     ASSERT_FALSE(direct.grasps.empty()) << direct.problem;
     EXPECT_EQ(plan.candidates, direct.candidates);
     ASSERT_EQ(plan.grasps.size(), direct.grasps.size());
     for (std::size_t i = 0; i < direct.grasps.size(); ++i) {
       const grasp::Grasp& a = direct.grasps[i];
-      ASSERT_TRUE(plan.grasps[i].pads);
-      const grasp::Grasp& b = *plan.grasps[i].pads;
+      const grasp::Grasp& b = plan.grasps[i];
       EXPECT_EQ(a.X_WG.matrix(), b.X_WG.matrix());
       EXPECT_EQ(a.approach_W, b.approach_W);
       EXPECT_EQ(a.score, b.score);
       EXPECT_EQ(a.quality, b.quality);
       EXPECT_EQ(a.robustness, b.robustness);
-      EXPECT_EQ(a.grasp_force, b.grasp_force);
+      EXPECT_EQ(a.force, b.force);
       EXPECT_EQ(a.predicted.opening, b.predicted.opening);
-      EXPECT_EQ(a.left_contacts_W, b.left_contacts_W);
+      EXPECT_EQ(a.open, b.open);
+      EXPECT_EQ(contact_points(a), contact_points(b));
     }
   }
 }
 
-TEST(StageHandPlan, WhatIsBeyondItsWaysIsRefusedAsOutOfReach) {
+TEST(StagePlan, WhatIsBeyondItsWaysIsRefusedAsOutOfReach) {
   const auto box = geometry::make_box({0.05, 0.07, 0.12});
-  const HandPlanResult plan = plan_on_stage(standing(box, {0.75, 0, 0.06}, 0), {});
+  const grasp::GraspPlan plan = plan_on_stage(standing(box, {0.75, 0, 0.06}, 0), {});
   EXPECT_TRUE(plan.grasps.empty());
   EXPECT_NE(plan.problem.find("reach"), std::string::npos) << plan.problem;
 }
 
-TEST(StageHandPlan, ADirectionThatIsAskedForStays) {
+TEST(StagePlan, ADirectionThatIsAskedForStays) {
   grasp::Reachability aslant;
   aslant.approach_W = Eigen::Vector3d(0, 0.6, -0.8);
   EXPECT_EQ(*within_reach(aslant, stage()).approach_W, *aslant.approach_W);

@@ -1,8 +1,6 @@
 #pragma once
 
 #include "prehend/graph/node.h"
-#include "prehend/grasp/hand_planner.h"
-#include "prehend/grasp/planner.h"
 #include "prehend/robot/platform.h"
 
 namespace prehend::nodes {
@@ -13,10 +11,5 @@ namespace prehend::nodes {
 /// @throws std::invalid_argument naming the parameter, why it does not apply, and the mend.
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 bool front_chooses);
-
-/// Options of planning with a hand: the hand's own defaults, and of `common` what the node was
-/// given. Given generators are used alone, without further ones.
-grasp::HandPlannerOptions hand_options(const graph::Node& node,
-                                       const grasp::PlannerOptions& common);
 
 }  // namespace prehend::nodes
