@@ -45,8 +45,6 @@ RobotActions::RobotActions(graph::Node& node, RobotRunner& robot)
       });
 }
 
-}
-
 msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, HandContext& context) {
   msgs::MoveHandResult result;
   std::vector<int> motors;

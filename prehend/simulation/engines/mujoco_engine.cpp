@@ -199,7 +199,7 @@ class MujocoEngine : public Engine {
         scene_.bodies.begin(), scene_.bodies.end(),
         [](const EngineBody& body) { return body.shape.kind == EngineShape::Kind::kConvexPieces; });
     xml << "<mujoco><compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\"/>"
-        << (scene_.pads.empty() ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
+        << (scene_.pads.empty() && !in_pieces ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
         << "<option timestep=\"" << scene_.step << "\" gravity=\"" << text(scene_.gravity) << '"'
         << (solver == "noslip"
                 ? " noslip_iterations=\"50\" noslip_tolerance=\"1e-12\" cone=\"elliptic\""
