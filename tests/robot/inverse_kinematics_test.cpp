@@ -327,7 +327,7 @@ TEST(InverseKinematics, AnyOtherChainByDampedLeastSquares) {
 /// A stage with slides askew, before (behind) the joint that turns.
 KinematicChain askew_stage(bool turns_first) {
   RobotModel model;
-  model.links = {{"base_link"}};
+  model.links.emplace_back().name = "base_link";
   const auto add = [&model](Joint::Kind kind, const Eigen::Vector3d& axis) {
     Joint joint;
     joint.name = "joint_" + std::to_string(model.joints.size());
@@ -340,7 +340,7 @@ KinematicChain askew_stage(bool turns_first) {
     const double size = 0.1 * static_cast<double>(model.joints.size() + 1);
     joint.X_PJ = geometry::make_transform({0.3, size, -0.4, 0.7}, {size, -0.2, 0.5});
     model.joints.push_back(joint);
-    model.links.push_back({"link_" + std::to_string(model.joints.size())});
+    model.links.emplace_back().name = "link_" + std::to_string(model.joints.size());
   };
   const Eigen::Vector3d turning(0.3, 1, -0.2);
   if (turns_first) add(Joint::Kind::kRevolute, turning);
