@@ -69,8 +69,7 @@ void chain(benchmark::State& state, const std::string& name) {
         surface::make_object_model(completed.shape, completed.view.table_W, meshing);
     triangles = object.mesh_W.triangles.size();
     lap(&mesh);
-    const auto grasps =
-        ranked_grasps(object, completed.view.table_W, platform, hand, threads);
+    const auto grasps = ranked_grasps(object, completed.view.table_W, platform, hand, threads);
     lap(&grasping);
     const planning::PlatformPick pick =
         planning::plan_platform_pick(platform, platform.home("home").arm, grasps,
@@ -92,9 +91,9 @@ void BM_PredictTouchSdh(benchmark::State& state) {
   const surface::ObjectModel object =
       surface::make_object_model(completed.shape, completed.view.table_W, {});
   const grasp::HandToClose hand(platform.hand);
-  grasp::GraspPlan plan = grasp::plan_grasps(
-      object, completed.view.table_W, {}, hand, {},
-      planning::within_reach(grasp::default_options(platform.hand), platform));
+  grasp::GraspPlan plan =
+      grasp::plan_grasps(object, completed.view.table_W, {}, hand, {},
+                         planning::within_reach(grasp::default_options(platform.hand), platform));
   plan.grasps.resize(std::min<std::size_t>(plan.grasps.size(), 3));
   planning::TouchPredictionOptions options;
   options.threads = 1;

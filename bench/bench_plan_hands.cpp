@@ -5,10 +5,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "prehend/grasp/closing/pad_closing.h"
-#include "prehend/grasp/wrench/force_closure.h"
 #include "prehend/grasp/closing/finger_closing.h"
+#include "prehend/grasp/closing/pad_closing.h"
 #include "prehend/grasp/planner.h"
+#include "prehend/grasp/wrench/force_closure.h"
 #include "prehend/grasp/wrench/wrench_hull.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/platform.h"

@@ -123,8 +123,9 @@ class Execution {
     trial->surprises = run_.cycle().surprises();
     if (!grasp_) return;
     trial->slip = slip_;
-    trial->contact_error = mean_distance(
-        grasp::contact_points(*grasp_), geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
+    trial->contact_error =
+        mean_distance(grasp::contact_points(*grasp_),
+                      geometry::MeshQuery(geometry::transformed(truth.mesh_W, X_moved_)));
     trial->robustness = grasp_->robustness;
     trial->guessed_contact = grasp_->guessed_contact;
   }
@@ -185,8 +186,8 @@ class Execution {
   simulation::RobotWorld world_;
   control::CycleInWorld run_;
   simulation::RobotBodyReading start_;
-  std::vector<grasp::Grasp> tried_;            // of the present plan
-  std::optional<grasp::Grasp> grasp_;          // of the last attempt
+  std::vector<grasp::Grasp> tried_;                      // of the present plan
+  std::optional<grasp::Grasp> grasp_;                    // of the last attempt
   RigidTransform X_moved_ = RigidTransform::Identity();  // of the object when that began
   std::optional<Eigen::Vector3d> p_HB_;                  // m, when the lift began
   Phase phase_ = Phase::kWaiting;

@@ -2,9 +2,9 @@
 
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
+#include "prehend/grasp/grasp.h"
 #include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/grasp/known/known_objects.h"
-#include "prehend/grasp/grasp.h"
 #include "prehend/robot/hand_model.h"
 
 namespace prehend::convert {

@@ -167,8 +167,9 @@ control::ArmPercepts ArmRobot::percepts() const {
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
-    percepts.pads.push_back({frame->sum(), robot::touched_area(frame->intensity(), touch_counts_,
-                                                  frame->texel_width() * frame->texel_height()),
+    percepts.pads.push_back({frame->sum(),
+                             robot::touched_area(frame->intensity(), touch_counts_,
+                                                 frame->texel_width() * frame->texel_height()),
                              percepts.time - graph::seconds(frame->header().stamp()), name});
   }
   if (gripper_state_) {

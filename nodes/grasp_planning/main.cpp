@@ -189,12 +189,12 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   const bool front_chooses = platform.hand.gripper && !front.empty() && options.grasps.budget > 0;
   nodes::refuse_what_does_not_apply(node, platform, front_chooses);
   if (front_chooses) {
-    const std::string chosen =
-        fidelity::apply_plan_budget(fidelity::read_front(front), options.grasps.budget, &options.grasps);
+    const std::string chosen = fidelity::apply_plan_budget(fidelity::read_front(front),
+                                                           options.grasps.budget, &options.grasps);
     node.log_info("chosen from {}: {}", front, chosen);
   }
   return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
-                                                    std::move(task));
+                                                   std::move(task));
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {

@@ -10,7 +10,6 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/touch.h"
-#include "msgs/convert/touch.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/control/planned_grasp.h"
 
@@ -57,7 +56,8 @@ msgs::Grasp PlatformPlanning::to_message(const planning::PlannedPick& pick) cons
 }
 
 msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
-                                       const geometry::Plane& table_W, const planning::Neighbours& neighbours,
+                                       const geometry::Plane& table_W,
+                                       const planning::Neighbours& neighbours,
                                        const grasp::Reachability& reachability,
                                        grasp::GraspDatabase* database,
                                        const std::optional<grasp::PlacedObject>& known) const {

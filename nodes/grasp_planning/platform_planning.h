@@ -26,8 +26,8 @@ class PlatformPlanning {
   /// planning::PlatformPlanner::plan(), with the task's places.
   /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                       const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
-                       grasp::GraspDatabase* database,
+                       const planning::Neighbours& neighbours,
+                       const grasp::Reachability& reachability, grasp::GraspDatabase* database,
                        const std::optional<grasp::PlacedObject>& known) const;
 
   /// Where the arm stands now: motions start there, or at home while it is within 1 mrad of it.
@@ -42,9 +42,7 @@ class PlatformPlanning {
   }
 
   /// Under which grasps are remembered.
-  const std::string& hand() const {
-    return grasp::remembered_as(planner_.platform().hand);
-  }
+  const std::string& hand() const { return grasp::remembered_as(planner_.platform().hand); }
 
  private:
   msgs::Grasp to_message(const planning::PlannedPick& pick) const;

@@ -44,8 +44,7 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   for (const std::string& name : hand.actuated_names()) {
     result.hand_joints.push_back("hand_" + name);
   }
-  result.hand =
-      robot::closing_way(hand, hand.preshape(grasp.preshape), grasp.open, grasp.closed);
+  result.hand = robot::closing_way(hand, hand.preshape(grasp.preshape), grasp.open, grasp.closed);
   result.lifted_mass = grasp.predicted.lifted_mass;
   result.score = grasp.score;
   result.robustness = grasp.robustness;
@@ -57,7 +56,7 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   result.contact_area = grasp.predicted.contact_area;
   result.tactile_sum = grasp.predicted.tactile_sum;
   if (pick.touch.stopped.size() == static_cast<Eigen::Index>(result.hand.closed.size())) {
-    result.closure = result.hand.closure(list_of(pick.touch.stopped));
+    result.closure = result.hand.closure(pick.touch.stopped);
   }
   return result;
 }

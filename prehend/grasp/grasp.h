@@ -50,7 +50,8 @@ struct Grasp {
   double volume = 0;             // of the wrench space, see wrench_volume(); 0 unless asked for
   double margin = 0;             // N, see disturbance_margin(); torques over the object's radius
   double score = 0;              // what the list is ranked by, 0 to 1
-  double robustness = -1;  // share of UncertaintyOptions.samples in which it holds; -1: not assessed
+  double robustness =
+      -1;  // share of UncertaintyOptions.samples in which it holds; -1: not assessed
   double guessed_contact = 0;  // share of the contact's force on surface that nobody saw
   PredictedPercepts predicted;
   std::vector<GraspContact> contacts;

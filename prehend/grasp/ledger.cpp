@@ -91,8 +91,7 @@ std::string to_text(const Miss& miss) {
                      limit, writing.unit);
 }
 
-void Ledger::reject(Reason reason, std::string_view generator,
-                    const std::optional<Miss>& miss) {
+void Ledger::reject(Reason reason, std::string_view generator, const std::optional<Miss>& miss) {
   auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
     return e.reason == reason && e.generator == generator;
   });

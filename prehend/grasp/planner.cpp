@@ -115,9 +115,8 @@ std::vector<Tried> Planner::candidates(const std::vector<std::string>& generator
                            options_.candidates.circles);
   }
   for (const robot::Preshape* preshape : preshapes_) {
-    const GraspTarget target{
-        closing_->query(),         centroid_W,    table_,
-        closing_->reach(*preshape), reachability_, circles ? &views : nullptr};
+    const GraspTarget target{closing_->query(),          centroid_W,    table_,
+                             closing_->reach(*preshape), reachability_, circles ? &views : nullptr};
     for (const std::string& name : generators) {
       const auto generator = make_generator(name, options_.candidates);
       for (const Candidate& candidate : generator->generate(target)) {
@@ -145,8 +144,7 @@ std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::siz
     if (time_is_up()) return;
     const std::size_t at = i * stride % tried.size();
     ClosedGrasp closed;
-    outcomes[at].refusal =
-        closing_->evaluate(tried[at].candidate, *tried[at].preshape, &closed);
+    outcomes[at].refusal = closing_->evaluate(tried[at].candidate, *tried[at].preshape, &closed);
     if (!outcomes[at].refusal) outcomes[at].closed = std::move(closed);
   });
   std::vector<Listed> listed;
@@ -233,9 +231,8 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
         ledger_.reject(refusal->reason, one.grasp().generator, refusal->miss);
       } else {
         assess_surface(&one.grasp());
-        kept.insert(
-            std::upper_bound(kept.begin(), kept.end(), one.grasp().score, std::greater<>()),
-            one.grasp().score);
+        kept.insert(std::upper_bound(kept.begin(), kept.end(), one.grasp().score, std::greater<>()),
+                    one.grasp().score);
         best.push_back(std::move(one));
       }
     }

@@ -22,10 +22,10 @@ struct PadOptions {
   };
   ClosingOptions closing;
   Weights weights;
-  double friction = 0.6;              // > 0, assumed; below the pads' mu_d to stay on the safe side
-  double least_force = 8;             // N, > 0, per pad: less is not controllable
-  double largest_force = 0;           // N, per pad; 0: what the gripper's nominal current gives
-  double opening_clearance = 0.005;   // m, >= 0, of each pad when a narrower opening must do
+  double friction = 0.6;             // > 0, assumed; below the pads' mu_d to stay on the safe side
+  double least_force = 8;            // N, > 0, per pad: less is not controllable
+  double largest_force = 0;          // N, per pad; 0: what the gripper's nominal current gives
+  double opening_clearance = 0.005;  // m, >= 0, of each pad when a narrower opening must do
   /// m, >= 0: sections that are too wide by up to this much are listed too, with a remark: the
   /// prediction may be wider than the object. They come last: nothing of them is robust.
   double width_tolerance = 0.006;
@@ -65,7 +65,8 @@ struct PlannerOptions {
   std::vector<std::string> further_generators{"antipodal"};
   double enough = 0;            // 0..1; 0: any grasp is
   GeneratorOptions candidates;  // how many of them
-  /// Every candidate also turned by half a turn about the approach: of hands that are not symmetric.
+  /// Every candidate also turned by half a turn about the approach: of hands that are not
+  /// symmetric.
   bool both_ways = false;
   std::vector<std::string> preshapes;  // of the hand's; empty: all of them
   /// Poses to try instead of what the generators make, if there are any; kGiven is their
@@ -91,8 +92,8 @@ struct PlannerOptions {
   /// all are. With a budget the result depends on how fast the machine is.
   double budget = 0;
   int threads = 0;  // >= 0; 0: all cores. The result does not depend on it
-  /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp (of
-  /// a parallel gripper for both turned by half about the approach, too), by several threads at
+  /// Whether the arm reaches a pose of the hand's root; asked for the grasp and for the pregrasp
+  /// (of a parallel gripper for both turned by half about the approach, too), by several threads at
   /// once. Empty: it reaches all. Must give the same answer for the same pose.
   std::function<bool(const geometry::RigidTransform& X_WH)> reaches;
   PadOptions pads;        // of a parallel gripper with pads

@@ -39,8 +39,7 @@ void PlatformPlanner::set_gripper(const robot::GripperModel& gripper) {
 }
 
 PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
-                                   const geometry::Plane& table_W,
-                                   const Neighbours& neighbours,
+                                   const geometry::Plane& table_W, const Neighbours& neighbours,
                                    const grasp::Reachability& reachability,
                                    const robot::Positions& start,
                                    const PlatformPlanOptions& options,
@@ -52,11 +51,10 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
   const grasp::Reachability reach = within_reach(reachability, platform_);
   const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
-  grasp::GraspPlan grasps =
-      database && known
-          ? plan_grasps_with_memory(*database, *known, object, table_W, obstacles, hand_, reach,
-                                    reaching)
-          : plan_grasps(object, table_W, obstacles, hand_, reach, reaching);
+  grasp::GraspPlan grasps = database && known
+                                ? plan_grasps_with_memory(*database, *known, object, table_W,
+                                                          obstacles, hand_, reach, reaching)
+                                : plan_grasps(object, table_W, obstacles, hand_, reach, reaching);
   PlatformPlan plan;
   plan.rejections = std::move(grasps.rejections);
   plan.candidates = grasps.candidates;
@@ -69,8 +67,8 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
     for (grasp::Grasp& grasp : grasps.grasps) grasp.force = options.grip_force;
   }
   if (!grasps.grasps.empty()) {
-    add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W}, start,
-                options, &plan);
+    add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W},
+                start, options, &plan);
   }
   if (options.touch) predict_touch(object, table_W, spent, options, &plan);
   return plan;
@@ -112,7 +110,8 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
                                 arm_problem);
     return;
   }
-  for (grasp::Grasp& grasp : grasps) plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt});
+  for (grasp::Grasp& grasp : grasps)
+    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt});
 }
 
 void PlatformPlanner::predict_touch(const surface::ObjectModel& object,
@@ -127,8 +126,7 @@ void PlatformPlanner::predict_touch(const surface::ObjectModel& object,
   for (const PlannedPick& pick : plan->picks) {
     if (!pick.segments.empty()) grasps.push_back(pick.grasp);
   }
-  std::vector<PredictedTouch> touches =
-      add_touch(platform_.hand, object, table_W, touch, &grasps);
+  std::vector<PredictedTouch> touches = add_touch(platform_.hand, object, table_W, touch, &grasps);
   // They are the first of the list.
   for (std::size_t i = 0; i < grasps.size(); ++i) {
     plan->picks[i].grasp.predicted = grasps[i].predicted;

@@ -25,7 +25,7 @@ struct Neighbours {
 /// A grasp of a platform's hand and the arm's way round it.
 struct PlannedPick {
   grasp::Grasp grasp;
-  PredictedTouch touch;  // of those with a motion
+  PredictedTouch touch;                       // of those with a motion
   std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
   std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
 };
@@ -41,7 +41,8 @@ struct PlatformPlan {
 };
 
 struct PlatformPlanOptions {
-  grasp::PlannerOptions grasps;  // their `reaches` is the arm's
+  /// Of the platform's hand: grasp::default_options(). Their `reaches` is the arm's.
+  grasp::PlannerOptions grasps;
   PlatformPickOptions arm;  // its moves_W are those of `place`
   PlaceOptions place;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
@@ -54,8 +55,8 @@ struct PlatformPlanOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_grasps() within
-/// the arm's reach, free_places_for(), and plan_platform_pick() for as many as get a motion.
+/// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_grasps()
+/// within the arm's reach, free_places_for(), and plan_platform_pick() for as many as get a motion.
 class PlatformPlanner {
  public:
   explicit PlatformPlanner(robot::Platform platform);
@@ -71,9 +72,9 @@ class PlatformPlanner {
   /// @param database of grasps for an object that is `known`; null or unset: all are planned anew.
   /// @throws as plan_grasps(), free_places_for() and plan_platform_pick().
   PlatformPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                    const Neighbours& neighbours,
-                    const grasp::Reachability& reachability, const robot::Positions& start,
-                    const PlatformPlanOptions& options, grasp::GraspDatabase* database = nullptr,
+                    const Neighbours& neighbours, const grasp::Reachability& reachability,
+                    const robot::Positions& start, const PlatformPlanOptions& options,
+                    grasp::GraspDatabase* database = nullptr,
                     const std::optional<grasp::PlacedObject>& known = std::nullopt) const;
 
  private:

@@ -108,9 +108,9 @@ std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
                                             const ObjectToFeel& object,
                                             const TouchPredictionOptions& options = {});
 
-/// The same of planned grasps of one object, in their order: adds to their `predicted` what is felt.
-/// Where the simulation says that nothing is felt, `predicted` has no touch either; where it does
-/// not know, it stays what it was. @throws as predict_touches().
+/// The same of planned grasps of one object, in their order: adds to their `predicted` what is
+/// felt. Where the simulation says that nothing is felt, `predicted` has no touch either; where it
+/// does not know, it stays what it was. @throws as predict_touches().
 std::vector<PredictedTouch> add_touch(const robot::HandModel& hand,
                                       const surface::ObjectModel& object,
                                       const geometry::Plane& table,

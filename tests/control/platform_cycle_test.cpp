@@ -25,9 +25,10 @@ constexpr double kMass = 0.3;  // kg
 /// One platform, its planner, and what it made of a thing.
 class PlatformCycle : public testing::TestWithParam<const char*> {
  protected:
-  static planning::PlatformPlanOptions plan_options() {
+  planning::PlatformPlanOptions plan_options() const {
     planning::PlatformPlanOptions options;
-    options.grasps.pads.threads = options.grasps.fingers.threads = 1;
+    options.grasps = grasp::default_options(planner.platform().hand);
+    options.grasps.threads = 1;
     options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
     return options;
   }

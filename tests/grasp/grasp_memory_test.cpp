@@ -138,8 +138,8 @@ TEST_F(Memory, HandsRememberPreshapes) {
   const auto plan_at = [&](const PlacedObject& placed) {
     surface::ObjectModel object;
     object.mesh_W = moved(mesh(), placed.X_WO);
-    return plan_grasps_with_memory(*database_, placed, object, geometry::Plane{}, {},
-                                        hand.ready, {}, options, &remembered_);
+    return plan_grasps_with_memory(*database_, placed, object, geometry::Plane{}, {}, hand.ready,
+                                   {}, options, &remembered_);
   };
   const GraspPlan first = plan_at(here);
   ASSERT_FALSE(first.grasps.empty());

@@ -35,7 +35,7 @@ Reachability along(const Vector3d& approach) {
 
 /// Plans on what stands on the table; every candidate must be accounted for and every grasp be one.
 GraspPlan plan(const TriangleMesh& mesh, const PlannerOptions& options = few(),
-                     const Obstacles& obstacles = {}) {
+               const Obstacles& obstacles = {}) {
   surface::ObjectModel object;
   object.mesh_W = moved(mesh, Vector3d(0, 0, -geometry::bounds(mesh).min().z()));
   const auto result = plan_grasps(object, geometry::Plane{}, obstacles, kGripper,
@@ -105,8 +105,8 @@ TEST(GripperExtremes, DegenerateTrianglesChangeNothing) {
 TEST(GripperExtremes, FrictionOfNearlyNoneAndOfTwo) {
   const TriangleMesh carton = geometry::make_box({0.04, 0.05, 0.1});
   PlannerOptions options = few();
-  options.pads.friction = options.uncertainty.least_friction = options.uncertainty.largest_friction =
-      1e-6;
+  options.pads.friction = options.uncertainty.least_friction =
+      options.uncertainty.largest_friction = 1e-6;
   const auto none = plan(carton, options);
   EXPECT_TRUE(none.grasps.empty());
   options.pads.friction = 0;

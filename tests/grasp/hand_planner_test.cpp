@@ -157,8 +157,7 @@ TEST(PlanHandGrasps, IsTheSameAgainAndInSeveralThreads) {
   for (const int threads : {1, 2, 5}) {
     PlannerOptions options = quick();
     options.threads = threads;
-    EXPECT_TRUE(equal(first, plan_grasps(object, kTable, {}, hand.ready, {}, options)))
-        << threads;
+    EXPECT_TRUE(equal(first, plan_grasps(object, kTable, {}, hand.ready, {}, options))) << threads;
   }
 }
 
@@ -264,7 +263,7 @@ TEST(PlanHandGrasps, SaysWhyThereIsNoGrasp) {
   const TestHand hand("sdh2");
   // Larger than the hand.
   const GraspPlan large = plan_grasps(standing(geometry::make_box({0.5, 0.5, 0.5})), kTable, {},
-                                          hand.ready, {}, quick());
+                                      hand.ready, {}, quick());
   EXPECT_TRUE(large.grasps.empty());
   EXPECT_NE(large.problem.find("cannot be grasped: "), std::string::npos);
   EXPECT_EQ(counted(large), large.candidates);
@@ -365,8 +364,7 @@ TEST(PlanHandGrasps, OptionsAndNamesAreChecked) {
     EXPECT_GT(grasp.volume, 5.1677 * std::pow(grasp.quality, 6));
   }
   surface::ObjectModel nothing;
-  EXPECT_THROW(plan_grasps(nothing, kTable, {}, hand.ready, {}, quick()),
-               geometry::InputError);
+  EXPECT_THROW(plan_grasps(nothing, kTable, {}, hand.ready, {}, quick()), geometry::InputError);
 }
 
 }  // namespace

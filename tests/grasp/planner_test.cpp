@@ -44,8 +44,7 @@ int rejected(const GraspPlan& result) {
 }
 
 GraspPlan plan(const std::string& name, const surface::ObjectModel& object,
-                     const Reachability& reachability = carrier(),
-                     const Obstacles& obstacles = {}) {
+               const Reachability& reachability = carrier(), const Obstacles& obstacles = {}) {
   const auto start = std::chrono::steady_clock::now();
   const auto result =
       plan_grasps(object, geometry::Plane{}, obstacles, kPlannerGripper, reachability);
@@ -54,7 +53,8 @@ GraspPlan plan(const std::string& name, const surface::ObjectModel& object,
   std::printf("%s: %d candidates, %zu grasps listed, %.3f s, %s\n", name.c_str(), result.candidates,
               result.grasps.size(), seconds, result.problem.c_str());
   for (const Rejection& entry : result.rejections) {
-    std::printf("  %5d %s (%s)\n", entry.count, to_string(entry.reason).c_str(), entry.nearest_miss.c_str());
+    std::printf("  %5d %s (%s)\n", entry.count, to_string(entry.reason).c_str(),
+                entry.nearest_miss.c_str());
   }
   EXPECT_EQ(static_cast<int>(result.grasps.size()) + rejected(result), result.candidates);
   EXPECT_EQ(result.grasps.empty(), !result.problem.empty());

@@ -19,9 +19,11 @@ surface::ObjectModel standing(const TriangleMesh& mesh, const Eigen::Vector3d& p
   return surface::model_of_mesh(geometry::transformed(mesh, geometry::make_transform(turn, p_W)));
 }
 
-grasp::GraspPlan plan_on_stage(const surface::ObjectModel& object, const grasp::PlannerOptions& options) {
-  return grasp::plan_grasps(grasp::HandToClose(stage().hand), object, geometry::Plane{}, {},
-                   within_reach(grasp::Reachability{}, stage()), within_reach(options, stage()));
+grasp::GraspPlan plan_on_stage(const surface::ObjectModel& object,
+                               const grasp::PlannerOptions& options) {
+  return grasp::plan_grasps(object, geometry::Plane{}, {}, grasp::HandToClose(stage().hand),
+                            within_reach(grasp::Reachability{}, stage()),
+                            within_reach(options, stage()));
 }
 
 // What carries the gripper is no part of the search.
@@ -35,8 +37,8 @@ TEST(StagePlan, IsBitwiseThatOfTheGripperFromStraightAbove) {
       standing(can, {-0.3, 0.25, 0}, 0), standing(ball, {0, 0, 0.028}, 0)};
   for (const surface::ObjectModel& object : objects) {
     const grasp::PlannerOptions options;
-    const grasp::GraspPlan direct = grasp::plan_grasps(
-        object, geometry::Plane{}, {}, *stage().hand.gripper, down, options);
+    const grasp::GraspPlan direct =
+        grasp::plan_grasps(object, geometry::Plane{}, {}, *stage().hand.gripper, down, options);
     const grasp::GraspPlan plan = plan_on_stage(object, options);
     ASSERT_FALSE(direct.grasps.empty()) << direct.problem;
     EXPECT_EQ(plan.candidates, direct.candidates);

@@ -109,10 +109,9 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   const grasp::Obstacles obstacles = obstacles_of(target);
   const grasp::Reachability reachability = reachability_of(choices, planned);
   const grasp::PlannerOptions options = options_of(choices, &planned);
-  planned.plan = database ? grasp::plan_grasps_with_memory(*database, *target.known, target.object,
-                                                           target.table_W, obstacles, hand,
-                                                           reachability, options,
-                                                           &planned.remembered)
+  planned.plan = database ? grasp::plan_grasps_with_memory(
+                                *database, *target.known, target.object, target.table_W, obstacles,
+                                hand, reachability, options, &planned.remembered)
                           : grasp::plan_grasps(target.object, target.table_W, obstacles, hand,
                                                reachability, options);
   stage("grasps");

@@ -15,7 +15,7 @@ struct Planned {
   std::optional<robot::Platform> platform;
   grasp::GraspPlan plan;
   grasp::Remembered remembered;  // what the database had to do with it
-  std::string chosen;  // by the budget from the measured front, in words
+  std::string chosen;            // by the budget from the measured front, in words
   std::optional<planning::PlatformPick> arm;
   StageTimes times;
 };

@@ -46,8 +46,8 @@ Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
                      planned.arm && planned.arm->grasp == static_cast<int>(i) ? " *" : ""),
          fmt::format("{:.3f}", g.score), fmt::format("{:.4f}", g.quality),
          g.robustness < 0 ? "-" : fmt::format("{:.0f} %", 100 * g.robustness),
-         fmt::format("{:.0f} %", 100 * g.effort), g.preshape,
-         metres(g.X_WG.translation()), metres(g.approach_W), g.generator, g.remark});
+         fmt::format("{:.0f} %", 100 * g.effort), g.preshape, metres(g.X_WG.translation()),
+         metres(g.approach_W), g.generator, g.remark});
   }
   return rows;
 }
@@ -135,8 +135,7 @@ std::string verdict(const Planned& planned) {
   if (!planned.plan.problem.empty()) return planned.plan.problem;
   if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
   if (planned.arm) {
-    const grasp::Grasp& taken =
-        planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)];
+    const grasp::Grasp& taken = planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)];
     return fmt::format(
         "The arm takes grasp {} (score {:.2f}, {}): the best that it can execute, or within {:.2f} "
         "of it.",
@@ -253,8 +252,9 @@ std::vector<report::ColoredMesh> scene_of(const PlanTarget& target, const Planne
   for (const auto& pieces : target.neighbours_W) {
     meshes.push_back({geometry::concatenated(pieces), {190, 190, 190}});
   }
-  meshes.push_back({geometry::transformed(report::robot_mesh(planned.hand.model, grasp.closed_all), grasp.X_WH),
-                    {88, 122, 168}});
+  meshes.push_back(
+      {geometry::transformed(report::robot_mesh(planned.hand.model, grasp.closed_all), grasp.X_WH),
+       {88, 122, 168}});
   return meshes;
 }
 

@@ -18,8 +18,9 @@ constexpr double kLeastApproach = 0.02;  // share of the speed that must be towa
 
 class FingersAdvancing {
  public:
-  FingersAdvancing(const HandToClose& hand, const RigidTransform& X_WH, const robot::Preshape& preshape,
-          const Eigen::VectorXd& open, const TouchScene& scene, const HandClosingOptions& options)
+  FingersAdvancing(const HandToClose& hand, const RigidTransform& X_WH,
+                   const robot::Preshape& preshape, const Eigen::VectorXd& open,
+                   const TouchScene& scene, const HandClosingOptions& options)
       : hand_(*hand.hand),
         balls_(hand.balls),
         preshape_(preshape),

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "prehend/grasp/grasp.h"
 #include "prehend/grasp/closing/hand_balls.h"
 #include "prehend/grasp/closing/touch_scene.h"
+#include "prehend/grasp/grasp.h"
 #include "prehend/robot/hand_model.h"
 
 namespace prehend::grasp {
@@ -38,11 +38,11 @@ struct HandClosingOptions {
 };
 
 struct ClosedFingers {
-  Eigen::VectorXd all;                // positions of all joints of the model [rad or m]
+  Eigen::VectorXd all;                 // positions of all joints of the model [rad or m]
   std::vector<GraspContact> contacts;  // of the object, in the order of the links
-  std::vector<bool> finger_touches;   // the object, of the hand's fingers
-  Touched other = Touched::kNothing;  // kTable, kObstacle: a finger was stopped by that
-  std::vector<double> broken_away;    // rad, by which joints of hand.breakaways went on
+  std::vector<bool> finger_touches;    // the object, of the hand's fingers
+  Touched other = Touched::kNothing;   // kTable, kObstacle: a finger was stopped by that
+  std::vector<double> broken_away;     // rad, by which joints of hand.breakaways went on
 };
 
 /// Closes the fingers of a hand whose root stands at X_WH from positions `open` of its motors until

@@ -90,10 +90,9 @@ HandReach FingerClosing::reach(const robot::Preshape& preshape) const {
 
 std::span<const Reason> FingerClosing::stages() const {
   static constexpr Reason kStages[] = {
-      Reason::kDirection,   Reason::kTable,          Reason::kObject,    Reason::kObstacle,
-      Reason::kWorkspace,   Reason::kArm,            Reason::kFingerTable,
-      Reason::kFingerObstacle, Reason::kFewFingers,  Reason::kNotClosed, Reason::kFingersMeet,
-      Reason::kTooWeak};
+      Reason::kDirection,  Reason::kTable,     Reason::kObject,      Reason::kObstacle,
+      Reason::kWorkspace,  Reason::kArm,       Reason::kFingerTable, Reason::kFingerObstacle,
+      Reason::kFewFingers, Reason::kNotClosed, Reason::kFingersMeet, Reason::kTooWeak};
   return kStages;
 }
 
@@ -280,8 +279,7 @@ std::optional<Refusal> FingerClosing::refine(ClosedGrasp* closed) const {
   return std::nullopt;
 }
 
-bool FingerClosing::holds(const Grasp& grasp, const RigidTransform& X_WG,
-                          double friction) const {
+bool FingerClosing::holds(const Grasp& grasp, const RigidTransform& X_WG, double friction) const {
   const RigidTransform X_WH = X_WG * (grasp.X_WG.inverse() * grasp.X_WH);
   Grasp tried;
   tried.X_WH = X_WH;

@@ -69,11 +69,11 @@ HandReach PadClosing::reach(const robot::Preshape& /*preshape*/) const {
 }
 
 std::span<const Reason> PadClosing::stages() const {
-  static constexpr Reason kStages[] = {
-      Reason::kDirection, Reason::kNothing,  Reason::kTooWide,    Reason::kWorkspace,
-      Reason::kArm,       Reason::kTable,    Reason::kObject,     Reason::kObstacle,
-      Reason::kBottomsOut, Reason::kTurns,   Reason::kFinger,     Reason::kTooHeavy,
-      Reason::kOffCentre, Reason::kNotClosed};
+  static constexpr Reason kStages[] = {Reason::kDirection, Reason::kNothing,  Reason::kTooWide,
+                                       Reason::kWorkspace, Reason::kArm,      Reason::kTable,
+                                       Reason::kObject,    Reason::kObstacle, Reason::kBottomsOut,
+                                       Reason::kTurns,     Reason::kFinger,   Reason::kTooHeavy,
+                                       Reason::kOffCentre, Reason::kNotClosed};
   return kStages;
 }
 
@@ -90,9 +90,7 @@ std::string PadClosing::explain(Reason reason) const {
                      solid().mass, largest_force_);
 }
 
-double PadClosing::room() const {
-  return largest_opening_ - 2 * options_.collision.object_margin;
-}
+double PadClosing::room() const { return largest_opening_ - 2 * options_.collision.object_margin; }
 
 std::optional<Refusal> PadClosing::reach_pose(const Eigen::Vector3d& approach_W,
                                               const RigidTransform& X_GH,
@@ -113,15 +111,15 @@ std::optional<Refusal> PadClosing::reach_pose(const Eigen::Vector3d& approach_W,
 
 // Shifts the hand along its closing direction to the middle of the section between the pads.
 std::optional<Refusal> PadClosing::centre(RigidTransform* X_WG, double* section_width,
-                                              SectionExtent* section) const {
+                                          SectionExtent* section) const {
   *section = measure_section(query(), *X_WG, gripper_);
   if (!section->met) return Refusal{Reason::kNothing, {}};
   *section_width = section->upper - section->lower;
   double offset = (section->upper + section->lower) / 2;
   if (*section_width > room() + options_.pads.width_tolerance) {
     // Perhaps a rim or handle fits between the fingers where they stand.
-    const ClosedHand hand =
-        close_hand(query(), *X_WG, gripper_.max_opening, least_force(), gripper_, options_.pads.closing);
+    const ClosedHand hand = close_hand(query(), *X_WG, gripper_.max_opening, least_force(),
+                                       gripper_, options_.pads.closing);
     if (hand.outcome == ClosingOutcome::kTooWide) {
       return Refusal{Reason::kTooWide, Miss{Quantity::kLength, *section_width, room()}};
     }
@@ -135,8 +133,8 @@ std::optional<Refusal> PadClosing::centre(RigidTransform* X_WG, double* section_
 }
 
 // The widest opening that meets nothing on the straight way from the pregrasp.
-std::optional<Refusal> PadClosing::find_opening(const RigidTransform& X_WG,
-                                                    double section_width, double* opening) const {
+std::optional<Refusal> PadClosing::find_opening(const RigidTransform& X_WG, double section_width,
+                                                double* opening) const {
   const double narrow =
       std::min(gripper_.max_opening, section_width + 2 * options_.pads.opening_clearance);
   std::optional<Refusal> refusal;
@@ -164,13 +162,14 @@ std::optional<Refusal> PadClosing::find_opening(const RigidTransform& X_WG,
 
 double PadClosing::least_force() const {
   const double weight = solid().mass * (kGravity + options_.lift_acceleration);
-  return std::max(options_.pads.least_force, options_.safety_factor * weight / (2 * options_.pads.friction));
+  return std::max(options_.pads.least_force,
+                  options_.safety_factor * weight / (2 * options_.pads.friction));
 }
 
 // How much of the pads' elliptic limit surface the weight and its torque about the closing
 // direction use; a weight along the closing direction unloads one pad.
 double PadClosing::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force,
-                                  double friction) const {
+                              double friction) const {
   const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid().mass *
                                    (kGravity + options_.lift_acceleration);
   const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
@@ -184,7 +183,7 @@ double PadClosing::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG
 }
 
 Wrenches PadClosing::wrenches_of(const ClosedHand& hand, const RigidTransform& X_WG,
-                                     double friction) const {
+                                 double friction) const {
   const auto contact = [friction](const ContactPatch& patch) {
     return Contact{patch.center_G, -patch.normal_G, friction, patch.torsion_radius};
   };
@@ -194,8 +193,8 @@ Wrenches PadClosing::wrenches_of(const ClosedHand& hand, const RigidTransform& X
 }
 
 std::optional<Refusal> PadClosing::close(const RigidTransform& X_WG, double opening,
-                                             const SectionExtent& section, ClosedHand* hand,
-                                             double* force, double* quality) const {
+                                         const SectionExtent& section, ClosedHand* hand,
+                                         double* force, double* quality) const {
   // More force, and again, while the weight would turn the object between the pads.
   constexpr int kPasses = 4;
   *force = least_force();
@@ -329,8 +328,7 @@ std::optional<Refusal> PadClosing::evaluate(const Candidate& sampled,
 std::optional<Refusal> PadClosing::refine(ClosedGrasp* closed) const {
   Grasp& grasp = closed->grasp;
   const Kept& kept = *static_cast<const Kept*>(closed->kept.get());
-  grasp.quality =
-      wrench_hull(wrenches_of(kept.hand, grasp.X_WG, options_.pads.friction)).epsilon;
+  grasp.quality = wrench_hull(wrenches_of(kept.hand, grasp.X_WG, options_.pads.friction)).epsilon;
   grasp.closed_all = hand_.all_positions(grasp.closed);
   grasp.score = score(grasp, kept);
   int pad = 0;
@@ -352,8 +350,8 @@ bool PadClosing::holds(const Grasp& grasp, const RigidTransform& X_WG, double fr
   // The table is where it is: what is disturbed is the object in the hand.
   const auto way = swept_hand(gripper_, pregrasp_opening(grasp), grasp.pregrasp_distance);
   if (scene_.touches_object(way, X_WG)) return false;
-  const ClosedHand hand = close_hand(query(), X_WG, pregrasp_opening(grasp), grasp.force,
-                                     gripper_, options_.pads.closing);
+  const ClosedHand hand = close_hand(query(), X_WG, pregrasp_opening(grasp), grasp.force, gripper_,
+                                     options_.pads.closing);
   return hand.outcome == ClosingOutcome::kClosed &&
          load_ratio(hand, X_WG, grasp.force, friction) <= 1 &&
          wrench_hull(wrenches_of(hand, X_WG, friction), {.closure_only = true}).closed;

@@ -85,8 +85,7 @@ GraspPlan plan_grasps_with_memory(GraspDatabase& database, const PlacedObject& p
     }
   }
   if (with_known.given_W.size() > options.given_W.size()) {
-    GraspPlan again =
-        plan_grasps(object, table, obstacles, hand, reachability, with_known);
+    GraspPlan again = plan_grasps(object, table, obstacles, hand, reachability, with_known);
     if (!again.grasps.empty()) {
       for (Grasp& grasp : again.grasps) {
         const StoredGrasp& source = nearest(known, X_OW * grasp.X_WG);
