@@ -1,15 +1,21 @@
 #include "nodes/grasp_cycle/arm_robot.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "prehend/graph/knob_parameters.h"
 
 namespace prehend::nodes {
 namespace {
+
+constexpr const char* kHolding = "holding_";    // before the names of HoldingOptions
+constexpr const char* kOfGripper = "gripper_";  // before those of PadGripperOptions
 
 // "put 0.15 m away", or what else becomes of the object.
 std::string destination(const msgs::Grasp& grasp) {
@@ -30,64 +36,46 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
            "stop the approach where the hand touches, and close there, or let go where pads tell "
            "that it holds nothing; false: open loop",
        .read_only = true});
-  options.contact_force = node.declare_parameter<double>(
-      {.name = "contact_force",
-       .default_value = options.contact_force,
-       .unit = "N",
-       .minimum = 0.1,
-       .description = "at the wrist, that counts as contact on the approach",
-       .read_only = true});
-  options.collision_force = node.declare_parameter<double>(
-      {.name = "collision_force",
-       .default_value = options.collision_force,
-       .unit = "N",
-       .minimum = 1,
-       .description = "at the wrist, on every other way, beyond what is held: the "
-                      "arm has hit something and stops",
-       .read_only = true});
-  options.overrun = node.declare_parameter<double>(
-      {.name = "overrun",
-       .default_value = options.overrun,
-       .unit = "rad",
-       .minimum = 0.0,
-       .description = "of fingers: how far fingers go on beyond where they were predicted to "
-                      "touch, within their limits",
-       .read_only = true});
-  options.grip_force = node.declare_parameter<double>(
-      {.name = "grip_force",
-       .default_value = options.grip_force,
-       .unit = "N",
-       .minimum = 0.0,
-       .description = "of fingers: that the pads which touch are to feel, their mean, where "
-                      "the plan says no force; 0: as the motors press",
-       .read_only = true});
-  options.holding.resolution = node.declare_parameter<double>(
-      {.name = "force_resolution",
-       .default_value = options.holding.resolution,
-       .unit = "N",
-       .minimum = 0.001,
-       .description = "of the wrist's sensor: a change of less, or within its "
-                      "noise, does not show that something is held",
-       .read_only = true});
+  const graph::DeclareKnobs declare{node};
+  control::ArmCycleOptions::knobs(options, declare);
+  robot::GripOptions::knobs(options, declare);
+  control::HoldingOptions::knobs(options.holding, graph::DeclareKnobs{node, kHolding});
+  return options;
+}
+
+control::PadGripperOptions declare_pad_gripper_options(graph::Node& node) {
+  control::PadGripperOptions options;
+  control::PadGripperOptions::knobs(options, graph::DeclareKnobs{node, kOfGripper});
   return options;
 }
 
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 const std::string& gripper_driver) {
-  if (platform.hand_port != robot::HandPort::kGripper) {
-    if (gripper_driver == kSimulated) return;
+  const bool has_gripper = platform.hand_port == robot::HandPort::kGripper;
+  if (!has_gripper && gripper_driver != kSimulated) {
     throw std::invalid_argument(fmt::format(
         "platform {} moves its hand by its joints (/hand/move), but the gripper is that of the "
         "driver {}, which offers /gripper; name a platform with hand_port: gripper, as stage_pg70",
         platform.name, gripper_driver));
   }
-  for (const char* name : {"overrun", "grip_force", "force_resolution"}) {
+  std::vector<std::string> misfits;
+  if (has_gripper) {
+    robot::GripOptions fingers;
+    robot::GripOptions::knobs(fingers, text::ListKnobs{"", &misfits});
+    misfits.erase(std::remove(misfits.begin(), misfits.end(), "touch_force"), misfits.end());
+    control::HoldingOptions holding;
+    control::HoldingOptions::knobs(holding, text::ListKnobs{kHolding, &misfits});
+  } else {
+    control::PadGripperOptions gripper;
+    control::PadGripperOptions::knobs(gripper, text::ListKnobs{kOfGripper, &misfits});
+  }
+  for (const std::string& name : misfits) {
     if (!node.is_parameter_given(name)) continue;
-    throw std::invalid_argument(
-        fmt::format("parameter '{}' does not apply with platform {}: its gripper closes until its "
-                    "pads feel the "
-                    "force of the plan, and they tell what is held; leave it out",
-                    name, platform.name));
+    throw std::invalid_argument(fmt::format(
+        "parameter '{}' does not apply with platform {}: {}; leave it out", name, platform.name,
+        has_gripper ? "its gripper closes until its pads feel the force of the plan, "
+                      "and they tell what is held"
+                    : "its hand is moved by its joints, not through /gripper"));
   }
 }
 
@@ -96,7 +84,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
     : node_(node), gripper_(gripper), arm_(node), touch_counts_(options.touch_counts) {
   using graph::QoS;
   if (platform.hand_port == robot::HandPort::kGripper) {
-    control::PadGripperOptions pads;
+    control::PadGripperOptions pads = options.gripper;
     pads.stale_time = options.cycle.stale_time;
     drive_ = std::make_unique<GripperActions>(node);
     auto hand = std::make_unique<control::PadGripper>(*platform.hand.gripper, pads, *drive_);

@@ -12,6 +12,7 @@
 #include "nodes/grasp_cycle/view.h"
 #include "nodes/gripper_source/gripper_source.h"
 #include "prehend/control/arm_cycle.h"
+#include "prehend/control/pad_gripper.h"
 #include "prehend/graph/node.h"
 #include "prehend/robot/grip.h"
 #include "prehend/robot/platform.h"
@@ -20,6 +21,9 @@ namespace prehend::nodes {
 
 /// Declares the parameters of ArmCycleOptions but those of SharedCycleOptions.
 control::ArmCycleOptions declare_arm_options(graph::Node& node);
+
+/// The same of a gripper that regulates its grip, gripper_*.
+control::PadGripperOptions declare_pad_gripper_options(graph::Node& node);
 
 /// Who drives the gripper: the simulation, or else a driver's name.
 inline constexpr const char* kSimulated = "sim";
@@ -32,6 +36,7 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
 /// What the cycle needs to know besides the plan.
 struct ArmRobotOptions {
   control::ArmCycleOptions cycle;
+  control::PadGripperOptions gripper;
   int touch_counts = robot::kTouchCounts;  // above: a texel is touched
 };
 

@@ -7,11 +7,12 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "nodes/platform_source/platform_source.h"
 #include "nodes/task_source/task_source.h"
+#include "prehend/graph/knob_parameters.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/platform.h"
 #include "prehend/robot/robot_files.h"
-#include "prehend/text/tree_file.h"
 
 namespace prehend::nodes {
 namespace {
@@ -30,28 +31,13 @@ bool declare_flag(graph::Node& node, const std::string& name, const std::string&
 
 /// What has to do with no robot.
 control::SharedCycleOptions declare_shared_options(graph::Node& node) {
-  const control::SharedCycleOptions defaults;
   control::SharedCycleOptions options;
   options.task = declare_task(node);
-  options.stale_time = node.declare_parameter<double>(
-      {.name = "stale_time",
-       .default_value = defaults.stale_time,
-       .unit = "s",
-       .minimum = 0.02,
-       .maximum = 10,
-       .description = "without a word of something that the cycle moves by: all is stopped",
-       .read_only = true});
-  options.answer_time =
-      node.declare_parameter<double>({.name = "answer_time",
-                                      .default_value = defaults.answer_time,
-                                      .unit = "s",
-                                      .minimum = 0.1,
-                                      .maximum = 60,
-                                      .description = "without feedback of a motion: all is stopped",
-                                      .read_only = true});
+  control::SharedCycleOptions::knobs(options, graph::DeclareKnobs{node});
+  control::SurpriseTolerances::knobs(options.tolerances, graph::DeclareKnobs{node, "surprise_"});
   options.largest_attempts =
       node.declare_parameter<int>({.name = "largest_attempts",
-                                   .default_value = defaults.largest_attempts,
+                                   .default_value = options.largest_attempts,
                                    .minimum = 1,
                                    .description = "grasps of an object tried before giving it up",
                                    .read_only = true});
@@ -99,11 +85,7 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
        .default_value = "stage_pg70",
        .description = "the robot that the plans are for (stage_pg70, kr5_sdh, ...)",
        .read_only = true});
-  const auto platforms = node_.declare_parameter<std::string>(
-      {.name = "platforms",
-       .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platform's file, PLATFORM.yaml",
-       .read_only = true});
+  const std::string platforms = declare_platforms(node_);
   const auto driver = node_.declare_parameter<std::string>(
       {.name = "gripper_driver",
        .default_value = kSimulated,
@@ -121,7 +103,8 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   // Predicted objects in a simulation are seen by nobody, but it says where they are.
   shared.only_seen_again = predicted_.wanted();
   task_ = shared.task;
-  ArmRobotOptions options{declare_arm_options(node_), touch_counts};
+  ArmRobotOptions options{declare_arm_options(node_), declare_pad_gripper_options(node_),
+                          touch_counts};
   static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
   const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
   refuse_what_does_not_apply(node_, robot, driver);

@@ -17,6 +17,7 @@
 #include "nodes/grasp_planning/platform_planning.h"
 #include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/gripper_source/gripper_source.h"
+#include "nodes/platform_source/platform_source.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
@@ -134,11 +135,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
        .default_value = "stage_pg70",
        .description = "the robot, its name (stage_pg70, kr5_sdh, pa10_barrett, ...) or file",
        .read_only = true});
-  const auto folder = node.declare_parameter<std::string>(
-      {.name = "platforms",
-       .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platforms that have names, NAME.yaml",
-       .read_only = true});
+  const std::string folder = nodes::declare_platforms(node);
   const auto home = node.declare_parameter<std::string>(
       {.name = "home",
        .default_value = "home",

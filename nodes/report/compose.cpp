@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,12 +11,12 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
+#include "nodes/report/charts_section.h"
+#include "nodes/report/task_section.h"
 #include "nodes/report/touch_section.h"
 #include "prehend/geometry/errors.h"
-#include "prehend/report/charts.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
-#include "prehend/report/state_chart.h"
 #include "prehend/surface/size_on_table.h"
 
 namespace prehend::nodes {
@@ -291,56 +290,6 @@ void add_object(Page& page, const Collected& collected, const msgs::CompletedSha
   });
 }
 
-// Joints of arm and hand over time, each in a chart of its own.
-void add_joint_charts(Page& page, const Collected& collected,
-                      const std::vector<report::Marker>& markers) {
-  for (const auto& [prefix, title] : {std::pair{"arm_", "Arm"}, std::pair{"hand_", "Hand"}}) {
-    std::vector<report::Series> joints;
-    for (const auto& [name, history] : collected.joints) {
-      if (name.starts_with(prefix)) {
-        joints.push_back({in_words(name.substr(std::string(prefix).size())), history});
-      }
-    }
-    if (joints.empty()) continue;
-    page.add_chart(
-        report::draw_line_chart({title, "time [s]", "position [rad or m]", joints, markers}),
-        fmt::format("Joints of the {}.", prefix[0] == 'a' ? "arm" : "hand"));
-  }
-}
-
-void add_charts(Page& page, const Collected& collected) {
-  std::vector<report::Marker> markers;
-  for (const auto& [time, phase] : collected.phases) markers.push_back({time, phase});
-  std::vector<report::Series> forces;
-  for (const auto& [pad, sums] : collected.pad_sums)
-    forces.push_back({in_words(pad) + " pad", sums});
-  if (!collected.wrench_z.empty()) forces.push_back({"wrist, along approach", collected.wrench_z});
-  if (!forces.empty()) {
-    page.add_chart(report::draw_line_chart({"Forces", "time [s]", "force [N]", forces, markers}),
-                   "What the pads and the wrist felt.");
-  }
-  add_joint_charts(page, collected, markers);
-  if (!collected.opening.empty()) {
-    History millimetres = collected.opening;
-    for (auto& [time, value] : millimetres) value *= 1000;
-    page.add_chart(
-        report::draw_line_chart(
-            {"Gripper", "time [s]", "opening [mm]", {{"opening", millimetres}}, markers}),
-        "Opening of the gripper.");
-  }
-  std::vector<report::Series> heights;
-  for (const auto& [name, body] : collected.bodies) {
-    History millimetres = body.height;
-    for (auto& [time, value] : millimetres) value *= 1000;
-    heights.push_back({name, millimetres});
-  }
-  if (!heights.empty()) {
-    page.add_chart(report::draw_line_chart({"Objects (the simulator's truth)", "time [s]",
-                                            "height over the table [mm]", heights, markers}),
-                   "How high each object was.");
-  }
-}
-
 Row surprise_row(const msgs::Surprise& surprise) {
   struct Unit {
     const char* name;
@@ -480,37 +429,6 @@ std::vector<Row> stage_times(const Collected& collected) {
   if (collected.result) add("cycle (simulated time): ", collected.result->times());
   return rows;
 }
-
-namespace {
-
-void add_task(Page& page, const msgs::Task& task, const std::optional<msgs::CycleResult>& result) {
-  report::StateChart chart;
-  chart.title = task.name();
-  chart.start = task.start();
-  std::set<std::string> names;
-  for (const auto& state : task.states()) {
-    chart.states.push_back({state.name(), state.action()});
-    names.insert(state.name());
-    for (const auto& way : state.ways()) {
-      chart.ways.push_back({state.name(), way.next(), way.outcome()});
-    }
-    if (state.times() > 0) {
-      chart.ways.push_back(
-          {state.name(), state.then(), fmt::format("done {} times", state.times())});
-    }
-  }
-  std::set<std::string> ends;
-  for (const auto& way : chart.ways) {
-    if (names.count(way.to) == 0 && ends.insert(way.to).second)
-      chart.states.push_back({way.to, ""});
-  }
-  if (result) chart.path.assign(result->task_path().begin(), result->task_path().end());
-  page.add_chart(report::draw_state_chart(chart),
-                 fmt::format("The task {} ({}), with the path that was taken.", task.name(),
-                             task.description()));
-}
-
-}  // namespace
 
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
                   const DrawnRobot& robot, const std::vector<Process>& processes) {

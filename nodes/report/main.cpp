@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "nodes/gripper_source/gripper_source.h"
+#include "nodes/platform_source/platform_source.h"
 #include "nodes/report/collector.h"
 #include "nodes/report/compose.h"
 #include "nodes/report/processes.h"
@@ -15,7 +16,6 @@
 #include "nodes/report/verdict.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/robot_files.h"
-#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -74,11 +74,7 @@ int run(graph::Node& node) {
            "the robot that is drawn, its name (stage_pg70, kr5_sdh, ...) or file; of one "
            "whose gripper says what it is, the gripper",
        .read_only = true});
-  const auto platforms = node.declare_parameter<std::string>(
-      {.name = "platforms",
-       .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platforms that have names, NAME.yaml",
-       .read_only = true});
+  const std::string platforms = nodes::declare_platforms(node);
   nodes::GripperSource gripper(node);
   const double timeout = node.declare_parameter<double>(
       {.name = "timeout",

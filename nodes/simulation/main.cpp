@@ -6,6 +6,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
+#include "nodes/platform_source/platform_source.h"
 #include "nodes/simulation/camera.h"
 #include "nodes/simulation/motion_actions.h"
 #include "nodes/simulation/reader_pace.h"
@@ -51,11 +52,7 @@ Settings declare_settings(graph::Node& node) {
        .description = "platform that stands in the scene: its name or file; empty: the scene's, "
                       "or stage_pg70",
        .read_only = true});
-  const auto platforms = node.declare_parameter<std::string>(
-      {.name = "platforms",
-       .default_value = text::tree_file("config/robots"),
-       .description = "folder of the platforms that have names, NAME.yaml",
-       .read_only = true});
+  const std::string platforms = nodes::declare_platforms(node);
   if (!s.robot.empty()) s.robot = robot::platform_file(platforms, s.robot).string();
   s.stage = (std::filesystem::path(platforms) / "stage_pg70.yaml").string();
   s.robot_home = node.declare_parameter<std::string>(

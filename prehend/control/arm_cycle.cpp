@@ -29,15 +29,7 @@ std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
 void ArmCycleOptions::validate() const {
   SharedCycleOptions::validate();
   GripOptions::validate("ArmCycleOptions.");
-  const text::Require require{"ArmCycleOptions."};
-  require(std::isfinite(contact_force) && contact_force > 0, "contact_force must be positive");
-  require(std::isfinite(collision_force) && collision_force > 0,
-          "collision_force must be positive");
-  require(opening_speed > 0 && opening_speed <= 1, "opening_speed must be in (0, 1]");
-  require(std::isfinite(rest_time) && rest_time >= 0, "rest_time must not be negative");
-  require(std::isfinite(check_time) && check_time >= 0, "check_time must not be negative");
-  require(std::isfinite(motion_timeout) && motion_timeout > 0, "motion_timeout must be positive");
-  require(std::isfinite(largest_detour) && largest_detour > 0, "largest_detour must be positive");
+  knobs(*this, text::CheckKnobs{"ArmCycleOptions."});
   holding.validate();
 }
 

@@ -111,16 +111,34 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
   /// otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
-  double contact_force = 5;  // N, > 0, at the wrist, that counts as contact on the approach
-  /// N, > 0, at the wrist, on every other way and beyond what is held: the arm stops, as it has hit
-  /// something.
-  double collision_force = 60;
-  double opening_speed = 0.6;  // share of the joints' greatest, in (0, 1]
-  double rest_time = 0.2;      // s, >= 0, before the approach: the wrist's force at rest, its noise
-  double check_time = 0.4;     // s, >= 0, at rest after the lift, and after the retreat
+  double contact_force = 5;     // N
+  double collision_force = 60;  // N
+  double opening_speed = 0.6;
+  double rest_time = 0.2;       // s
+  double check_time = 0.4;      // s
+  double motion_timeout = 60;   // s
+  double largest_detour = 0.5;  // rad
   HoldingOptions holding;
-  double motion_timeout = 60;   // s, > 0, of each motion
-  double largest_detour = 0.5;  // rad, > 0, see joined()
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"contact_force", self.contact_force, "N", 0.1, 1000,
+               "at the wrist, that counts as contact on the approach"});
+    visit(Knob{"collision_force", self.collision_force, "N", 1, 10000,
+               "at the wrist, on every other way, beyond what is held: the arm has hit something "
+               "and stops"});
+    visit(Knob{"opening_speed", self.opening_speed, "", 0.01, 1,
+               "of the hand, share of its joints' greatest"});
+    visit(Knob{"rest_time", self.rest_time, "s", 0, 10,
+               "before the approach: the wrist's force at rest, its noise"});
+    visit(Knob{"check_time", self.check_time, "s", 0, 10,
+               "at rest after the lift, and after the retreat"});
+    visit(Knob{"motion_timeout", self.motion_timeout, "s", 1, 3600, "of each motion"});
+    visit(Knob{"largest_detour", self.largest_detour, "rad", 0.001, 3.2,
+               "that a path may begin away from where the arm stands"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

@@ -36,8 +36,7 @@ void SharedCycleOptions::validate() const {
   const text::Require require{"CycleOptions."};
   require(!task.states.empty(), "task must have states");
   require(largest_attempts > 0, "largest_attempts must be positive");
-  require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
-  require(std::isfinite(answer_time) && answer_time > 0, "answer_time must be positive");
+  knobs(*this, text::CheckKnobs{"CycleOptions."});
   require(std::isfinite(look_timeout) && look_timeout >= 0, "look_timeout must not be negative");
   tolerances.validate();
 }

@@ -33,8 +33,8 @@ struct CycleResult {
 struct SharedCycleOptions {
   Task task = pick_and_place();
   int largest_attempts = 3;  // > 0, with one object
-  double stale_time = 0.25;  // s, > 0, after which percepts are too old to move by
-  double answer_time = 2;    // s, > 0, without a word of a motion: nobody carries it out
+  double stale_time = 0.25;  // s
+  double answer_time = 2;    // s
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
   /// plan is taken at once.
   double look_timeout = 0;
@@ -42,6 +42,16 @@ struct SharedCycleOptions {
   /// fails when none come.
   bool only_seen_again = false;
   SurpriseTolerances tolerances;
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"stale_time", self.stale_time, "s", 0.02, 10,
+               "without a word of something that the cycle moves by: all is stopped"});
+    visit(Knob{"answer_time", self.answer_time, "s", 0.1, 60,
+               "without feedback of a motion, which nobody carries out then: all is stopped"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "prehend/text/require.h"
 #include "prehend/text/told_apart.h"
 
 namespace prehend::control {
@@ -16,15 +15,7 @@ constexpr double kLeastWay = 0.02;   // rad: fingers with less left cannot tell
 
 }  // namespace
 
-void HoldingOptions::validate() const {
-  const text::Require require{"HoldingOptions."};
-  require(resolution > 0 && std::isfinite(resolution), "resolution must be positive");
-  require(significance > 0, "significance must be positive");
-  require(deciding_force > 0, "deciding_force must be positive");
-  require(lost_share > 0 && lost_share < 1, "lost_share must be in (0, 1)");
-  require(lost_time > 0, "lost_time must be positive");
-  require(advance > 0, "advance must be positive");
-}
+void HoldingOptions::validate() const { knobs(*this, text::CheckKnobs{"HoldingOptions."}); }
 
 void ForceAverage::add(const Eigen::Vector3d& force) {
   if (!force.allFinite()) return;

@@ -5,17 +5,37 @@
 
 #include <Eigen/Core>
 
+#include "prehend/text/knob.h"
+
 namespace prehend::control {
 
 /// What decides whether a hand holds something. No weight is predicted: objects are of unknown
 /// density.
 struct HoldingOptions {
-  double resolution = 0.1;    // N, > 0, of the wrist's sensor: less is no evidence
-  double significance = 5;    // > 0, standard deviations of the sensor's noise that are evidence
-  double deciding_force = 1;  // N, > 0: a sensor that cannot tell as much decides nothing
-  double lost_share = 0.3;  // in (0, 1), of the weight felt after the lift, below which it is lost
-  double lost_time = 0.2;   // s, > 0, that it must be below
-  double advance = 0.2;     // rad, > 0, that fingers which hold something do not close further
+  double resolution = 0.1;  // N
+  double significance = 5;
+  double deciding_force = 1;  // N
+  double lost_share = 0.3;
+  double lost_time = 0.2;  // s
+  double advance = 0.2;    // rad
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"resolution", self.resolution, "N", 0.001, 100,
+               "of the wrist's sensor: a change of less, or within its noise, does not show that "
+               "something is held"});
+    visit(Knob{"significance", self.significance, "", 0.1, 100,
+               "standard deviations of the wrist's noise that are evidence"});
+    visit(Knob{"deciding_force", self.deciding_force, "N", 0.01, 1000,
+               "a wrist that cannot tell as much decides nothing"});
+    visit(Knob{"lost_share", self.lost_share, "", 0.001, 0.999,
+               "of the weight felt after the lift, below which it is lost"});
+    visit(Knob{"lost_time", self.lost_time, "s", 0.001, 10, "that it must be below"});
+    visit(Knob{"advance", self.advance, "rad", 0.001, 3.2,
+               "that fingers which hold something do not close further"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

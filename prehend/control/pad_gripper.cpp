@@ -19,20 +19,9 @@ std::string millimetres(double metres) { return fmt::format("{:.1f} mm", metres 
 }  // namespace
 
 void PadGripperOptions::validate() const {
-  const text::Require require{"PadGripperOptions."};
-  for (const auto& [value, name] :
-       {std::pair{closing_speed, "closing_speed"}, std::pair{pressing_speed, "pressing_speed"},
-        std::pair{fast_closing_speed, "fast_closing_speed"}, std::pair{touch_force, "touch_force"},
-        std::pair{early_force, "early_force"}, std::pair{largest_collapse, "largest_collapse"},
-        std::pair{closing_timeout, "closing_timeout"}, std::pair{force_timeout, "force_timeout"},
-        std::pair{stale_time, "stale_time"}}) {
-    require(std::isfinite(value) && value > 0, std::string(name) + " must be positive");
-  }
-  require(closing_margin >= 0, "closing_margin must not be negative");
-  require(settled_time >= 0, "settled_time must not be negative");
-  require(held_ratio >= 0 && held_ratio <= 1, "held_ratio must be in [0, 1]");
-  require(largest_excess >= 1, "largest_excess must be at least 1");
-  require(least_share > 0 && least_share <= 1, "least_share must be in (0, 1]");
+  knobs(*this, text::CheckKnobs{"PadGripperOptions."});
+  text::Require{"PadGripperOptions."}(std::isfinite(stale_time) && stale_time > 0,
+                                      "stale_time must be positive");
   force.validate();
 }
 

@@ -24,23 +24,51 @@ class GripperPort {
 };
 
 struct PadGripperOptions {
-  double closing_speed = 0.02;       // m/s, > 0, until both pads touch
-  double fast_closing_speed = 0.05;  // m/s, > 0, before that, where nothing is predicted
-  double closing_margin = 0.006;     // m, >= 0, of the opening over the predicted one: then slower
-  double pressing_speed = 0.01;      // m/s, > 0, aimed at under force control
-  double touch_force = 0.3;          // N, > 0, of a pad's sum
-  double early_force = 4;   // N, > 0, of a pad's sum, that is no noise while the arm approaches
-  double held_ratio = 0.3;  // 0..1, of the grasp force each pad must still feel when lifted
-  double largest_collapse = 0.004;  // m, > 0, the opening may shrink after the grasp settled
-  double settled_time = 0.2;        // s, >= 0, the force must stay settled
-  double closing_timeout = 8;       // s, > 0, from the start of closing to the touch of both pads
-  double force_timeout = 4;         // s, > 0, to reach the grasp force
-  double largest_excess = 1.5;      // >= 1, times the grasp force, that is taken after this time
-  /// In (0, 1], of the grasp force, that is taken then too: a finger that meets the object beside
-  /// its pad keeps it from more. Whether that holds is seen after the lift.
-  double least_share = 0.6;
+  double closing_speed = 0.02;       // m/s
+  double fast_closing_speed = 0.05;  // m/s
+  double closing_margin = 0.006;     // m
+  double pressing_speed = 0.01;      // m/s
+  double touch_force = 0.3;          // N
+  double early_force = 4;            // N
+  double held_ratio = 0.3;
+  double largest_collapse = 0.004;  // m
+  double settled_time = 0.2;        // s
+  double closing_timeout = 8;       // s
+  double force_timeout = 4;         // s
+  double largest_excess = 1.5;
+  double least_share = 0.6;  // a finger that meets the object beside its pad keeps it from more;
+                             // whether that holds is seen after the lift
   double stale_time = 0.25;  // s, > 0, as SharedCycleOptions'
   ForceControllerOptions force;
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"closing_speed", self.closing_speed, "m/s", 0.0001, 1,
+               "of the opening, until both pads touch"});
+    visit(Knob{"fast_closing_speed", self.fast_closing_speed, "m/s", 0.0001, 1,
+               "before that, where nothing is predicted"});
+    visit(Knob{"closing_margin", self.closing_margin, "m", 0, 1,
+               "of the opening over the predicted one: from there on slower"});
+    visit(Knob{"pressing_speed", self.pressing_speed, "m/s", 0.0001, 1,
+               "aimed at under force control"});
+    visit(Knob{"touch_force", self.touch_force, "N", 0.01, 100, "of a pad's sum that touches"});
+    visit(Knob{"early_force", self.early_force, "N", 0.01, 1000,
+               "of a pad's sum, that is no noise while the arm approaches"});
+    visit(Knob{"held_ratio", self.held_ratio, "", 0, 1,
+               "of the grasp force that each pad must still feel when lifted"});
+    visit(Knob{"largest_collapse", self.largest_collapse, "m", 0.0001, 1,
+               "that the opening may shrink after the grasp settled"});
+    visit(Knob{"settled_time", self.settled_time, "s", 0, 10, "that the force must stay settled"});
+    visit(Knob{"closing_timeout", self.closing_timeout, "s", 0.1, 120,
+               "from the start of closing to the touch of both pads"});
+    visit(Knob{"force_timeout", self.force_timeout, "s", 0.1, 120, "to reach the grasp force"});
+    visit(Knob{"largest_excess", self.largest_excess, "", 1, 10,
+               "times the grasp force, that is taken after this time"});
+    visit(Knob{"least_share", self.least_share, "", 0.01, 1,
+               "of the grasp force, that is taken then too"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

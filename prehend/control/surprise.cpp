@@ -57,18 +57,7 @@ std::string unit_of(SurpriseKind kind) {
   return "";
 }
 
-void SurpriseTolerances::validate() const {
-  for (const auto& [name, value] :
-       {std::pair{"opening", opening}, std::pair{"area", area}, std::pair{"area_ratio", area_ratio},
-        std::pair{"tactile_sum", tactile_sum}, std::pair{"tactile_sum_ratio", tactile_sum_ratio},
-        std::pair{"fingers", fingers}, std::pair{"weight", weight},
-        std::pair{"weight_ratio", weight_ratio}}) {
-    if (!(value >= 0)) {
-      throw std::invalid_argument(std::string("SurpriseTolerances.") + name +
-                                  " must not be negative");
-    }
-  }
-}
+void SurpriseTolerances::validate() const { knobs(*this, text::CheckKnobs{"SurpriseTolerances."}); }
 
 double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerances& tolerances) {
   switch (kind) {

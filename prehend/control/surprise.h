@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "prehend/text/knob.h"
+
 namespace prehend::control {
 
 /// What was predicted and is compared with what is felt; same order as msgs.Surprise.Kind.
@@ -46,7 +48,24 @@ struct SurpriseTolerances {
   double weight = 1;               // N
   double weight_ratio = 1;         // of the predicted weight: its density is a guess
 
-  void validate() const;  ///< @throws std::invalid_argument naming the negative field.
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"opening", self.opening, "m", 0, 1, "tolerance of the opening at contact"});
+    visit(Knob{"area", self.area, "m^2", 0, 1, "tolerance of the contact area"});
+    visit(Knob{"area_ratio", self.area_ratio, "", 0, 100,
+               "the same, of the predicted area; the larger counts"});
+    visit(Knob{"tactile_sum", self.tactile_sum, "N", 0, 1000, "tolerance of the pads' mean sum"});
+    visit(Knob{"tactile_sum_ratio", self.tactile_sum_ratio, "", 0, 100,
+               "the same, of the predicted sum; the larger counts"});
+    visit(Knob{"fingers", self.fingers, "rad", 0, 3.2, "tolerance of where fingers stop"});
+    visit(Knob{"weight", self.weight, "N", 0, 1000, "tolerance of the weight"});
+    visit(Knob{"weight_ratio", self.weight_ratio, "", 0, 100,
+               "the same, of the predicted weight; the larger counts"});
+  }
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
 /// The tolerance of `kind` for a prediction; 0.5 for what is 1 or 0, 0 for kTouchedTooEarly.

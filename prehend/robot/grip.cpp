@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "prehend/text/require.h"
-
 namespace prehend::robot {
 namespace {
 
@@ -30,16 +28,7 @@ MeanTouch mean_touch(const std::vector<PadPercept>& pads, double touch_force, do
   return mean;
 }
 
-void GripOptions::validate(std::string_view of) const {
-  const text::Require require{of};
-  require(closing_speed > 0 && closing_speed <= 1, "closing_speed must be in (0, 1]");
-  require(std::isfinite(gather) && gather >= 0, "gather must not be negative");
-  require(std::isfinite(overrun) && overrun >= 0, "overrun must not be negative");
-  require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
-  require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
-  require(std::isfinite(force_timeout) && force_timeout > 0, "force_timeout must be positive");
-  require(std::isfinite(settle_time) && settle_time >= 0, "settle_time must not be negative");
-}
+void GripOptions::validate(std::string_view of) const { knobs(*this, text::CheckKnobs{of}); }
 
 double first_effort_share(double enough) {
   return std::clamp(kFirstShare * enough, kLeastShare, 1.0);

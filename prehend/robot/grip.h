@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "prehend/text/knob.h"
+
 // How a hand closes on a thing and presses, and what its pads then say: the same for the cycle that
 // does it and for the simulation that predicts it.
 namespace prehend::robot {
@@ -41,18 +43,34 @@ struct MeanTouch {
 MeanTouch mean_touch(const std::vector<PadPercept>& pads, double touch_force, double stale_time);
 
 struct GripOptions {
-  double closing_speed = 0.3;  // share of the joints' greatest, in (0, 1]
-  /// Fingers first go to where they are predicted to be this much [rad] before they touch, >= 0,
-  /// and close from there together: one that touches long before the others would push the object.
-  double gather = 0.1;
-  /// Beyond the predicted touch fingers go on [rad], >= 0: predicted shapes are too large or small.
-  double overrun = 0.5;
-  /// N, >= 0, that the pads which touch are to feel, their mean: of a hand whose plan says no
-  /// force. 0: as the motors press.
-  double grip_force = 0;
-  double touch_force = 0.3;  // N, > 0, of a pad's sum that touches
-  double force_timeout = 4;  // s, > 0, to reach the force; then it is gripped with what there is
-  double settle_time = 0.3;  // s, >= 0, after closing
+  double closing_speed = 0.3;
+  double gather = 0.1;       // rad: one that touches long before the others would push the object
+  double overrun = 0.5;      // rad: predicted shapes are too large or small
+  double grip_force = 0;     // N
+  double touch_force = 0.3;  // N
+  double force_timeout = 4;  // s
+  double settle_time = 0.3;  // s
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"closing_speed", self.closing_speed, "", 0.01, 1,
+               "of fingers, share of the joints' greatest"});
+    visit(Knob{"gather", self.gather, "rad", 0, 3.2,
+               "fingers first go to where they are predicted to be this much before they touch, "
+               "and close from there together"});
+    visit(Knob{
+        "overrun", self.overrun, "rad", 0, 3.2,
+        "how far fingers go on beyond where they were predicted to touch, within their limits"});
+    visit(Knob{"grip_force", self.grip_force, "N", 0, 1000,
+               "that the pads of fingers which touch are to feel, their mean, where the plan says "
+               "no force; 0: as the motors press"});
+    visit(Knob{"touch_force", self.touch_force, "N", 0.01, 100, "of a pad's sum that touches"});
+    visit(Knob{"force_timeout", self.force_timeout, "s", 0.1, 60,
+               "for fingers to reach the force; then it is gripped with what there is"});
+    visit(Knob{"settle_time", self.settle_time, "s", 0, 10, "after fingers have closed"});
+  }
 
   /// @throws std::invalid_argument naming the field, after `of`.
   void validate(std::string_view of = "GripOptions.") const;

@@ -65,6 +65,7 @@ std::string objection(const Place& from, const Place& to) {
                                                   "task_source",
                                                   "motion_goal",
                                                   "look_again",
+                                                  "platform_source",
                                                   "report"};
     return std::count(kShared.begin(), kShared.end(), to.folder) ? ""
                                                                  : "but nodes never include others";

@@ -1,0 +1,54 @@
+// What can be set of the grasp cycle, and what is refused with which platform.
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "prehend/graph/registry.h"
+#include "tests/system/launched.h"
+
+namespace prehend::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Ne;
+using ::testing::Optional;
+
+class CycleParameters : public ::testing::Test {
+ protected:
+  /// What the node says as it ends for these parameters.
+  std::string refusal(const std::vector<std::string>& parameters) {
+    std::vector<std::string> arguments{"--registry", registry_.endpoint()};
+    for (const std::string& parameter : parameters) {
+      arguments.insert(arguments.end(), {"--param", parameter});
+    }
+    Launched cycle("grasp_cycle", arguments, scratch_.path() / "output.txt");
+    EXPECT_THAT(cycle.wait(std::chrono::seconds(20)), Optional(Ne(0)));
+    return cycle.output();
+  }
+
+  graph::Registry registry_{{.endpoint = "tcp://127.0.0.1:*"}};
+  ScratchFolder scratch_;
+};
+
+TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "overrun:=0.2"}),
+              HasSubstr("'overrun' does not apply with platform stage_pg70"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "holding_lost_share:=0.2"}),
+              HasSubstr("'holding_lost_share' does not apply with platform stage_pg70"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper_closing_speed:=0.01"}),
+              HasSubstr("'gripper_closing_speed' does not apply with platform kr5_sdh"));
+}
+
+TEST_F(CycleParameters, AreRefusedOutOfTheirRange) {
+  EXPECT_THAT(refusal({"collision_force:=0"}), HasSubstr("collision_force"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "closing_speed:=2"}), HasSubstr("closing_speed"));
+  EXPECT_THAT(refusal({"surprise_weight:=-1"}), HasSubstr("surprise_weight"));
+  EXPECT_THAT(refusal({"colision_force:=10"}), HasSubstr("collision_force"));
+}
+
+}  // namespace
+}  // namespace prehend::testing
