@@ -62,7 +62,7 @@ class SimulatedStage : public control::ArmPort {
         arm_(platform_, "home") {
     platform_.set_gripper(world.scene().gripper);
   }
-  void follow(const control::JointPath& path, double contact_force) override {
+  void follow(const control::JointTrajectory& path, double contact_force) override {
     simulation::TrajectoryRequest request{path.joints, {}};
     for (const auto& point : path.points) {
       request.points.push_back({point.time, point.position, point.velocity, point.acceleration});
@@ -123,7 +123,7 @@ class SimulatedStage : public control::ArmPort {
     };
     const auto add = [&](const std::string& name, const std::vector<robot::Positions>& over,
                          double speed) {
-      control::JointPath path{joint_names(), {}};
+      control::JointTrajectory path{joint_names(), {}};
       double time = 0;
       const std::vector<double> rest(4, 0.0);
       path.points.push_back({0, {here.begin(), here.end()}, rest, rest});

@@ -57,8 +57,8 @@ robot::ClosingWay closing_way_of(const msgs::Grasp& grasp) {
 
 }  // namespace
 
-control::JointPath from_message(const msgs::JointTrajectory& trajectory) {
-  control::JointPath path;
+control::JointTrajectory from_message(const msgs::JointTrajectory& trajectory) {
+  control::JointTrajectory path;
   path.joints.assign(trajectory.joint_name().begin(), trajectory.joint_name().end());
   for (const msgs::JointTrajectoryPoint& point : trajectory.points()) {
     path.points.push_back({point.time(),
@@ -69,10 +69,10 @@ control::JointPath from_message(const msgs::JointTrajectory& trajectory) {
   return path;
 }
 
-msgs::JointTrajectory to_message(const control::JointPath& path) {
+msgs::JointTrajectory to_message(const control::JointTrajectory& path) {
   msgs::JointTrajectory trajectory;
   for (const std::string& name : path.joints) trajectory.add_joint_name(name);
-  for (const control::JointPath::Point& point : path.points) {
+  for (const control::JointTrajectory::Point& point : path.points) {
     msgs::JointTrajectoryPoint& out = *trajectory.add_points();
     out.set_time(point.time);
     for (const double value : point.position) out.add_position(value);

@@ -11,8 +11,8 @@
 // What cycles execute and say.
 namespace prehend::convert {
 
-control::JointPath from_message(const msgs::JointTrajectory& trajectory);
-msgs::JointTrajectory to_message(const control::JointPath& path);
+control::JointTrajectory from_message(const msgs::JointTrajectory& trajectory);
+msgs::JointTrajectory to_message(const control::JointTrajectory& path);
 
 /// Whether a grasp has a motion of the arm and positions of the hand.
 bool has_arm_motion(const msgs::Grasp& grasp);

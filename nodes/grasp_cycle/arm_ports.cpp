@@ -8,7 +8,7 @@ using control::MotionStatus;
 
 ArmActions::ArmActions(graph::Node& node) : goal_(node, "/arm/follow") {}
 
-void ArmActions::follow(const control::JointPath& path, double contact_force) {
+void ArmActions::follow(const control::JointTrajectory& path, double contact_force) {
   msgs::FollowTrajectoryGoal goal;
   *goal.mutable_trajectory() = convert::to_message(path);
   goal.set_stop_on_contact(contact_force > 0);

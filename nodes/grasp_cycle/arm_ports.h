@@ -14,7 +14,7 @@ namespace prehend::nodes {
 class ArmActions : public control::ArmPort {
  public:
   explicit ArmActions(graph::Node& node);
-  void follow(const control::JointPath& path, double contact_force) override;
+  void follow(const control::JointTrajectory& path, double contact_force) override;
   control::MotionStatus motion() override;
   double answer_age() override { return goal_.answer_age(); }
   std::string problem() override { return problem_; }

@@ -10,7 +10,8 @@
 
 namespace prehend::nodes {
 
-void add_task(report::Page& page, const msgs::Task& task, const std::optional<msgs::CycleResult>& result) {
+void add_task(report::Page& page, const msgs::Task& task,
+              const std::optional<msgs::CycleResult>& result) {
   report::StateChart chart;
   chart.title = task.name();
   chart.start = task.start();

@@ -166,7 +166,7 @@ void ArmCycle::begin_move(const Action& action) {
       begin_segment("carry", Step::kCarry, held_collision_force());
       return;
     case Action::Goal::kLowered: {
-      const JointPath* lift = segment("lift");
+      const JointTrajectory* lift = segment("lift");
       if (!lift) return ended(Outcome::kDone);
       enter(Step::kLower, "lowering it");
       lowers_fully_ = action.share >= 1;
@@ -184,10 +184,10 @@ void ArmCycle::begin_move(const Action& action) {
 }
 
 // `leads_back`: it is to be gone back when the arm goes back.
-void ArmCycle::follow(const JointPath& path, double contact_force, bool leads_back) {
+void ArmCycle::follow(const JointTrajectory& path, double contact_force, bool leads_back) {
   refused_.clear();
   try {
-    const JointPath from_here =
+    const JointTrajectory from_here =
         joined(path, percepts_.names, percepts_.positions, options_.largest_detour);
     if (leads_back) gone_.push_back(from_here);
     arm_.follow(from_here, contact_force);
@@ -196,7 +196,7 @@ void ArmCycle::follow(const JointPath& path, double contact_force, bool leads_ba
   }
 }
 
-const JointPath* ArmCycle::segment(const std::string& name) const {
+const JointTrajectory* ArmCycle::segment(const std::string& name) const {
   for (const auto& [segment_name, path] : grasp().segments) {
     if (segment_name == name) return &path;
   }
@@ -205,7 +205,7 @@ const JointPath* ArmCycle::segment(const std::string& name) const {
 
 bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_force) {
   enter(step, "arm: " + name);
-  const JointPath* path = segment(name);
+  const JointTrajectory* path = segment(name);
   if (path) follow(*path, contact_force);
   return path != nullptr;
 }

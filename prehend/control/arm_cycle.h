@@ -10,7 +10,7 @@
 #include "prehend/control/cycle.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
-#include "prehend/control/joint_path.h"
+#include "prehend/control/joint_trajectory.h"
 #include "prehend/control/pad_percept.h"
 #include "prehend/robot/closing_way.h"
 #include "prehend/robot/grip.h"
@@ -20,8 +20,9 @@ namespace prehend::control {
 /// A planned grasp with the arm's motion round it.
 struct ArmGrasp {
   GraspPose pose;
-  std::vector<std::pair<std::string, JointPath>> segments;  // reach, approach, lift, carry, place,
-                                                            // retreat; in this order, some may lack
+  std::vector<std::pair<std::string, JointTrajectory>>
+      segments;  // reach, approach, lift, carry, place,
+                 // retreat; in this order, some may lack
   std::vector<std::string> hand_joints;
   robot::ClosingWay hand;  // of hand_joints
   double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
@@ -43,7 +44,7 @@ class ArmPort {
  public:
   virtual ~ArmPort() = default;
   /// Stops when the wrist force exceeds `contact_force` [N] if that is positive.
-  virtual void follow(const JointPath& path, double contact_force) = 0;
+  virtual void follow(const JointTrajectory& path, double contact_force) = 0;
   virtual MotionStatus motion() = 0;  // of the last follow; kContact: stopped by it
   /// Seconds since who carries out the last follow gave a word of it; 0 when it has ended or
   /// answers at once, infinity when he is gone.
@@ -219,8 +220,8 @@ class ArmCycle : public Cycle {
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
   void begin_move(const Action& action);
-  void follow(const JointPath& path, double contact_force, bool leads_back = true);
-  const JointPath* segment(const std::string& name) const;
+  void follow(const JointTrajectory& path, double contact_force, bool leads_back = true);
+  const JointTrajectory* segment(const std::string& name) const;
   MotionStatus motion_status();
   void gather();
   void close();
@@ -252,15 +253,16 @@ class ArmCycle : public Cycle {
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
   Step step_ = Step::kWait;
-  double wait_time_ = 0;              // s
-  double share_ = 1;                  // of the greatest effort, that the motors press with
-  double pressed_since_ = 0;          // s
-  bool put_down_ = false;             // what is held stands where it stood, or at its place
-  std::optional<JointPath> lowered_;  // the last way down
+  double wait_time_ = 0;                    // s
+  double share_ = 1;                        // of the greatest effort, that the motors press with
+  double pressed_since_ = 0;                // s
+  bool put_down_ = false;                   // what is held stands where it stood, or at its place
+  std::optional<JointTrajectory> lowered_;  // the last way down
   bool lowers_fully_ = false;
-  std::string refused_;          // why a segment could not begin
-  bool clears_ = false;          // it goes back to look again
-  std::vector<JointPath> gone_;  // that were begun in this attempt, and lead back when reversed
+  std::string refused_;  // why a segment could not begin
+  bool clears_ = false;  // it goes back to look again
+  std::vector<JointTrajectory>
+      gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;
   ArmPercepts percepts_;
   Holding holding_;

@@ -35,11 +35,11 @@ void ArmCycle::go_back() {
     return enter(Step::kVerify, "looking whether the hand is empty");
   }
   // As far as it came: contact, or who stopped it, may have ended it on its way.
-  JointPath way = gone_.back();
+  JointTrajectory way = gone_.back();
   gone_.pop_back();
-  JointPath end = way;
+  JointTrajectory end = way;
   end.points = {way.points.back()};
-  const auto off = [this](const JointPath& path) {
+  const auto off = [this](const JointTrajectory& path) {
     return nearest_on(path, percepts_.names, percepts_.positions);
   };
   if (off(end).off > kOnPath) way = part_of(way, std::max(off(way).share, kLeastWay));

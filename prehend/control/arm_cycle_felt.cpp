@@ -13,7 +13,7 @@ namespace {
 constexpr double kHighAboveTable = 0.7;  // of the way down: until then nothing else can bear it
 
 // `spent` [s] on the way down to a place, it is above all that was to bear what is held.
-bool is_high(const JointPath* place, double spent) {
+bool is_high(const JointTrajectory* place, double spent) {
   return place != nullptr && spent < kHighAboveTable * place->duration();
 }
 

@@ -15,8 +15,9 @@ std::vector<double> list_of(const Eigen::VectorXd& values) {
   return {values.begin(), values.end()};
 }
 
-JointPath sampled(const robot::KinematicChain& chain, const motion::BlendedTrajectory& trajectory) {
-  JointPath path;
+JointTrajectory sampled(const robot::KinematicChain& chain,
+                        const motion::BlendedTrajectory& trajectory) {
+  JointTrajectory path;
   for (const robot::ChainJoint& joint : chain.joints()) path.joints.push_back(joint.name);
   const double duration = trajectory.duration();
   const int steps = std::max(1, static_cast<int>(std::ceil(duration / kSamplePeriod)));

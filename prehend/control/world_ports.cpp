@@ -12,12 +12,12 @@ namespace prehend::control {
 
 using simulation::ArmDrive;
 
-void WorldArm::follow(const JointPath& path, double contact_force) {
+void WorldArm::follow(const JointTrajectory& path, double contact_force) {
   problem_.clear();
   Way way;
   way.contact_force = contact_force;
   way.request.joints = path.joints;
-  for (const JointPath::Point& point : path.points) {
+  for (const JointTrajectory::Point& point : path.points) {
     way.request.points.push_back({point.time, point.position, point.velocity, point.acceleration});
   }
   world_.arm().stop();

@@ -16,7 +16,7 @@ class WorldArm : public ArmPort {
  public:
   /// @pre the world outlives it and has an arm.
   explicit WorldArm(simulation::RobotWorld& world) : world_(world) {}
-  void follow(const JointPath& path, double contact_force) override;
+  void follow(const JointTrajectory& path, double contact_force) override;
   MotionStatus motion() override;
   std::string problem() override { return problem_; }
   void stop() override;

@@ -6,7 +6,7 @@
 
 #include "prehend/simulation/contact_detection.h"
 #include "prehend/simulation/engines/convex_contact.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 
 namespace prehend::simulation {
 namespace {

@@ -143,7 +143,7 @@ std::vector<LinkContact> RobotWorld::link_contacts() const {
   for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
     const engines::PadLoad& load = world.state.pad_loads[k];
     if (!(load.normal_force > 0)) continue;
-    const engines::PadTouch& touch = world.system->pad_touches()[k];
+    const engines::PadOnBody& touch = world.system->pad_touches()[k];
     LinkContact& contact = found[touch.carrier];
     contact.link = world.robot.bodies[static_cast<std::size_t>(touch.carrier)].name;
     const std::vector<double>& texels = world.state.pads[k].normal_force;
@@ -223,7 +223,7 @@ std::vector<RobotWorld::ObjectTouch> RobotWorld::object_touches(const std::strin
                        world.robot.finger_of_body[link_body]});
   }
   for (std::size_t k = 0; k < world.state.pad_loads.size(); ++k) {
-    const engines::PadTouch& pad = world.system->pad_touches()[k];
+    const engines::PadOnBody& pad = world.system->pad_touches()[k];
     if (pad.body != body || !(world.state.pad_loads[k].normal_force > 0)) continue;
     const std::size_t link_body = static_cast<std::size_t>(pad.carrier);
     const RigidTransform X_WP = world.state.X_WB[link_body] * pad.X_CP;

@@ -15,8 +15,8 @@ namespace prehend::text {
 template <class Value>
 struct Knob {
   std::string_view name;
-  Value& value;           // double, or const double
-  std::string_view unit;  // "": none
+  Value& value;                // double, or const double
+  std::string_view unit;       // "": none
   double least = 0, most = 0;  // inclusive
   std::string_view description;
 };

@@ -11,7 +11,7 @@ namespace prehend::control {
 
 /// Does at once what is asked; keeps it.
 struct FakeArm : ArmPort {
-  void follow(const JointPath& path, double contact_force) override {
+  void follow(const JointTrajectory& path, double contact_force) override {
     asked.push_back(path);
     forces.push_back(contact_force);
     position = path.points.back().position;
@@ -22,7 +22,7 @@ struct FakeArm : ArmPort {
   }
   std::string problem() override { return "the arm's words"; }
   void stop() override { ++stops; }
-  std::vector<JointPath> asked;
+  std::vector<JointTrajectory> asked;
   std::vector<double> forces;
   std::vector<double> position{0.0};
   std::map<std::size_t, MotionStatus> says;  // of the n-th path
@@ -52,7 +52,7 @@ struct FakeHand : HandPort {
   int stops = 0;
 };
 
-inline JointPath path(double from, double to) {
+inline JointTrajectory path(double from, double to) {
   return {{"j"}, {{0, {from}, {0}, {}}, {2, {to}, {0}, {}}}};
 }
 

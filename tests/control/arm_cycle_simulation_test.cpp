@@ -30,12 +30,12 @@ class PlanByHand {
         inverse_(platform.arm_chain()),
         q_(platform.homes.front().arm) {}
 
-  JointPath jump(const RigidTransform& X_WG) {
+  JointTrajectory jump(const RigidTransform& X_WG) {
     const robot::Positions from = q_;
     move_to(X_WG);
     return timed({from, q_}, 3.0);
   }
-  JointPath straight(const RigidTransform& X_WG_from, const RigidTransform& X_WG_to) {
+  JointTrajectory straight(const RigidTransform& X_WG_from, const RigidTransform& X_WG_to) {
     std::vector<robot::Positions> way{q_};
     constexpr int kParts = 12;
     for (int i = 1; i <= kParts; ++i) {
@@ -55,8 +55,8 @@ class PlanByHand {
     q_ = answer.solutions.front();
   }
   // Points at even shares of a smooth motion, with its velocities.
-  JointPath timed(const std::vector<robot::Positions>& way, double duration) const {
-    JointPath result;
+  JointTrajectory timed(const std::vector<robot::Positions>& way, double duration) const {
+    JointTrajectory result;
     for (const robot::ChainJoint& joint : inverse_.chain().joints()) {
       result.joints.push_back(joint.name);
     }
@@ -66,7 +66,7 @@ class PlanByHand {
       const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;
       const double x = s * static_cast<double>(parts);
       const std::size_t i = std::min(parts - 1, static_cast<std::size_t>(x));
-      JointPath::Point point;
+      JointTrajectory::Point point;
       point.time = t * duration;
       const robot::Positions delta = way[i + 1] - way[i];
       for (Eigen::Index j = 0; j < delta.size(); ++j) {

@@ -35,7 +35,7 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
   f.run(cycle);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   std::vector<double> ends;
-  for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
+  for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 4, 5, 6));
   const ArmCycleOptions defaults;
   const double hit = defaults.collision_force, held = hit + 2 * 9.81 * fake_grasp().lifted_mass;
@@ -232,7 +232,7 @@ TEST(ArmCycle, GoesBackAndTriesTheNextGrasp) {
   EXPECT_EQ(cycle.result().attempts, 2);
   EXPECT_THAT(cycle.result().reason, HasSubstr("nothing is held"));
   std::vector<double> ends;
-  for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
+  for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 2, 1, 0, 1, 2, 3, 2, 1, 0));
   EXPECT_EQ(surprising(cycle), 2) << "one for each attempt";
 }

@@ -90,7 +90,7 @@ class FakeWorld {
     jaw_speed_ = speed;
     current_limit_ = current_limit;
   }
-  void follow(const JointPath& path, double contact_force) {
+  void follow(const JointTrajectory& path, double contact_force) {
     path_ = path;
     path_begin_ = time_;
     contact_force_ = contact_force;
@@ -169,7 +169,7 @@ class FakeWorld {
 
   // Straight between points.
   Eigen::Vector3d on_path(double time) const {
-    const auto at = [](const JointPath::Point& point) {
+    const auto at = [](const JointTrajectory::Point& point) {
       return Eigen::Vector3d(point.position[0], point.position[1], point.position[2]);
     };
     for (std::size_t i = 1; i < path_.points.size(); ++i) {
@@ -185,7 +185,7 @@ class FakeWorld {
   double opening_ = 0.03, opening_target_ = 0.03, jaw_speed_ = 0, current_limit_ = 0;
   bool position_mode_ = true, stopped_ = false, held_possible_ = true;
   Eigen::Vector3d p_WG_{-0.3, 0, 0.4};
-  JointPath path_;
+  JointTrajectory path_;
   double path_begin_ = 0, contact_force_ = 0;
   bool arm_moving_ = false, contact_ = false, touching_obstacle_ = false;
   double object_height_ = 0, highest_object_ = 0, highest_ = 0;
@@ -205,7 +205,7 @@ struct FakeDrive : GripperPort {
 
 struct FakeStage : ArmPort {
   explicit FakeStage(FakeWorld& world) : world_(world) {}
-  void follow(const JointPath& path, double force) override { world_.follow(path, force); }
+  void follow(const JointTrajectory& path, double force) override { world_.follow(path, force); }
   MotionStatus motion() override { return world_.arm_motion(); }
   double answer_age() override { return world_.age("arm motion"); }
   std::string problem() override { return "the stage's words"; }
@@ -221,7 +221,7 @@ inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0}) {
   Eigen::Vector3d here(-0.3, 0, 0.4);
   const auto add = [&](const std::string& name, const Eigen::Vector3d& to, double speed) {
     const auto point = [](double time, const Eigen::Vector3d& p) {
-      return JointPath::Point{time, {p.x(), p.y(), p.z()}, {0, 0, 0}, {}};
+      return JointTrajectory::Point{time, {p.x(), p.y(), p.z()}, {0, 0, 0}, {}};
     };
     grasp.segments.push_back(
         {name, {{"x", "y", "z"}, {point(0, here), point((to - here).norm() / speed, to)}}});

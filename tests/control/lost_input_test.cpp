@@ -87,7 +87,7 @@ TEST_F(GripperCycleTest, WaitsForWhatHasNotSpokenYet) {
 
 /// Moves for `duration` s of the cycle's clock; says so, until it is silent.
 struct SlowArm : ArmPort {
-  void follow(const JointPath& path, double) override {
+  void follow(const JointTrajectory& path, double) override {
     end = now + 1;
     position = path.points.back().position;
     moving = true;
@@ -120,7 +120,7 @@ struct QuickHand : HandPort {
 };
 
 ArmGrasp grasp_of_one_joint() {
-  const auto way = [](double from, double to) -> JointPath {
+  const auto way = [](double from, double to) -> JointTrajectory {
     return {{"j"}, {{0, {from}, {0}, {}}, {1, {to}, {0}, {}}}};
   };
   ArmGrasp grasp;

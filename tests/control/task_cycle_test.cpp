@@ -160,7 +160,7 @@ TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   EXPECT_THAT(cycle.result().reason, HasSubstr("put down where it stood"));
   std::vector<double> ends;
-  for (const JointPath& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
+  for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 2, 1, 0)) << "reach, approach, lift, and back";
 }
 
@@ -172,7 +172,7 @@ TEST(TaskOfTheArm, ShakesAlongItsLift) {
   f.run(cycle);
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
   std::vector<double> ends;
-  for (const JointPath& asked : f.arm.asked) {
+  for (const JointTrajectory& asked : f.arm.asked) {
     ends.push_back(std::round(100 * asked.points.back().position[0]) / 100);
   }
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2.5, 3, 2, 1, 0));
@@ -218,7 +218,7 @@ TEST(TaskOfTheArm, APlanWithoutAPlaceIsPutBack) {
 }
 
 TEST(JointPathPart, EndsAtRestWhereThePathIsByThen) {
-  const JointPath half = part_of(path(2, 3), 0.5);
+  const JointTrajectory half = part_of(path(2, 3), 0.5);
   EXPECT_NEAR(half.points.front().position[0], 2, 1e-12);
   EXPECT_NEAR(half.points.back().position[0], 2.5, 1e-12);
   EXPECT_NEAR(half.points.back().velocity[0], 0, 1e-12);

@@ -43,7 +43,7 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
 
 TEST(ArmGrasps, AreTheSameThereAndBack) {
   control::ArmGrasp grasp;
-  control::JointPath path{{"arm_1"}, {{0, {0.1}, {0}, {0}}, {0.02, {0.3}, {0}, {1.5}}}};
+  control::JointTrajectory path{{"arm_1"}, {{0, {0.1}, {0}, {0}}, {0.02, {0.3}, {0}, {1.5}}}};
   grasp.segments = {{"reach", path}, {"lift", control::reversed(path)}};
   grasp.hand_joints = {"hand_a", "hand_b"};
   grasp.hand = {Eigen::Vector2d(0.1, 0.3), Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1, 0),
@@ -121,10 +121,10 @@ TEST(Surprises, TravelWithTheirKind) {
 }
 
 TEST(JointPaths, AreTheSameThereAndBack) {
-  control::JointPath path;
+  control::JointTrajectory path;
   path.joints = {"a", "b"};
   path.points = {{0, {1, 2}, {0, 0}, {}}, {0.5, {3, 4}, {0.1, 0.2}, {5, 6}}};
-  const control::JointPath back = from_message(to_message(path));
+  const control::JointTrajectory back = from_message(to_message(path));
   EXPECT_EQ(back.joints, path.joints);
   ASSERT_EQ(back.points.size(), 2u);
   EXPECT_EQ(back.points[1].position, path.points[1].position);

@@ -5,7 +5,7 @@
 #include "prehend/contact/pad_kernel.h"
 #include "prehend/simulation/engines/inertia.h"
 #include "prehend/simulation/engines/multibody_engine.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 
 namespace prehend::simulation::engines {
 namespace {

@@ -21,7 +21,7 @@ constexpr double kStandardGravity = 9.81;  // m/s^2, of the weight that kSink sp
 
 }  // namespace
 
-Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadTouch::all(scene)) {
+Multibody::Multibody(const EngineScene& scene) : scene_(scene), pads_(PadOnBody::all(scene)) {
   const std::size_t count = scene.bodies.size();
   joint_of_.assign(count, -1);
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
@@ -134,7 +134,7 @@ MultibodyState Multibody::initial_state() const {
     state.velocities[coordinate_[j]] = joint.axis_W.dot(
         joint.kind == EngineJoint::Kind::kPrismatic ? body.velocity : body.angular_velocity);
   }
-  for (const PadTouch& touch : pads_) state.pads.emplace_back(touch.layout);
+  for (const PadOnBody& touch : pads_) state.pads.emplace_back(touch.layout);
   state.pad_loads.resize(pads_.size());
   complete(state);
   return state;

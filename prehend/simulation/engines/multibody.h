@@ -9,7 +9,7 @@
 #include "prehend/simulation/engines/convex_contact.h"
 #include "prehend/simulation/engines/engine.h"
 #include "prehend/simulation/engines/multibody_joints.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 #include "prehend/simulation/engines/twist_rows.h"
 
 namespace prehend::simulation::engines {
@@ -135,7 +135,7 @@ class Multibody {
   BodyMotion motion(const MultibodyState& state, int body) const;
   /// Kinetic and gravity's [J].
   double energy(const MultibodyState& state) const;
-  const std::vector<PadTouch>& pad_touches() const { return pads_; }
+  const std::vector<PadOnBody>& pad_touches() const { return pads_; }
   /// Poses and momenta from positions and velocities, and the poses of free bodies that are there.
   void complete(MultibodyState& state) const;
 
@@ -202,7 +202,7 @@ class Multibody {
   std::vector<char> asleep_;
   TouchFinder* finder_ = nullptr;
   std::vector<Vector6> wrench_;
-  std::vector<PadTouch> pads_;
+  std::vector<PadOnBody> pads_;
   contact::TexelLaw law_, ground_law_;  // of contacts, and of free bodies' on the ground, without
                                         // friction
 
@@ -222,7 +222,7 @@ class Multibody {
   int active_size_ = 0;
   Eigen::VectorXd u_, solved_, positions_;
   std::vector<contact::LinearisedContact> linearised_;
-  std::vector<PadTouch::Place> pad_places_;
+  std::vector<PadOnBody::Place> pad_places_;
   std::vector<char> pad_near_;
   Eigen::MatrixXd matrix_;
   Eigen::VectorXd right_;

@@ -215,8 +215,8 @@ void Multibody::add_touch(const MultibodyState& base, TouchPoint& touch, double 
 }
 
 Vector6 Multibody::pad_twist(std::size_t index, const Eigen::VectorXd& u) const {
-  const PadTouch& touch = pads_[index];
-  const PadTouch::Place& place = pad_places_[index];
+  const PadOnBody& touch = pads_[index];
+  const PadOnBody::Place& place = pad_places_[index];
   const Eigen::Matrix3d R = place.X_WP.linear();
   return frame_rows(place.arm_body, R) * twist_of(touch.body, at_, u) -
          frame_rows(place.arm_carrier, R) * twist_of(touch.carrier, at_, u);
@@ -224,7 +224,7 @@ Vector6 Multibody::pad_twist(std::size_t index, const Eigen::VectorXd& u) const 
 
 void Multibody::add_pad(std::size_t index, const MultibodyState& base, double h,
                         const Eigen::VectorXd& u, contact::PadState& state) {
-  PadTouch& touch = pads_[index];
+  PadOnBody& touch = pads_[index];
   state.bristle_u = base.pads[index].bristle_u;
   state.bristle_v = base.pads[index].bristle_v;
   contact::respond(touch.layout, touch.law, h, pad_twist(index, u), state, touch.scratch,
@@ -272,7 +272,7 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     end.pad_loads = base.pad_loads;
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
-    PadTouch& touch = pads_[k];
+    PadOnBody& touch = pads_[k];
     pad_places_[k] = touch.place(base.X_WB[touch.carrier], base.X_WB[touch.body]);
     const Vector6 twist = pad_twist(k, u_);
     const double speed = twist.head<3>().norm() + reach_[touch.body] * twist.tail<3>().norm();
@@ -363,7 +363,7 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     if (!pad_near_[k]) continue;
-    const PadTouch& touch = pads_[k];
+    const PadOnBody& touch = pads_[k];
     if (touch.response.pressing == 0) {
       release(end.pads[k]);
       continue;

@@ -8,7 +8,7 @@
 
 #include "prehend/contact/texel.h"
 #include "prehend/simulation/engines/inertia.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 
 namespace prehend::simulation::engines {
 namespace {
@@ -124,8 +124,8 @@ void SubsteppedPads::load(const EngineScene& scene) {
   }
   engine_->load(plain);
   scene_ = scene;
-  touches_ = PadTouch::all(scene);
-  for (const PadTouch& touch : touches_) {
+  touches_ = PadOnBody::all(scene);
+  for (const PadOnBody& touch : touches_) {
     states_.emplace_back(touch.layout);
     touched_[touch.body] = 1;
   }
@@ -147,11 +147,11 @@ void SubsteppedPads::press(double h) {
     if (touched_[b]) motions_[b] = engine_->body(static_cast<int>(b));
   }
   for (std::size_t i = 0; i < touches_.size(); ++i) {
-    PadTouch& touch = touches_[i];
+    PadOnBody& touch = touches_[i];
     PadState& state = states_[i];
     const BodyMotion& carrier = motions_[touch.carrier];
     const BodyMotion& body = motions_[touch.body];
-    const PadTouch::Place place = touch.place(carrier.X_WB, body.X_WB);
+    const PadOnBody::Place place = touch.place(carrier.X_WB, body.X_WB);
     const Eigen::Matrix3d R_WP = place.X_WP.linear();
     Vector6 twist;
     twist.head<3>() =
@@ -216,7 +216,7 @@ std::vector<double> SubsteppedPads::save() const {
 
 void SubsteppedPads::restore(const std::vector<double>& state) {
   std::size_t own = touches_.empty() ? 0 : 6 * wrenches_.size();
-  for (const PadTouch& touch : touches_) own += 3 * touch.layout.padded_size();
+  for (const PadOnBody& touch : touches_) own += 3 * touch.layout.padded_size();
   if (state.size() < own) {
     throw std::invalid_argument(name() + ": the saved state is of another scene");
   }

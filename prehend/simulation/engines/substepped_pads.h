@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "prehend/simulation/engines/engine.h"
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 
 namespace prehend::simulation::engines {
 
@@ -45,7 +45,7 @@ class SubsteppedPads : public Engine {
   std::unique_ptr<Engine> engine_;
   EngineScene scene_;
   int substeps_ = 1;
-  std::vector<PadTouch> touches_;
+  std::vector<PadOnBody> touches_;
   std::vector<contact::PadState> states_;  // of each
   std::vector<Vector6> wrenches_;          // from outside, of each body
   std::vector<Vector6> with_pads_;         // and of the pads, in the present sub-step

@@ -1,4 +1,4 @@
-#include "prehend/control/joint_path.h"
+#include "prehend/control/joint_trajectory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,10 @@ constexpr double kSpeed = 0.5;         // rad/s that every joint can
 constexpr double kAcceleration = 2.5;  // rad/s^2
 
 // Greatest absolute value of joint k.
-double peak(const JointPath& path, std::vector<double> JointPath::Point::*values, std::size_t k) {
+double peak(const JointTrajectory& path, std::vector<double> JointTrajectory::Point::*values,
+            std::size_t k) {
   double most = 0;
-  for (const JointPath::Point& point : path.points) {
+  for (const JointTrajectory::Point& point : path.points) {
     if (k < (point.*values).size()) most = std::max(most, std::abs((point.*values)[k]));
   }
   return most;
@@ -24,11 +25,11 @@ double peak(const JointPath& path, std::vector<double> JointPath::Point::*values
 
 // How many times as slow as `path` the other must be, which has the same joints, so that it asks no
 // more of any joint, or no more than every joint can.
-double slowness(const JointPath& path, const JointPath& other) {
+double slowness(const JointTrajectory& path, const JointTrajectory& other) {
   double times = 1;
   for (std::size_t k = 0; k < path.joints.size(); ++k) {
-    const auto speed = &JointPath::Point::velocity;
-    const auto acceleration = &JointPath::Point::acceleration;
+    const auto speed = &JointTrajectory::Point::velocity;
+    const auto acceleration = &JointTrajectory::Point::acceleration;
     times = std::max(times, peak(other, speed, k) / std::max(kSpeed, peak(path, speed, k)));
     times = std::max(times, std::sqrt(peak(other, acceleration, k) /
                                       std::max(kAcceleration, peak(path, acceleration, k))));
@@ -36,8 +37,8 @@ double slowness(const JointPath& path, const JointPath& other) {
   return times;
 }
 
-JointPath slowed(JointPath path, double times) {
-  for (JointPath::Point& point : path.points) {
+JointTrajectory slowed(JointTrajectory path, double times) {
+  for (JointTrajectory::Point& point : path.points) {
     point.time *= times;
     for (double& v : point.velocity) v /= times;
     for (double& a : point.acceleration) a /= times * times;
@@ -46,7 +47,7 @@ JointPath slowed(JointPath path, double times) {
 }
 
 // Where the path's joints stand.
-std::vector<double> positions_of(const JointPath& path, const std::vector<std::string>& names,
+std::vector<double> positions_of(const JointTrajectory& path, const std::vector<std::string>& names,
                                  const std::vector<double>& positions) {
   std::vector<double> here;
   for (const std::string& joint : path.joints) {
@@ -61,23 +62,23 @@ std::vector<double> positions_of(const JointPath& path, const std::vector<std::s
 
 }  // namespace
 
-JointPath reversed(const JointPath& path) {
-  JointPath back = path;
+JointTrajectory reversed(const JointTrajectory& path) {
+  JointTrajectory back = path;
   std::reverse(back.points.begin(), back.points.end());
   const double duration = path.duration();
-  for (JointPath::Point& point : back.points) {
+  for (JointTrajectory::Point& point : back.points) {
     point.time = duration - point.time;
     for (double& v : point.velocity) v = -v;
   }
   return back;
 }
 
-JointPath part_of(const JointPath& path, double share) {
+JointTrajectory part_of(const JointTrajectory& path, double share) {
   if (share >= 1 || path.points.size() < 2) return path;
   constexpr int kPoints = 40;
   constexpr double kPeak = 1.875;  // of ds/dt
   const double way = share * path.duration(), duration = kPeak * way;
-  JointPath part;
+  JointTrajectory part;
   part.joints = path.joints;
   std::size_t after = 1;
   for (int i = 0; i <= kPoints; ++i) {
@@ -85,10 +86,10 @@ JointPath part_of(const JointPath& path, double share) {
     const double s = t * t * t * (10 + t * (6 * t - 15));
     const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;  // ds/dt, 1/s
     while (after + 1 < path.points.size() && path.points[after].time < s * way) ++after;
-    const JointPath::Point &a = path.points[after - 1], &b = path.points[after];
+    const JointTrajectory::Point &a = path.points[after - 1], &b = path.points[after];
     const double span = b.time - a.time;
     const double u = span > 0 ? std::clamp((s * way - a.time) / span, 0.0, 1.0) : 1.0;
-    JointPath::Point point;
+    JointTrajectory::Point point;
     point.time = t * duration;
     for (std::size_t k = 0; k < a.position.size(); ++k) {
       point.position.push_back(a.position[k] + u * (b.position[k] - a.position[k]));
@@ -100,12 +101,12 @@ JointPath part_of(const JointPath& path, double share) {
   return part;
 }
 
-PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& names,
+PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::string>& names,
                        const std::vector<double>& positions) {
   if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
   const std::vector<double> here = positions_of(path, names, positions);
   PlaceOnPath nearest{0, std::numeric_limits<double>::infinity()};
-  const auto take = [&](const JointPath::Point& a, const JointPath::Point& b) {
+  const auto take = [&](const JointTrajectory::Point& a, const JointTrajectory::Point& b) {
     double along = 0, length = 0;
     for (std::size_t k = 0; k < here.size(); ++k) {
       const double way = b.position.at(k) - a.position.at(k);
@@ -127,10 +128,10 @@ PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& na
   return nearest;
 }
 
-JointPath joined(JointPath path, const std::vector<std::string>& names,
-                 const std::vector<double>& positions, double most) {
+JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,
+                       const std::vector<double>& positions, double most) {
   if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
-  const JointPath planned = path;
+  const JointTrajectory planned = path;
   const double duration = path.duration();
   const std::vector<double> here = positions_of(path, names, positions);
   for (std::size_t k = 0; k < path.joints.size(); ++k) {
@@ -143,7 +144,7 @@ JointPath joined(JointPath path, const std::vector<std::string>& names,
           "joint '{}' stands {:.2f} rad from where the plan begins", path.joints[k], off));
     }
     if (off == 0 || duration <= 0) continue;
-    for (JointPath::Point& point : path.points) {
+    for (JointTrajectory::Point& point : path.points) {
       if (point.position.size() != path.joints.size()) {
         throw std::invalid_argument("the arm's segment has not one position a joint");
       }

@@ -6,7 +6,7 @@
 namespace prehend::control {
 
 /// Joint positions over time, as msgs.JointTrajectory.
-struct JointPath {
+struct JointTrajectory {
   struct Point {
     double time = 0;                                       // s, from the start
     std::vector<double> position, velocity, acceleration;  // rad or m, per s, per s^2; may be empty
@@ -18,12 +18,12 @@ struct JointPath {
 };
 
 /// The same way back.
-JointPath reversed(const JointPath& path);
+JointTrajectory reversed(const JointTrajectory& path);
 
 /// The first `share` of the path, in (0, 1], that begins and ends at rest: the way that the path
 /// has gone by that share of its time, along s(t) = 10 t^3 - 15 t^4 + 6 t^5, as slowly as keeps
 /// below the path's speeds. The whole path for 1.
-JointPath part_of(const JointPath& path, double share);
+JointTrajectory part_of(const JointTrajectory& path, double share);
 
 /// Where on a path an arm that stands at `positions` of `names` is nearest to it.
 struct PlaceOnPath {
@@ -31,7 +31,7 @@ struct PlaceOnPath {
   double off = 0;    // rad or m, of the joint that is farthest from there
 };
 /// By straight lines between its points. @throws as joined().
-PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& names,
+PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::string>& names,
                        const std::vector<double>& positions);
 
 /// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
@@ -40,7 +40,7 @@ PlaceOnPath nearest_on(const JointPath& path, const std::vector<std::string>& na
 /// stopped short of a segment's end.
 /// @throws std::invalid_argument in words when the arm is more than `most` [rad] off, a joint of
 /// the path is not among `names`, or the path is empty.
-JointPath joined(JointPath path, const std::vector<std::string>& names,
-                 const std::vector<double>& positions, double most);
+JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,
+                       const std::vector<double>& positions, double most);
 
 }  // namespace prehend::control

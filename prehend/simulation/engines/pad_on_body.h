@@ -17,12 +17,12 @@ contact::TexelLaw mounted_law(const EnginePad& pad, const EngineBody& carrier,
                               const EngineBody& touched);
 
 /// A pad of one body and another body that it can feel: what a step needs of both.
-struct PadTouch {
+struct PadOnBody {
   /// Indices into the scene's pads and bodies.
-  PadTouch(const EngineScene& scene, int pad_index, int body_index);
+  PadOnBody(const EngineScene& scene, int pad_index, int body_index);
 
   /// All pairs of a scene: bodies that collide, carry no pad and are not fixed to the same world.
-  static std::vector<PadTouch> all(const EngineScene& scene);
+  static std::vector<PadOnBody> all(const EngineScene& scene);
 
   struct Place {
     geometry::RigidTransform X_WP;
@@ -52,7 +52,7 @@ bool has_pads(const EngineScene& scene, int body);
 const EngineJoint* joint_of(const EngineScene& scene, int body);
 
 /// Adds what texels of `pad` feel [N] to `forces`, row by row.
-void add_pad_forces(const std::vector<PadTouch>& touches,
+void add_pad_forces(const std::vector<PadOnBody>& touches,
                     const std::vector<contact::PadState>& states, int pad,
                     std::vector<double>& forces);
 

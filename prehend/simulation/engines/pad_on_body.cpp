@@ -1,4 +1,4 @@
-#include "prehend/simulation/engines/pad_contact.h"
+#include "prehend/simulation/engines/pad_on_body.h"
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ contact::TexelLaw mounted_law(const EnginePad& pad, const EngineBody& carrier,
   return law;
 }
 
-PadTouch::PadTouch(const EngineScene& scene, int pad_index, int body_index)
+PadOnBody::PadOnBody(const EngineScene& scene, int pad_index, int body_index)
     : pad(pad_index),
       carrier(scene.pads[pad_index].body),
       body(body_index),
@@ -43,8 +43,8 @@ PadTouch::PadTouch(const EngineScene& scene, int pad_index, int body_index)
       law(mounted_law(scene.pads[pad_index], scene.bodies[carrier], scene.bodies[body_index])),
       scratch(layout) {}
 
-std::vector<PadTouch> PadTouch::all(const EngineScene& scene) {
-  std::vector<PadTouch> touches;
+std::vector<PadOnBody> PadOnBody::all(const EngineScene& scene) {
+  std::vector<PadOnBody> touches;
   for (int p = 0; p < static_cast<int>(scene.pads.size()); ++p) {
     for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
       const bool moves = !scene.bodies[b].is_fixed || !scene.bodies[scene.pads[p].body].is_fixed;
@@ -55,15 +55,15 @@ std::vector<PadTouch> PadTouch::all(const EngineScene& scene) {
   return touches;
 }
 
-PadTouch::Place PadTouch::place(const geometry::RigidTransform& X_WCarrier,
-                                const geometry::RigidTransform& X_WBody) const {
+PadOnBody::Place PadOnBody::place(const geometry::RigidTransform& X_WCarrier,
+                                  const geometry::RigidTransform& X_WBody) const {
   const geometry::RigidTransform X_WP = X_WCarrier * X_CP;
   return {X_WP, X_WP.translation() - X_WCarrier.translation(),
           X_WP.translation() - X_WBody.translation()};
 }
 
-bool PadTouch::find_depths(const Place& place, const geometry::RigidTransform& X_WBody,
-                           double look_ahead, contact::PadState& state) const {
+bool PadOnBody::find_depths(const Place& place, const geometry::RigidTransform& X_WBody,
+                            double look_ahead, contact::PadState& state) const {
   return contact::find_depths(layout, reach, shape,
                               place.X_WP.inverse(Eigen::Isometry) * X_WBody * X_BS, look_ahead,
                               state);
@@ -81,7 +81,7 @@ const EngineJoint* joint_of(const EngineScene& scene, int body) {
   return nullptr;
 }
 
-void add_pad_forces(const std::vector<PadTouch>& touches,
+void add_pad_forces(const std::vector<PadOnBody>& touches,
                     const std::vector<contact::PadState>& states, int pad,
                     std::vector<double>& forces) {
   for (std::size_t k = 0; k < touches.size(); ++k) {

@@ -1,4 +1,4 @@
-#include "prehend/control/joint_path.h"
+#include "prehend/control/joint_trajectory.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -9,8 +9,8 @@ namespace prehend::control {
 namespace {
 
 // Two joints: one goes 0.3 rad in 0.4 s, smoothly, the other stays.
-JointPath quick_path() {
-  JointPath path;
+JointTrajectory quick_path() {
+  JointTrajectory path;
   path.joints = {"a", "b"};
   constexpr double kWay = 0.3, kDuration = 0.4;
   for (int i = 0; i <= 20; ++i) {
@@ -23,14 +23,16 @@ JointPath quick_path() {
   return path;
 }
 
-double most(const JointPath& path, std::vector<double> JointPath::Point::*values, std::size_t k) {
+double most(const JointTrajectory& path, std::vector<double> JointTrajectory::Point::*values,
+            std::size_t k) {
   double result = 0;
   for (const auto& point : path.points) result = std::max(result, std::abs((point.*values)[k]));
   return result;
 }
 
 TEST(NearestOnPath, IsOnItsLinesOrBesideThem) {
-  const JointPath path{{"a", "b"}, {{0, {0, 0}, {}, {}}, {2, {1, 0}, {}, {}}, {4, {1, 2}, {}, {}}}};
+  const JointTrajectory path{{"a", "b"},
+                             {{0, {0, 0}, {}, {}}, {2, {1, 0}, {}, {}}, {4, {1, 2}, {}, {}}}};
   const PlaceOnPath first = nearest_on(path, {"a", "b"}, {0.5, 0.1});
   EXPECT_NEAR(first.share, 0.25, 1e-12);
   EXPECT_NEAR(first.off, 0.1, 1e-12);
@@ -44,7 +46,7 @@ TEST(NearestOnPath, IsOnItsLinesOrBesideThem) {
 }
 
 TEST(JoinedPath, FromWhereThePlanBeginsIsThePlan) {
-  const JointPath path = quick_path(), same = joined(path, {"b", "a"}, {1, 0}, 0.5);
+  const JointTrajectory path = quick_path(), same = joined(path, {"b", "a"}, {1, 0}, 0.5);
   for (std::size_t i = 0; i < path.points.size(); ++i) {
     EXPECT_EQ(same.points[i].time, path.points[i].time);
     EXPECT_EQ(same.points[i].position, path.points[i].position);
@@ -55,12 +57,12 @@ TEST(JoinedPath, FromWhereThePlanBeginsIsThePlan) {
 // An arm that contact had stopped was asked for ten times the speed of its plan, fell behind, and
 // gave up ("joint 'arm_axis_2' is 0.0503 off the path").
 TEST(JoinedPath, AsksNoJointForMoreThanThePlanOrALittle) {
-  const JointPath path = quick_path(), from = joined(path, {"a", "b"}, {-0.2, 1.25}, 0.5);
+  const JointTrajectory path = quick_path(), from = joined(path, {"a", "b"}, {-0.2, 1.25}, 0.5);
   EXPECT_EQ(from.points.front().position, (std::vector<double>{-0.2, 1.25}));
   EXPECT_NEAR(from.points.back().position[0], 0.3, 1e-12);
   EXPECT_NEAR(from.points.back().position[1], 1, 1e-12);
-  const auto speed = &JointPath::Point::velocity;
-  const auto acceleration = &JointPath::Point::acceleration;
+  const auto speed = &JointTrajectory::Point::velocity;
+  const auto acceleration = &JointTrajectory::Point::acceleration;
   for (const std::size_t k : {0u, 1u}) {
     EXPECT_LE(most(from, speed, k), std::max(0.5, most(path, speed, k)) * (1 + 1e-9));
     EXPECT_LE(most(from, acceleration, k), std::max(2.5, most(path, acceleration, k)) * (1 + 1e-9));
