@@ -76,7 +76,7 @@ Belief in_pieces(Belief belief) {
 
 planning::PlatformPlan plan_for(const Subject& subject, const Belief& belief,
                                 const PlannerSetting& setting) {
-  planning::PlatformPlanOptions options;
+  planning::PlatformPlanOptions options(subject.planner.platform().hand);
   options.grasps = options_for(subject.planner.platform().hand, setting);
   options.touch.emplace().threads = 1;
   const std::vector<geometry::TriangleMesh>& others_W = belief.obstacles.meshes_W;
@@ -286,8 +286,14 @@ robot::Platform in_reach(robot::Platform platform) {
 }
 
 HandUnderTest platform_under_test(const std::filesystem::path& file, bool reacts) {
-  const auto subject =
-      std::make_shared<const Subject>(in_reach(robot::read_platform(file)), reacts);
+  robot::Platform platform = robot::read_platform(file);
+  if (platform.hand_port == robot::HandPort::kGripper) {
+    throw geometry::InputError("Platform '" + platform.name +
+                                   "' moves its gripper through /gripper, in another world than "
+                                   "arms with hands",
+                               "Evaluate its gripper (--hand), or all of it (eval_platform)");
+  }
+  const auto subject = std::make_shared<const Subject>(in_reach(std::move(platform)), reacts);
   return {subject->planner.platform().name,
           [subject](const Belief& believed, const TrueObject& truth, const PlannerSetting& setting,
                     const BelieveAgain& believe_again) {

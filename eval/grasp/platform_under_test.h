@@ -11,7 +11,8 @@ namespace prehend::eval {
 /// with the shipped cycle (control::CycleInWorld) in a world with the wrist sensor's noise, and
 /// looks again after a failed attempt. `lifted` is by 50 mm at least, put down, and said to be.
 /// @param reacts as control::ArmCycleOptions::reacts.
-/// @throws geometry::InputError as robot::read_platform(), and as in_reach().
+/// @throws geometry::InputError as robot::read_platform(), as in_reach(), and for a platform whose
+/// gripper is moved through /gripper: that has another world.
 HandUnderTest platform_under_test(const std::filesystem::path& file, bool reacts);
 
 /// The platform, moved along the table where its arm does not reach the world's origin, at which

@@ -39,9 +39,9 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   }
 }
 
-// The defaults are the hand's.
-grasp::PlannerOptions declare_planner_options(graph::Node& node, const robot::HandModel& hand) {
-  grasp::PlannerOptions options = grasp::default_options(hand);
+// The defaults are those that `options` have.
+void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared) {
+  grasp::PlannerOptions& options = *declared;
   const auto declare = [&node](const std::string& name, double& value, const std::string& unit,
                                double minimum, const std::string& description) {
     value = node.declare_parameter<double>({.name = name,
@@ -117,7 +117,6 @@ grasp::PlannerOptions declare_planner_options(graph::Node& node, const robot::Ha
                                                        .minimum = 1,
                                                        .description = "of grasps in a plan",
                                                        .read_only = true});
-  return options;
 }
 
 // Says which plug-ins are there but cannot be chosen.
@@ -143,8 +142,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
        .read_only = true});
   robot::Platform platform = robot::read_platform(robot::platform_file(folder, file));
   for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
-  planning::PlatformPlanOptions options;
-  options.grasps = declare_planner_options(node, platform.hand);
+  planning::PlatformPlanOptions options(platform.hand);
+  declare_planner_options(node, &options.grasps);
   planning::PlatformPickOptions& arm = options.arm;
   options.place.given_W = planning::read_place(node.declare_parameter<std::string>(
       {.name = "place",
@@ -181,7 +180,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
                                    .read_only = true});
   options.touch = nodes::declare_touch(node);
   options.grip_force = nodes::declare_grip_force(node);
-  nodes::refuse_grip_force(node, platform.hand);
+  nodes::refuse_touch_parameters(node, platform);
   const auto front = node.parameter<std::string>("front");
   const bool front_chooses = platform.hand.gripper && !front.empty() && options.grasps.budget > 0;
   nodes::refuse_what_does_not_apply(node, platform, front_chooses);

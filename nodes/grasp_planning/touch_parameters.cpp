@@ -20,11 +20,22 @@ double declare_grip_force(graph::Node& node) {
        .read_only = true});
 }
 
-void refuse_grip_force(const graph::Node& node, const robot::HandModel& hand) {
-  if (!node.is_parameter_given("grip_force") || (!hand.gripper && !hand.pads.empty())) return;
-  throw std::invalid_argument(
-      fmt::format("parameter 'grip_force' does not apply with the hand '{}': {}; leave it out",
-                  hand.name, hand.gripper ? "its force is planned" : "it has no tactile pads"));
+void refuse_touch_parameters(const graph::Node& node, const robot::Platform& platform) {
+  const robot::HandModel& hand = platform.hand;
+  const auto refuse = [&](const char* name, const char* why) {
+    if (!node.is_parameter_given(name)) return;
+    throw std::invalid_argument(
+        fmt::format("parameter '{}' does not apply with the hand '{}': {}; leave it out", name,
+                    hand.name, why));
+  };
+  if (hand.pads.empty()) {
+    refuse("grip_force", "it has no tactile pads");
+    refuse("predict_touch", "it has no tactile pads");
+  }
+  if (hand.gripper) refuse("grip_force", "its force is planned");
+  if (platform.hand_port == robot::HandPort::kGripper) {
+    refuse("predict_touch", "what its pads feel is what its grasps are planned by");
+  }
 }
 
 std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node) {

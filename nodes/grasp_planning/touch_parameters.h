@@ -5,7 +5,7 @@
 #include "msgs/grasp.pb.h"
 #include "prehend/graph/node.h"
 #include "prehend/planning/touch_prediction.h"
-#include "prehend/robot/hand_model.h"
+#include "prehend/robot/platform.h"
 
 namespace prehend::nodes {
 
@@ -14,8 +14,8 @@ std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node)
 
 /// Declares what the pads of a hand with fingers are to feel [N]; 0: as its motors press.
 double declare_grip_force(graph::Node& node);
-/// @throws std::invalid_argument when that was given for a hand that it means nothing to.
-void refuse_grip_force(const graph::Node& node, const robot::HandModel& hand);
+/// @throws std::invalid_argument when one of these was given for a hand that it means nothing to.
+void refuse_touch_parameters(const graph::Node& node, const robot::Platform& platform);
 
 /// Logs how long it took to predict touch in a plan, and where it was not.
 void log_touch(graph::Node& node, const msgs::GraspPlan& plan);

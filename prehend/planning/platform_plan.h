@@ -41,9 +41,12 @@ struct PlatformPlan {
 };
 
 struct PlatformPlanOptions {
-  /// Of the platform's hand: grasp::default_options(). Their `reaches` is the arm's.
-  grasp::PlannerOptions grasps;
-  PlatformPickOptions arm;  // its moves_W are those of `place`
+  /// @param hand of the platform: its grasps are planned by its grasp::default_options().
+  explicit PlatformPlanOptions(const robot::HandModel& hand)
+      : grasps(grasp::default_options(hand)) {}
+
+  grasp::PlannerOptions grasps;  // their `reaches` is the arm's
+  PlatformPickOptions arm;       // its moves_W are those of `place`
   PlaceOptions place;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
   /// N, >= 0, that the pads of a hand with fingers are to feel; 0: as the motors press.

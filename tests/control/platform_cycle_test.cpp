@@ -26,8 +26,7 @@ constexpr double kMass = 0.3;  // kg
 class PlatformCycle : public testing::TestWithParam<const char*> {
  protected:
   planning::PlatformPlanOptions plan_options() const {
-    planning::PlatformPlanOptions options;
-    options.grasps = grasp::default_options(planner.platform().hand);
+    planning::PlatformPlanOptions options(planner.platform().hand);
     options.grasps.threads = 1;
     options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
     return options;

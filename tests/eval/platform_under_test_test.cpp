@@ -31,6 +31,11 @@ int count_of(const GraspTrial& trial, SurpriseKind kind, bool surprising) {
   return count;
 }
 
+// It would be another world and another hand than what a user runs.
+TEST(PlatformUnderTest, RefusesAGripperThatIsMovedThroughItsDrive) {
+  EXPECT_THROW(platform_under_test("config/robots/stage_pg70.yaml", true), geometry::InputError);
+}
+
 TEST(PlatformUnderTest, LiftsWhatIsThereAndTellsWhatItFelt) {
   const HandUnderTest hand = platform_under_test("config/robots/kr5_pg70.yaml", true);
   EXPECT_EQ(hand.name, "kr5_pg70");

@@ -214,6 +214,10 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   EXPECT_THAT(refusal({"platform:="}), HasSubstr("There is no platform ''"));
   EXPECT_THAT(refusal({"platform:=pa10_barrett", "grip_force:=8"}),
               HasSubstr("'grip_force' does not apply with the hand 'bh8': it has no tactile pads"));
+  EXPECT_THAT(refusal({"platform:=pa10_barrett", "predict_touch:=true"}),
+              HasSubstr("'predict_touch' does not apply with the hand 'bh8'"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "predict_touch:=true"}),
+              HasSubstr("'predict_touch' does not apply with the hand 'pg70'"));
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=8"}), HasSubstr("its force is planned"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "path_planner:=rrt_conect"}),
               AllOf(HasSubstr("ompl_bitrrt"), HasSubstr("the nearest is rrt_connect")));
