@@ -58,24 +58,32 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
         "driver {}, which offers /gripper; name a platform with hand_port: gripper, as stage_pg70",
         platform.name, gripper_driver));
   }
-  std::vector<std::string> misfits;
+  const auto refuse = [&](const std::vector<std::string>& names, const char* why) {
+    for (const std::string& name : names) {
+      if (!node.is_parameter_given(name)) continue;
+      throw std::invalid_argument(
+          fmt::format("parameter '{}' does not apply with platform {}: {}; leave it out", name,
+                      platform.name, why));
+    }
+  };
+  std::vector<std::string> names;
   if (has_gripper) {
     robot::GripOptions fingers;
-    robot::GripOptions::knobs(fingers, text::ListKnobs{"", &misfits});
-    misfits.erase(std::remove(misfits.begin(), misfits.end(), "touch_force"), misfits.end());
+    robot::GripOptions::knobs(fingers, text::ListKnobs{"", &names});
+    names.erase(std::remove(names.begin(), names.end(), "touch_force"), names.end());
     control::HoldingOptions holding;
-    control::HoldingOptions::knobs(holding, text::ListKnobs{kHolding, &misfits});
-  } else {
-    control::PadGripperOptions gripper;
-    control::PadGripperOptions::knobs(gripper, text::ListKnobs{kOfGripper, &misfits});
+    control::HoldingOptions::knobs(holding, text::ListKnobs{kHolding, &names});
+    refuse(names,
+           "its gripper closes until its pads feel the force of the plan, and they tell what is "
+           "held");
+    return;
   }
-  for (const std::string& name : misfits) {
-    if (!node.is_parameter_given(name)) continue;
-    throw std::invalid_argument(fmt::format(
-        "parameter '{}' does not apply with platform {}: {}; leave it out", name, platform.name,
-        has_gripper ? "its gripper closes until its pads feel the force of the plan, "
-                      "and they tell what is held"
-                    : "its hand is moved by its joints, not through /gripper"));
+  control::PadGripperOptions gripper;
+  control::PadGripperOptions::knobs(gripper, text::ListKnobs{kOfGripper, &names});
+  refuse(names, "its hand is moved by its joints, not through /gripper");
+  if (platform.hand.gripper) refuse({"grip_force"}, "its force is planned");
+  if (platform.hand.pads.empty()) {
+    refuse({"grip_force", "touch_force", "touch_counts"}, "its hand has no tactile pads");
   }
 }
 
@@ -85,6 +93,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
   using graph::QoS;
   if (platform.hand_port == robot::HandPort::kGripper) {
     control::PadGripperOptions pads = options.gripper;
+    pads.touch_force = options.cycle.touch_force;
     pads.stale_time = options.cycle.stale_time;
     drive_ = std::make_unique<GripperActions>(node);
     auto hand = std::make_unique<control::PadGripper>(*platform.hand.gripper, pads, *drive_);

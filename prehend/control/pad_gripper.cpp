@@ -20,8 +20,9 @@ std::string millimetres(double metres) { return fmt::format("{:.1f} mm", metres 
 
 void PadGripperOptions::validate() const {
   knobs(*this, text::CheckKnobs{"PadGripperOptions."});
-  text::Require{"PadGripperOptions."}(std::isfinite(stale_time) && stale_time > 0,
-                                      "stale_time must be positive");
+  const text::Require require{"PadGripperOptions."};
+  require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
+  require(std::isfinite(stale_time) && stale_time > 0, "stale_time must be positive");
   force.validate();
 }
 

@@ -28,7 +28,6 @@ struct PadGripperOptions {
   double fast_closing_speed = 0.05;  // m/s
   double closing_margin = 0.006;     // m
   double pressing_speed = 0.01;      // m/s
-  double touch_force = 0.3;          // N
   double early_force = 4;            // N
   double held_ratio = 0.3;
   double largest_collapse = 0.004;  // m
@@ -38,6 +37,7 @@ struct PadGripperOptions {
   double largest_excess = 1.5;
   double least_share = 0.6;  // a finger that meets the object beside its pad keeps it from more;
                              // whether that holds is seen after the lift
+  double touch_force = 0.3;  // N, > 0, as robot::GripOptions'
   double stale_time = 0.25;  // s, > 0, as SharedCycleOptions'
   ForceControllerOptions force;
 
@@ -53,7 +53,6 @@ struct PadGripperOptions {
                "of the opening over the predicted one: from there on slower"});
     visit(Knob{"pressing_speed", self.pressing_speed, "m/s", 0.0001, 1,
                "aimed at under force control"});
-    visit(Knob{"touch_force", self.touch_force, "N", 0.01, 100, "of a pad's sum that touches"});
     visit(Knob{"early_force", self.early_force, "N", 0.01, 1000,
                "of a pad's sum, that is no noise while the arm approaches"});
     visit(Knob{"held_ratio", self.held_ratio, "", 0, 1,

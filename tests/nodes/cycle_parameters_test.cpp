@@ -41,6 +41,11 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
               HasSubstr("'holding_lost_share' does not apply with platform stage_pg70"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper_closing_speed:=0.01"}),
               HasSubstr("'gripper_closing_speed' does not apply with platform kr5_sdh"));
+  EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=5"}), HasSubstr("its force is planned"));
+  for (const char* parameter : {"grip_force:=5", "touch_force:=1", "touch_counts:=5"}) {
+    EXPECT_THAT(refusal({"platform:=pa10_barrett", parameter}),
+                HasSubstr("its hand has no tactile pads"));
+  }
 }
 
 TEST_F(CycleParameters, AreRefusedOutOfTheirRange) {
