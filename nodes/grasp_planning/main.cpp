@@ -21,6 +21,7 @@
 #include "nodes/task_source/task_source.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/graph/knob_parameters.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
@@ -42,26 +43,10 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
 // The defaults are those that `options` have.
 void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared) {
   grasp::PlannerOptions& options = *declared;
-  const auto declare = [&node](const std::string& name, double& value, const std::string& unit,
-                               double minimum, const std::string& description) {
-    value = node.declare_parameter<double>({.name = name,
-                                            .default_value = value,
-                                            .unit = unit,
-                                            .minimum = minimum,
-                                            .description = description,
-                                            .read_only = true});
-  };
-  declare("density", options.density, "kg/m^3", 1, "assumed of the objects");
-  declare("friction", options.pads.friction, "", 0.01, "assumed between pads and objects");
-  declare("safety_factor", options.safety_factor, "", 1, "of the grasp force against slipping");
-  declare("least_force", options.pads.least_force, "N", 0.1, "per pad");
-  declare("largest_force", options.pads.largest_force, "N", 0,
-          "per pad, 0: by the gripper's nominal current");
-  declare("pregrasp_distance", options.pregrasp_distance, "m", 0.01,
-          "back along the approach direction");
-  declare("table_margin", options.collision.table_margin, "m", 0, "between hand and table");
-  declare("obstacle_margin", options.collision.obstacle_margin, "m", 0,
-          "between hand and other objects");
+  const graph::DeclareKnobs declare{node};
+  grasp::PlannerOptions::knobs(options, declare);
+  grasp::PadOptions::knobs(options.pads, declare);
+  grasp::FingerOptions::knobs(options.fingers, declare);
   const auto generators = node.declare_parameter<std::vector<std::string>>(
       {.name = "generators",
        .choices = grasp::generator_names(),
@@ -73,9 +58,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
     options.generators = generators;
     options.further_generators.clear();
   }
-  declare("budget", options.budget, "s", 0,
-          "for the grasps of one object: the best setting of the front within it, which ends "
-          "planning in any case; 0: as long as it takes. At the start only");
   const auto front = node.declare_parameter<std::string>(
       {.name = "front",
        .default_value = text::tree_file("config/fidelity/plan.yaml"),
@@ -84,16 +66,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
            "standoffs and robustness samples, which must not be given then; empty: these",
        .read_only = true,
        .reads_file = true});
-  options.uncertainty.samples = node.declare_parameter<int>(
-      {.name = "robustness_samples",
-       .default_value = options.uncertainty.samples,
-       .minimum = 0,
-       .description = "disturbed poses and frictions in which each listed grasp is tried",
-       .read_only = true});
-  declare("position_deviation", options.uncertainty.position_deviation, "m", 0,
-          "standard, of the hand in the object when it is tried so");
-  declare("rotation_deviation", options.uncertainty.rotation_deviation, "rad", 0,
-          "standard, about each axis, when it is tried so");
   options.candidates.circles.rolls =
       node.declare_parameter<int>({.name = "rolls",
                                    .default_value = options.candidates.circles.rolls,
@@ -112,11 +84,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   if (node.is_parameter_given("standoffs")) {
     options.candidates.standoffs = options.candidates.circles.standoffs;
   }
-  options.largest_count = node.declare_parameter<int>({.name = "largest_count",
-                                                       .default_value = options.largest_count,
-                                                       .minimum = 1,
-                                                       .description = "of grasps in a plan",
-                                                       .read_only = true});
 }
 
 // Says which plug-ins are there but cannot be chosen.
@@ -151,12 +118,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
                       "place is chosen",
        .read_only = true}));
   control::Task task = nodes::declare_task(node);
-  arm.pick.budget = node.declare_parameter<double>({.name = "arm_budget",
-                                                    .default_value = arm.pick.budget,
-                                                    .unit = "s",
-                                                    .minimum = 0.0,
-                                                    .description = "for one motion of the arm",
-                                                    .read_only = true});
+  planning::PlatformPickOptions::knobs(arm, graph::DeclareKnobs{node, "arm_"});
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,

@@ -4,25 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "prehend/grasp/planner_options.h"
+
 namespace prehend::nodes {
 namespace {
-
-struct Misfit {
-  const char* parameter;
-  const char* why;
-};
-
-constexpr Misfit kNotOfFingers[] = {
-    {"front", "it was measured with the parallel gripper"},
-    {"friction", "the hand's model has it"},
-    {"least_force", "the hand's motors set the force"},
-    {"largest_force", "the hand's motors set the force"},
-};
-constexpr Misfit kChosenByFronts[] = {
-    {"rolls", "front and budget choose it"},
-    {"standoffs", "front and budget choose it"},
-    {"robustness_samples", "front and budget choose it"},
-};
 
 void refuse(const std::string& parameter, const std::string& with, const std::string& why) {
   throw std::invalid_argument("parameter '" + parameter + "' does not apply " + with + ": " + why +
@@ -33,14 +18,28 @@ void refuse(const std::string& parameter, const std::string& with, const std::st
 
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 bool front_chooses) {
-  const auto check = [&](const auto& misfits, const std::string& beside) {
-    for (const Misfit& misfit : misfits) {
-      if (node.is_parameter_given(misfit.parameter)) refuse(misfit.parameter, beside, misfit.why);
+  const auto check = [&](const std::vector<std::string>& misfits, const std::string& beside,
+                         const std::string& why) {
+    for (const std::string& misfit : misfits) {
+      if (node.is_parameter_given(misfit)) refuse(misfit, beside, why);
     }
   };
-  if (!platform.hand.gripper) check(kNotOfFingers, "with a hand of fingers");
+  std::vector<std::string> misfits;
+  const text::ListKnobs list{"", &misfits};
+  if (platform.hand.gripper) {
+    grasp::FingerOptions fingers;
+    grasp::FingerOptions::knobs(fingers, list);
+    check(misfits, "with a parallel gripper", "it is of hands with fingers");
+  } else {
+    check({"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
+    grasp::PadOptions pads;
+    grasp::PadOptions::knobs(pads, list);
+    check(misfits, "with a hand of fingers",
+          "the hand's model has its friction, and its motors set the force");
+  }
   if (!front_chooses) return;
-  check(kChosenByFronts, "beside a budget");
+  check({"rolls", "standoffs", "robustness_samples"}, "beside a budget",
+        "front and budget choose it");
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {
     refuse("generators", "beside a budget", "front and budget choose them");
   }

@@ -56,7 +56,8 @@ bool ArmCycle::waits() const {
 }
 
 bool ArmCycle::leaves() const {
-  return step_ == Step::kRelease || step_ == Step::kRetreat || step_ == Step::kGoBack;
+  return step_ == Step::kRelease || step_ == Step::kRelieve || step_ == Step::kRetreat ||
+         step_ == Step::kGoBack;
 }
 
 void ArmCycle::enter(Step step, const std::string& detail) {
@@ -150,9 +151,7 @@ void ArmCycle::begin(const Action& action) {
       return move_hand(Step::kRelease,
                        failure().empty() ? "opening the hand" : failure() + "; opening");
     case Primitive::kRetreat:
-      if (!is_at_place() || !failure().empty()) return go_back();
-      begin_segment("retreat", Step::kRetreat, options_.collision_force);
-      return;
+      return is_at_place() && failure().empty() ? retreat() : go_back();
     case Primitive::kWait:
       wait_time_ = action.seconds;
       return enter(Step::kWait, fmt::format("waiting for {:.3g} s", action.seconds));
@@ -184,11 +183,12 @@ void ArmCycle::begin_move(const Action& action) {
 }
 
 // `leads_back`: it is to be gone back when the arm goes back.
-void ArmCycle::follow(const JointTrajectory& path, double contact_force, bool leads_back) {
+void ArmCycle::follow(const JointTrajectory& path, double contact_force, bool leads_back,
+                      FromHere from_here_on) {
   refused_.clear();
   try {
     const JointTrajectory from_here =
-        joined(path, percepts_.names, percepts_.positions, options_.largest_detour);
+        from_here_on(path, percepts_.names, percepts_.positions, options_.largest_detour);
     if (leads_back) gone_.push_back(from_here);
     arm_.follow(from_here, contact_force);
   } catch (const std::invalid_argument& error) {
@@ -275,7 +275,7 @@ MotionStatus ArmCycle::motion_status() {
   if (moves_hand()) return hand_.motion();
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
-  bool planned = step_ == Step::kGoBack || step_ == Step::kLower ||
+  bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kLower ||
                  (step_ == Step::kRaise && lowered_.has_value());
   for (const auto& [step, name] : kSegments) {
     planned = planned || (step == step_ && segment(name) != nullptr);
@@ -392,6 +392,8 @@ void ArmCycle::advance(MotionStatus status) {
     case Step::kRaise:
     case Step::kRelease:
       return ended(Outcome::kDone);
+    case Step::kRelieve:
+      return retreat();
     case Step::kRetreat:
       holding_.begin_weighing();
       return enter(Step::kVerify, "looking whether the hand is empty");

@@ -156,7 +156,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// the pads that touch feel it; what pads do not say is not compared.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// It retreats as planned from a place, else back the way it came, as far as it came. Looks again
+/// It retreats as planned from a place, a little higher where it presses on something there, else
+/// back the way it came, as far as it came. Looks again
 /// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has
 /// led onto the way there, as from straight above, else from the retreat's end.
 ///
@@ -197,6 +198,7 @@ class ArmCycle : public Cycle {
     kRaise,
     kPlace,
     kRelease,
+    kRelieve,
     kRetreat,
     kVerify,
     kGoBack,
@@ -220,7 +222,9 @@ class ArmCycle : public Cycle {
   /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
   bool begin_segment(const std::string& name, Step step, double contact_force);
   void begin_move(const Action& action);
-  void follow(const JointTrajectory& path, double contact_force, bool leads_back = true);
+  using FromHere = decltype(&joined);
+  void follow(const JointTrajectory& path, double contact_force, bool leads_back = true,
+              FromHere from_here_on = joined);
   const JointTrajectory* segment(const std::string& name) const;
   MotionStatus motion_status();
   void gather();
@@ -244,6 +248,8 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
+  void retreat();
+  void relieve();
   void go_back();
   void fail(const std::string& reason);
   const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }

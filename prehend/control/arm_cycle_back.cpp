@@ -1,4 +1,4 @@
-// The arm goes back the way it came.
+// The arm leaves what it has put down, and goes back the way it came.
 
 #include <algorithm>
 
@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kOnPath = 0.03;    // rad or m, from a path: it stands there
 constexpr double kLeastWay = 0.01;  // of a path, that is gone back
+constexpr double kRelief = 0.25;    // of the way down's time: some 2 cm of 15
 
 }  // namespace
 
@@ -22,6 +23,24 @@ void ArmCycle::clear_view() {
   if (above.off > kOnPath) return look_now();
   clears_ = true;
   go_back();
+}
+
+// The hand is open, and presses on something that nobody saw: it would drag that along.
+void ArmCycle::relieve() {
+  const JointTrajectory& place = *segment("place");
+  const double gone = nearest_on(place, percepts_.names, percepts_.positions).share;
+  enter(Step::kRelieve, "going up from what it presses on");
+  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), kRelief), 0, false);
+}
+
+void ArmCycle::retreat() {
+  const JointTrajectory* way = segment("retreat");
+  const bool relieved = step_ == Step::kRelieve;
+  const double pressed = percepts_.wrist_force ? percepts_.wrist_force->norm() : 0;
+  if (way && !relieved && segment("place") && pressed > options_.contact_force) return relieve();
+  enter(Step::kRetreat, "arm: retreat");
+  if (!way) return;
+  follow(*way, options_.collision_force, true, relieved ? displaced : joined);
 }
 
 void ArmCycle::go_back() {

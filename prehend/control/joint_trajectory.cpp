@@ -60,6 +60,25 @@ std::vector<double> positions_of(const JointTrajectory& path, const std::vector<
   return here;
 }
 
+// How far each joint stands from the path's start.
+std::vector<double> offsets(const JointTrajectory& path, const std::vector<std::string>& names,
+                            const std::vector<double>& positions, double most) {
+  if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
+  for (const JointTrajectory::Point& point : path.points) {
+    if (point.position.size() != path.joints.size()) {
+      throw std::invalid_argument("the arm's segment has not one position a joint");
+    }
+  }
+  std::vector<double> offsets = positions_of(path, names, positions);
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    offsets[k] -= path.points.front().position[k];
+    if (std::abs(offsets[k]) <= most) continue;  // not for NaN
+    throw std::invalid_argument(fmt::format(
+        "joint '{}' stands {:.2f} rad from where the plan begins", path.joints[k], offsets[k]));
+  }
+  return offsets;
+}
+
 }  // namespace
 
 JointTrajectory reversed(const JointTrajectory& path) {
@@ -130,35 +149,32 @@ PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::strin
 
 JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,
                        const std::vector<double>& positions, double most) {
-  if (path.points.empty()) throw std::invalid_argument("the arm's segment has no points");
+  const std::vector<double> off = offsets(path, names, positions, most);
   const JointTrajectory planned = path;
   const double duration = path.duration();
-  const std::vector<double> here = positions_of(path, names, positions);
-  for (std::size_t k = 0; k < path.joints.size(); ++k) {
-    if (path.points.front().position.size() != path.joints.size()) {
-      throw std::invalid_argument("the arm's segment has not one position a joint");
-    }
-    const double off = here[k] - path.points.front().position[k];
-    if (!(std::abs(off) <= most)) {
-      throw std::invalid_argument(fmt::format(
-          "joint '{}' stands {:.2f} rad from where the plan begins", path.joints[k], off));
-    }
-    if (off == 0 || duration <= 0) continue;
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    if (off[k] == 0 || duration <= 0) continue;
     for (JointTrajectory::Point& point : path.points) {
-      if (point.position.size() != path.joints.size()) {
-        throw std::invalid_argument("the arm's segment has not one position a joint");
-      }
       const double s = point.time / duration;
-      point.position[k] += off * (1 - s * s * s * (10 + s * (6 * s - 15)));
+      point.position[k] += off[k] * (1 - s * s * s * (10 + s * (6 * s - 15)));
       if (k < point.velocity.size()) {
-        point.velocity[k] -= off * 30 * s * s * (1 - s) * (1 - s) / duration;
+        point.velocity[k] -= off[k] * 30 * s * s * (1 - s) * (1 - s) / duration;
       }
       if (k < point.acceleration.size()) {
-        point.acceleration[k] -= off * 60 * s * (1 - s) * (1 - 2 * s) / (duration * duration);
+        point.acceleration[k] -= off[k] * 60 * s * (1 - s) * (1 - 2 * s) / (duration * duration);
       }
     }
   }
   return slowed(std::move(path), slowness(planned, path));
+}
+
+JointTrajectory displaced(JointTrajectory path, const std::vector<std::string>& names,
+                          const std::vector<double>& positions, double most) {
+  const std::vector<double> off = offsets(path, names, positions, most);
+  for (JointTrajectory::Point& point : path.points) {
+    for (std::size_t k = 0; k < off.size(); ++k) point.position[k] += off[k];
+  }
+  return path;
 }
 
 }  // namespace prehend::control

@@ -43,4 +43,10 @@ PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::strin
 JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,
                        const std::vector<double>& positions, double most);
 
+/// `path` as far beside itself, all along, as the arm stands beside its start: for small ways about
+/// the tool's path moved as a whole.
+/// @throws std::invalid_argument as joined().
+JointTrajectory displaced(JointTrajectory path, const std::vector<std::string>& names,
+                          const std::vector<double>& positions, double most);
+
 }  // namespace prehend::control

@@ -13,14 +13,15 @@ struct DeclareKnobs {
   Node& node;
   std::string prefix = {};
 
-  void operator()(const text::Knob<double>& knob) const {
-    knob.value = node.declare_parameter<double>({.name = prefix + std::string(knob.name),
-                                                 .default_value = knob.value,
-                                                 .unit = std::string(knob.unit),
-                                                 .minimum = knob.least,
-                                                 .maximum = knob.most,
-                                                 .description = std::string(knob.description),
-                                                 .read_only = true});
+  template <class Value>
+  void operator()(const text::Knob<Value>& knob) const {
+    knob.value = node.declare_parameter<Value>({.name = prefix + std::string(knob.name),
+                                                .default_value = knob.value,
+                                                .unit = std::string(knob.unit),
+                                                .minimum = static_cast<Value>(knob.least),
+                                                .maximum = static_cast<Value>(knob.most),
+                                                .description = std::string(knob.description),
+                                                .read_only = true});
   }
 };
 

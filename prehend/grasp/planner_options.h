@@ -9,6 +9,7 @@
 #include "prehend/grasp/closing/collision.h"
 #include "prehend/grasp/generators/generator.h"
 #include "prehend/grasp/uncertainty.h"
+#include "prehend/text/knob.h"
 
 namespace prehend::grasp {
 
@@ -31,6 +32,24 @@ struct PadOptions {
   double width_tolerance = 0.006;
   double largest_offset = 0.004;  // m, >= 0, of the grasped section from the hand's middle
 
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"friction", self.friction, "", 0.01, 10, "assumed between pads and objects"});
+    visit(Knob{"least_force", self.least_force, "N", 0.1, 10000, "per pad"});
+    visit(Knob{"largest_force", self.largest_force, "N", 0, 10000,
+               "per pad; 0: by the gripper's nominal current"});
+    visit(Knob{"opening_clearance", self.opening_clearance, "m", 0, 0.1,
+               "of each pad on the approach, when a narrower opening must do"});
+    visit(
+        Knob{"width_tolerance", self.width_tolerance, "m", 0, 0.1,
+             "sections that are too wide by up to this much are tried last: the prediction may be "
+             "wider than the object"});
+    visit(Knob{"largest_offset", self.largest_offset, "m", 0, 0.1,
+               "of the grasped section from the hand's middle"});
+  }
+
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
@@ -47,6 +66,16 @@ struct FingerOptions {
   double largest_shortfall = 0.03;  // m, >= 0, by which the hand may be stopped before its standoff
   int least_fingers = 2;            // > 0, that must touch the object (the palm counts as one)
   bool volume = false;              // also Grasp::volume, some ms for each grasp in the result
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"largest_shortfall", self.largest_shortfall, "m", 0, 1,
+               "by which the hand may be stopped before its standoff"});
+    visit(Knob{"least_fingers", self.least_fingers, "", 1, 10,
+               "that must touch the object; the palm counts as one"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -98,6 +127,40 @@ struct PlannerOptions {
   std::function<bool(const geometry::RigidTransform& X_WH)> reaches;
   PadOptions pads;        // of a parallel gripper with pads
   FingerOptions fingers;  // of every other hand
+
+  /// Of every hand; `pads` and `fingers` have their own. See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"density", self.density, "kg/m^3", 1, 25000, "assumed of the objects"});
+    visit(Knob{"safety_factor", self.safety_factor, "", 1, 100,
+               "of the grasp force against slipping, or of the motors' limits against the load"});
+    visit(Knob{"lift_acceleration", self.lift_acceleration, "m/s^2", 0, 100,
+               "upwards on top of gravity, that a grasp must bear"});
+    visit(Knob{"pregrasp_distance", self.pregrasp_distance, "m", 0.01, 1,
+               "back along the approach direction"});
+    visit(Knob{"table_margin", self.collision.table_margin, "m", 0, 0.1, "between hand and table"});
+    visit(Knob{"object_margin", self.collision.object_margin, "m", 0, 0.1,
+               "between the open hand and the object"});
+    visit(Knob{"obstacle_margin", self.collision.obstacle_margin, "m", 0, 0.5,
+               "between hand and other objects"});
+    visit(Knob{"robustness_samples", self.uncertainty.samples, "", 0, 10000,
+               "disturbed poses and frictions in which each listed grasp is tried; 0: not at all"});
+    visit(Knob{"position_deviation", self.uncertainty.position_deviation, "m", 0, 0.1,
+               "standard, of the hand in the object, when it is tried so"});
+    visit(Knob{"rotation_deviation", self.uncertainty.rotation_deviation, "rad", 0, 1.6,
+               "standard, about each axis, when it is tried so"});
+    visit(Knob{"robust_count", self.robust_count, "", 0, 100000,
+               "of the best grasps are tried so, the others count as if they never held; 0: all"});
+    visit(Knob{"robust_weight", self.robust_weight, "", 0, 1,
+               "of the share of these trials in which a grasp holds, in its score"});
+    visit(Knob{"guessed_weight", self.guessed_weight, "", 0, 1,
+               "of contact on surface that nobody saw, against a grasp's score"});
+    visit(Knob{"largest_count", self.largest_count, "", 1, 10000, "of grasps in a plan"});
+    visit(Knob{"budget", self.budget, "s", 0, 3600,
+               "for the grasps of one object: the best setting of the front within it, which ends "
+               "planning in any case; 0: as long as it takes"});
+  }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

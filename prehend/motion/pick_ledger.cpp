@@ -60,18 +60,11 @@ void check_pick(const RobotInWorld& robot, const robot::InverseKinematics& inver
     require(grasp.expected_success >= 0 && grasp.expected_success <= 1,
             name + " needs an expected_success from 0 to 1");
   }
-  require(options.lift_height > 0 && std::isfinite(options.lift_height), "lift_height must be > 0");
+  PickOptions::knobs(options, text::CheckKnobs{"plan_pick: "});
   require(options.straight_step > 0 && std::isfinite(options.straight_step),
           "straight_step must be > 0");
   require(options.goals >= 1 && options.goals_per_grasp >= 1,
           "goals and goals_per_grasp must be >= 1");
-  require(options.budget >= 0, "budget must be >= 0");
-  require(options.success_for_path >= 0 && options.success_for_path <= 1,
-          "success_for_path must be in [0, 1]");
-  require(std::isfinite(options.straight_speed) && options.straight_speed >= 0,
-          "straight_speed must not be negative");
-  require(options.straight_speed_factor > 0 && options.straight_speed_factor <= 1,
-          "straight_speed_factor must be in (0, 1]");
   require(options.acceleration.size() == 0 || options.acceleration.size() == size,
           "acceleration needs one value for each joint, or none");
 }

@@ -10,6 +10,7 @@
 #include "prehend/motion/planner_registry.h"
 #include "prehend/motion/rrt_connect.h"
 #include "prehend/robot/inverse_kinematics.h"
+#include "prehend/text/knob.h"
 
 namespace prehend::motion {
 
@@ -54,6 +55,23 @@ struct PickOptions {
   /// m/s, >= 0, of the tool on straight segments, where things are touched; 0: as fast as the
   /// joints.
   double straight_speed = 0;
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"budget", self.budget, "s", 0, 3600,
+               "for one motion of the arm; 0: as long as it takes"});
+    visit(Knob{"lift_height", self.lift_height, "m", 0.005, 2,
+               "straight up, before the carry and above the place"});
+    visit(
+        Knob{"success_for_path", self.success_for_path, "", 0, 1,
+             "so much less expected success of a grasp is taken for the path that is found first"});
+    visit(Knob{"straight_speed", self.straight_speed, "m/s", 0, 5,
+               "of the tool where things are touched; 0: as fast as the joints"});
+    visit(Knob{"straight_speed_factor", self.straight_speed_factor, "", 0.01, 1,
+               "of the joints' speed where things are touched"});
+  }
 };
 
 /// What becomes of a grasp, in the order of the tests.

@@ -317,7 +317,7 @@ PlatformPick plan_platform_pick(const robot::Platform& platform, const robot::Po
                                 const std::vector<PlatformGrasp>& grasps,
                                 const PlatformScene& scene, const PlatformPickOptions& options) {
   const text::Require require{"PlatformPickOptions."};
-  require(options.margin >= 0, "margin must not be negative");
+  PlatformPickOptions::knobs(options, text::CheckKnobs{require.of});
   for (const Eigen::Vector3d& move_W : options.moves_W) {
     require(move_W.allFinite(), "moves_W must be finite");
   }

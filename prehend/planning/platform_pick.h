@@ -47,6 +47,14 @@ struct PlatformPickOptions {
   /// m, displacements by which the object may be put elsewhere, best first (free_places()); empty:
   /// it is only lifted.
   std::vector<Eigen::Vector3d> moves_W;
+
+  /// With those of `pick`. See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    motion::PickOptions::knobs(self.pick, visit);
+    visit(Knob{"margin", self.margin, "m", 0, 0.2, "that the arm keeps from obstacles"});
+  }
 };
 
 struct PlatformPick {

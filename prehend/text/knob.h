@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,7 +16,7 @@ namespace prehend::text {
 template <class Value>
 struct Knob {
   std::string_view name;
-  Value& value;                // double, or const double
+  Value& value;                // double or int, const where it is only read
   std::string_view unit;       // "": none
   double least = 0, most = 0;  // inclusive
   std::string_view description;
@@ -37,6 +38,25 @@ struct CheckKnobs {
     throw std::invalid_argument(std::string(of).append(knob.name) + " must be " +
                                 range_text(knob.least, knob.most, knob.unit) + ", not " +
                                 std::to_string(knob.value));
+  }
+};
+
+/// Sets the knobs that were given a value by name, and takes these from `given`: what is left there
+/// is no knob that was visited.
+struct SetKnobs {
+  std::map<std::string, double>* given;
+
+  /// @throws std::invalid_argument for a fraction of an integer.
+  template <class Value>
+  void operator()(const Knob<Value>& knob) const {
+    const auto found = given->find(std::string(knob.name));
+    if (found == given->end()) return;
+    knob.value = static_cast<Value>(found->second);
+    if (static_cast<double>(knob.value) != found->second) {
+      throw std::invalid_argument(found->first + " must be a whole number, not " +
+                                  std::to_string(found->second));
+    }
+    given->erase(found);
   }
 };
 

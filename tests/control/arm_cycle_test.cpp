@@ -109,6 +109,31 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
   EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
 }
 
+// Regression: a hand that had come down on a cup that was hidden pressed on it with 360 N, and its
+// retreat failed by that at once.
+TEST(ArmCycle, GoesUpFromWhatItPressesOnBeforeItRetreats) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  f.arm.says[5] = MotionStatus::kContact;
+  cycle.start({fake_grasp()});
+  for (int i = 0; i < 4000 && !cycle.finished(); ++i) {
+    f.now.time += 0.02;
+    f.felt();
+    if (f.now.positions[0] > 4.99 && f.now.positions[0] < 5.01) f.now.wrist_force->z() += 360;
+    cycle.step(f.now);
+  }
+  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  ASSERT_EQ(f.arm.asked.size(), 7u);
+  const auto end = [&](std::size_t i) { return f.arm.asked[i].points.back().position[0]; };
+  EXPECT_GT(end(5), 4.5);
+  EXPECT_LT(end(5), 4.95) << "up, a little";
+  EXPECT_EQ(f.arm.forces[5], 0) << "what it leaves does not stop it";
+  EXPECT_EQ(f.arm.asked[6].points.front().position[0], end(5));
+  EXPECT_NEAR(end(6), 6 - (5 - end(5)), 1e-12) << "and stays as high";
+  EXPECT_EQ(f.arm.forces[6], ArmCycleOptions{}.collision_force);
+}
+
 // Regression: every object that met the table where it was to stand was a surprise.
 TEST(ArmCycle, WhatBearsTheObjectSurprisesHighAboveItsPlaceOnly) {
   for (const double touch_time : {0.4, 1.9}) {  // s, of the way down's 2 s

@@ -77,6 +77,18 @@ TEST(JoinedPath, AsksNoJointForMoreThanThePlanOrALittle) {
   }
 }
 
+TEST(DisplacedPath, IsAsFarBesideThePlanAllAlong) {
+  const JointTrajectory path = quick_path(), beside = displaced(path, {"b", "a"}, {1.1, -0.2}, 0.5);
+  ASSERT_EQ(beside.points.size(), path.points.size());
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    EXPECT_EQ(beside.points[i].time, path.points[i].time);
+    EXPECT_NEAR(beside.points[i].position[0], path.points[i].position[0] - 0.2, 1e-12);
+    EXPECT_NEAR(beside.points[i].position[1], path.points[i].position[1] + 0.1, 1e-12);
+    EXPECT_EQ(beside.points[i].velocity, path.points[i].velocity);
+  }
+  EXPECT_THROW(displaced(path, {"b", "a"}, {1, std::nan("")}, 0.5), std::invalid_argument);
+}
+
 TEST(JoinedPath, RefusesWhatIsFarOff) {
   EXPECT_THROW(joined(quick_path(), {"a", "b"}, {0.6, 1}, 0.5), std::invalid_argument);
   EXPECT_THROW(joined(quick_path(), {"a"}, {0}, 0.5), std::invalid_argument);

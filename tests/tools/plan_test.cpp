@@ -106,6 +106,24 @@ TEST_F(Plan, TakesPlannerAndCheckerByName) {
   EXPECT_NE(exit_code_, 0);
 }
 
+TEST_F(Plan, TakesEachNumberOfThePlanner) {
+  const std::string body = box({0.04, 0.05, 0.12});
+  EXPECT_THAT(run({body, "--largest-count", "1"}), HasSubstr("1 grasps\n"));
+  EXPECT_EQ(exit_code_, 0);
+  run({box({0.04, 0.05, 0.05}), "--table-margin", "0.1"});
+  EXPECT_EQ(exit_code_, 3) << "nothing of it is as high over the table";
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+    EXPECT_THAT(run(words), HasSubstr(why));
+    EXPECT_NE(exit_code_, 0);
+    EXPECT_NE(exit_code_, 3);
+  };
+  refused({body, "--safety-factor", "0.3"}, "--safety-factor");
+  refused({body, "--hand", "sdh2", "--friction", "0.5"}, "--friction does not apply with the hand");
+  refused({body, "--least-fingers", "3"}, "--least-fingers does not apply with the hand pg70");
+  refused({body, "--arm-margin", "0.01"}, "--arm-margin does not apply with a hand without an arm");
+  refused({body, "--budget", "0.1", "--robustness-samples", "4"}, "beside --budget");
+}
+
 TEST_F(Plan, SaysWhyThereIsNoGrasp) {
   const std::string output = run({box({0.12, 0.1, 0.1}), "--approach", "down"});
   EXPECT_EQ(exit_code_, 3) << output;

@@ -2,8 +2,11 @@
 
 #include <filesystem>
 
+#include "prehend/grasp/planner_options.h"
+#include "prehend/planning/platform_pick.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
+#include "tools/grasp_plan/knob_options.h"
 #include "tools/table.h"
 
 namespace prehend::tools {
@@ -90,15 +93,6 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                   "what the arm must not touch is tested by: balls that hold its links (default), "
                   "the links' own shapes by fcl or bullet, or a plug-in in PREHEND_CHECKERS")
       ->needs(platform);
-  command.add_option("--density", choices.density, "assumed of the object [kg/m^3]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      .add_option("--budget", choices.budget,
-                  "for grasps, and again for the arm [s]; 0: as long as it takes. Of the PG70 it "
-                  "chooses how to search, too (config/fidelity/plan.yaml), unless --generators do")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
   command.add_option("--seed", choices.seed, "of all random choices")->capture_default_str();
   command.add_option("--rows", choices.rows, "grasps to list at most")
       ->check(CLI::PositiveNumber)
@@ -117,6 +111,16 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       "folder for the object's mesh (object.ply, .obj, .stl; metres, world frame) and "
       "what --json prints (plan.json)");
   command.add_flag("--json", choices.json, "print JSON for programs");
+  const OfferKnobs of_grasps{command, &choices.grasp_knobs, "Grasps"};
+  grasp::PlannerOptions grasps;
+  grasp::PlannerOptions::knobs(grasps, of_grasps);
+  grasp::PadOptions::knobs(
+      grasps.pads, OfferKnobs{command, &choices.grasp_knobs, "Grasps of parallel grippers"});
+  grasp::FingerOptions::knobs(
+      grasps.fingers, OfferKnobs{command, &choices.grasp_knobs, "Grasps of hands with fingers"});
+  planning::PlatformPickOptions arm;
+  planning::PlatformPickOptions::knobs(
+      arm, OfferKnobs{command, &choices.arm_knobs, "The arm's motion", "arm_"});
 }
 
 }  // namespace prehend::tools

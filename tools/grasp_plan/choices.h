@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,9 +28,8 @@ struct PlanChoices {
   std::vector<std::string> generators;
   std::vector<std::string> preshapes;
   std::vector<double> move;
-  std::string path_planner, collision_checker;  // of the arm; empty: the defaults
-  double density = 800;
-  double budget = 0;
+  std::string path_planner, collision_checker;           // of the arm; empty: the defaults
+  std::map<std::string, double> grasp_knobs, arm_knobs;  // that were given, by name
   std::uint64_t seed = 1;
   int rows = 10;
   std::string config = own_config();

@@ -1,7 +1,10 @@
 #include "tools/grasp_plan/planned.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "prehend/fidelity/plan_settings.h"
@@ -35,17 +38,42 @@ std::optional<grasp::GraspDatabase> database_of(const PlanChoices& choices,
   return grasp::GraspDatabase(choices.database);
 }
 
+// What no knob of the hand, or of the arm, took.
+void refuse_misfits(const std::map<std::string, double>& given, const std::string& prefix,
+                    const std::string& with) {
+  if (given.empty()) return;
+  std::string option = "--" + prefix + given.begin()->first;
+  std::replace(option.begin(), option.end(), '_', '-');
+  throw geometry::InputError(option + " does not apply with " + with, "Leave it out");
+}
+
+// The front was measured with these.
+void refuse_chosen(const PlanChoices& choices) {
+  if (choices.grasp_knobs.count("robustness_samples") == 0) return;
+  throw geometry::InputError(
+      "--robustness-samples does not apply beside --budget, which chooses it for the PG70",
+      "Give one of the two, or --generators");
+}
+
 grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
   grasp::PlannerOptions options = grasp::default_options(planned->hand);
   if (!choices.generators.empty()) {
     options.generators = choices.generators;
     options.further_generators.clear();
   }
-  options.density = choices.density;
-  options.budget = choices.budget;
-  if (choices.generators.empty() && choices.budget > 0 && planned->hand.gripper) {
+  std::map<std::string, double> given = choices.grasp_knobs;
+  const text::SetKnobs set{&given};
+  grasp::PlannerOptions::knobs(options, set);
+  if (planned->hand.gripper) {
+    grasp::PadOptions::knobs(options.pads, set);
+  } else {
+    grasp::FingerOptions::knobs(options.fingers, set);
+  }
+  refuse_misfits(given, "", "the hand " + planned->hand.name);
+  if (choices.generators.empty() && options.budget > 0 && planned->hand.gripper) {
+    refuse_chosen(choices);
     const auto front = fidelity::read_front(fs::path(choices.config) / "fidelity" / "plan.yaml");
-    planned->chosen = fidelity::apply_plan_budget(front, choices.budget, &options);
+    planned->chosen = fidelity::apply_plan_budget(front, options.budget, &options);
   }
   options.candidates.seed = options.uncertainty.seed = choices.seed;
   options.preshapes = choices.preshapes;
@@ -64,7 +92,11 @@ planning::PlatformPickOptions arm_options(const PlanChoices& choices) {
     options.checker = choices.collision_checker;
   }
   options.pick.path.seed = choices.seed;
-  if (choices.budget > 0) options.pick.budget = choices.budget;
+  if (const auto budget = choices.grasp_knobs.find("budget"); budget != choices.grasp_knobs.end()) {
+    options.pick.budget = budget->second;
+  }
+  std::map<std::string, double> given = choices.arm_knobs;
+  planning::PlatformPickOptions::knobs(options, text::SetKnobs{&given});
   if (!choices.move.empty()) {
     options.moves_W = {{choices.move[0], choices.move[1], choices.move[2]}};
   }
@@ -93,6 +125,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   if (!choices.platform.empty()) {
     planned.platform = robot::read_platform(robot::platform_file(robots, choices.platform));
   }
+  if (!planned.platform) refuse_misfits(choices.arm_knobs, "arm_", "a hand without an arm");
   const planning::PlatformPickOptions arm = arm_options(choices);
   planned.hand = planned.platform ? planned.platform->hand
                                   : robot::read_hand_model(robot::hand_file(robots, choices.hand));

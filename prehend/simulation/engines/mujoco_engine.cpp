@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iomanip>
 #include <sstream>
+#include <stdexcept>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
@@ -82,6 +83,12 @@ class MujocoEngine : public Engine {
   void step() override {
     mj_step(model_, data_);
     stale_ = true;
+    for (const int full : {mjWARN_CONTACTFULL, mjWARN_CNSTRFULL}) {
+      if (data_->warning[full].number == 0) continue;
+      throw std::runtime_error(
+          "mujoco: more than 2000 contacts or 8000 constraints, the rest would be ignored; take "
+          "fewer bodies or coarser shapes, or another engine");
+    }
   }
 
   void set_joint_force(int joint, double force) override {
@@ -199,7 +206,7 @@ class MujocoEngine : public Engine {
         scene_.bodies.begin(), scene_.bodies.end(),
         [](const EngineBody& body) { return body.shape.kind == EngineShape::Kind::kConvexPieces; });
     xml << "<mujoco><compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\"/>"
-        << (scene_.pads.empty() && !in_pieces ? "" : "<size nconmax=\"2000\" njmax=\"8000\"/>")
+        << "<size nconmax=\"2000\" njmax=\"8000\"/>"
         << "<option timestep=\"" << scene_.step << "\" gravity=\"" << text(scene_.gravity) << '"'
         << (solver == "noslip"
                 ? " noslip_iterations=\"50\" noslip_tolerance=\"1e-12\" cone=\"elliptic\""
@@ -389,12 +396,17 @@ class MujocoEngine : public Engine {
   mutable bool stale_ = false;
 };
 
+// MuJoCo's own writes a file into whatever folder the program runs in. What matters is refused in
+// step().
+void keep_no_log(const char* /*warning*/) {}
+
 }  // namespace
 }  // namespace prehend::simulation::engines
 
 extern "C" {
 int prehend_engine_interface() { return prehend::simulation::engines::kEngineInterface; }
 prehend::simulation::engines::Engine* prehend_create_engine() {
+  mju_user_warning = prehend::simulation::engines::keep_no_log;
   return new prehend::simulation::engines::MujocoEngine();
 }
 }
