@@ -55,6 +55,34 @@ robot::ClosingWay closing_way_of(const msgs::Grasp& grasp) {
   return way;
 }
 
+// How the hand adapts; all of it or nothing.
+void add_shifts(const msgs::Grasp& message, control::ArmGrasp* grasp) {
+  const auto approach =
+      std::find_if(grasp->segments.begin(), grasp->segments.end(),
+                   [](const auto& segment) { return segment.first == "approach"; });
+  const std::size_t joints = approach == grasp->segments.end() ? 0 : approach->second.joints.size();
+  bool sound =
+      message.shift().empty() || message.fingertip_way_size() == message.hand_joint_name_size();
+  for (const msgs::HandShift& shift : message.shift()) {
+    grasp->shifts.push_back(
+        {from_message(shift.way()), {shift.offset().begin(), shift.offset().end()}});
+    const std::vector<double>& offsets = grasp->shifts.back().offsets;
+    sound = sound && offsets.size() == joints &&
+            std::all_of(offsets.begin(), offsets.end(), [](double x) { return std::isfinite(x); });
+  }
+  grasp->fingertips.ways.resize(3, message.fingertip_way_size());
+  for (int i = 0; i < message.fingertip_way_size(); ++i) {
+    grasp->fingertips.ways.col(i) = from_message(message.fingertip_way(i).way());
+    grasp->fingertips.finger.push_back(message.fingertip_way(i).finger());
+  }
+  if (!sound) {
+    throw geometry::InputError(
+        "A grasp whose shifts have not one finite offset for each joint of its approach, and one "
+        "way of the fingertips for each joint of the hand",
+        "Look for the fault in the node that published it");
+  }
+}
+
 }  // namespace
 
 control::JointTrajectory from_message(const msgs::JointTrajectory& trajectory) {
@@ -115,6 +143,7 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   result.tactile_sum = grasp.predicted().tactile_sum();
   const Eigen::VectorXd stopped = vector_of(grasp.predicted().stop_position());
   if (stopped.size() == result.hand.closed.size()) result.closure = result.hand.closure(stopped);
+  result.stops = stopped.size() == result.hand.closed.size() ? stopped : result.hand.closed;
   const bool sound =
       (result.largest_effort.empty() ||
        result.largest_effort.size() == result.hand_joints.size()) &&
@@ -123,6 +152,7 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
       std::isfinite(result.force) && result.force >= 0 && std::isfinite(result.effort) &&
       (stopped.size() == 0 || stopped.size() == result.hand.closed.size()) &&
       std::isfinite(result.closure);
+  add_shifts(grasp, &result);
   if (!sound) {
     throw geometry::InputError(
         "A grasp whose force, efforts or predicted stop are not numbers, one for each joint of "
@@ -146,6 +176,17 @@ void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
   for (const double position : grasp.hand.upper) message->add_largest_position(position);
   message->set_effort(grasp.effort);
   for (const double effort : grasp.largest_effort) message->add_largest_effort(effort);
+  for (const control::HandShift& shift : grasp.shifts) {
+    msgs::HandShift& added = *message->add_shift();
+    *added.mutable_way() = to_message(shift.way_W);
+    for (const double offset : shift.offsets) added.add_offset(offset);
+  }
+  for (std::size_t i = 0; i < grasp.fingertips.finger.size(); ++i) {
+    msgs::FingertipWay& added = *message->add_fingertip_way();
+    *added.mutable_way() =
+        to_message(Eigen::Vector3d(grasp.fingertips.ways.col(static_cast<Eigen::Index>(i))));
+    added.set_finger(grasp.fingertips.finger[i]);
+  }
 }
 
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp) {

@@ -46,8 +46,9 @@ ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
 }
 
 bool ArmCycle::moves_hand() const {
-  return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kClose ||
-         step_ == Step::kPress || step_ == Step::kRelease;
+  return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kFeel ||
+         step_ == Step::kLoosen || step_ == Step::kClose || step_ == Step::kPress ||
+         step_ == Step::kRelease;
 }
 
 bool ArmCycle::waits() const {
@@ -117,6 +118,8 @@ void ArmCycle::prepare_attempt() {
   clears_ = false;
   lowered_.reset();
   put_down_ = false;
+  adapted_ = 0;
+  shifted_.clear();
   holding_.begin();
 }
 
@@ -275,8 +278,8 @@ MotionStatus ArmCycle::motion_status() {
   if (moves_hand()) return hand_.motion();
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
-  bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kLower ||
-                 (step_ == Step::kRaise && lowered_.has_value());
+  bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kShift ||
+                 step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value());
   for (const auto& [step, name] : kSegments) {
     planned = planned || (step == step_ && segment(name) != nullptr);
   }
@@ -359,6 +362,13 @@ void ArmCycle::advance(MotionStatus status) {
     }
     case Step::kApproach:
       return after_approach(status);
+    case Step::kFeel:
+      if (!adapt(true)) ended(Outcome::kDone);
+      return;
+    case Step::kLoosen:
+      return shift();
+    case Step::kShift:
+      return approach_again();
     case Step::kGather:
       return close();
     case Step::kClose:

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "prehend/control/balance.h"
 #include "prehend/control/cycle.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
@@ -34,6 +35,11 @@ struct ArmGrasp {
   /// What the pads that touch are predicted to feel then, their mean [m^2, N]; 0: not predicted.
   double contact_area = 0, tactile_sum = 0;
   double closure = 0;  // rad, predicted, that the hand has closed when it meets it, by ClosingWay
+  /// How it can adapt to a thing that is beside its prediction, and how it feels that: of
+  /// hand_joints, see displacement_felt(). Empty: it does not.
+  std::vector<HandShift> shifts;
+  robot::FingertipWays fingertips;  // in the world
+  Eigen::VectorXd stops;            // rad or m, where it is predicted to be stopped by the thing
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".
@@ -109,16 +115,19 @@ struct ArmPercepts {
 };
 
 struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
-  /// The arm stops where the hand touches while it approaches, and closes there (UJI's platform);
-  /// otherwise the plan is executed without looking (KTH's: open loop).
+  /// The arm stops where the hand touches while it approaches, and fingers that close on something
+  /// beside its prediction put the hand in its middle and close again (UJI's platform); otherwise
+  /// the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
   double contact_force = 5;     // N
   double collision_force = 60;  // N
   double opening_speed = 0.6;
-  double rest_time = 0.2;       // s
-  double check_time = 0.4;      // s
-  double motion_timeout = 60;   // s
-  double largest_detour = 0.5;  // rad
+  double rest_time = 0.2;          // s
+  double check_time = 0.4;         // s
+  double motion_timeout = 60;      // s
+  double largest_detour = 0.5;     // rad
+  double shift_tolerance = 0.006;  // m
+  int adaptations = 2;
   HoldingOptions holding;
 
   /// See text/knob.h.
@@ -139,6 +148,12 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"motion_timeout", self.motion_timeout, "s", 1, 3600, "of each motion"});
     visit(Knob{"largest_detour", self.largest_detour, "rad", 0.001, 3.2,
                "that a path may begin away from where the arm stands"});
+    visit(Knob{"shift_tolerance", self.shift_tolerance, "m", 0.0005, 0.1,
+               "with reacts: a thing that the fingers feel this much beside its prediction is not "
+               "in the hand's middle"});
+    visit(Knob{"adaptations", self.adaptations, "", 0, 20,
+               "with reacts: times that fingers let go, the hand is shifted to the middle of what "
+               "they felt, and they close again; 0: they grip where they touch"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -154,6 +169,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 ///
 /// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
 /// the pads that touch feel it; what pads do not say is not compared.
+///
+/// With `reacts`, fingers that meet something too early on the approach, or beside its prediction,
+/// tell by where they were stopped how far it is beside (displacement_felt()). They let go, the
+/// hand follows as far as the plan says that it is free to (ArmGrasp::shifts), goes on with what is
+/// left of the approach, and closes again, at most `adaptations` times in an attempt.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, a little higher where it presses on something there, else
@@ -188,6 +208,9 @@ class ArmCycle : public Cycle {
     kRest,
     kApproach,
     kGather,
+    kFeel,
+    kLoosen,
+    kShift,
     kClose,
     kPress,
     kSettle,
@@ -248,6 +271,12 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
+  /// Feels where the thing is on which the approach has ended early; false: it does not adapt.
+  bool feel();
+  /// Lets go to shift the hand, as the fingers were stopped beside the prediction; false: it stays.
+  bool adapt(bool felt_only);
+  void shift();
+  void approach_again();
   void retreat();
   void relieve();
   void go_back();
@@ -265,8 +294,11 @@ class ArmCycle : public Cycle {
   bool put_down_ = false;                   // what is held stands where it stood, or at its place
   std::optional<JointTrajectory> lowered_;  // the last way down
   bool lowers_fully_ = false;
-  std::string refused_;  // why a segment could not begin
-  bool clears_ = false;  // it goes back to look again
+  std::string refused_;          // why a segment could not begin
+  int adapted_ = 0;              // times in this attempt
+  FollowedShift shift_;          // that comes next
+  std::vector<double> shifted_;  // rad or m, of the arm's joints, by all shifts of this attempt
+  bool clears_ = false;          // it goes back to look again
   std::vector<JointTrajectory>
       gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;

@@ -54,7 +54,10 @@ void ArmCycle::after_approach(MotionStatus status) {
     return fail("touched something on the approach");
   }
   if (touches) {
-    add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), "closes where it touches");
+    const bool adapts = feel();
+    add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0),
+                 adapts ? "feels where it is, and shifts the hand" : "closes where it touches");
+    if (adapts) return;
   }
   ended(Outcome::kDone);
 }
@@ -75,6 +78,10 @@ void ArmCycle::after_closing(MotionStatus status) {
   if (positions.size() == grasp().hand_joints.size()) {
     const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
         positions.data(), static_cast<Eigen::Index>(positions.size())));
+    if (adapt(false)) {
+      add_surprise(SurpriseKind::kFingersAtContact, grasp().closure, beyond, "shifts the hand");
+      return;
+    }
     add_surprise(SurpriseKind::kFingersAtContact, grasp().closure, beyond,
                  "grips anyhow, weighs it when lifted");
   }

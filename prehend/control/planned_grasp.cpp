@@ -59,6 +59,17 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   if (pick.touch.stopped.size() == static_cast<Eigen::Index>(result.hand.closed.size())) {
     result.closure = result.hand.closure(pick.touch.stopped);
   }
+  for (const planning::SidewaysShift& shift : pick.shifts) {
+    result.shifts.push_back({shift.way_W, list_of(shift.offsets)});
+  }
+  if (!result.shifts.empty()) {
+    const robot::Preshape& preshape = hand.preshape(grasp.preshape);
+    const geometry::RigidTransform X_WH = grasp.X_WG * (hand.X_HP * preshape.X_PG).inverse();
+    result.stops =
+        pick.touch.stopped.size() == grasp.closed.size() ? pick.touch.stopped : grasp.closed;
+    result.fingertips = robot::fingertip_ways(hand, result.stops);
+    result.fingertips.ways = (X_WH.linear() * result.fingertips.ways).eval();
+  }
   return result;
 }
 

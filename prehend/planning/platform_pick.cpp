@@ -31,6 +31,7 @@ constexpr double kTableThickness = 0.2;  // m
 constexpr double kBaseClearance = 0.2;   // m, round the arm's base, where it stands on the table
 constexpr int kElbowAngles = 8;          // for what the arm reaches at all
 constexpr double kShareOfTime = 0.5;     // of what is left, while other grasps remain
+constexpr double kShiftStep = 0.005;     // m, of straight ways to the sides
 constexpr const char* kObject = "object";
 
 std::vector<TriangleMesh> moved(const std::vector<TriangleMesh>& meshes, const RigidTransform& X) {
@@ -274,9 +275,36 @@ class PlatformPicker {
     times_.insert(times_.end(), result_.motion.times.begin(), result_.motion.times.end());
     if (result_.motion.found()) {
       result_.grasp = static_cast<int>(turn[static_cast<std::size_t>(result_.motion.grasp)]);
+      add_shifts(shape, grasps_[static_cast<std::size_t>(result_.grasp)].X_WG);
     } else if (result_.motion.rejections.empty()) {
       start_problem_ = result_.motion.problem;
       not_tried(turn.size(), start_problem_);
+    }
+  }
+
+  // From the end of the approach. Where the object is, is what the shift is to mend.
+  void add_shifts(const HandShape& shape, const RigidTransform& X_WG) {
+    const auto approach =
+        std::find_if(result_.motion.segments.begin(), result_.motion.segments.end(),
+                     [](const motion::PickSegment& segment) { return segment.name == "approach"; });
+    if (options_.shift <= 0 || approach == result_.motion.segments.end()) return;
+    const robot::Positions start = approach->waypoints.back();
+    motion::RobotInWorld without = shape.robot;
+    without.change_world([](motion::CollisionWorld& world) { world.remove(kObject); });
+    const RigidTransform X_BT = without.chain().forward(start);
+    for (const Eigen::Vector3d side_G : {Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX()}) {
+      for (const double length : {options_.shift, -options_.shift}) {
+        for (const double share : {1.0, 0.5, 0.25}) {
+          const Eigen::Vector3d way_W = share * length * X_WG.linear() * side_G;
+          RigidTransform X_BT_there = X_BT;
+          X_BT_there.translation() += X_BW_.linear() * way_W;
+          const motion::JointPath path =
+              motion::straight_path(without, start, X_BT_there, kShiftStep);
+          if (path.waypoints.empty()) continue;
+          result_.shifts.push_back({way_W, path.waypoints.back() - start});
+          break;
+        }
+      }
     }
   }
 

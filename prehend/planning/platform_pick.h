@@ -47,6 +47,7 @@ struct PlatformPickOptions {
   /// m, displacements by which the object may be put elsewhere, best first (free_places()); empty:
   /// it is only lifted.
   std::vector<Eigen::Vector3d> moves_W;
+  double shift = 0.02;  // m, >= 0, of PlatformPick::shifts at most; 0: none are looked for
 
   /// With those of `pick`. See text/knob.h.
   template <class Self, class Visit>
@@ -57,9 +58,18 @@ struct PlatformPickOptions {
   }
 };
 
+/// A straight way of the open hand to a side, from where it closes on the object.
+struct SidewaysShift {
+  Eigen::Vector3d way_W = Eigen::Vector3d::Zero();  // m
+  Eigen::VectorXd offsets;                          // rad or m, of the arm's joints at its end
+};
+
 struct PlatformPick {
   motion::PickMotion motion;  // its `place` is of PlatformPickOptions::moves_W
   int grasp = -1;             // of the list; -1: none is reached
+  /// To both sides along the closing direction and across it, as far as it is free of all but the
+  /// object, of PlatformPickOptions::shift; those that are not free at all are left out.
+  std::vector<SidewaysShift> shifts;
 };
 
 /// Whether the arm of `platform` reaches a pose X_WH of the hand's root, its links and the world

@@ -85,6 +85,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
   }
   PlatformPickOptions arm = options.arm;
   arm.moves_W = places.moves_W;
+  if (platform_.hand.gripper) arm.shift = 0;  // its jaws meet in the middle
   const std::size_t all = grasps.size();
   std::string arm_problem;
   for (int i = 0; i < options.motions && !grasps.empty(); ++i) {
@@ -99,6 +100,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     PlannedPick planned;
     planned.grasp = std::move(grasps[static_cast<std::size_t>(pick.grasp)]);
     planned.segments = std::move(pick.motion.segments);
+    planned.shifts = std::move(pick.shifts);
     if (pick.motion.place >= 0) {
       planned.move_W = arm.moves_W[static_cast<std::size_t>(pick.motion.place)];
     }
@@ -111,7 +113,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     return;
   }
   for (grasp::Grasp& grasp : grasps)
-    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt});
+    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}});
 }
 
 void PlatformPlanner::predict_touch(const surface::ObjectModel& object,

@@ -28,6 +28,7 @@ struct PlannedPick {
   PredictedTouch touch;                       // of those with a motion
   std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
   std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
+  std::vector<SidewaysShift> shifts;          // as PlatformPick's, of those with a motion
 };
 
 struct PlatformPlan {

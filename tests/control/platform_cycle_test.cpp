@@ -28,6 +28,7 @@ class PlatformCycle : public testing::TestWithParam<const char*> {
   planning::PlatformPlanOptions plan_options() const {
     planning::PlatformPlanOptions options(planner.platform().hand);
     options.grasps.threads = 1;
+    options.touch.emplace().threads = 1;
     options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
     return options;
   }
@@ -130,6 +131,32 @@ TEST_P(PlatformCycle, WhatIsNotThereSurprises) {
   EXPECT_TRUE(std::any_of(picked.surprises.begin(), picked.surprises.end(), [](const auto& s) {
     return s.kind == SurpriseKind::kFingersTouch && s.surprising;
   }));
+}
+
+// One that stands 2 cm beside its prediction: a fingertip comes down on it, or the fingers meet it
+// one after the other. Without adapting it is held by its edge or, when it is heavy, lost.
+TEST_P(PlatformCycle, PutsTheHandInTheMiddleOfWhatItMeets) {
+  if (planner.platform().hand.gripper) GTEST_SKIP() << "its jaws meet in the middle";
+  const geometry::TriangleMesh mesh_W = simulation::make_standing_box({0.05, 0.05, 0.14});
+  const planning::PlatformPlan made = plan(mesh_W);
+  ASSERT_FALSE(made.picks.empty()) << made.problem;
+  EXPECT_EQ(made.picks.front().shifts.size(), 4u) << "nothing stands beside it";
+  double height[2] = {0, 0};
+  for (const int adaptations : {0, 2}) {
+    simulation::RobotWorld world = world_of(mesh_W);
+    geometry::RigidTransform beside = world.body("thing").X_WB;
+    beside.translation().x() += 0.02;
+    world.place_object("thing", beside);
+    ArmCycleOptions once = reacting();
+    once.largest_attempts = 1;
+    once.adaptations = adaptations;
+    CycleInWorld in_world(world, once);
+    const Picked picked = pick(world, in_world, to_try(made));
+    EXPECT_TRUE(picked.result.success) << picked.result.reason;
+    height[adaptations / 2] = picked.highest;
+  }
+  EXPECT_GE(height[1], height[0] - 0.002) << "as high as the hand: it does not hang from an edge";
+  EXPECT_GT(height[1], 0.145);
 }
 
 // Plan and run, bit by bit, with a sensor's noise.

@@ -50,13 +50,16 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
                 Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)};
   grasp.effort = 0.4;
   grasp.largest_effort = {2, 3};
+  grasp.segments.insert(grasp.segments.begin() + 1, {"approach", path});
+  grasp.shifts = {{{0, 0.02, 0}, {0.1}}, {{0, -0.01, 0}, {-0.2}}};
+  grasp.fingertips = {Eigen::Matrix3Xd::Random(3, 2), {1, -1}};
   msgs::Grasp message;
   *message.mutable_x_wg() = to_message(geometry::RigidTransform::Identity());
   add_motion(grasp, &message);
   ASSERT_TRUE(has_arm_motion(message));
   const control::ArmGrasp back = arm_grasp_from_message(message);
-  ASSERT_EQ(back.segments.size(), 2u);
-  for (std::size_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(back.segments.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back.segments[i].first, grasp.segments[i].first);
     EXPECT_EQ(back.segments[i].second.joints, path.joints);
     ASSERT_EQ(back.segments[i].second.points.size(), 2u);
@@ -70,6 +73,21 @@ TEST(ArmGrasps, AreTheSameThereAndBack) {
   EXPECT_EQ(back.hand.upper, grasp.hand.upper);
   EXPECT_EQ(back.effort, 0.4);
   EXPECT_EQ(back.largest_effort, grasp.largest_effort);
+  ASSERT_EQ(back.shifts.size(), 2u);
+  EXPECT_EQ(back.shifts[1].way_W, grasp.shifts[1].way_W);
+  EXPECT_EQ(back.shifts[1].offsets, grasp.shifts[1].offsets);
+  EXPECT_EQ(back.fingertips.ways, grasp.fingertips.ways);
+  EXPECT_EQ(back.fingertips.finger, grasp.fingertips.finger);
+  EXPECT_EQ(back.stops, grasp.hand.closed) << "no simulated hand has said where it stops";
+  msgs::Grasp bad = message;
+  bad.mutable_shift(0)->add_offset(0.1);
+  EXPECT_THROW(arm_grasp_from_message(bad), geometry::InputError) << "of two joints of one";
+  bad = message;
+  bad.mutable_shift(0)->set_offset(0, std::nan(""));
+  EXPECT_THROW(arm_grasp_from_message(bad), geometry::InputError);
+  bad = message;
+  bad.mutable_fingertip_way()->RemoveLast();
+  EXPECT_THROW(arm_grasp_from_message(bad), geometry::InputError);
 }
 
 TEST(ArmGrasps, PlansWithoutThemCloseWhatMoves) {

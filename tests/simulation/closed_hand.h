@@ -8,7 +8,8 @@
 namespace prehend::simulation {
 
 /// Positions that the closing joints of `preshape` run towards, as far as their limits let them.
-inline Eigen::VectorXd closed(const robot::HandModel& hand, const std::string& preshape, double way) {
+inline Eigen::VectorXd closed(const robot::HandModel& hand, const std::string& preshape,
+                              double way) {
   const robot::Preshape& shape = hand.preshape(preshape);
   Eigen::VectorXd q = shape.open;
   for (int i = 0; i < hand.size(); ++i) {
