@@ -33,7 +33,7 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   std::vector<double> ends;
   for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 4, 5, 6));
@@ -72,7 +72,7 @@ TEST(ArmCycle, ReactsToContactAndLiftsFromWhereItStopped) {
     if (f.arm.asked.size() == 2) f.now.positions[0] = 1.8;  // short of 2
     cycle.step(f.now);
   }
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(f.arm.forces[1], options.contact_force);
   EXPECT_NEAR(f.arm.asked[2].points.front().position[0], 1.8, 1e-12);
   EXPECT_NEAR(f.arm.asked[2].points.back().position[0], 3, 1e-12);
@@ -95,7 +95,7 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
     cycle.step(f.now);
     cycle.start({fake_grasp()});
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success) << segment;
+    EXPECT_FALSE(cycle.result().success()) << segment;
     EXPECT_THAT(cycle.result().reason, HasSubstr("the arm hit something")) << segment;
     EXPECT_GE(f.arm.stops, 1);
     EXPECT_EQ(f.hand.asked.back(), 0.1) << "it opens";
@@ -106,7 +106,7 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
 }
 
 // Regression: every object that met the table where it was to stand was a surprise.
@@ -124,7 +124,7 @@ TEST(ArmCycle, WhatBearsTheObjectSurprisesHighAboveItsPlaceOnly) {
     while (f.now.time < begun + touch_time) f.run(cycle, 1);
     f.arm.says[5] = MotionStatus::kContact;
     f.run(cycle);
-    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     EXPECT_EQ(surprising(cycle), touch_time < 1 ? 1 : 0) << touch_time;
   }
 }
@@ -139,7 +139,7 @@ TEST(ArmCycle, FingersAreSentNoFartherThanTheirLimits) {
   grasp.hand.upper[0] = 0.7;
   cycle.start({grasp});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   ASSERT_EQ(f.hand.asked.size(), 4u);
   EXPECT_EQ(f.hand.asked[2], 0.7);
 }
@@ -155,7 +155,7 @@ TEST(ArmCycle, TheGuessedWeightDecidesNothing) {
     grasp.lifted_mass = 1.5;
     cycle.start({grasp});
     f.run(cycle);
-    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     const Surprise* felt = surprise_of(cycle, SurpriseKind::kLiftedWeight);
     ASSERT_TRUE(felt);
     EXPECT_EQ(felt->surprising, weight > 30) << "a guess may be wrong by all of it";
@@ -177,7 +177,7 @@ TEST(ArmCycle, WhatIsLostOnTheWayFailsTheAttempt) {
       f.weight = 0;
     }
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success) << cycle.result().reason;
+    EXPECT_FALSE(cycle.result().success()) << cycle.result().reason;
     EXPECT_EQ(f.arm.stops, 1);
     EXPECT_EQ(surprising(cycle), 1);
     EXPECT_FALSE(f.hand.last_closes) << "it opens";
@@ -202,7 +202,7 @@ TEST(ArmCycle, WhatSticksToTheHandIsNotPutDown) {
     f.felt().wrist_force = Eigen::Vector3d(0, 0, 3);
     cycle.step(f.now);
   }
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_THAT(cycle.result().reason, HasSubstr("did not leave the hand"));
   ASSERT_TRUE(surprise_of(cycle, SurpriseKind::kPlaced));
   EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kPlaced)->surprising);
@@ -216,7 +216,7 @@ TEST(ArmCycle, WithoutAPlaceItEndsHolding) {
   grasp.segments.resize(3);
   cycle.start({grasp});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_THAT(cycle.result().reason, HasSubstr("lifted and held"));
   EXPECT_TRUE(f.hand.last_closes) << "it is not dropped";
 }
@@ -228,7 +228,7 @@ TEST(ArmCycle, GoesBackAndTriesTheNextGrasp) {
   cycle.step(f.now);
   cycle.start({fake_grasp(), fake_grasp()});
   f.run(cycle);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().attempts, 2);
   EXPECT_THAT(cycle.result().reason, HasSubstr("nothing is held"));
   std::vector<double> ends;
@@ -256,7 +256,7 @@ TEST(ArmCycle, LooksAgainFromWhereItBegan) {
   cycle.take_plan({elsewhere});
   EXPECT_FALSE(cycle.looks_since());
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 2);
   EXPECT_EQ(cycle.result().plans, 2);
   EXPECT_NEAR(f.arm.asked[asked].points.back().position[0], 0.9, 1e-12);
@@ -311,7 +311,7 @@ TEST(ArmCycle, SaysWhatWentWrong) {
     cycle.step(f.now);
     cycle.start({fake_grasp()});
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success);
+    EXPECT_FALSE(cycle.result().success());
     EXPECT_THAT(cycle.result().reason, HasSubstr("the arm's words"));
     ASSERT_TRUE(surprise_of(cycle, SurpriseKind::kMotion));
     EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kMotion)->surprising);
@@ -377,7 +377,7 @@ TEST(ArmCycle, PressesUntilThePadsFeelTheForceOfThePlan) {
   cycle.step(f.now);
   cycle.start({forceful_grasp()});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_NEAR(f.most, 12, 0.1 * 12) << "not with all that the motors can, 50 N";
   ASSERT_NE(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
   EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
@@ -391,7 +391,7 @@ TEST(ArmCycle, WhatPadsDoNotSayIsNotComparedAndTheMotorsPress) {
   cycle.step(f.now);
   cycle.start({forceful_grasp()});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_NEAR(f.most, 50, 1e-9);
   EXPECT_EQ(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
 }
@@ -404,7 +404,7 @@ TEST(ArmCycle, AForceThatIsNotReachedIsASurpriseNotAFailure) {
   grasp.force = grasp.tactile_sum = 80;
   cycle.start({grasp});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
 }
 
