@@ -25,7 +25,7 @@ struct Hand {
 void record_plan(const grasp::GraspPlan& plan, GraspTrial* trial) {
   trial->candidates = plan.candidates;
   trial->grasps = static_cast<int>(plan.grasps.size());
-  trial->problem = plan.problem;
+  trial->problem = grasp::in_words(plan);
   for (const auto& grasp : plan.grasps) {
     trial->best_robustness = std::max(trial->best_robustness, grasp.robustness);
   }

@@ -19,6 +19,7 @@ namespace {
 
 using control::MotionStatus;
 using geometry::RigidTransform;
+using motion::SegmentKind;
 using simulation::GripperMode;
 using simulation::World;
 
@@ -121,7 +122,7 @@ class SimulatedStage : public control::ArmPort {
       q[2] = std::max(q[2], kTransitHeight);
       return q;
     };
-    const auto add = [&](const std::string& name, const std::vector<robot::Positions>& over,
+    const auto add = [&](SegmentKind kind, const std::vector<robot::Positions>& over,
                          double speed) {
       control::JointTrajectory path{joint_names(), {}};
       double time = 0;
@@ -135,17 +136,17 @@ class SimulatedStage : public control::ArmPort {
         path.points.push_back({time, {next.begin(), next.end()}, rest, rest});
         here = next;
       }
-      result.segments.emplace_back(name, std::move(path));
+      result.segments.emplace_back(kind, std::move(path));
     };
     const Eigen::Vector3d up(0, 0, kLiftHeight), aside(0, kAside, 0);
     const Eigen::Vector3d back = -grasp.pregrasp_distance * grasp.approach_W;
     const robot::Positions before = moved(at, back), there = moved(at, aside);
-    add("reach", {raised(here), raised(before), before}, kFast);
-    add("approach", {at}, kSlow);
-    add("lift", {moved(at, up)}, kLiftSpeed);
-    add("carry", {moved(there, up)}, kFast);
-    add("place", {there}, kSlow);
-    add("retreat", {moved(there, back)}, kFast);
+    add(SegmentKind::kReach, {raised(here), raised(before), before}, kFast);
+    add(SegmentKind::kApproach, {at}, kSlow);
+    add(SegmentKind::kLift, {moved(at, up)}, kLiftSpeed);
+    add(SegmentKind::kCarry, {moved(there, up)}, kFast);
+    add(SegmentKind::kPlace, {there}, kSlow);
+    add(SegmentKind::kRetreat, {moved(there, back)}, kFast);
     result.hand_joints = {"hand_opening"};
     const auto joints = [](double opening) {
       return Eigen::VectorXd(Eigen::VectorXd::Constant(1, opening / 2));
@@ -206,7 +207,7 @@ GraspExecution execute_grasps(World& world, std::size_t object, const grasp::Gra
   control::ArmCycle cycle(options, stage, hand);
   std::vector<grasp::Grasp> grasps = plan.grasps;
   const std::vector<std::string> joints = stage.joint_names();
-  cycle.start(stage.with_ways(grasps), plan.problem);
+  cycle.start(stage.with_ways(grasps), grasp::in_words(plan));
 
   GraspExecution execution;
   int attempts = 0;
@@ -221,7 +222,7 @@ GraspExecution execute_grasps(World& world, std::size_t object, const grasp::Gra
     const RigidTransform X_moved = body.X_WB * start.X_WB.inverse();
     if (cycle.looks_since()) {
       auto plan_now = look_again(X_moved);
-      cycle.take_plan(stage.with_ways(plan_now.grasps), plan_now.problem);
+      cycle.take_plan(stage.with_ways(plan_now.grasps), grasp::in_words(plan_now));
       if (!plan_now.grasps.empty()) grasps = std::move(plan_now.grasps);
     }
     if (std::exchange(attempts, cycle.result().attempts) != cycle.result().attempts) {

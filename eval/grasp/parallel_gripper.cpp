@@ -44,7 +44,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
   trial.plan_seconds = processor_time() - start;
   trial.candidates = plan.candidates;
   trial.grasps = static_cast<int>(plan.grasps.size());
-  trial.problem = plan.problem;
+  trial.problem = grasp::in_words(plan);
   for (const auto& grasp : plan.grasps) {
     trial.best_robustness = std::max(trial.best_robustness, grasp.robustness);
   }
@@ -65,7 +65,7 @@ GraspTrial try_gripper(const Belief& believed, const TrueObject& truth,
           return none;
         }
       });
-  trial.lifted = execution.result.success && execution.raised >= kLeastLift;
+  trial.lifted = execution.result.success() && execution.raised >= kLeastLift;
   trial.attempts = execution.result.attempts;
   trial.outcome = execution.result.reason;
   trial.slip = execution.slip;

@@ -112,8 +112,8 @@ class Execution {
     trial->stage = stage_;
     trial->outcome = stage_.empty() ? result.reason : why_;
     trial->lifted =
-        result.success && raised_ >= kRaisedAtLeast && end.height < kStands && !end.touches_robot;
-    if (result.success && !trial->lifted && stage_.empty()) {
+        result.success() && raised_ >= kRaisedAtLeast && end.height < kStands && !end.touches_robot;
+    if (result.success() && !trial->lifted && stage_.empty()) {
       trial->stage = "truth";
       trial->outcome = fmt::format(
           "success was said, but it was raised by {:.0f} mm and is {:.0f} "
@@ -149,7 +149,7 @@ class Execution {
 
   // As the cycle's node: what has no motion of the arm cannot be executed.
   control::GraspsToTry to_try(const planning::PlatformPlan& plan) {
-    control::GraspsToTry grasps{{}, plan.problem};
+    control::GraspsToTry grasps{{}, grasp::in_words(plan)};
     if (!plan.picks.empty()) tried_.clear();
     for (const planning::PlannedPick& pick : plan.picks) {
       if (pick.segments.empty()) continue;
@@ -205,7 +205,7 @@ GraspTrial try_platform(const Subject& subject, const Belief& believed, const Tr
   trial.plan_seconds = processor_time() - start;
   trial.candidates = plan.candidates;
   trial.grasps = static_cast<int>(plan.picks.size());
-  trial.problem = plan.problem;
+  trial.problem = grasp::in_words(plan);
   trial.best_robustness = std::max(0.0, plan.robustness);
   if (plan.picks.empty()) {
     trial.stage = plan.arm_rejections.empty() ? "plan" : "arm";

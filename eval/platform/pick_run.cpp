@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -17,6 +18,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "eval/text_files.h"
+#include "msgs/convert/outcomes.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
@@ -80,7 +82,7 @@ struct Path {                                             // of a body
 struct Recorded {
   std::map<std::string, Path> bodies;
   std::map<std::string, int> counts;  // of messages by topic
-  std::string last_phase;
+  std::optional<control::Phase> last_phase;
   std::optional<msgs::CycleResult> result;
   std::map<std::uint32_t, msgs::GraspPlan> plans;
 };
@@ -111,15 +113,16 @@ Recorded read_recording(const std::filesystem::path& file) {
     } else if (topic == "/cycle/state") {
       msgs::CycleState state;
       if (!state.ParseFromString(data)) continue;
+      const control::Phase phase = convert::from_message(state.phase());
       // What settled before is no doing of the robot.
-      if (recorded.last_phase.empty() && state.phase() == "approach") {
+      if (!recorded.last_phase && phase == control::Phase::kApproach) {
         for (auto& [name, path] : recorded.bodies) {
           path.first = path.last;
           path.first_height = path.highest = path.last_height;
         }
       }
-      if (state.phase() != "failed" && state.phase() != "release") {
-        recorded.last_phase = state.phase();
+      if (phase != control::Phase::kFailed && phase != control::Phase::kRelease) {
+        recorded.last_phase = phase;
       }
     } else if (topic == "/cycle/result") {
       msgs::CycleResult result;
@@ -137,7 +140,7 @@ std::string stage_of(const Recorded& recorded) {
   for (const char* topic : {"/objects", "/shapes", "/models", "/plans"}) {
     if (recorded.counts.count(topic) == 0) return topic + 1;
   }
-  return recorded.last_phase.empty() ? "plans" : recorded.last_phase;
+  return recorded.last_phase ? control::to_string(*recorded.last_phase) : "plans";
 }
 
 void judge(const Recorded& recorded, int exit_code, PickResult* result) {
@@ -162,13 +165,16 @@ void judge(const Recorded& recorded, int exit_code, PickResult* result) {
   }
   const msgs::CycleResult& end = *recorded.result;
   result->attempts = static_cast<int>(end.attempts());
-  result->reason = end.reason();
+  const control::CycleOutcome outcome = convert::from_message(end.outcome());
+  result->reason = outcome == control::CycleOutcome::kUngraspable
+                       ? grasp::ungraspable_text(end.reason())
+                       : end.reason();
   const auto plan = recorded.plans.find(end.object_id());
   if (plan != recorded.plans.end() &&
       static_cast<int>(end.grasp_index()) < plan->second.grasps_size()) {
     result->score = plan->second.grasps(static_cast<int>(end.grasp_index())).score();
   }
-  if (!end.success()) {
+  if (outcome != control::CycleOutcome::kSucceeded) {
     if (end.attempts() == 0) result->outcome = Outcome::kNoGrasp;
     return;
   }

@@ -6,28 +6,11 @@
 #include <stdexcept>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/outcomes.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::convert {
 namespace {
-
-// The same kinds in the same order.
-constexpr bool is_same(control::SurpriseKind kind, msgs::Surprise::Kind message) {
-  return static_cast<int>(kind) == static_cast<int>(message);
-}
-using control::SurpriseKind;
-static_assert(is_same(SurpriseKind::kOpeningAtContact, msgs::Surprise::OPENING_AT_CONTACT));
-static_assert(is_same(SurpriseKind::kContactArea, msgs::Surprise::CONTACT_AREA));
-static_assert(is_same(SurpriseKind::kTactileSum, msgs::Surprise::TACTILE_SUM));
-static_assert(is_same(SurpriseKind::kHeldAfterLift, msgs::Surprise::HELD_AFTER_LIFT));
-static_assert(is_same(SurpriseKind::kTouchedTooEarly, msgs::Surprise::TOUCHED_TOO_EARLY));
-static_assert(is_same(SurpriseKind::kFingersTouch, msgs::Surprise::FINGERS_TOUCH));
-static_assert(is_same(SurpriseKind::kFingersAtContact, msgs::Surprise::FINGERS_AT_CONTACT));
-static_assert(is_same(SurpriseKind::kLiftedWeight, msgs::Surprise::LIFTED_WEIGHT));
-static_assert(is_same(SurpriseKind::kHeldWhileCarried, msgs::Surprise::HELD_WHILE_CARRIED));
-static_assert(is_same(SurpriseKind::kPlaced, msgs::Surprise::PLACED));
-static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::MOTION));
-static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::Kind_MAX), "a new kind has none here");
 
 constexpr double kLeastWay = 1e-3;  // rad, of a joint that closes
 
@@ -57,9 +40,9 @@ robot::ClosingWay closing_way_of(const msgs::Grasp& grasp) {
 
 // How the hand adapts; all of it or nothing.
 void add_shifts(const msgs::Grasp& message, control::ArmGrasp* grasp) {
-  const auto approach =
-      std::find_if(grasp->segments.begin(), grasp->segments.end(),
-                   [](const auto& segment) { return segment.first == "approach"; });
+  const auto approach = std::find_if(
+      grasp->segments.begin(), grasp->segments.end(),
+      [](const auto& segment) { return segment.first == motion::SegmentKind::kApproach; });
   const std::size_t joints = approach == grasp->segments.end() ? 0 : approach->second.joints.size();
   bool sound =
       message.shift().empty() || message.fingertip_way_size() == message.hand_joint_name_size();
@@ -122,7 +105,7 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   const bool parallel = grasp.pregrasp_opening() > 0;
   result.pose = {from_message(grasp.x_wg()), parallel ? "" : grasp.preshape()};
   for (const msgs::ArmSegment& segment : grasp.arm()) {
-    result.segments.emplace_back(segment.name(), from_message(segment.trajectory()));
+    result.segments.emplace_back(from_message(segment.kind()), from_message(segment.trajectory()));
   }
   result.hand_joints.assign(grasp.hand_joint_name().begin(), grasp.hand_joint_name().end());
   result.hand = closing_way_of(grasp);
@@ -163,9 +146,9 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
 }
 
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
-  for (const auto& [name, path] : grasp.segments) {
+  for (const auto& [kind, path] : grasp.segments) {
     msgs::ArmSegment& segment = *message->add_arm();
-    segment.set_name(name);
+    segment.set_kind(to_message(kind));
     *segment.mutable_trajectory() = to_message(path);
   }
   for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
@@ -192,7 +175,7 @@ void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp) {
   msgs::Surprise message;
   message.mutable_header()->set_stamp(stamp);
-  message.set_kind(static_cast<msgs::Surprise::Kind>(surprise.kind));
+  message.set_kind(to_message(surprise.kind));
   message.set_predicted(surprise.predicted);
   message.set_felt(surprise.felt);
   message.set_tolerance(surprise.tolerance);
@@ -204,7 +187,7 @@ msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp)
 msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t stamp) {
   msgs::CycleResult message;
   message.mutable_header()->set_stamp(stamp);
-  message.set_success(result.success);
+  message.set_outcome(to_message(result.outcome));
   message.set_reason(result.reason);
   message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
@@ -235,7 +218,7 @@ msgs::Task to_message(const control::Task& task, std::int64_t stamp) {
   for (const control::TaskState& state : task.states) {
     msgs::Task::State& out = *message.add_states();
     out.set_name(state.name);
-    out.set_action(control::to_string(state.action.primitive));
+    out.set_action(to_message(state.action.primitive));
     for (const auto& [outcome, next] : state.next) {
       msgs::Task::Way& way = *out.add_ways();
       way.set_outcome(control::to_string(outcome));

@@ -19,7 +19,8 @@ bool has_arm_motion(const msgs::Grasp& grasp);
 
 /// Without rates and limits of the joints, those that the plan moves close, without limits.
 /// @pre has_arm_motion(grasp)
-/// @throws geometry::InputError for values that do not belong together or are not finite.
+/// @throws geometry::InputError for values that do not belong together or are not finite, and for
+/// segments of an unknown kind.
 control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
 /// The arm's segments, and how the hand closes and how hard.
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message);

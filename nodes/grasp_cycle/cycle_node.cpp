@@ -7,6 +7,7 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/outcomes.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/graph/knob_parameters.h"
@@ -17,6 +18,7 @@
 namespace prehend::nodes {
 namespace {
 
+using control::CycleOutcome;
 using std::chrono::steady_clock;
 
 constexpr double kPeriod = 0.01;                             // s, of the control loop
@@ -149,7 +151,7 @@ void CycleNode::tick() {
     });
     if (!failure.empty()) robot_->cycle().abort("a step of the cycle failed: " + failure);
     publish_progress();
-    if (robot_->cycle().finished()) finish(robot_->cycle().result(), false);
+    if (robot_->cycle().finished()) finish(robot_->cycle().result());
     return;
   }
   if (!armed_ || preparing_) return;
@@ -196,9 +198,12 @@ void CycleNode::start(const View& view) {
   target_ = target.id;
   if (target.grasps.empty()) {
     control::CycleResult nothing;
-    nothing.success = target.none_left;
+    if (target.none_left) nothing.outcome = CycleOutcome::kSucceeded;
+    if (target.outcome == grasp::PlanOutcome::kUngraspable) {
+      nothing.outcome = CycleOutcome::kUngraspable;
+    }
     nothing.reason = target.problem;
-    return finish(nothing, target.ungraspable);
+    return finish(nothing);
   }
   const msgs::GraspPlan& plan = *view.plans.at(target.id);
   centroid_W_ = convert::from_message(plan.centroid());
@@ -210,7 +215,7 @@ void CycleNode::start(const View& view) {
   predicted_.put(view, target.id, task_.all_objects, [this](const std::string& problem) {
     preparing_ = false;
     if (!problem.empty()) return fail(problem);
-    publish_state("spawn", 0,
+    publish_state(control::Phase::kSpawn, 0,
                   fmt::format("object {} is in the simulation as it was predicted", target_));
     const std::string failure = node_.shield("plan", [this] { begin(); });
     if (!failure.empty()) fail(failure);
@@ -246,7 +251,9 @@ void CycleNode::look_again(double since) {
     int object = any || object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
     if (predicted_.wanted() && !any) object = static_cast<int>(target_);
     const Target target = target_in(*view, object);
-    if (target.grasps.empty()) return robot_->take_nothing(target.problem);
+    if (target.grasps.empty()) {
+      return robot_->take_nothing(grasp::in_words(target));
+    }
     const std::string destination = robot_->prepare(*view, target);
     target_ = target.id;
     centroid_W_ = convert::from_message(view->plans.at(target_)->centroid());
@@ -271,14 +278,13 @@ void CycleNode::publish_progress() {
   }
   if (cycle.detail() == last_detail_) return;  // every action's step has words of its own
   last_detail_ = cycle.detail();
-  publish_state(control::to_string(cycle.phase()), cycle.grasp_index(), last_detail_);
+  publish_state(cycle.phase(), cycle.grasp_index(), last_detail_);
 }
 
-void CycleNode::publish_state(const std::string& phase, int grasp_index,
-                              const std::string& detail) {
+void CycleNode::publish_state(control::Phase phase, int grasp_index, const std::string& detail) {
   msgs::CycleState state;
   state.mutable_header()->set_stamp(node_.clock().now());
-  state.set_phase(phase);
+  state.set_phase(convert::to_message(phase));
   state.set_object_id(target_);
   state.set_grasp_index(static_cast<std::uint32_t>(grasp_index));
   state.set_detail(detail);
@@ -286,31 +292,36 @@ void CycleNode::publish_state(const std::string& phase, int grasp_index,
     state.set_task_state(task_.name_of(robot_->cycle().path().back()));
   }
   states_.publish(state);
-  node_.log_info("{}: {}", state.phase(), state.detail());
+  node_.log_info("{}: {}", control::to_string(phase), detail);
 }
 
 void CycleNode::fail(const std::string& reason) {
   control::CycleResult failure;
   failure.reason = reason;
-  finish(failure, false);
+  finish(failure);
 }
 
-void CycleNode::finish(const control::CycleResult& result, bool ungraspable) {
+void CycleNode::finish(const control::CycleResult& result) {
   const std::int64_t now = node_.clock().now();
   msgs::CycleResult message =
       running_ ? convert::to_message(robot_->cycle(), now) : convert::to_message(result, now);
   message.set_object_id(target_);
   results_.publish(message);
   running_ = preparing_ = false;
-  if (result.success) {
-    node_.log_info("success: {}", result.reason);
-  } else if (ungraspable) {
-    node_.log_info("{}", result.reason);
-  } else {
-    node_.report(graph::Health::kError, result.reason);
+  switch (result.outcome) {
+    case CycleOutcome::kSucceeded:
+      node_.log_info("success: {}", result.reason);
+      exit_code_ = 0;
+      break;
+    case CycleOutcome::kUngraspable:
+      node_.log_info("{}", grasp::ungraspable_text(result.reason));
+      exit_code_ = ungraspable_is_ok_ ? 0 : graph::kAnswerIsNo;
+      break;
+    case CycleOutcome::kFailed:
+      node_.report(graph::Health::kError, result.reason);
+      exit_code_ = 2;
+      break;
   }
-  exit_code_ =
-      result.success ? 0 : (ungraspable ? (ungraspable_is_ok_ ? 0 : graph::kAnswerIsNo) : 2);
   if (exits_) exit_time_ = steady_clock::now() + kExitDelay;
 }
 

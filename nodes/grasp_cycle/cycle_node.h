@@ -38,8 +38,8 @@ class CycleNode {
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();
-  void publish_state(const std::string& phase, int grasp_index, const std::string& detail);
-  void finish(const control::CycleResult& result, bool ungraspable);
+  void publish_state(control::Phase phase, int grasp_index, const std::string& detail);
+  void finish(const control::CycleResult& result);
   void fail(const std::string& reason);
 
   graph::Node& node_;

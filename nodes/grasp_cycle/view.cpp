@@ -5,17 +5,25 @@
 #include <utility>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/outcomes.h"
 
 namespace prehend::nodes {
 namespace {
 
+using grasp::PlanAnswer;
+using grasp::PlanOutcome;
+
 constexpr std::size_t kViewsKept = 4;
 constexpr double kLeastConfidence = 0.05;  // so that scores count among doubtful shapes too
 constexpr double kMostOccluded = 0.25;  // of the outline, before an object counts as seen in part
-constexpr const char* kUngraspable = "cannot be grasped";
 
-bool says_ungraspable(const msgs::GraspPlan& plan) {
-  return plan.problem().rfind(kUngraspable, 0) == 0;
+// What a plan says of its object, for this robot.
+PlanAnswer answer_for(const msgs::GraspPlan& plan, const Lacks& lacks) {
+  PlanAnswer answer = convert::answer_of(plan);
+  if (answer.outcome != PlanOutcome::kGraspable) return answer;
+  const std::string lacking = lacks(plan.grasps(0));
+  if (lacking.empty()) return answer;
+  return {PlanOutcome::kFailed, "its grasps have " + lacking};  // another robot might
 }
 
 std::vector<const msgs::Grasp*> executable_grasps(const msgs::GraspPlan& plan, const Lacks& lacks) {
@@ -25,11 +33,6 @@ std::vector<const msgs::Grasp*> executable_grasps(const msgs::GraspPlan& plan, c
     grasps.push_back(&grasp);
   }
   return grasps;
-}
-
-std::string problem_of(const msgs::GraspPlan& plan, const Lacks& lacks) {
-  if (plan.grasps().empty() || !plan.problem().empty()) return plan.problem();
-  return "its grasps have " + lacks(plan.grasps(0));
 }
 
 // The best grasp's score, less for a prediction that is not sure or contradicts what was seen. What
@@ -45,17 +48,18 @@ double promise(const View& view, const msgs::GraspPlan& plan) {
   return in_part ? weighted - 1 : weighted;
 }
 
-// "cannot be grasped: object 0: too wide; object 1: too heavy". Where an object could not be
+// "object 0: too wide; object 1: too heavy": the answer for all. Where an object could not be
 // planned on, nobody knows whether it can be grasped: "no grasp: ...".
-std::string all_problems(const View& view, const Lacks& lacks, bool ungraspable) {
-  const std::string start = std::string(kUngraspable) + ": ";
-  std::string text;
+PlanAnswer answer_for_all(const View& view, const Lacks& lacks) {
+  PlanAnswer all{PlanOutcome::kUngraspable, ""};
   for (const auto& [id, plan] : view.plans) {
-    std::string problem = problem_of(*plan, lacks);
-    if (problem.rfind(start, 0) == 0) problem.erase(0, start.size());
-    text += (text.empty() ? "" : "; ") + ("object " + std::to_string(id) + ": " + problem);
+    const PlanAnswer one = answer_for(*plan, lacks);
+    if (one.outcome == PlanOutcome::kFailed) all.outcome = PlanOutcome::kFailed;
+    all.problem +=
+        (all.problem.empty() ? "" : "; ") + ("object " + std::to_string(id) + ": " + one.problem);
   }
-  return (ungraspable ? start : "no grasp: ") + text;
+  if (all.outcome == PlanOutcome::kFailed) all.problem = "no grasp: " + all.problem;
+  return all;
 }
 
 }  // namespace
@@ -112,8 +116,8 @@ Target choose_target(const View& whole, int object, const Lacks& lacks,
     return target;
   }
   const msgs::GraspPlan* best = nullptr;
-  const auto has_grasps = [&lacks](const msgs::GraspPlan& plan) {
-    return !plan.grasps().empty() && lacks(plan.grasps(0)).empty();
+  const auto can_be_grasped = [&lacks](const msgs::GraspPlan& plan) {
+    return answer_for(plan, lacks).outcome == PlanOutcome::kGraspable;
   };
   if (object >= 0) {
     const auto found = view.plans.find(static_cast<std::uint32_t>(object));
@@ -125,21 +129,18 @@ Target choose_target(const View& whole, int object, const Lacks& lacks,
     best = found->second.get();
   } else {
     for (const auto& [id, plan] : view.plans) {
-      if (!has_grasps(*plan)) continue;
+      if (!can_be_grasped(*plan)) continue;
       if (!best || promise(view, *plan) > promise(view, *best)) best = plan.get();
     }
   }
-  if (best && has_grasps(*best)) {
+  if (best && can_be_grasped(*best)) {
     target.id = best->id();
+    target.outcome = PlanOutcome::kGraspable;
     target.grasps = executable_grasps(*best, lacks);
     return target;
   }
   if (!best && view.plans.size() == 1) best = view.plans.begin()->second.get();
-  target.ungraspable = best ? says_ungraspable(*best)
-                            : std::all_of(view.plans.begin(), view.plans.end(), [](const auto& e) {
-                                return says_ungraspable(*e.second);
-                              });
-  target.problem = best ? problem_of(*best, lacks) : all_problems(view, lacks, target.ungraspable);
+  static_cast<PlanAnswer&>(target) = best ? answer_for(*best, lacks) : answer_for_all(view, lacks);
   target.id = best ? best->id() : view.plans.begin()->first;
   return target;
 }

@@ -14,6 +14,7 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/grasp/plan_outcome.h"
 
 namespace prehend::nodes {
 
@@ -47,13 +48,12 @@ class ViewCollector {
   std::map<std::int64_t, View> views_;  // by stamp [ns]; the newest few
 };
 
-/// What is to be grasped.
-struct Target {
+/// What is to be grasped. Without grasps: why there are none, or why the choice is impossible
+/// (kFailed).
+struct Target : grasp::PlanAnswer {
   std::uint32_t id = 0;
-  std::vector<const msgs::Grasp*> grasps;  // of its plan, best first; empty: see problem
-  std::string problem;       // "cannot be grasped: ..." or why the choice is impossible
-  bool ungraspable = false;  // the planner's answer, not a failure
-  bool none_left = false;    // all that is in the view is left out
+  std::vector<const msgs::Grasp*> grasps;  // of its plan, best first
+  bool none_left = false;                  // all that is in the view is left out
 };
 
 /// What a grasp lacks to be executed, in words; empty: nothing.

@@ -6,6 +6,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/outcomes.h"
 
 namespace prehend::nodes {
 
@@ -32,12 +33,12 @@ std::string GraspRecords::record(const msgs::CycleResult& result, const std::str
     return "";
   }
   const auto& [placed, poses] = plan->second;
-  if (!grasp::remember_execution(database_, placed, hand, poses[result.grasp_index()],
-                                 result.success())) {
+  const bool held = convert::from_message(result.outcome()) == control::CycleOutcome::kSucceeded;
+  if (!grasp::remember_execution(database_, placed, hand, poses[result.grasp_index()], held)) {
     return "";
   }
   return fmt::format("recorded: grasp {} of {} {}", result.grasp_index(), placed.name,
-                     result.success() ? "held" : "did not hold");
+                     held ? "held" : "did not hold");
 }
 
 }  // namespace prehend::nodes

@@ -30,7 +30,7 @@ class GraspRecords {
 
   /// Counts the execution of the grasp that a result is about; `hand` as the plans are stored
   /// under. In words what was recorded; empty when it was not of a known object.
-  /// @throws geometry::InputError when it cannot be written.
+  /// @throws geometry::InputError when it cannot be written, and for an unknown outcome.
   std::string record(const msgs::CycleResult& result, const std::string& hand);
 
  private:

@@ -11,6 +11,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/objects.h"
+#include "msgs/convert/outcomes.h"
 #include "nodes/grasp_planning/grasp_records.h"
 #include "nodes/grasp_planning/misfit_parameters.h"
 #include "nodes/grasp_planning/model_batch.h"
@@ -277,20 +278,25 @@ class GraspPlanning {
         node_.shield(fmt::format("object {}", message.id()), [&] { plan = plan_on(message); });
     if (failure.empty()) return plan;
     plan = msgs::GraspPlan();
+    plan.set_outcome(msgs::GraspPlan::FAILED);
     plan.set_problem("planning failed: " + failure);
     return plan;
   }
 
   // A model that makes no sense is an answer; other exceptions are failures of planning.
   msgs::GraspPlan plan_on(const msgs::ObjectModel& message) {
-    msgs::GraspPlan failed;
+    const auto without_grasps = [](msgs::GraspPlan::Outcome outcome, const std::string& problem) {
+      msgs::GraspPlan plan;
+      plan.set_outcome(outcome);
+      plan.set_problem(problem);
+      return plan;
+    };
     if (!message.valid()) {
-      failed.set_problem("cannot be grasped: no shape was predicted: " + message.problem());
-      return failed;
+      return without_grasps(msgs::GraspPlan::UNGRASPABLE,
+                            "no shape was predicted: " + message.problem());
     }
     if (platform_->says_its_gripper() && !gripper_.model()) {
-      failed.set_problem("planning failed: " + gripper_.problem());
-      return failed;
+      return without_grasps(msgs::GraspPlan::FAILED, "planning failed: " + gripper_.problem());
     }
     try {
       const geometry::Plane table = convert::from_message(message.table());
@@ -300,8 +306,7 @@ class GraspPlanning {
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
                              known);
     } catch (const geometry::InputError& error) {
-      failed.set_problem(std::string("cannot be grasped: ") + error.what());
-      return failed;
+      return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }
   }
 
@@ -327,14 +332,15 @@ class GraspPlanning {
     auto& time = *plan.add_times();
     time.set_stage("grasp_planning");
     time.set_seconds(seconds);
-    if (plan.problem().empty()) {
+    const grasp::PlanAnswer answer = convert::answer_of(plan);
+    if (answer.outcome == grasp::PlanOutcome::kGraspable) {
       node_.log_info(
           "object {}: {} grasps of {} candidates, best score {:.2f}{}, {:.2f} s", plan.id(),
           plan.grasps_size(), plan.candidates(), plan.grasps(0).score(),
           plan.grasps(0).has_robustness() ? "" : std::string(" (") + grasp::kNotAssessed + ")",
           seconds);
     } else {
-      node_.log_info("object {}: {} ({:.2f} s)", plan.id(), plan.problem(), seconds);
+      node_.log_info("object {}: {} ({:.2f} s)", plan.id(), grasp::in_words(answer), seconds);
     }
     log_ledger(node_, plan);
     nodes::log_touch(node_, plan);

@@ -9,7 +9,9 @@
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/outcomes.h"
 #include "msgs/convert/touch.h"
+#include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/control/planned_grasp.h"
 
@@ -71,6 +73,7 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
       planner_.plan(object, table_W, neighbours, reachability, start_, options, database, known);
   msgs::GraspPlan message;
   message.set_candidates(static_cast<std::uint32_t>(plan.candidates));
+  message.set_outcome(convert::to_message(plan.outcome));
   message.set_problem(plan.problem);
   convert::add_rejections(plan.rejections, &message);
   for (const auto& rejected : plan.arm_rejections) {
@@ -81,7 +84,7 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
   }
   if (plan.touch_time > 0) {
     auto& time = *message.add_times();
-    time.set_stage("touch_prediction");
+    time.set_stage(kTouchStage);
     time.set_seconds(plan.touch_time);
   }
   for (const auto& pick : plan.picks) *message.add_grasps() = to_message(pick);

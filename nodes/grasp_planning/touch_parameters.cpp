@@ -51,7 +51,7 @@ std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node)
 
 void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {
   for (const auto& time : plan.times()) {
-    if (time.stage() != "touch_prediction") continue;
+    if (time.stage() != kTouchStage) continue;
     node.log_info("  touch of the grasps with a motion was simulated in {:.2f} s", time.seconds());
   }
   std::map<std::string, std::string> grasps;  // by the reason

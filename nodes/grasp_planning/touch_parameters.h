@@ -17,6 +17,9 @@ double declare_grip_force(graph::Node& node);
 /// @throws std::invalid_argument when one of these was given for a hand that it means nothing to.
 void refuse_touch_parameters(const graph::Node& node, const robot::Platform& platform);
 
+/// Of a plan's times: what predicting touch took.
+inline constexpr const char* kTouchStage = "touch_prediction";
+
 /// Logs how long it took to predict touch in a plan, and where it was not.
 void log_touch(graph::Node& node, const msgs::GraspPlan& plan);
 

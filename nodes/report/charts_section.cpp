@@ -33,7 +33,7 @@ void add_joint_charts(report::Page& page, const Collected& collected,
 
 void add_charts(report::Page& page, const Collected& collected) {
   std::vector<report::Marker> markers;
-  for (const auto& [time, phase] : collected.phases) markers.push_back({time, phase});
+  for (const auto& [time, phase] : collected.phases) markers.push_back({time, to_string(phase)});
   std::vector<report::Series> forces;
   for (const auto& [pad, sums] : collected.pad_sums)
     forces.push_back({in_words(pad) + " pad", sums});

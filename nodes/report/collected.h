@@ -11,6 +11,7 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
+#include "prehend/control/cycle.h"
 
 namespace prehend::nodes {
 
@@ -27,7 +28,7 @@ struct BodyHistory {
 
 /// The pads at the end of one phase of the cycle, by their names.
 struct TactileSnapshot {
-  std::string phase;
+  control::Phase phase = control::Phase::kWaiting;
   std::map<std::string, msgs::TactileFrame> pads;
 };
 
@@ -44,7 +45,7 @@ struct Collected {
   std::optional<msgs::CycleResult> result;
   std::optional<msgs::Task> task;
 
-  std::vector<std::pair<double, std::string>> phases;  // when each began
+  std::vector<std::pair<double, control::Phase>> phases;  // when each began
   bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation
   std::map<std::string, msgs::TactileFrame> pads;  // newest, by pad
   std::vector<TactileSnapshot> snapshots;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "msgs/convert/outcomes.h"
 #include "msgs/graph.pb.h"
 
 namespace prehend::nodes {
@@ -81,14 +82,15 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
 
 void Collector::on_phase(const msgs::CycleState& state) {
   auto& phases = collected_.phases;
-  if (state.phase() == "spawn") collected_.on_prediction = true;
-  if (!phases.empty() && phases.back().second == state.phase()) return;
+  const control::Phase phase = convert::from_message(state.phase());
+  if (phase == control::Phase::kSpawn) collected_.on_prediction = true;
+  if (!phases.empty() && phases.back().second == phase) return;
   double felt = 0;  // N
   for (const auto& [pad, frame] : collected_.pads) felt += frame.sum();
   if (!phases.empty() && felt > 0) {
     collected_.snapshots.push_back({phases.back().second, collected_.pads});
   }
-  phases.emplace_back(time_of(state.header()), state.phase());
+  phases.emplace_back(time_of(state.header()), phase);
 }
 
 void Collector::on_ground_truth(const msgs::GroundTruth& truth) {

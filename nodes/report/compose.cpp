@@ -11,6 +11,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
+#include "msgs/convert/outcomes.h"
 #include "nodes/report/charts_section.h"
 #include "nodes/report/object_section.h"
 #include "nodes/report/task_section.h"
@@ -94,8 +95,7 @@ void add_view(Page& page, const Collected& collected) {
 }
 
 Row surprise_row(const msgs::Surprise& surprise) {
-  // Its kinds are those of the library (msgs/convert/cycle.cpp).
-  const auto kind = static_cast<control::SurpriseKind>(surprise.kind());
+  const control::SurpriseKind kind = convert::from_message(surprise.kind());
   std::string unit = control::unit_of(kind);
   const double factor = unit == "m" ? 1e3 : unit == "m^2" ? 1e6 : 1;
   if (factor > 1) unit = "m" + unit;
@@ -172,10 +172,11 @@ std::vector<Row> summarize(const Collected& collected) {
                                             : "no mesh: " + model->second.problem());
     }
     if (const auto plan = collected.plans.find(id); plan != collected.plans.end()) {
-      parts.push_back(plan->second.grasps().empty()
-                          ? plan->second.problem()
-                          : fmt::format("{} of {} grasps kept", plan->second.grasps_size(),
-                                        plan->second.candidates()));
+      const grasp::PlanAnswer answer = convert::answer_of(plan->second);
+      parts.push_back(answer.outcome == grasp::PlanOutcome::kGraspable
+                          ? fmt::format("{} of {} grasps kept", plan->second.grasps_size(),
+                                        plan->second.candidates())
+                          : grasp::in_words(answer));
     }
     rows.push_back({name, join(parts, "; ")});
   }

@@ -88,7 +88,9 @@ class DrawnPlatform : public DrawnRobot {
   std::vector<ColoredMesh> arm_at(const msgs::Grasp& grasp) const override {
     const msgs::ArmSegment* approach = nullptr;
     for (const msgs::ArmSegment& segment : grasp.arm()) {
-      if (segment.name() == "reach" || segment.name() == "approach") approach = &segment;
+      const bool leads_to_it =
+          segment.kind() == msgs::ArmSegment::REACH || segment.kind() == msgs::ArmSegment::APPROACH;
+      if (leads_to_it) approach = &segment;
     }
     if (!approach || approach->trajectory().points_size() == 0) return {};
     // The links of the arm alone: the hand is drawn closed.

@@ -9,6 +9,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
+#include "msgs/convert/outcomes.h"
 #include "nodes/report/verdict.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
@@ -204,10 +205,11 @@ void add_object(report::Page& page, const Collected& collected, const msgs::Comp
     }
     const auto plan = collected.plans.find(shape.id());
     if (plan == collected.plans.end()) return;
-    if (const auto why = why_not_graspable(plan->second.problem())) {
-      page.add_answer("Not graspable: " + *why);
-    } else if (!plan->second.problem().empty()) {
-      page.add_verdict(plan->second.problem(), false);
+    const grasp::PlanAnswer answer = convert::answer_of(plan->second);
+    if (answer.outcome == grasp::PlanOutcome::kUngraspable) {
+      page.add_answer("Not graspable: " + answer.problem);
+    } else if (answer.outcome == grasp::PlanOutcome::kFailed) {
+      page.add_verdict(answer.problem, false);
     }
     page.add_paragraph(fmt::format("{} of {} grasp candidates kept.", plan->second.grasps_size(),
                                    plan->second.candidates()));

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "msgs/convert/outcomes.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/state_chart.h"
 
@@ -17,7 +18,8 @@ void add_task(report::Page& page, const msgs::Task& task,
   chart.start = task.start();
   std::set<std::string> names;
   for (const auto& state : task.states()) {
-    chart.states.push_back({state.name(), state.action()});
+    chart.states.push_back(
+        {state.name(), control::to_string(convert::from_message(state.action()))});
     names.insert(state.name());
     for (const auto& way : state.ways()) {
       chart.ways.push_back({state.name(), way.next(), way.outcome()});

@@ -34,7 +34,8 @@ std::map<std::string, std::vector<Shown>> shown_frames(const Collected& collecte
   for (const auto& snapshot : collected.snapshots) {
     for (const auto& [name, frame] : snapshot.pads) {
       const auto pad = shown.find(name);
-      if (pad != shown.end()) pad->second.push_back({&frame, "end of " + snapshot.phase});
+      if (pad != shown.end())
+        pad->second.push_back({&frame, "end of " + to_string(snapshot.phase)});
     }
   }
   return shown;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "msgs/convert/outcomes.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/grasp/uncertainty.h"
 
 namespace prehend::nodes {
@@ -17,10 +19,11 @@ constexpr double kPutDownHeight = 0.01;  // m, over the table
 bool places_objects(const Collected& collected) {
   if (!collected.task) return true;
   const auto& path = collected.result->task_path();
-  return std::any_of(
-      collected.task->states().begin(), collected.task->states().end(), [&path](const auto& state) {
-        return state.action() == "place" && std::count(path.begin(), path.end(), state.name()) > 0;
-      });
+  return std::any_of(collected.task->states().begin(), collected.task->states().end(),
+                     [&path](const auto& state) {
+                       return state.action() == msgs::Task::PLACE &&
+                              std::count(path.begin(), path.end(), state.name()) > 0;
+                     });
 }
 
 // The reason of the stage at which the chain broke, from the end to the beginning.
@@ -31,8 +34,9 @@ std::string missing_stage(const Collected& collected) {
   if (collected.shapes.empty()) return "no completed shape came";
   if (collected.models.empty()) return "no object model came";
   if (collected.plans.empty()) return "no grasp plan came";
-  return collected.phases.empty() ? "the grasp cycle did not start"
-                                  : "the grasp cycle stayed in " + collected.phases.back().second;
+  return collected.phases.empty()
+             ? "the grasp cycle did not start"
+             : "the grasp cycle stayed in " + to_string(collected.phases.back().second);
 }
 
 }  // namespace
@@ -62,23 +66,11 @@ const msgs::Grasp* executed_grasp(const Collected& collected) {
 }
 
 std::string trust_text(const msgs::Grasp& grasp) {
-  // The remark of a grasp that was planned beside better ones may say already that it was not
-  // tried.
-  const bool says_so = grasp.remark().find(grasp::kNotAssessed) != std::string::npos;
-  std::string text;
-  if (grasp.has_robustness()) {
-    text = fmt::format("held in {:.0f} % of the disturbed trials", 100 * grasp.robustness());
-  } else if (!says_so) {
-    text = grasp::kNotAssessed;
-  }
-  if (!grasp.remark().empty()) text += (text.empty() ? "" : "; ") + grasp.remark();
-  return text;
-}
-
-std::optional<std::string> why_not_graspable(const std::string& problem) {
-  static const std::string kStart = "cannot be grasped: ";
-  if (!problem.starts_with(kStart)) return std::nullopt;
-  return problem.substr(kStart.size());
+  const std::string text =
+      grasp.has_robustness()
+          ? fmt::format("held in {:.0f} % of the disturbed trials", 100 * grasp.robustness())
+          : grasp::kNotAssessed;
+  return grasp.remark().empty() ? text : text + "; " + grasp.remark();
 }
 
 Verdict judge(const Collected& collected, const std::string& timeout_reason) {
@@ -89,12 +81,17 @@ Verdict judge(const Collected& collected, const std::string& timeout_reason) {
     return verdict;
   }
   const auto& result = *collected.result;
-  if (!result.success()) {
-    verdict.text = result.reason();
-    if (const auto why = why_not_graspable(result.reason()); why && result.attempts() == 0) {
-      verdict = {Verdict::Kind::kNotGraspable, *why};
+  try {
+    switch (convert::from_message(result.outcome())) {
+      case control::CycleOutcome::kSucceeded:
+        break;
+      case control::CycleOutcome::kUngraspable:
+        return {Verdict::Kind::kNotGraspable, result.reason()};
+      case control::CycleOutcome::kFailed:
+        return {Verdict::Kind::kFailure, result.reason()};
     }
-    return verdict;
+  } catch (const geometry::InputError& error) {
+    return {Verdict::Kind::kFailure, error.what()};
   }
   const std::vector<Lift> lifts = measure_lifts(collected);
   const Lift lift = lifts.empty() ? Lift{} : lifts.front();

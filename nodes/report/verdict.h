@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +23,6 @@ const msgs::Grasp* executed_grasp(const Collected& collected);
 /// How far a grasp can be relied on: in how many disturbed trials it held, and what is to know of
 /// it, e.g. that it touches surface that nobody saw.
 std::string trust_text(const msgs::Grasp& grasp);
-
-/// Why an object cannot be grasped, when that is what the problem of its plan, or the reason of the
-/// cycle's result, says; else nothing.
-std::optional<std::string> why_not_graspable(const std::string& problem);
 
 /// How the run ended.
 struct Verdict {

@@ -12,6 +12,8 @@
 namespace prehend::control {
 namespace {
 
+using motion::SegmentKind;
+
 constexpr const char* kLooksAgain = "lets go and looks again";
 
 std::vector<double> values_of(const Eigen::VectorXd& vector) {
@@ -143,12 +145,12 @@ void ArmCycle::begin(const Action& action) {
       return gather();
     }
     case Primitive::kLift:
-      begin_segment("lift", Step::kLift, held_collision_force());
+      begin_segment(Step::kLift, held_collision_force());
       return;
     case Primitive::kMove:
       return begin_move(action);
     case Primitive::kPlace:
-      begin_segment("place", Step::kPlace, contact_force_down());
+      begin_segment(Step::kPlace, contact_force_down());
       return;
     case Primitive::kRelease:
       return move_hand(Step::kRelease,
@@ -164,11 +166,12 @@ void ArmCycle::begin(const Action& action) {
 void ArmCycle::begin_move(const Action& action) {
   switch (action.goal) {
     case Action::Goal::kPlace:
-      if (!segment("place")) return ended(Outcome::kNothing, "the plan puts it nowhere");
-      begin_segment("carry", Step::kCarry, held_collision_force());
+      if (!segment(SegmentKind::kPlace))
+        return ended(Outcome::kNothing, "the plan puts it nowhere");
+      begin_segment(Step::kCarry, held_collision_force());
       return;
     case Action::Goal::kLowered: {
-      const JointTrajectory* lift = segment("lift");
+      const JointTrajectory* lift = segment(SegmentKind::kLift);
       if (!lift) return ended(Outcome::kDone);
       enter(Step::kLower, "lowering it");
       lowers_fully_ = action.share >= 1;
@@ -199,18 +202,36 @@ void ArmCycle::follow(const JointTrajectory& path, double contact_force, bool le
   }
 }
 
-const JointTrajectory* ArmCycle::segment(const std::string& name) const {
-  for (const auto& [segment_name, path] : grasp().segments) {
-    if (segment_name == name) return &path;
+const JointTrajectory* ArmCycle::segment(SegmentKind kind) const {
+  for (const auto& [one, path] : grasp().segments) {
+    if (one == kind) return &path;
   }
   return nullptr;
 }
 
-bool ArmCycle::begin_segment(const std::string& name, Step step, double contact_force) {
-  enter(step, "arm: " + name);
-  const JointTrajectory* path = segment(name);
-  if (path) follow(*path, contact_force);
-  return path != nullptr;
+std::optional<SegmentKind> ArmCycle::segment_of(Step step) {
+  switch (step) {
+    case Step::kReach:
+      return SegmentKind::kReach;
+    case Step::kApproach:
+      return SegmentKind::kApproach;
+    case Step::kLift:
+      return SegmentKind::kLift;
+    case Step::kCarry:
+      return SegmentKind::kCarry;
+    case Step::kPlace:
+      return SegmentKind::kPlace;
+    case Step::kRetreat:
+      return SegmentKind::kRetreat;
+    default:
+      return std::nullopt;
+  }
+}
+
+void ArmCycle::begin_segment(Step step, double contact_force) {
+  const SegmentKind kind = segment_of(step).value();
+  enter(step, std::string("arm: ") + motion::to_string(kind));
+  if (const JointTrajectory* path = segment(kind)) follow(*path, contact_force);
 }
 
 void ArmCycle::gather() {
@@ -272,17 +293,13 @@ void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& proble
 
 // A segment that the plan does not have ends at once.
 MotionStatus ArmCycle::motion_status() {
-  static const std::pair<Step, const char*> kSegments[] = {
-      {Step::kReach, "reach"}, {Step::kApproach, "approach"}, {Step::kLift, "lift"},
-      {Step::kCarry, "carry"}, {Step::kPlace, "place"},       {Step::kRetreat, "retreat"}};
   if (moves_hand()) return hand_.motion();
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
-  bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kShift ||
-                 step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value());
-  for (const auto& [step, name] : kSegments) {
-    planned = planned || (step == step_ && segment(name) != nullptr);
-  }
+  const std::optional<SegmentKind> kind = segment_of(step_);
+  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kShift ||
+                       step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value()) ||
+                       (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
 
@@ -348,7 +365,7 @@ double ArmCycle::contact_force_down() const {
 void ArmCycle::advance(MotionStatus status) {
   switch (step_) {
     case Step::kOpen:
-      begin_segment("reach", Step::kReach, options_.collision_force);
+      begin_segment(Step::kReach, options_.collision_force);
       return;
     case Step::kReach:
       return enter(Step::kRest, "reading the wrist at rest");
@@ -356,8 +373,7 @@ void ArmCycle::advance(MotionStatus status) {
       holding_.feel_free(percepts_.wrist_force);
       if (spent() < options_.rest_time) return;
       const bool feels = options_.reacts || primitive() == Primitive::kTouch;
-      begin_segment("approach", Step::kApproach,
-                    feels ? options_.contact_force : options_.collision_force);
+      begin_segment(Step::kApproach, feels ? options_.contact_force : options_.collision_force);
       return;
     }
     case Step::kApproach:

@@ -13,6 +13,7 @@
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_trajectory.h"
 #include "prehend/control/pad_percept.h"
+#include "prehend/motion/segment.h"
 #include "prehend/robot/closing_way.h"
 #include "prehend/robot/grip.h"
 
@@ -21,9 +22,8 @@ namespace prehend::control {
 /// A planned grasp with the arm's motion round it.
 struct ArmGrasp {
   GraspPose pose;
-  std::vector<std::pair<std::string, JointTrajectory>>
-      segments;  // reach, approach, lift, carry, place,
-                 // retreat; in this order, some may lack
+  /// In the order in which they are run; some may lack.
+  std::vector<std::pair<motion::SegmentKind, JointTrajectory>> segments;
   std::vector<std::string> hand_joints;
   robot::ClosingWay hand;  // of hand_joints
   double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
@@ -242,13 +242,16 @@ class ArmCycle : public Cycle {
   void step_waiting();
   /// Stops and ends when something of it is lost; true then.
   bool stop_when_lost();
-  /// Starts the segment of that name in `step`; true when there is one. Without it `step` ends.
-  bool begin_segment(const std::string& name, Step step, double contact_force);
+  /// Starts the segment that is gone in `step`; without it `step` ends.
+  void begin_segment(Step step, double contact_force);
   void begin_move(const Action& action);
   using FromHere = decltype(&joined);
   void follow(const JointTrajectory& path, double contact_force, bool leads_back = true,
               FromHere from_here_on = joined);
-  const JointTrajectory* segment(const std::string& name) const;
+  /// Of the present grasp; null when it has none.
+  const JointTrajectory* segment(motion::SegmentKind kind) const;
+  /// That is gone in a step; none in the others.
+  static std::optional<motion::SegmentKind> segment_of(Step step);
   MotionStatus motion_status();
   void gather();
   void close();

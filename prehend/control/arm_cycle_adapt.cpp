@@ -26,7 +26,7 @@ JointTrajectory beside(JointTrajectory path, const std::vector<double>& offsets)
 
 bool ArmCycle::feel() {
   const bool can = options_.reacts && !hand_.feels_its_grip() && !grasp().shifts.empty() &&
-                   segment("approach") != nullptr;
+                   segment(motion::SegmentKind::kApproach) != nullptr;
   if (!can || adapted_ >= options_.adaptations) return false;
   std::vector<double> gentle = grasp().largest_effort;
   for (double& effort : gentle) effort *= kFeelingShare;
@@ -39,7 +39,8 @@ bool ArmCycle::feel() {
 bool ArmCycle::adapt(bool felt_only) {
   const std::vector<double> stopped = hand_.positions();
   const auto motors = static_cast<Eigen::Index>(grasp().hand_joints.size());
-  const bool can = options_.reacts && !grasp().shifts.empty() && segment("approach") != nullptr &&
+  const bool can = options_.reacts && !grasp().shifts.empty() &&
+                   segment(motion::SegmentKind::kApproach) != nullptr &&
                    grasp().stops.size() == motors && grasp().fingertips.ways.cols() == motors &&
                    static_cast<Eigen::Index>(stopped.size()) == motors;
   if (!can || adapted_ >= options_.adaptations) return false;
@@ -60,7 +61,7 @@ bool ArmCycle::adapt(bool felt_only) {
 
 // Along the approach as it is from now on; back a little first from what stands in the way of it.
 void ArmCycle::shift() {
-  const JointTrajectory& approach = *segment("approach");
+  const JointTrajectory& approach = *segment(motion::SegmentKind::kApproach);
   const double gone =
       nearest_on(beside(approach, shifted_), percepts_.names, percepts_.positions).share;
   shifted_.resize(approach.joints.size());
@@ -77,7 +78,7 @@ void ArmCycle::shift() {
 }
 
 void ArmCycle::approach_again() {
-  const JointTrajectory left = beside(*segment("approach"), shifted_);
+  const JointTrajectory left = beside(*segment(motion::SegmentKind::kApproach), shifted_);
   const double gone = nearest_on(left, percepts_.names, percepts_.positions).share;
   if (primitive() != Primitive::kApproach) return gather();
   enter(Step::kApproach, "arm: approach");

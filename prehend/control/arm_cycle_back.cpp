@@ -27,17 +27,18 @@ void ArmCycle::clear_view() {
 
 // The hand is open, and presses on something that nobody saw: it would drag that along.
 void ArmCycle::relieve() {
-  const JointTrajectory& place = *segment("place");
+  const JointTrajectory& place = *segment(motion::SegmentKind::kPlace);
   const double gone = nearest_on(place, percepts_.names, percepts_.positions).share;
   enter(Step::kRelieve, "going up from what it presses on");
   follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), kRelief), 0, false);
 }
 
 void ArmCycle::retreat() {
-  const JointTrajectory* way = segment("retreat");
+  const JointTrajectory* way = segment(motion::SegmentKind::kRetreat);
   const bool relieved = step_ == Step::kRelieve;
   const double pressed = percepts_.wrist_force ? percepts_.wrist_force->norm() : 0;
-  if (way && !relieved && segment("place") && pressed > options_.contact_force) return relieve();
+  if (way && !relieved && segment(motion::SegmentKind::kPlace) && pressed > options_.contact_force)
+    return relieve();
   enter(Step::kRetreat, "arm: retreat");
   if (!way) return;
   follow(*way, options_.collision_force, true, relieved ? displaced : joined);

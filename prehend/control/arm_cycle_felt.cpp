@@ -108,7 +108,7 @@ bool ArmCycle::watch_held() {
   const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
   if (!lifting && !carrying && !placing && !shaking) return false;
   bool by_weight = carrying;
-  if (placing) by_weight = is_high(segment("place"), spent());
+  if (placing) by_weight = is_high(segment(motion::SegmentKind::kPlace), spent());
   const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
   const std::string why = hand_.feels_its_grip()
                               ? (lifting ? std::string() : hand_.lost(rests))
@@ -146,7 +146,7 @@ void ArmCycle::check() {
 
 void ArmCycle::after_placing(MotionStatus status) {
   // Near its end the way is meant to meet what bears the object.
-  if (status == MotionStatus::kContact && is_high(segment("place"), spent())) {
+  if (status == MotionStatus::kContact && is_high(segment(motion::SegmentKind::kPlace), spent())) {
     const double weight = holding_.weight().value_or(0);
     add_surprise(SurpriseKind::kTouchedTooEarly, weight, felt_contact(weight),
                  "opens where it touches");

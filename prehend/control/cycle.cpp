@@ -14,6 +14,8 @@ std::string to_string(Phase phase) {
   switch (phase) {
     case Phase::kWaiting:
       return "waiting";
+    case Phase::kSpawn:
+      return "spawn";
     case Phase::kApproach:
       return "approach";
     case Phase::kGrasp:
@@ -141,7 +143,7 @@ void Cycle::ended(Outcome outcome, const std::string& reason) {
 }
 
 void Cycle::finish(bool success, const std::string& reason) {
-  result_.success = success;
+  result_.outcome = success ? CycleOutcome::kSucceeded : CycleOutcome::kFailed;
   result_.reason = reason;
   looking_ = false;
   stage_ = success ? Stage::kDone : Stage::kFailed;

@@ -15,18 +15,37 @@ namespace prehend::control {
 /// How a motion that was started goes on.
 enum class MotionStatus { kMoving, kReached, kContact, kFailed };
 
-enum class Phase { kWaiting, kApproach, kGrasp, kLift, kMove, kRelease, kDone, kFailed };
+/// From 1: a message with 0 does not say.
+enum class Phase {
+  kWaiting = 1,
+  kSpawn,  // before a cycle: objects are put into a simulation as they were predicted
+  kApproach,
+  kGrasp,
+  kLift,
+  kMove,
+  kRelease,
+  kDone,
+  kFailed,
+};
 
-/// "waiting", "approach", ... as in msgs.CycleState.phase.
+/// "waiting", "approach", ...
 std::string to_string(Phase phase);
 
+enum class CycleOutcome {
+  kFailed,
+  kUngraspable,  // an answer: nothing was tried, as the plan says that nothing can be grasped
+  kSucceeded,
+};
+
 struct CycleResult {
-  bool success = false;
+  CycleOutcome outcome = CycleOutcome::kFailed;
   std::string reason;   // in words, for success too
   int grasp_index = 0;  // in the list given to start(), or to take_plan() since
   int attempts = 0;
   int plans = 1;   // that were used: 1 + those taken after a new look
   int placed = 0;  // objects that were put at their place
+
+  bool success() const { return outcome == CycleOutcome::kSucceeded; }
 };
 
 /// What every cycle can be told, whatever robot it moves.

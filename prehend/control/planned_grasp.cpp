@@ -40,7 +40,7 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   result.pose = {grasp.X_WG, grasp.preshape};
   const robot::KinematicChain chain = platform.arm_chain();
   for (const motion::PickSegment& segment : pick.segments) {
-    result.segments.emplace_back(segment.name, sampled(chain, *segment.trajectory));
+    result.segments.emplace_back(segment.kind, sampled(chain, *segment.trajectory));
   }
   for (const std::string& name : hand.actuated_names()) {
     result.hand_joints.push_back("hand_" + name);

@@ -11,8 +11,9 @@
 // What a robot is to do, whatever its body: a small state machine of primitive actions.
 namespace prehend::control {
 
+/// From 1: a message with 0 does not say.
 enum class Primitive {
-  kLook,      // chooses an object and a grasp of it
+  kLook = 1,  // chooses an object and a grasp of it
   kApproach,  // opens the hand and goes to where it closes
   kTouch,     // the same until something is met
   kGrasp,     // closes the hand

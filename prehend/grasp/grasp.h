@@ -7,6 +7,7 @@
 
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/ledger.h"
+#include "prehend/grasp/plan_outcome.h"
 #include "prehend/grasp/wrench/force_closure.h"
 
 namespace prehend::grasp {
@@ -59,11 +60,10 @@ struct Grasp {
   std::string remark;     // what to know of it, in words; often empty
 };
 
-struct GraspPlan {
+struct GraspPlan : PlanAnswer {
   std::vector<Grasp> grasps;          // best first
   std::vector<Rejection> rejections;  // where the other candidates fell, by reason and generator
-  int candidates = 0;   // = grasps + all rejections (those ranked below the last are one reason)
-  std::string problem;  // "cannot be grasped: ..." when there is no grasp, else empty
+  int candidates = 0;  // = grasps + all rejections (those ranked below the last are one reason)
 };
 
 /// m, between the pads of a parallel gripper before it closes: its motor moves half of it.

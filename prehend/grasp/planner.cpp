@@ -294,12 +294,11 @@ std::vector<Listed> Planner::ranked(const std::vector<Tried>& tried, std::size_t
 // The one reason to tell: out of reach, too wide, or the last test that at least a tenth of the
 // reachable candidates got to.
 std::string Planner::problem(int candidates) const {
-  const std::string start = "cannot be grasped: ";
   const int reachable =
       candidates - ledger_.count(Reason::kDirection) - ledger_.count(Reason::kWorkspace);
-  if (reachable == 0) return start + "no approach to it is within the robot's reach";
+  if (reachable == 0) return "no approach to it is within the robot's reach";
   if (std::isfinite(narrowest_)) {
-    if (const std::string wide = closing_->too_wide(narrowest_); !wide.empty()) return start + wide;
+    if (const std::string wide = closing_->too_wide(narrowest_); !wide.empty()) return wide;
   }
   Reason last = Reason::kNoTime;
   for (const Reason stage : closing_->stages()) {
@@ -308,10 +307,9 @@ std::string Planner::problem(int candidates) const {
       last = stage;
     }
   }
-  const std::string words = closing_->explain(last);
-  if (words != to_string(last)) return start + words;
-  return start +
-         fmt::format("{} ({} of {} reachable candidates)", words, ledger_.count(last), reachable);
+  if (const std::string figures = closing_->explain(last); !figures.empty()) return figures;
+  return fmt::format("{} ({} of {} reachable candidates)", to_string(last), ledger_.count(last),
+                     reachable);
 }
 
 GraspPlan Planner::plan() {
@@ -331,11 +329,9 @@ GraspPlan Planner::plan() {
       best.pop_back();
     }
   }
-  for (Listed& one : best) {
-    if (one.grasp().robustness < 0) add_remark(kNotAssessed, &one.grasp().remark);
-    result.grasps.push_back(std::move(one.grasp()));
-  }
+  for (Listed& one : best) result.grasps.push_back(std::move(one.grasp()));
   result.rejections = ledger_.rejections(closing_->stages());
+  result.outcome = result.grasps.empty() ? PlanOutcome::kUngraspable : PlanOutcome::kGraspable;
   if (result.grasps.empty()) result.problem = problem(result.candidates);
   return result;
 }

@@ -29,7 +29,7 @@ struct Disturbance {
   double friction = 0;
 };
 
-/// For the remark of a grasp whose robustness is not known: there were no samples, no time, or
+/// What to tell people of a grasp whose robustness is not known: there were no samples, no time, or
 /// enough better ones.
 inline constexpr const char* kNotAssessed = "robustness not assessed";
 

@@ -316,9 +316,9 @@ class Picker {
   bool finish(const Goal& goal, std::vector<Positions> reach) {
     const PickGrasp& grasp = task_.grasps[goal.grasp];
     result_.segments.clear();
-    add("reach", std::move(reach), false);
-    add("approach", goal.approach, false);
-    add("lift", goal.lift, true);
+    add(SegmentKind::kReach, std::move(reach), false);
+    add(SegmentKind::kApproach, goal.approach, false);
+    add(SegmentKind::kLift, goal.lift, true);
     if (is_placed() && !finish_at_place(goal)) return false;
     if (options_.acceleration.size() > 0) {
       time_segments(grasp);
@@ -341,9 +341,9 @@ class Picker {
       lap("carry");
       if (carry.found()) {
         const WayDown& way = place.ways[static_cast<std::size_t>(carry.goal)];
-        add("carry", std::move(carry.waypoints), true);
-        add("place", way.down, true);
-        add("retreat", way.retreat, false);
+        add(SegmentKind::kCarry, std::move(carry.waypoints), true);
+        add(SegmentKind::kPlace, way.down, true);
+        add(SegmentKind::kRetreat, way.retreat, false);
         result_.place = static_cast<int>(place.index);
         return true;
       }
@@ -354,8 +354,8 @@ class Picker {
     return false;
   }
 
-  void add(const char* name, std::vector<Positions> waypoints, bool holds) {
-    result_.segments.push_back({name, std::move(waypoints), holds, std::nullopt});
+  void add(SegmentKind kind, std::vector<Positions> waypoints, bool holds) {
+    result_.segments.push_back({kind, std::move(waypoints), holds, std::nullopt});
   }
 
   void time_segments(const PickGrasp& grasp) {
@@ -365,23 +365,37 @@ class Picker {
     straight.deviation = std::min(straight.deviation, 1e-3);
     for (PickSegment& segment : result_.segments) {
       const std::vector<Positions>& way = segment.waypoints;
-      const auto timed = [&](const RobotInWorld& scene, TimingOptions timing) {
-        const bool is_straight = segment.name != "reach" && segment.name != "carry";
-        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, timing);
-        if (!is_straight || options_.straight_speed <= 0) return;
-        const double factor = options_.straight_speed / tool_speed(*segment.trajectory);
-        if (factor >= timing.speed_factor) return;
-        timing.speed_factor = factor;
-        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, timing);
+      const auto timed = [&](const RobotInWorld& scene) {
+        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, options_.timing);
       };
-      if (segment.name == "reach") timed(scenes_.reach(), options_.timing);
-      if (segment.name == "approach") timed(scenes_.approach(), straight);
-      if (segment.name == "lift") timed(scenes_.lift(grasp, way.front()), straight);
-      if (segment.name == "carry") timed(scenes_.carry(grasp), options_.timing);
-      if (segment.name == "place") timed(scenes_.lift(grasp, way.back()), straight);
-      if (segment.name == "retreat") {
-        timed(scenes_.retreat(task_.X_BO_places[static_cast<std::size_t>(result_.place)]),
-              straight);
+      const auto timed_straight = [&](const RobotInWorld& scene) {
+        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, straight);
+        if (options_.straight_speed <= 0) return;
+        TimingOptions slower = straight;
+        slower.speed_factor = options_.straight_speed / tool_speed(*segment.trajectory);
+        if (slower.speed_factor >= straight.speed_factor) return;
+        segment.trajectory = blend_trajectory(scene, way, options_.acceleration, slower);
+      };
+      switch (segment.kind) {
+        case SegmentKind::kReach:
+          timed(scenes_.reach());
+          break;
+        case SegmentKind::kApproach:
+          timed_straight(scenes_.approach());
+          break;
+        case SegmentKind::kLift:
+          timed_straight(scenes_.lift(grasp, way.front()));
+          break;
+        case SegmentKind::kCarry:
+          timed(scenes_.carry(grasp));
+          break;
+        case SegmentKind::kPlace:
+          timed_straight(scenes_.lift(grasp, way.back()));
+          break;
+        case SegmentKind::kRetreat:
+          timed_straight(
+              scenes_.retreat(task_.X_BO_places[static_cast<std::size_t>(result_.place)]));
+          break;
       }
     }
   }

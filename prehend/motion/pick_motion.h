@@ -9,6 +9,7 @@
 #include "prehend/motion/blended_trajectory.h"
 #include "prehend/motion/planner_registry.h"
 #include "prehend/motion/rrt_connect.h"
+#include "prehend/motion/segment.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/text/knob.h"
 
@@ -96,7 +97,7 @@ struct PickRejection {
 };
 
 struct PickSegment {
-  std::string name;  // reach, approach, lift, carry, place, retreat
+  SegmentKind kind = SegmentKind::kReach;
   std::vector<robot::Positions> waypoints;
   bool holds = false;                           // the object moves with the hand
   std::optional<BlendedTrajectory> trajectory;  // with PickOptions::acceleration

@@ -286,7 +286,9 @@ class PlatformPicker {
   void add_shifts(const HandShape& shape, const RigidTransform& X_WG) {
     const auto approach =
         std::find_if(result_.motion.segments.begin(), result_.motion.segments.end(),
-                     [](const motion::PickSegment& segment) { return segment.name == "approach"; });
+                     [](const motion::PickSegment& segment) {
+                       return segment.kind == motion::SegmentKind::kApproach;
+                     });
     if (options_.shift <= 0 || approach == result_.motion.segments.end()) return;
     const robot::Positions start = approach->waypoints.back();
     motion::RobotInWorld without = shape.robot;

@@ -58,6 +58,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   PlatformPlan plan;
   plan.rejections = std::move(grasps.rejections);
   plan.candidates = grasps.candidates;
+  plan.outcome = grasps.outcome;
   plan.problem = grasps.problem;
   for (const grasp::Grasp& grasp : grasps.grasps) {
     plan.robustness = std::max(plan.robustness, grasp.robustness);
@@ -80,7 +81,8 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
                                   PlatformPlan* plan) const {
   const FreePlaces places = free_places_for(platform_, scene, options.place);
   if (!places.problem.empty()) {
-    plan->problem = "cannot be grasped: " + places.problem + ". " + kPlaceMend;
+    plan->outcome = grasp::PlanOutcome::kUngraspable;
+    plan->problem = places.problem + ". " + kPlaceMend;
     return;
   }
   PlatformPickOptions arm = options.arm;
@@ -108,8 +110,8 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     grasps.erase(grasps.begin() + pick.grasp);
   }
   if (plan->picks.empty()) {
-    plan->problem = fmt::format("cannot be grasped: the arm can execute none of {} grasps: {}", all,
-                                arm_problem);
+    plan->outcome = grasp::PlanOutcome::kUngraspable;
+    plan->problem = fmt::format("the arm can execute none of {} grasps: {}", all, arm_problem);
     return;
   }
   for (grasp::Grasp& grasp : grasps)

@@ -31,13 +31,13 @@ struct PlannedPick {
   std::vector<SidewaysShift> shifts;          // as PlatformPick's, of those with a motion
 };
 
-struct PlatformPlan {
+/// An answer, kGraspable when something can be executed, with what it is of.
+struct PlatformPlan : grasp::PlanAnswer {
   std::vector<PlannedPick> picks;  // those with a motion, best first, then the others, best first
   std::vector<grasp::Rejection> rejections;           // where other candidates fell
   std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
-  std::string problem;     // "cannot be grasped: ..." when nothing can be executed, else empty
   double touch_time = 0;   // s, that predicting touch took
 };
 

@@ -58,8 +58,10 @@ inline JointTrajectory path(double from, double to) {
 
 inline ArmGrasp fake_grasp() {
   ArmGrasp grasp;
-  grasp.segments = {{"reach", path(0, 1)}, {"approach", path(1, 2)}, {"lift", path(2, 3)},
-                    {"carry", path(3, 4)}, {"place", path(4, 5)},    {"retreat", path(5, 6)}};
+  using motion::SegmentKind;
+  grasp.segments = {{SegmentKind::kReach, path(0, 1)}, {SegmentKind::kApproach, path(1, 2)},
+                    {SegmentKind::kLift, path(2, 3)},  {SegmentKind::kCarry, path(3, 4)},
+                    {SegmentKind::kPlace, path(4, 5)}, {SegmentKind::kRetreat, path(5, 6)}};
   grasp.hand_joints = {"f"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   grasp.hand = {one(0.1), one(0.6), one(1), one(-1), one(2)};

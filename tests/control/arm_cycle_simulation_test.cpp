@@ -107,12 +107,15 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
     X_WG = at;
     const robot::Preshape& preshape = platform.hand.preshape(setup.preshape);
     PlanByHand plan(platform, preshape);
-    grasp.segments.emplace_back("reach", plan.jump(over(0, 0.12)));
-    grasp.segments.emplace_back("approach", plan.straight(over(0, 0.12), over(0, 0)));
-    grasp.segments.emplace_back("lift", plan.straight(over(0, 0), over(0, 0.1)));
-    grasp.segments.emplace_back("carry", plan.straight(over(0, 0.1), over(0.15, 0.1)));
-    grasp.segments.emplace_back("place", plan.straight(over(0.15, 0.1), over(0.15, 0.002)));
-    grasp.segments.emplace_back("retreat", plan.straight(over(0.15, 0.002), over(0.15, 0.12)));
+    using motion::SegmentKind;
+    grasp.segments.emplace_back(SegmentKind::kReach, plan.jump(over(0, 0.12)));
+    grasp.segments.emplace_back(SegmentKind::kApproach, plan.straight(over(0, 0.12), over(0, 0)));
+    grasp.segments.emplace_back(SegmentKind::kLift, plan.straight(over(0, 0), over(0, 0.1)));
+    grasp.segments.emplace_back(SegmentKind::kCarry, plan.straight(over(0, 0.1), over(0.15, 0.1)));
+    grasp.segments.emplace_back(SegmentKind::kPlace,
+                                plan.straight(over(0.15, 0.1), over(0.15, 0.002)));
+    grasp.segments.emplace_back(SegmentKind::kRetreat,
+                                plan.straight(over(0.15, 0.002), over(0.15, 0.12)));
     grasp.hand_joints = platform.hand.actuated_names();
     Eigen::VectorXd closed = preshape.open;
     for (int i = 0; i < platform.hand.size(); ++i) {
@@ -149,7 +152,7 @@ TEST_P(InSimulation, PicksABoxAndPutsItDown) {
   CycleInWorld in_world(world, options());
   run(in_world);
   const ArmCycle& cycle = in_world.cycle();
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_GT(highest, 0.09);
   for (int i = 0; i < 500; ++i) world.step();
   const simulation::RobotBodyReading put = world.body("box");
@@ -172,7 +175,7 @@ TEST_P(InSimulation, HoldsWhatIsMuchLighterThanGuessedWithAnyOverrun) {
   CycleInWorld in_world(world, far);
   run(in_world);
   const ArmCycle& cycle = in_world.cycle();
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_LT(world.body("box").height, 0.003);
 }
 
@@ -189,7 +192,7 @@ TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
     world.place_object("box", elsewhere);
   });
   EXPECT_TRUE(gone);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("lost while carrying"), std::string::npos)
       << cycle.result().reason;
   EXPECT_TRUE(std::any_of(cycle.surprises().begin(), cycle.surprises().end(), [](const auto& s) {
@@ -219,7 +222,7 @@ class FeltInSimulation : public InSimulation {
     CycleInWorld in_world(world, options());
     run(in_world);
     const ArmCycle& cycle = in_world.cycle();
-    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     int compared = 0;
     for (const Surprise& surprise : cycle.surprises()) {
       const bool touches =

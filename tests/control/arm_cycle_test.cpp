@@ -33,7 +33,7 @@ TEST(ArmCycle, RunsTheSegmentsInOrder) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   std::vector<double> ends;
   for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   EXPECT_THAT(ends, ElementsAre(1, 2, 3, 4, 5, 6));
@@ -72,7 +72,7 @@ TEST(ArmCycle, ReactsToContactAndLiftsFromWhereItStopped) {
     if (f.arm.asked.size() == 2) f.now.positions[0] = 1.8;  // short of 2
     cycle.step(f.now);
   }
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(f.arm.forces[1], options.contact_force);
   EXPECT_NEAR(f.arm.asked[2].points.front().position[0], 1.8, 1e-12);
   EXPECT_NEAR(f.arm.asked[2].points.back().position[0], 3, 1e-12);
@@ -95,7 +95,7 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
     cycle.step(f.now);
     cycle.start({fake_grasp()});
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success) << segment;
+    EXPECT_FALSE(cycle.result().success()) << segment;
     EXPECT_THAT(cycle.result().reason, HasSubstr("the arm hit something")) << segment;
     EXPECT_GE(f.arm.stops, 1);
     EXPECT_EQ(f.hand.asked.back(), 0.1) << "it opens";
@@ -106,7 +106,7 @@ TEST(ArmCycle, WhatTheArmHitsEndsTheAttempt) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
 }
 
 // Two fingers against each other along x, and a hand that can follow to both sides.
@@ -210,7 +210,7 @@ TEST(ArmCycle, WhatBearsTheObjectSurprisesHighAboveItsPlaceOnly) {
     while (f.now.time < begun + touch_time) f.run(cycle, 1);
     f.arm.says[5] = MotionStatus::kContact;
     f.run(cycle);
-    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     EXPECT_EQ(surprising(cycle), touch_time < 1 ? 1 : 0) << touch_time;
   }
 }
@@ -225,7 +225,7 @@ TEST(ArmCycle, FingersAreSentNoFartherThanTheirLimits) {
   grasp.hand.upper[0] = 0.7;
   cycle.start({grasp});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   ASSERT_EQ(f.hand.asked.size(), 4u);
   EXPECT_EQ(f.hand.asked[2], 0.7);
 }
@@ -241,7 +241,7 @@ TEST(ArmCycle, TheGuessedWeightDecidesNothing) {
     grasp.lifted_mass = 1.5;
     cycle.start({grasp});
     f.run(cycle);
-    EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     const Surprise* felt = surprise_of(cycle, SurpriseKind::kLiftedWeight);
     ASSERT_TRUE(felt);
     EXPECT_EQ(felt->surprising, weight > 30) << "a guess may be wrong by all of it";
@@ -263,7 +263,7 @@ TEST(ArmCycle, WhatIsLostOnTheWayFailsTheAttempt) {
       f.weight = 0;
     }
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success) << cycle.result().reason;
+    EXPECT_FALSE(cycle.result().success()) << cycle.result().reason;
     EXPECT_EQ(f.arm.stops, 1);
     EXPECT_EQ(surprising(cycle), 1);
     EXPECT_FALSE(f.hand.last_closes) << "it opens";
@@ -288,7 +288,7 @@ TEST(ArmCycle, WhatSticksToTheHandIsNotPutDown) {
     f.felt().wrist_force = Eigen::Vector3d(0, 0, 3);
     cycle.step(f.now);
   }
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_THAT(cycle.result().reason, HasSubstr("did not leave the hand"));
   ASSERT_TRUE(surprise_of(cycle, SurpriseKind::kPlaced));
   EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kPlaced)->surprising);
@@ -302,7 +302,7 @@ TEST(ArmCycle, WithoutAPlaceItEndsHolding) {
   grasp.segments.resize(3);
   cycle.start({grasp});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_THAT(cycle.result().reason, HasSubstr("lifted and held"));
   EXPECT_TRUE(f.hand.last_closes) << "it is not dropped";
 }
@@ -314,7 +314,7 @@ TEST(ArmCycle, GoesBackAndTriesTheNextGrasp) {
   cycle.step(f.now);
   cycle.start({fake_grasp(), fake_grasp()});
   f.run(cycle);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().attempts, 2);
   EXPECT_THAT(cycle.result().reason, HasSubstr("nothing is held"));
   std::vector<double> ends;
@@ -342,7 +342,7 @@ TEST(ArmCycle, LooksAgainFromWhereItBegan) {
   cycle.take_plan({elsewhere});
   EXPECT_FALSE(cycle.looks_since());
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 2);
   EXPECT_EQ(cycle.result().plans, 2);
   EXPECT_NEAR(f.arm.asked[asked].points.back().position[0], 0.9, 1e-12);
@@ -397,7 +397,7 @@ TEST(ArmCycle, SaysWhatWentWrong) {
     cycle.step(f.now);
     cycle.start({fake_grasp()});
     f.run(cycle);
-    EXPECT_FALSE(cycle.result().success);
+    EXPECT_FALSE(cycle.result().success());
     EXPECT_THAT(cycle.result().reason, HasSubstr("the arm's words"));
     ASSERT_TRUE(surprise_of(cycle, SurpriseKind::kMotion));
     EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kMotion)->surprising);
@@ -463,7 +463,7 @@ TEST(ArmCycle, PressesUntilThePadsFeelTheForceOfThePlan) {
   cycle.step(f.now);
   cycle.start({forceful_grasp()});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_NEAR(f.most, 12, 0.1 * 12) << "not with all that the motors can, 50 N";
   ASSERT_NE(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
   EXPECT_FALSE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
@@ -477,7 +477,7 @@ TEST(ArmCycle, WhatPadsDoNotSayIsNotComparedAndTheMotorsPress) {
   cycle.step(f.now);
   cycle.start({forceful_grasp()});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_NEAR(f.most, 50, 1e-9);
   EXPECT_EQ(surprise_of(cycle, SurpriseKind::kTactileSum), nullptr);
 }
@@ -490,7 +490,7 @@ TEST(ArmCycle, AForceThatIsNotReachedIsASurpriseNotAFailure) {
   grasp.force = grasp.tactile_sum = 80;
   cycle.start({grasp});
   f.run_feeling(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kTactileSum)->surprising);
 }
 

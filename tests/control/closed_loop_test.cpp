@@ -36,7 +36,7 @@ Outcome grasp_in_simulation(const simulation::SceneObject& object,
 
   const Outcome outcome = eval::execute_grasps(world, 0, plan);
   std::printf("%s: %s (%s), %d attempts, %.1f s\n", object.shape.c_str(),
-              outcome.result.success ? "success" : "failure", outcome.result.reason.c_str(),
+              outcome.result.success() ? "success" : "failure", outcome.result.reason.c_str(),
               outcome.result.attempts, world.time());
   for (const auto& s : outcome.surprises) {
     std::printf("  surprise %d: predicted %.5g felt %.5g tolerance %.3g %s\n",
@@ -53,7 +53,7 @@ Outcome grasp_in_simulation(const simulation::SceneObject& object) {
 }
 
 void expect_carried(const Outcome& outcome) {
-  EXPECT_TRUE(outcome.result.success) << outcome.result.reason;
+  EXPECT_TRUE(outcome.result.success()) << outcome.result.reason;
   EXPECT_EQ(outcome.result.attempts, 1);
   EXPECT_GE(outcome.raised, 0.1);
   EXPECT_NEAR(outcome.moved, 0.15, 0.02);
@@ -101,7 +101,7 @@ TEST(ClosedLoop, Ball) {
   object.radius = 0.03;
   object.mass = 0.1;
   const Outcome outcome = grasp_in_simulation(object);
-  EXPECT_TRUE(outcome.result.success) << outcome.result.reason;
+  EXPECT_TRUE(outcome.result.success()) << outcome.result.reason;
   EXPECT_GE(outcome.raised, 0.1);
 }
 
@@ -118,7 +118,7 @@ TEST(ClosedLoop, WrongBeliefIsFeltAndSurvived) {
   believed.yaw += 0.06;
   believed.size.y() += 0.008;
   const Outcome outcome = grasp_in_simulation(object, believed);
-  EXPECT_TRUE(outcome.result.success) << outcome.result.reason;
+  EXPECT_TRUE(outcome.result.success()) << outcome.result.reason;
   EXPECT_GE(outcome.raised, 0.1);
   EXPECT_TRUE(
       std::any_of(outcome.surprises.begin(), outcome.surprises.end(), [](const Surprise& surprise) {
@@ -135,7 +135,7 @@ TEST(ClosedLoop, MissingObject) {
   simulation::SceneObject believed = object;
   believed.x = 0;
   const Outcome outcome = grasp_in_simulation(object, believed);
-  EXPECT_FALSE(outcome.result.success);
+  EXPECT_FALSE(outcome.result.success());
   EXPECT_EQ(outcome.result.attempts, 3);
   EXPECT_NE(outcome.result.reason.find("neither pad"), std::string::npos) << outcome.result.reason;
   EXPECT_LT(outcome.raised, 0.001);
@@ -146,7 +146,7 @@ TEST(ClosedLoop, WideBoxIsNotTried) {
   object.name = "wide";
   object.size = {0.1, 0.094, 0.1};
   const Outcome outcome = grasp_in_simulation(object);
-  EXPECT_FALSE(outcome.result.success);
+  EXPECT_FALSE(outcome.result.success());
   EXPECT_EQ(outcome.result.attempts, 0);
   EXPECT_EQ(outcome.result.reason,
             "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");

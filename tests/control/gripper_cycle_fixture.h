@@ -219,21 +219,22 @@ inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0}) {
   ArmGrasp grasp;
   grasp.pose.X_WG = geometry::make_transform(Eigen::Quaterniond(0, 1, 0, 0), {x, 0, 0.04});
   Eigen::Vector3d here(-0.3, 0, 0.4);
-  const auto add = [&](const std::string& name, const Eigen::Vector3d& to, double speed) {
+  const auto add = [&](motion::SegmentKind kind, const Eigen::Vector3d& to, double speed) {
     const auto point = [](double time, const Eigen::Vector3d& p) {
       return JointTrajectory::Point{time, {p.x(), p.y(), p.z()}, {0, 0, 0}, {}};
     };
     grasp.segments.push_back(
-        {name, {{"x", "y", "z"}, {point(0, here), point((to - here).norm() / speed, to)}}});
+        {kind, {{"x", "y", "z"}, {point(0, here), point((to - here).norm() / speed, to)}}});
     here = to;
   };
+  using motion::SegmentKind;
   const Eigen::Vector3d at(x, 0, 0.04), up(0, 0, 0.15), back(0, 0, 0.08);
-  add("reach", at + back, 0.25);
-  add("approach", at, 0.08);
-  add("lift", at + up, 0.1);
-  add("carry", at + up + move, 0.25);
-  add("place", at + move, 0.08);
-  add("retreat", at + move + back, 0.25);
+  add(SegmentKind::kReach, at + back, 0.25);
+  add(SegmentKind::kApproach, at, 0.08);
+  add(SegmentKind::kLift, at + up, 0.1);
+  add(SegmentKind::kCarry, at + up + move, 0.25);
+  add(SegmentKind::kPlace, at + move, 0.08);
+  add(SegmentKind::kRetreat, at + move + back, 0.25);
   grasp.hand_joints = {"opening"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   grasp.hand = {one(0.0345), one(0.025), one(-0.1), one(0), one(0.0345)};

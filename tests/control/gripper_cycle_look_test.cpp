@@ -45,7 +45,7 @@ TEST_F(LookingCycleTest, TakesAPlanOfWhereTheObjectIsNow) {
   looking.take_plan({grasp_at(0.06, {0.1, 0, 0})});
   EXPECT_FALSE(looking.looks_since());
   run_to_the_end(&looking);
-  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_TRUE(looking.result().success()) << looking.result().reason;
   EXPECT_EQ(looking.result().attempts, 2);
   EXPECT_EQ(looking.result().plans, 2);
   EXPECT_EQ(looking.result().grasp_index, 0);
@@ -68,7 +68,7 @@ TEST_F(LookingCycleTest, WithoutANewPlanTakesTheNextGrasp) {
   EXPECT_NEAR(world.percepts().time - since, options().look_timeout, 0.05);
   EXPECT_TRUE(said);
   run_to_the_end(&looking);
-  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_TRUE(looking.result().success()) << looking.result().reason;
   EXPECT_EQ(looking.result().grasp_index, 2) << "2 mm beside the one that failed";
   EXPECT_EQ(looking.result().plans, 1);
 }
@@ -110,7 +110,7 @@ TEST_F(LookingCycleTest, WhatFailedIsTriedLastThoughItIsPlannedAgain) {
   run_until_it_looks(&looking);
   looking.take_plan({grasp_at(0.003), grasp_at(0.04)});
   run_to_the_end(&looking);
-  EXPECT_TRUE(looking.result().success) << looking.result().reason;
+  EXPECT_TRUE(looking.result().success()) << looking.result().reason;
   EXPECT_EQ(looking.result().attempts, 2);
   EXPECT_EQ(looking.result().grasp_index, 1);
 }
@@ -123,7 +123,7 @@ TEST_F(LookingCycleTest, GivesUpAfterTheLastAttemptWithoutLooking) {
     looking.take_plan({grasp_at(0.05 * attempt)});
   }
   run_to_the_end(&looking);
-  EXPECT_FALSE(looking.result().success);
+  EXPECT_FALSE(looking.result().success());
   EXPECT_EQ(looking.result().attempts, options().largest_attempts);
   looking.take_plan({grasp_at(0)});
   EXPECT_TRUE(looking.finished()) << "a plan that nobody waits for";

@@ -9,7 +9,7 @@ namespace {
 
 TEST_F(GripperCycleTest, GraspsLiftsMovesAndReleases) {
   run(3);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 1);
   EXPECT_EQ(cycle.result().grasp_index, 0);
   EXPECT_GE(world.highest_object(), 0.12);
@@ -29,7 +29,7 @@ TEST_F(GripperCycleTest, GraspsLiftsMovesAndReleases) {
 TEST_F(GripperCycleTest, WrongWidthIsASurpriseButGripped) {
   world.object_width = 0.035;
   run(1);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   ASSERT_NE(surprise(SurpriseKind::kOpeningAtContact), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kOpeningAtContact)->surprising);
   EXPECT_NEAR(surprise(SurpriseKind::kOpeningAtContact)->felt, 0.035, 1e-3);
@@ -38,7 +38,7 @@ TEST_F(GripperCycleTest, WrongWidthIsASurpriseButGripped) {
 TEST_F(GripperCycleTest, NothingThereTriesTheNextGrasps) {
   world.object_width = 0;
   run(5);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().attempts, 3);
   EXPECT_NE(cycle.result().reason.find("neither pad"), std::string::npos) << cycle.result().reason;
   // Regression: without one surprise.
@@ -52,7 +52,7 @@ TEST_F(GripperCycleTest, NothingThereTriesTheNextGrasps) {
 TEST_F(GripperCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
   world.lost_when_carried = true;
   run(3);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().attempts, 3);
   const std::string& reason = cycle.result().reason;
   EXPECT_NE(reason.find("attempt 1 came furthest: grasp 0: lost while carrying"), std::string::npos)
@@ -67,7 +67,7 @@ TEST_F(GripperCycleTest, WhatIsLostWhileCarriedIsTheCauseAndASurprise) {
 TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
   world.slips_when_lifted = true;
   run(1);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   ASSERT_NE(surprise(SurpriseKind::kHeldAfterLift), nullptr);
   EXPECT_TRUE(surprise(SurpriseKind::kHeldAfterLift)->surprising);
   EXPECT_NE(cycle.result().reason.find("nothing is held after the lift: the opening"),
@@ -80,7 +80,7 @@ TEST_F(GripperCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
   run(1, [&] {
     if (cycle.detail() == "arm: place") world.object_width = 0;
   });
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("lost while lowering"), std::string::npos)
       << cycle.result().reason;
   ASSERT_NE(surprise(SurpriseKind::kHeldWhileCarried), nullptr);
@@ -91,7 +91,7 @@ TEST_F(GripperCycleTest, WhatSticksToTheHandIsNotPutDown) {
   run(1, [&] {
     if (cycle.detail() == "arm: retreat") world.object_width = 0.08;
   });
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("did not leave the hand"), std::string::npos)
       << cycle.result().reason;
 }
@@ -100,14 +100,14 @@ TEST_F(GripperCycleTest, WhatSticksToTheHandIsNotPutDown) {
 TEST_F(GripperCycleTest, LiftsWithLessForceThanAskedForWhenThePadsGetNoMore) {
   world.finger_stop = 0.05 - 8.0 / 20000;  // 8 N of 12
   run(1);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_GE(world.highest_object(), 0.12);
 }
 
 TEST_F(GripperCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
   world.finger_stop = 0.05 - 5.0 / 20000;
   run(1);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("force was not reached"), std::string::npos)
       << cycle.result().reason;
 }
@@ -115,7 +115,7 @@ TEST_F(GripperCycleTest, GivesUpWithMuchLessForceThanAskedFor) {
 TEST_F(GripperCycleTest, EarlyTouchBacksOff) {
   world.obstacle_height = 0.08;
   run(2);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().attempts, 2);
   ASSERT_NE(surprise(SurpriseKind::kTouchedTooEarly), nullptr);
   EXPECT_GT(world.height(), 0.12);
@@ -141,7 +141,7 @@ TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
 TEST_F(GripperCycleTest, OneNumbPad) {
   world.right_gain = 0;
   run(1);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("only the left pad"), std::string::npos)
       << cycle.result().reason;
 }
@@ -156,7 +156,7 @@ TEST_F(GripperCycleTest, JammedGripperGivesUp) {
 TEST_F(GripperCycleTest, StuckStageTimesOut) {
   world.arm_stuck = true;
   run(1);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_NE(cycle.result().reason.find("took too long"), std::string::npos)
       << cycle.result().reason;
 }
@@ -164,7 +164,7 @@ TEST_F(GripperCycleTest, StuckStageTimesOut) {
 TEST_F(GripperCycleTest, EmptyPlanEndsWithItsReason) {
   cycle.start({}, "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
   EXPECT_TRUE(cycle.finished());
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_EQ(cycle.result().reason,
             "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
 }
@@ -183,9 +183,9 @@ TEST_F(GripperCycleTest, SilentDevicesTimeOut) {
 
 TEST_F(GripperCycleTest, CanStartAgain) {
   run(1);
-  ASSERT_TRUE(cycle.result().success);
+  ASSERT_TRUE(cycle.result().success());
   run(1);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_EQ(cycle.result().attempts, 1);
 }
 

@@ -36,7 +36,7 @@ TEST_P(LostInput, StopsAllMotionAndIsTheReason) {
     lost_at = world.percepts().time;
   });
   ASSERT_GE(lost_at, 0) << "the cycle never was in that phase";
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_THAT(cycle.result().reason, HasSubstr(std::string("lost ") + input.in_words));
   EXPECT_NEAR(world.percepts().time - lost_at, input.limit, 0.05);
   EXPECT_TRUE(world.stopped()) << "the jaws go on";
@@ -82,7 +82,7 @@ TEST_F(GripperCycleTest, WaitsForWhatHasNotSpokenYet) {
     cycle.step(world.percepts());
     world.advance();
   }
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
 }
 
 /// Moves for `duration` s of the cycle's clock; says so, until it is silent.
@@ -124,8 +124,10 @@ ArmGrasp grasp_of_one_joint() {
     return {{"j"}, {{0, {from}, {0}, {}}, {1, {to}, {0}, {}}}};
   };
   ArmGrasp grasp;
-  grasp.segments = {{"reach", way(0, 1)}, {"approach", way(1, 2)}, {"lift", way(2, 3)},
-                    {"carry", way(3, 4)}, {"place", way(4, 5)},    {"retreat", way(5, 6)}};
+  using motion::SegmentKind;
+  grasp.segments = {{SegmentKind::kReach, way(0, 1)}, {SegmentKind::kApproach, way(1, 2)},
+                    {SegmentKind::kLift, way(2, 3)},  {SegmentKind::kCarry, way(3, 4)},
+                    {SegmentKind::kPlace, way(4, 5)}, {SegmentKind::kRetreat, way(5, 6)}};
   grasp.hand_joints = {"f"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   grasp.hand = {one(0.1), one(0.6), one(1), one(0), one(2)};
@@ -171,7 +173,7 @@ TEST_P(ArmLostInput, StopsAllMotionAndIsTheReason) {
                                                  {"wrist", "lost the wrist's force"},
                                                  {"arm", "lost the server of the arm's motion"}};
   ASSERT_GE(lost_at, 0);
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_THAT(cycle.result().reason, HasSubstr(words.at(input)));
   EXPECT_LE(now - lost_at, options.stale_time + 0.05);
   EXPECT_FALSE(arm.moving);
@@ -186,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Inputs, ArmLostInput,
 
 TEST_F(ArmLostInput, SucceedsWithAllOfThem) {
   run([](ArmPercepts&) {});
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
 }
 
 TEST_F(ArmLostInput, WaitsForTheWristAndSaysSo) {

@@ -48,7 +48,7 @@ TEST_F(TaskOfTheGripper, WorkCyclePutsItBackWhereItStood) {
   ArmCycle working{doing(task_named("work_cycle")), arm, hand};
   working.start({grasp_at(0)});
   run_to_the_end(working);
-  EXPECT_TRUE(working.result().success) << working.result().reason;
+  EXPECT_TRUE(working.result().success()) << working.result().reason;
   EXPECT_THAT(states_of(working), ElementsAre("look", "approach", "grasp", "lift", "move_down",
                                               "release", "leave", "success"));
   EXPECT_NEAR(world.highest_object(), 0.15, 1e-3);
@@ -67,7 +67,7 @@ TEST_F(TaskOfTheGripper, ShakesFiveTimes) {
     ways += now != high ? 1 : 0;
     high = now;
   }
-  EXPECT_TRUE(shaking.result().success) << shaking.result().reason;
+  EXPECT_TRUE(shaking.result().success()) << shaking.result().reason;
   EXPECT_EQ(ways, 2 + 2 * 5) << "lifted, five times down and up, lowered";
 }
 
@@ -79,7 +79,7 @@ TEST_F(TaskOfTheGripper, WhatIsLostInAShakeIsALoss) {
     if (shaking.detail() == "lifting it again") world.object_width = 0;
     step(shaking);
   }
-  EXPECT_FALSE(shaking.result().success);
+  EXPECT_FALSE(shaking.result().success());
   EXPECT_THAT(shaking.result().reason, HasSubstr("lost while lifting"));
 }
 
@@ -95,7 +95,7 @@ TEST_F(TaskOfTheGripper, ClearsTheTableOfEveryObject) {
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 2);
   clearing.take_plan({}, "none is left");
-  EXPECT_TRUE(clearing.result().success) << clearing.result().reason;
+  EXPECT_TRUE(clearing.result().success()) << clearing.result().reason;
   EXPECT_THAT(clearing.result().reason, HasSubstr("2 objects were put at their place"));
   EXPECT_THAT(clearing.result().reason, HasSubstr("none is left"));
 }
@@ -117,7 +117,7 @@ TEST_F(TaskOfTheGripper, GoesOnWithTheOthersWhereOneCannotBeHeld) {
   run_until_it_looks(clearing);
   EXPECT_EQ(clearing.result().placed, 1);
   clearing.take_plan({}, "none is left");
-  EXPECT_FALSE(clearing.result().success) << "one was given up";
+  EXPECT_FALSE(clearing.result().success()) << "one was given up";
   EXPECT_THAT(clearing.result().reason, HasSubstr("1 given up"));
 }
 
@@ -140,7 +140,7 @@ states:
     if (cautious.detail() == "arm: approach") before = world.percepts().time;
     step(cautious);
   }
-  EXPECT_TRUE(cautious.result().success) << cautious.result().reason;
+  EXPECT_TRUE(cautious.result().success()) << cautious.result().reason;
   EXPECT_THAT(states_of(cautious), ElementsAre("look", "touch", "rest", "back", "success"));
   EXPECT_GT(world.percepts().time - before, 0.5);
   for (const Surprise& surprise : cautious.surprises()) EXPECT_FALSE(surprise.surprising);
@@ -148,7 +148,7 @@ states:
   ArmCycle in_vain{doing(touching), arm, hand};
   in_vain.start({grasp_at(0)});
   run_to_the_end(in_vain);
-  EXPECT_FALSE(in_vain.result().success);
+  EXPECT_FALSE(in_vain.result().success());
 }
 
 TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
@@ -157,7 +157,7 @@ TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_THAT(cycle.result().reason, HasSubstr("put down where it stood"));
   std::vector<double> ends;
   for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
@@ -170,7 +170,7 @@ TEST(TaskOfTheArm, ShakesAlongItsLift) {
   cycle.step(f.now);
   cycle.start({fake_grasp()});
   f.run(cycle);
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   std::vector<double> ends;
   for (const JointTrajectory& asked : f.arm.asked) {
     ends.push_back(std::round(100 * asked.points.back().position[0]) / 100);
@@ -195,7 +195,7 @@ TEST(TaskOfTheArm, ClearsTheTableOfEveryObject) {
     cycle.take_plan({next});
   }
   cycle.take_plan({}, "none is left");
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   EXPECT_THAT(cycle.result().reason, HasSubstr("2 objects were put at their place"));
 }
 
@@ -213,7 +213,7 @@ TEST(TaskOfTheArm, APlanWithoutAPlaceIsPutBack) {
   EXPECT_EQ(cycle.given_up(), 1);
   EXPECT_EQ(f.arm.position[0], 0) << "lowered again, and back where it began";
   cycle.take_plan({}, "none is left");
-  EXPECT_FALSE(cycle.result().success);
+  EXPECT_FALSE(cycle.result().success());
   EXPECT_THAT(cycle.result().reason, HasSubstr("not put at its place"));
 }
 

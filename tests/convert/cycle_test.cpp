@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ msgs::Grasp arm_grasp() {
   msgs::Grasp grasp;
   *grasp.mutable_x_wg() = to_message(geometry::RigidTransform::Identity());
   auto& segment = *grasp.add_arm();
-  segment.set_name("reach");
+  segment.set_kind(msgs::ArmSegment::REACH);
   segment.mutable_trajectory()->add_joint_name("arm_1");
   for (const char* joint : {"hand_a", "hand_b"}) grasp.add_hand_joint_name(joint);
   for (const double open : {0.1, 0.3}) grasp.add_open_position(open);
@@ -44,13 +45,14 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
 TEST(ArmGrasps, AreTheSameThereAndBack) {
   control::ArmGrasp grasp;
   control::JointTrajectory path{{"arm_1"}, {{0, {0.1}, {0}, {0}}, {0.02, {0.3}, {0}, {1.5}}}};
-  grasp.segments = {{"reach", path}, {"lift", control::reversed(path)}};
+  grasp.segments = {{motion::SegmentKind::kReach, path},
+                    {motion::SegmentKind::kLift, control::reversed(path)}};
   grasp.hand_joints = {"hand_a", "hand_b"};
   grasp.hand = {Eigen::Vector2d(0.1, 0.3), Eigen::Vector2d(0.8, 0.3), Eigen::Vector2d(1, 0),
                 Eigen::Vector2d(-1, -2), Eigen::Vector2d(1, 2)};
   grasp.effort = 0.4;
   grasp.largest_effort = {2, 3};
-  grasp.segments.insert(grasp.segments.begin() + 1, {"approach", path});
+  grasp.segments.insert(grasp.segments.begin() + 1, {motion::SegmentKind::kApproach, path});
   grasp.shifts = {{{0, 0.02, 0}, {0.1}}, {{0, -0.01, 0}, {-0.2}}};
   grasp.fingertips = {Eigen::Matrix3Xd::Random(3, 2), {1, -1}};
   msgs::Grasp message;
@@ -124,6 +126,18 @@ TEST(ArmGrasps, RefusesWhatDoesNotBelongTogether) {
   grasp.mutable_predicted()->add_stop_position(0.3);
   grasp.mutable_predicted()->set_stop_position(0, std::nan(""));
   EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
+}
+
+// Where an arm would have gone along a segment of an older sender, or a newer one.
+TEST(ArmGrasps, RefusesSegmentsOfAnUnknownKind) {
+  msgs::Grasp grasp = arm_grasp();
+  for (const int kind : {0, 7, -1}) {
+    grasp.mutable_arm(0)->set_kind(static_cast<msgs::ArmSegment::Kind>(kind));
+    EXPECT_THAT([&] { arm_grasp_from_message(grasp); },
+                testing::ThrowsMessage<geometry::InputError>(testing::AllOf(
+                    testing::HasSubstr(fmt::format("unknown ({})", kind)),
+                    testing::HasSubstr("Mend or update the node that published it"))));
+  }
 }
 
 TEST(Surprises, TravelWithTheirKind) {

@@ -58,6 +58,7 @@ GraspPlan plan(const std::string& name, const surface::ObjectModel& object,
   }
   EXPECT_EQ(static_cast<int>(result.grasps.size()) + rejected(result), result.candidates);
   EXPECT_EQ(result.grasps.empty(), !result.problem.empty());
+  EXPECT_EQ(result.grasps.empty(), result.outcome == PlanOutcome::kUngraspable);
   for (std::size_t i = 1; i < result.grasps.size(); ++i) {
     EXPECT_GE(result.grasps[i - 1].score, result.grasps[i].score);
   }
@@ -129,14 +130,16 @@ TEST(PlanGrasps, WideCupByTheGeneratorsThatAreAskedForAlone) {
   options.further_generators.clear();
   const auto result =
       plan_grasps(object_at(cup, {0.3, 0, 0}), {}, {}, kPlannerGripper, carrier(), options);
-  EXPECT_EQ(result.problem, "cannot be grasped: narrowest width 90 mm exceeds the gripper's 69 mm");
+  EXPECT_EQ(result.problem, "narrowest width 90 mm exceeds the gripper's 69 mm");
 }
 
 TEST(PlanGrasps, TooWideBoxSaysHowWide) {
   const auto result =
       plan("box 94 mm", object_at(geometry::make_box({0.12, 0.094, 0.1}), {0.4, 0, 0.05}, 0.2));
   EXPECT_TRUE(result.grasps.empty());
-  EXPECT_EQ(result.problem, "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
+  EXPECT_EQ(result.outcome, PlanOutcome::kUngraspable);
+  EXPECT_EQ(in_words(result),
+            "cannot be grasped: narrowest width 94 mm exceeds the gripper's 69 mm");
 }
 
 TEST(PlanGrasps, LedgerSaysHowNearTheBestCame) {
@@ -167,7 +170,6 @@ TEST(PlanGrasps, RobustnessFallsWithTheUncertainty) {
   for (const auto& grasp :
        plan_grasps(cube, geometry::Plane{}, {}, kPlannerGripper, carrier(), unassessed).grasps) {
     EXPECT_EQ(grasp.robustness, -1);
-    EXPECT_NE(grasp.remark.find(kNotAssessed), std::string::npos);
   }
   const double little = robustness(0.002, 0.02), much = robustness(0.03, 0.5);
   EXPECT_GT(little, 0.8);
@@ -231,8 +233,7 @@ TEST(PlanGrasps, GuessedSurfaceIsPenalisedAndSaidSo) {
     // Closing along x, one pad is on the guessed face.
     if (std::abs(grasp.X_WG.linear()(0, 1)) < 0.99) continue;
     EXPECT_NEAR(grasp.guessed_contact, 0.5, 1e-6);
-    EXPECT_EQ(grasp.remark,
-              "50 % of the contact is on surface that nobody saw; robustness not assessed");
+    EXPECT_EQ(grasp.remark, "50 % of the contact is on surface that nobody saw");
     for (const auto& other : sure.grasps) {
       if (!other.X_WG.isApprox(grasp.X_WG, 1e-12)) continue;
       EXPECT_NEAR(grasp.score / other.score, 1 - 0.5 * 0.25, 1e-6);
@@ -266,7 +267,7 @@ TEST(PlanGrasps, CrumbIsOutOfTheFingertipsReach) {
   const auto result =
       plan("crumb 4 mm", object_at(geometry::make_box({0.004, 0.004, 0.004}), {0.4, 0, 0.002}));
   EXPECT_TRUE(result.grasps.empty());
-  EXPECT_EQ(result.problem.rfind("cannot be grasped: ", 0), 0u) << result.problem;
+  EXPECT_EQ(result.outcome, PlanOutcome::kUngraspable) << result.problem;
 }
 
 TEST(PlanGrasps, OutOfTheWorkspace) {
@@ -276,7 +277,7 @@ TEST(PlanGrasps, OutOfTheWorkspace) {
   const auto result =
       plan("out of reach", object_at(geometry::make_box({0.05, 0.05, 0.05}), {0.4, 0.1, 0.025}),
            reachability);
-  EXPECT_EQ(result.problem, "cannot be grasped: no approach to it is within the robot's reach");
+  EXPECT_EQ(result.problem, "no approach to it is within the robot's reach");
 }
 
 TEST(PlanGrasps, NeighboursNarrowTheChoice) {

@@ -129,7 +129,7 @@ TEST_F(KnownObjects, TakeTheirPlaceAndTheirGraspsAreRemembered) {
     EXPECT_LT(received_plans_[1].candidates(), received_plans_[0].candidates() / 10);
   }
   msgs::CycleResult result;
-  result.set_success(true);
+  result.set_outcome(msgs::CycleResult::SUCCEEDED);
   result.set_object_id(7);
   result.set_grasp_index(0);
   result.set_attempts(1);

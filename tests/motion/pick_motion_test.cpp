@@ -52,10 +52,10 @@ TEST_P(PlanPick, PicksCarriesAndPlacesAmongObstacles) {
   options.acceleration = Eigen::VectorXd::Constant(scene.chain.size(), 5.0);
   const PickMotion motion = plan(scene, options);
   ASSERT_TRUE(motion.found()) << motion.problem;
-  std::vector<std::string> names;
-  for (const PickSegment& segment : motion.segments) names.push_back(segment.name);
-  EXPECT_THAT(names,
-              testing::ElementsAre("reach", "approach", "lift", "carry", "place", "retreat"));
+  std::vector<SegmentKind> kinds;
+  for (const PickSegment& segment : motion.segments) kinds.push_back(segment.kind);
+  using enum SegmentKind;
+  EXPECT_THAT(kinds, testing::ElementsAre(kReach, kApproach, kLift, kCarry, kPlace, kRetreat));
   EXPECT_EQ(scene.problem(motion), "");
   EXPECT_GT(motion.goals, 1);
   // The tip goes where the grasp says, straight, up, and to the place.
@@ -105,11 +105,11 @@ TEST_P(PlanPick, StraightSegmentsKeepTheToolsSpeed) {
           scene.chain.forward(segment.trajectory->at(time).position).translation();
       fastest = std::max(fastest, way.norm() / kStep);
     }
-    if (segment.name == "reach" || segment.name == "carry") {
-      EXPECT_GT(fastest, 0.2) << segment.name;
+    if (segment.kind == SegmentKind::kReach || segment.kind == SegmentKind::kCarry) {
+      EXPECT_GT(fastest, 0.2) << to_string(segment.kind);
     } else {
-      EXPECT_LT(fastest, 0.11) << segment.name;
-      EXPECT_GT(fastest, 0.05) << segment.name;
+      EXPECT_LT(fastest, 0.11) << to_string(segment.kind);
+      EXPECT_GT(fastest, 0.05) << to_string(segment.kind);
     }
     EXPECT_EQ(segment.trajectory->at(1e9).position, segment.waypoints.back());
   }

@@ -107,12 +107,13 @@ struct PickScene {
   std::string problem(const PickMotion& motion) const {
     robot::Positions last = task.start;
     for (const PickSegment& segment : motion.segments) {
-      if ((segment.waypoints.front() - last).norm() > 1e-9) return segment.name + " starts apart";
+      const std::string name = to_string(segment.kind);
+      if ((segment.waypoints.front() - last).norm() > 1e-9) return name + " starts apart";
       last = segment.waypoints.back();
       for (const robot::Positions& q : dense(segment)) {
-        if (!chain.within_limits(q)) return segment.name + ": " + chain.limit_problem(q);
+        if (!chain.within_limits(q)) return name + ": " + chain.limit_problem(q);
         if (std::string text = touch(motion, segment, q); !text.empty()) {
-          return segment.name + ": " + text;
+          return name + ": " + text;
         }
       }
     }
@@ -149,9 +150,10 @@ struct PickScene {
                      std::make_shared<fcl::Box<double>>(size - Eigen::Vector3d::Constant(2e-3))}};
       return held.collides(chain, q) ? "what is held touches something" : "";
     }
-    if (segment.name == "retreat") return {};
+    if (segment.kind == SegmentKind::kRetreat) return {};
     if (at_object.collides(chain, q)) return "the arm touches the object";
-    if (segment.name == "reach" && hand.collides(chain, q)) return "the hand touches the object";
+    if (segment.kind == SegmentKind::kReach && hand.collides(chain, q))
+      return "the hand touches the object";
     return {};
   }
 };

@@ -152,7 +152,7 @@ TEST_F(AnotherGripper, IsPlannedForAndOpenedAsItsSceneSays) {
   Launched& cycle = start("grasp_cycle", {"exit_when_done:=true"});
   const auto result = wait_for(result_);
   ASSERT_TRUE(result) << cycle.output();
-  EXPECT_TRUE(result->success()) << result->reason();
+  EXPECT_EQ(result->outcome(), msgs::CycleResult::SUCCEEDED) << result->reason();
   const std::lock_guard lock(mutex_);
   EXPECT_GT(widest_, 0.096) << "the cycle did not open it";
   EXPECT_GT(widest_, kShippedOpening);
@@ -166,6 +166,7 @@ TEST_F(AnotherGripper, AnotherOneInThePlannersParameterIsAnErrorWithBothValuesAn
   const auto plan = wait_for(plan_);
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->grasps_size(), 0);
+  EXPECT_EQ(plan->outcome(), msgs::GraspPlan::FAILED);
   EXPECT_THAT(plan->problem(),
               AllOf(HasSubstr("max_opening: 0.069 and 0.12"), HasSubstr(wide_file()),
                     HasSubstr("config/robots/pg70_dsa.yaml (parameter gripper)")));
@@ -180,7 +181,7 @@ TEST_F(AnotherGripper, AnotherOneInTheCyclesParameterEndsItBeforeAnythingMoves) 
       start("grasp_cycle", {"exit_when_done:=true", "gripper:=config/robots/pg70_dsa.yaml"});
   const auto result = wait_for(result_);
   ASSERT_TRUE(result) << cycle.output();
-  EXPECT_FALSE(result->success());
+  EXPECT_EQ(result->outcome(), msgs::CycleResult::FAILED);
   EXPECT_EQ(result->attempts(), 0u);
   EXPECT_THAT(result->reason(),
               AllOf(HasSubstr("max_opening: 0.069 and 0.12"), HasSubstr(wide_file())));
@@ -198,7 +199,7 @@ TEST_F(AnotherGripper, APlanForAnotherOneIsNotExecuted) {
   Launched& cycle = start("grasp_cycle", {"exit_when_done:=true"});
   const auto result = wait_for(result_);
   ASSERT_TRUE(result) << cycle.output();
-  EXPECT_FALSE(result->success());
+  EXPECT_EQ(result->outcome(), msgs::CycleResult::FAILED);
   EXPECT_EQ(result->attempts(), 0u);
   EXPECT_THAT(result->reason(),
               AllOf(HasSubstr("planned for the gripper of config/robots/pg70_dsa.yaml"),

@@ -40,7 +40,7 @@ TEST(TouchSection, PredictedBesideFelt) {
   msgs::PredictedPercepts predicted;
   *predicted.add_pads()->mutable_image() = frame_of("thumb_distal", 400);
   Collected collected = run_of(predicted);
-  collected.snapshots.push_back({"grasp",
+  collected.snapshots.push_back({control::Phase::kGrasp,
                                  {{"thumb_distal", frame_of("thumb_distal", 390)},
                                   {"finger_1_distal", frame_of("finger_1_distal", 120)},
                                   {"finger_2_distal", frame_of("finger_2_distal", 0)}}});

@@ -14,7 +14,7 @@ namespace {
 Collected successful_run(double raised, double moved, double end_height) {
   Collected collected;
   collected.result.emplace();
-  collected.result->set_success(true);
+  collected.result->set_outcome(msgs::CycleResult::SUCCEEDED);
   collected.result->set_attempts(1);
   collected.result->set_reason("lifted");
   collected.bodies["other"].height = {{0, 0.0}, {1, 0.002}};
@@ -38,13 +38,17 @@ TEST(Verdict, IsOfTheTask) {
   Collected lifted = successful_run(0.15, 0.0, 0.0);
   lifted.result->set_attempts(1);
   msgs::Task& task = lifted.task.emplace();
-  for (const char* name : {"lift", "place"}) {
+  // States' names are the task's own.
+  for (const auto& [name, action] :
+       {std::pair{"up", msgs::Task::LIFT}, std::pair{"put away", msgs::Task::PLACE},
+        std::pair{"place", msgs::Task::LIFT}}) {
     task.add_states()->set_name(name);
-    task.mutable_states(task.states_size() - 1)->set_action(name);
+    task.mutable_states(task.states_size() - 1)->set_action(action);
   }
-  lifted.result->add_task_path("lift");
-  EXPECT_EQ(judge(lifted, "").kind, Verdict::Kind::kSuccess) << "it was to be put back";
+  lifted.result->add_task_path("up");
   lifted.result->add_task_path("place");
+  EXPECT_EQ(judge(lifted, "").kind, Verdict::Kind::kSuccess) << "it was to be put back";
+  lifted.result->add_task_path("put away");
   EXPECT_EQ(judge(lifted, "").kind, Verdict::Kind::kFailure) << "it was to be put elsewhere";
   Collected two = successful_run(0.15, 0.15, 0.0);
   two.bodies["can"] = two.bodies["carton"];
@@ -55,15 +59,22 @@ TEST(Verdict, IsOfTheTask) {
 TEST(Verdict, CannotBeGraspedIsAnAnswerOfItsOwn) {
   Collected collected;
   collected.result.emplace();
-  collected.result->set_reason("cannot be grasped: narrowest width 94 mm");
+  collected.result->set_outcome(msgs::CycleResult::UNGRASPABLE);
+  collected.result->set_reason("narrowest width 94 mm");
   EXPECT_EQ(judge(collected, "").kind, Verdict::Kind::kNotGraspable);
   EXPECT_EQ(judge(collected, "").text, "narrowest width 94 mm");
-  // After an attempt it is a failure: a grasp had been found, and did not hold.
-  collected.result->set_attempts(1);
+  // It is not told by words.
+  collected.result->set_outcome(msgs::CycleResult::FAILED);
+  collected.result->set_reason("cannot be grasped: narrowest width 94 mm");
   EXPECT_EQ(judge(collected, "").kind, Verdict::Kind::kFailure);
-  collected.result->set_attempts(0);
-  collected.result->set_reason("no grasp: object 0: too wide; object 1: planning failed");
-  EXPECT_EQ(judge(collected, "").kind, Verdict::Kind::kFailure);
+}
+
+TEST(Verdict, AnUnknownOutcomeIsAFailureThatSaysSo) {
+  Collected collected = successful_run(0.15, 0.15, 0.0);
+  collected.result->set_outcome(static_cast<msgs::CycleResult::Outcome>(9));
+  const Verdict verdict = judge(collected, "");
+  EXPECT_EQ(verdict.kind, Verdict::Kind::kFailure);
+  EXPECT_NE(verdict.text.find("an outcome that is unknown (9)"), std::string::npos) << verdict.text;
 }
 
 msgs::Grasp& executed(Collected* collected) {
@@ -92,8 +103,10 @@ TEST(Verdict, SaysHowFarTheGraspThatLiftedCanBeReliedOn) {
   msgs::Grasp& grasp = executed(&collected);
   const auto text = [&] { return judge(collected, "").text; };
   EXPECT_NE(text().find(". The grasp: robustness not assessed"), std::string::npos) << text();
-  grasp.set_remark("robustness not assessed");
-  EXPECT_TRUE(text().ends_with(". The grasp: robustness not assessed")) << text();
+  grasp.set_remark("tried in case it is narrower");
+  EXPECT_TRUE(
+      text().ends_with(". The grasp: robustness not assessed; tried in case it is narrower"))
+      << text();
   grasp.set_robustness(0.8125);
   grasp.set_remark("47 % of the contact is on surface that nobody saw");
   EXPECT_TRUE(
@@ -128,10 +141,35 @@ TEST(Page, HeadlinesNotGraspableAsSuch) {
     const auto begin = html.find("<p class=\"verdict ");
     return html.substr(begin, html.find("</p>", begin) - begin);
   };
-  collected.result->set_reason("cannot be grasped: narrowest width 94 mm");
+  collected.result->set_outcome(msgs::CycleResult::UNGRASPABLE);
+  collected.result->set_reason("narrowest width 94 mm");
   EXPECT_EQ(banner(), "<p class=\"verdict answer\">Not graspable: narrowest width 94 mm");
+  collected.result->set_outcome(msgs::CycleResult::FAILED);
   collected.result->set_reason("the object slipped");
   EXPECT_EQ(banner(), "<p class=\"verdict bad\">the object slipped");
+}
+
+// The answer of an object's plan is amber, what could not be planned red, by what they are.
+TEST(Page, ShowsWhatAPlanSaysOfItsObject) {
+  Collected collected;
+  collected.shapes[0].set_completed(true);
+  msgs::GraspPlan& plan = collected.plans[0];
+  const auto page = [&] {
+    return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
+                        {})
+        .html();
+  };
+  const auto summary = [&] { return summarize(collected)[0][1]; };
+  plan.set_problem("too wide");
+  plan.set_outcome(msgs::GraspPlan::UNGRASPABLE);
+  EXPECT_NE(page().find("<p class=\"verdict answer\">Not graspable: too wide"), std::string::npos);
+  EXPECT_TRUE(summary().ends_with("; cannot be grasped: too wide")) << summary();
+  plan.set_outcome(msgs::GraspPlan::FAILED);
+  EXPECT_NE(page().find("<p class=\"verdict bad\">too wide"), std::string::npos);
+  EXPECT_TRUE(summary().ends_with("; too wide")) << summary();
+  plan.set_outcome(static_cast<msgs::GraspPlan::Outcome>(5));
+  EXPECT_NE(page().find("an outcome that is unknown (5)"), std::string::npos);
+  EXPECT_NE(summary().find("an outcome that is unknown (5)"), std::string::npos) << summary();
 }
 
 // Of a camera of 4 x 3 pixels that sees one object in the middle.

@@ -19,9 +19,11 @@ std::shared_ptr<msgs::GraspPlan> plan(std::uint32_t id, double score, std::uint3
   message->set_object_count(count);
   message->mutable_header()->set_stamp(7);
   if (score <= 0) {
-    message->set_problem("cannot be grasped: too wide");
+    message->set_outcome(msgs::GraspPlan::UNGRASPABLE);
+    message->set_problem("too wide");
     return message;
   }
+  message->set_outcome(msgs::GraspPlan::GRASPABLE);
   message->add_grasps()->set_score(score);
   return message;
 }
@@ -108,20 +110,46 @@ TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   View view;
   view.plans = {{0, plan(0, 0)}, {3, plan(3, 0)}};
   const Target all = choose_target(view, -1, kAnything);
-  EXPECT_TRUE(all.ungraspable);
+  EXPECT_EQ(all.outcome, grasp::PlanOutcome::kUngraspable);
   EXPECT_TRUE(all.grasps.empty());
-  EXPECT_EQ(all.problem, "cannot be grasped: object 0: too wide; object 3: too wide");
-  // Nobody knows whether what could not be planned on can be grasped.
+  EXPECT_EQ(all.problem, "object 0: too wide; object 3: too wide");
+  // The planner's answer is not told by its words.
   auto unplanned = plan(3, 0);
-  unplanned->set_problem("planning failed: the mesh has a hole");
+  unplanned->set_problem("no approach");
   view.plans[3] = unplanned;
+  EXPECT_EQ(choose_target(view, 3, kAnything).outcome, grasp::PlanOutcome::kUngraspable);
+  EXPECT_EQ(choose_target(view, 3, kAnything).problem, "no approach");
+  // Nobody knows whether what could not be planned on can be grasped.
+  unplanned->set_outcome(msgs::GraspPlan::FAILED);
+  unplanned->set_problem("planning failed: cannot be grasped: the mesh has a hole");
   const Target some = choose_target(view, -1, kAnything);
-  EXPECT_FALSE(some.ungraspable);
+  EXPECT_EQ(some.outcome, grasp::PlanOutcome::kFailed);
   EXPECT_EQ(some.problem,
-            "no grasp: object 0: too wide; object 3: planning failed: the mesh has a hole");
+            "no grasp: object 0: too wide; object 3: planning failed: cannot be grasped: the mesh "
+            "has a hole");
   const Target missing = choose_target(view, 9, kAnything);
-  EXPECT_FALSE(missing.ungraspable);
+  EXPECT_EQ(missing.outcome, grasp::PlanOutcome::kFailed);
   EXPECT_NE(missing.problem.find("no object 9"), std::string::npos);
+}
+
+TEST(ChooseTarget, LeavesPlansThatContradictThemselves) {
+  View view;
+  auto unknown = plan(0, 0.9), empty = plan(1, 0.9), old = plan(2, 0.9);
+  unknown->set_outcome(static_cast<msgs::GraspPlan::Outcome>(7));
+  empty->clear_grasps();
+  old->clear_outcome();
+  view.plans = {{0, unknown}, {1, empty}, {2, old}, {3, plan(3, 0.1)}};
+  const Target good = choose_target(view, -1, kAnything);
+  EXPECT_EQ(good.id, 3u);
+  EXPECT_EQ(good.outcome, grasp::PlanOutcome::kGraspable);
+  view.plans.erase(3);
+  const Target none = choose_target(view, -1, kAnything);
+  EXPECT_EQ(none.outcome, grasp::PlanOutcome::kFailed);
+  for (const char* said : {"object 0: A grasp plan with an outcome that is unknown (7)",
+                           "object 1: A grasp plan with the outcome 'graspable' and 0 grasps",
+                           "object 2: A grasp plan with the outcome 'failed' and 1 grasps"}) {
+    EXPECT_NE(none.problem.find(said), std::string::npos) << none.problem;
+  }
 }
 
 TEST(ChooseTarget, TakesOnlyWhatTheRobotCanExecute) {
@@ -137,7 +165,7 @@ TEST(ChooseTarget, TakesOnlyWhatTheRobotCanExecute) {
   EXPECT_EQ(choose_target(view, -1, lacks).grasps.size(), 1u);
   const Target none = choose_target(view, 0, lacks);
   EXPECT_TRUE(none.grasps.empty());
-  EXPECT_FALSE(none.ungraspable) << "another robot might";
+  EXPECT_EQ(none.outcome, grasp::PlanOutcome::kFailed) << "another robot might";
   EXPECT_EQ(none.problem, "its grasps have no motion of the arm");
 }
 

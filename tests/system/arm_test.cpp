@@ -43,7 +43,7 @@ TEST_P(Arm, PicksUpMovesAndPutsDown) {
   EXPECT_TRUE(carried.touches_table) << carried.name;
   const auto results = decode_all<msgs::CycleResult>(recording, "/cycle/result");
   ASSERT_EQ(results.size(), 1u);
-  EXPECT_TRUE(results[0].success()) << results[0].reason();
+  EXPECT_EQ(results[0].outcome(), msgs::CycleResult::SUCCEEDED) << results[0].reason();
 }
 
 TEST(ArmPlace, TheObjectIsPutWhereItWasTold) {

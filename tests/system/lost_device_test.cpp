@@ -139,7 +139,7 @@ TEST_P(LostDevice, StopsAllMotionAndIsTheReason) {
       seconds(20));
   ASSERT_EQ(set.exit_code, 0) << set.output;
   ASSERT_TRUE(eventually([&] { return result_.has_value(); }, seconds(60))) << cycle.output();
-  EXPECT_FALSE(result_->success());
+  EXPECT_EQ(result_->outcome(), msgs::CycleResult::FAILED);
   EXPECT_THAT(result_->reason(), HasSubstr(loss.reason)) << cycle.output();
   EXPECT_EQ(result_->attempts(), 1u);
   // The carrier brakes and stays where it is.

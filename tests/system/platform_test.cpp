@@ -45,7 +45,7 @@ class Platform : public ::testing::TestWithParam<std::string> {
     EXPECT_TRUE(carried.touches_table) << carried.name;
     const auto results = decode_all<msgs::CycleResult>(recording, "/cycle/result");
     ASSERT_EQ(results.size(), 1u);
-    EXPECT_TRUE(results[0].success()) << results[0].reason();
+    EXPECT_EQ(results[0].outcome(), msgs::CycleResult::SUCCEEDED) << results[0].reason();
     const std::string page = text_of(out_ / "report.html");
     std::vector<std::string> parts{"Completed cloud", "Mesh", "Grasp 1", "Forces", "Stage times"};
     if (GetParam() != "stage_pg70") {

@@ -56,7 +56,7 @@ TEST_P(TaskOnPlatform, IsDoneAndDrawn) {
   }
   const auto results = decode_all<msgs::CycleResult>(recording, "/cycle/result");
   ASSERT_EQ(results.size(), 1u);
-  EXPECT_TRUE(results[0].success()) << results[0].reason();
+  EXPECT_EQ(results[0].outcome(), msgs::CycleResult::SUCCEEDED) << results[0].reason();
   EXPECT_EQ(results[0].placed(), places ? 1u : 0u);
   ASSERT_GT(results[0].task_path_size(), 2);
   EXPECT_EQ(results[0].task_path(0), "look");

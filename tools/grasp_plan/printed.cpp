@@ -31,6 +31,12 @@ std::string metres(const Eigen::Vector3d& p) {
   return fmt::format("{:.3f} {:.3f} {:.3f}", p.x(), p.y(), p.z());
 }
 
+std::string remark_of(const grasp::Grasp& grasp) {
+  std::string remark = grasp.remark;
+  if (grasp.robustness < 0) grasp::add_remark(grasp::kNotAssessed, &remark);
+  return remark;
+}
+
 const std::vector<std::string> kGraspHeader{"RANK",      "SCORE",    "QUALITY",  "ROBUST",
                                             "EFFORT",    "PRESHAPE", "POSITION", "APPROACH",
                                             "GENERATOR", "REMARK"};
@@ -47,7 +53,7 @@ Rows grasp_rows(const PlanChoices& choices, const Planned& planned) {
          fmt::format("{:.3f}", g.score), fmt::format("{:.4f}", g.quality),
          g.robustness < 0 ? "-" : fmt::format("{:.0f} %", 100 * g.robustness),
          fmt::format("{:.0f} %", 100 * g.effort), g.preshape, metres(g.X_WG.translation()),
-         metres(g.approach_W), g.generator, g.remark});
+         metres(g.approach_W), g.generator, remark_of(g)});
   }
   return rows;
 }
@@ -99,7 +105,7 @@ Rows segment_rows(const Planned& planned) {
   Rows rows;
   for (const auto& segment : planned.arm->motion.segments) {
     rows.push_back(
-        {segment.name, fmt::format("{}", segment.waypoints.size()),
+        {motion::to_string(segment.kind), fmt::format("{}", segment.waypoints.size()),
          segment.trajectory ? fmt::format("{:.2f}", segment.trajectory->duration()) : "-"});
   }
   return rows;
@@ -132,7 +138,9 @@ void print_rows(const std::vector<std::string>& header, Rows rows) {
 }
 
 std::string verdict(const Planned& planned) {
-  if (!planned.plan.problem.empty()) return planned.plan.problem;
+  if (planned.plan.outcome != grasp::PlanOutcome::kGraspable) {
+    return grasp::in_words(planned.plan);
+  }
   if (planned.arm && !planned.arm->motion.found()) return planned.arm->motion.problem;
   if (planned.arm) {
     const grasp::Grasp& taken = planned.plan.grasps[static_cast<std::size_t>(planned.arm->grasp)];
@@ -149,7 +157,8 @@ std::string verdict(const Planned& planned) {
 }
 
 bool succeeded(const Planned& planned) {
-  return planned.plan.problem.empty() && (!planned.arm || planned.arm->motion.found());
+  return planned.plan.outcome == grasp::PlanOutcome::kGraspable &&
+         (!planned.arm || planned.arm->motion.found());
 }
 
 // What was assumed, and where the grasps come from.
@@ -199,7 +208,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
                    .set("approach_direction", approach)
                    .set("closed_joints", joints)
                    .set("generator", g.generator)
-                   .set("remark", g.remark));
+                   .set("remark", remark_of(g)));
   }
   for (const auto& r : planned.plan.rejections) {
     ledger.add(Json::object()
@@ -226,7 +235,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
     Json arm = Json::object(), segments = Json::array(), missed = Json::array();
     for (const auto& segment : planned.arm->motion.segments) {
       segments.add(Json::object()
-                       .set("name", segment.name)
+                       .set("name", motion::to_string(segment.kind))
                        .set("waypoints", segment.waypoints.size())
                        .set("duration_s", segment.trajectory ? Json(segment.trajectory->duration())
                                                              : Json::null()));

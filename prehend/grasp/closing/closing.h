@@ -52,8 +52,8 @@ class Closing {
   /// Says that nothing of this outline's width [m], its narrowest, fits into the hand; empty: it
   /// does, or is not known.
   virtual std::string too_wide(double /*narrowest*/) const { return ""; }
-  /// The reason in words, with figures where it has them.
-  virtual std::string explain(Reason reason) const { return to_string(reason); }
+  /// The reason in words with this hand's figures; empty: it has none.
+  virtual std::string explain(Reason /*reason*/) const { return ""; }
 
  private:
   Solid solid_;

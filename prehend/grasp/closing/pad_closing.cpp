@@ -85,7 +85,7 @@ std::string PadClosing::too_wide(double narrowest) const {
 }
 
 std::string PadClosing::explain(Reason reason) const {
-  if (reason != Reason::kTooHeavy) return Closing::explain(reason);
+  if (reason != Reason::kTooHeavy) return "";
   return fmt::format("too heavy for the grip force: {:.2f} kg need more than {:.0f} N",
                      solid().mass, largest_force_);
 }
