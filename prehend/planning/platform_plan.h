@@ -37,6 +37,7 @@ struct PlatformPlan {
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
   std::string problem;     // "cannot be grasped: ..." when nothing can be executed, else empty
+  double grasp_time = 0;   // s, that planning the hand's grasps took
   double touch_time = 0;   // s, that predicting touch took
 };
 
@@ -86,7 +87,7 @@ class PlatformPlanner {
                    PlatformPlan* plan) const;
 
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                     double spent, const PlatformPlanOptions& options, PlatformPlan* plan) const;
+                     const PlatformPlanOptions& options, PlatformPlan* plan) const;
 
   robot::Platform platform_;
   grasp::HandToClose hand_;  // of platform_

@@ -10,60 +10,27 @@
 
 #include <gtest/gtest.h>
 
-#include "prehend/control/cycle_in_world.h"
-#include "prehend/control/planned_grasp.h"
-#include "prehend/robot/platform.h"
-#include "prehend/simulation/robot_world.h"
+#include "prehend/control/arm_in_world.h"
 #include "prehend/simulation/shapes.h"
-#include "prehend/surface/model.h"
+#include "tests/control/pick_of.h"
 
 namespace prehend::control {
 namespace {
 
 constexpr double kMass = 0.3;  // kg
 
-/// One platform, its planner, and what it made of a thing.
 class PlatformCycle : public testing::TestWithParam<const char*> {
  protected:
-  planning::PlatformPlanOptions plan_options() const {
-    planning::PlatformPlanOptions options(planner.platform().hand);
-    options.grasps.threads = 1;
-    options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
-    return options;
-  }
-
-  planning::PlatformPlan plan(const geometry::TriangleMesh& mesh_W) const {
-    return planner.plan(surface::model_of_mesh(mesh_W), {}, {}, {}, start, plan_options());
-  }
-
-  GraspsToTry to_try(const planning::PlatformPlan& plan) const {
-    GraspsToTry grasps{{}, plan.problem};
-    for (const planning::PlannedPick& pick : plan.picks) {
-      if (!pick.segments.empty()) {
-        grasps.grasps.push_back(arm_grasp(planner.platform(), pick));
-      }
-    }
-    return grasps;
-  }
-
   simulation::RobotWorld world_of(const geometry::TriangleMesh& mesh_W) const {
     simulation::Scene scene;
     scene.wrench.emplace();
     scene.wrench->force_noise = 0.1;
-    simulation::RobotWorld world(planner.platform(), scene, "side");
+    simulation::RobotWorld world(planned.platform(), scene, "side");
     world.add_object("thing", mesh_W, kMass);
     return world;
   }
 
-  ArmCycleOptions reacting() const {
-    ArmCycleOptions options;
-    options.reacts = true;
-    return options;
-  }
-
-  const planning::PlatformPlanner planner{
-      robot::read_platform(std::string("config/robots/") + GetParam() + ".yaml")};
-  const robot::Positions start = planner.platform().home("side").arm;
+  const PickOf planned{GetParam()};
 };
 
 struct Picked {
@@ -73,8 +40,10 @@ struct Picked {
   std::vector<Surprise> surprises;
 };
 
-Picked pick(simulation::RobotWorld& world, CycleInWorld& in_world, GraspsToTry grasps) {
+Picked pick(simulation::RobotWorld& world, const ArmCycleOptions& options, GraspsToTry grasps) {
   Picked picked;
+  ArmInWorld arm(world);
+  CycleInWorld in_world(arm, options);
   picked.result = in_world.run(std::move(grasps), nullptr, [&] {
     picked.highest = std::max(picked.highest, world.body("thing").height);
   });
@@ -90,13 +59,12 @@ TEST_P(PlatformCycle, PicksABoxAndACan) {
       {"can", simulation::make_can(0.027, 0.13)}};
   for (const auto& [name, mesh_W] : things) {
     SCOPED_TRACE(name);
-    const planning::PlatformPlan made = plan(mesh_W);
+    const planning::PlatformPlan made = planned.plan(mesh_W);
     ASSERT_FALSE(made.picks.empty()) << made.problem;
     ASSERT_TRUE(made.picks.front().move_W.has_value());
     simulation::RobotWorld world = world_of(mesh_W);
     const Eigen::Vector3d before = world.body("thing").X_WB.translation();
-    CycleInWorld in_world(world, reacting());
-    const Picked picked = pick(world, in_world, to_try(made));
+    const Picked picked = pick(world, reacting(), planned.to_try(made));
     EXPECT_TRUE(picked.result.success) << picked.result.reason;
     EXPECT_EQ(picked.result.attempts, 1);
     EXPECT_GT(picked.highest, 0.1);
@@ -121,8 +89,7 @@ TEST_P(PlatformCycle, WhatIsNotThereSurprises) {
   world.place_object("thing", elsewhere);
   ArmCycleOptions once = reacting();
   once.largest_attempts = 1;
-  CycleInWorld in_world(world, once);
-  const Picked picked = pick(world, in_world, to_try(plan(mesh_W)));
+  const Picked picked = pick(world, once, planned.to_try(planned.plan(mesh_W)));
   EXPECT_FALSE(picked.result.success);
   EXPECT_NE(picked.result.reason.find("closed on nothing"), std::string::npos)
       << picked.result.reason;
@@ -138,8 +105,7 @@ TEST_P(PlatformCycle, IsTheSameRunAgain) {
   std::optional<Picked> first;
   for (int run = 0; run < 2; ++run) {
     simulation::RobotWorld world = world_of(mesh_W);
-    CycleInWorld in_world(world, reacting());
-    Picked picked = pick(world, in_world, to_try(plan(mesh_W)));
+    Picked picked = pick(world, reacting(), planned.to_try(planned.plan(mesh_W)));
     ASSERT_TRUE(picked.result.success) << picked.result.reason;
     if (!first) {
       first = std::move(picked);
@@ -155,26 +121,27 @@ TEST_P(PlatformCycle, IsTheSameRunAgain) {
 }
 
 TEST_P(PlatformCycle, WithoutGraspsItSaysWhy) {
-  const planning::PlatformPlan none = plan(simulation::make_standing_box({0.4, 0.4, 0.4}));
+  const planning::PlatformPlan none = planned.plan(simulation::make_standing_box({0.4, 0.4, 0.4}));
   EXPECT_TRUE(none.picks.empty());
   EXPECT_NE(none.problem.find("cannot be grasped"), std::string::npos) << none.problem;
   simulation::RobotWorld world = world_of(simulation::make_standing_box({0.05, 0.05, 0.14}));
-  CycleInWorld in_world(world, reacting());
-  const CycleResult& result = in_world.run(to_try(none));
+  const CycleResult result = pick(world, reacting(), planned.to_try(none)).result;
   EXPECT_FALSE(result.success);
   EXPECT_EQ(result.attempts, 0);
   EXPECT_EQ(result.reason, none.problem);
 }
 
 TEST_P(PlatformCycle, PlacesAndCountsOutOfRangeAreRefused) {
-  planning::PlatformPlanOptions options = plan_options();
+  planning::PlatformPlanOptions options = planned.plan_options();
   options.motions = 0;
   const surface::ObjectModel model =
       surface::model_of_mesh(simulation::make_standing_box({0.05, 0.05, 0.14}));
-  EXPECT_THROW(planner.plan(model, {}, {}, {}, start, options), std::invalid_argument);
-  options = plan_options();
+  EXPECT_THROW(planned.planner.plan(model, {}, {}, {}, planned.start, options),
+               std::invalid_argument);
+  options = planned.plan_options();
   options.place.given_W = Eigen::Vector2d(3, 0);
-  const planning::PlatformPlan far = planner.plan(model, {}, {}, {}, start, options);
+  const planning::PlatformPlan far =
+      planned.planner.plan(model, {}, {}, {}, planned.start, options);
   EXPECT_TRUE(far.picks.empty());
   EXPECT_GE(far.robustness, 0.5) << "the hand's grasps are told all the same";
   EXPECT_NE(far.problem.find(planning::kPlaceMend), std::string::npos) << far.problem;
@@ -186,7 +153,8 @@ INSTANTIATE_TEST_SUITE_P(Platforms, PlatformCycle,
 
 TEST(CycleInWorldTest, RefusesTimesThatAreNone) {
   const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
-  simulation::RobotWorld world(platform, simulation::Scene());
+  simulation::RobotWorld robot_world(platform, simulation::Scene());
+  ArmInWorld world(robot_world);
   for (const double bad : {0.0, -1.0, std::nan("")}) {
     CycleInWorldOptions options;
     options.period = bad;
