@@ -187,7 +187,7 @@ int sweep_plan(const Options& options) {
                                                       std::fflush(stdout);
                                                     });
   const fidelity::Front front = eval::plan_front(
-      measured, fmt::format("{}, one thread, {} rendered views", processor(), cases.size()));
+      measured, fmt::format("{}, processor time, {} rendered views", processor(), cases.size()));
   report::LineChart chart{
       "Grasps of stage_pg70", "planning [ms]", "not lifted at the first attempt [%]", {}, {}};
   report::Series all{"settings", {}, {}, false}, best{"front", {}, {}, true};

@@ -27,7 +27,7 @@ struct GraspTrial {
   int plans = 1;                    // that they were of: 1 + those of new looks
   bool lifted = false;              // and carried, and put down
   double plan_seconds = kUnknown;   // processor time of planning, one thread
-  double grasp_seconds = kUnknown;  // of it: the hand's grasps, without the arm's motion; wall time
+  double grasp_seconds = kUnknown;  // of it: for the hand's grasps, without the arm's motion
   double slip = kUnknown;           // m, in the hand while it was lifted and carried
   double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
   /// Contact area predicted over that which was felt, less 1; of hands with pads.

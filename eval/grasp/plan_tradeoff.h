@@ -27,7 +27,7 @@ std::vector<fidelity::Setting> swept_plan_settings(bool quick);
 std::vector<Case> views_to_sweep(const std::vector<DataSet>& sets, bool quick);
 
 /// Plans on the prediction of each view by each setting and executes on the truth, as eval_grasp
-/// does; wall time of one thread, so that nothing else should run. `progress` is told what is at
+/// does; processor time of planning. `progress` is told what is at
 /// hand. Views whose object is not seen count as failures of all.
 std::vector<MeasuredPlan> measure_plan_tradeoff(
     const std::vector<Case>& cases, const std::vector<fidelity::Setting>& settings,
