@@ -23,7 +23,8 @@ class DrivenArm {
 };
 
 /// A simulated arm as a cycle's port, without messages between. As the action /arm/follow of the
-/// node simulation: an arm that moves is braked first, and the path begins where it then stands.
+/// node simulation: an arm that moves is braked first, and the path begins, at a call of motion(),
+/// where it then stands.
 class WorldArm : public ArmPort {
  public:
   /// Keeps the reference.
