@@ -284,7 +284,9 @@ class FeltInSimulation : public InSimulation {
       const bool touches =
           surprise.kind == SurpriseKind::kContactArea || surprise.kind == SurpriseKind::kTactileSum;
       compared += touches ? 1 : 0;
-      if (touches) EXPECT_NEAR(surprise.felt, surprise.predicted, 0.1 * surprise.predicted);
+      if (touches) {
+        EXPECT_NEAR(surprise.felt, surprise.predicted, 0.1 * surprise.predicted);
+      }
       if (surprise.kind != SurpriseKind::kFingersAtContact) continue;
       EXPECT_NEAR(surprise.felt, surprise.predicted, 0.01);
     }
