@@ -189,7 +189,7 @@ int sweep_plan(const Options& options) {
   const fidelity::Front front = eval::plan_front(
       measured, fmt::format("{}, processor time, {} rendered views", processor(), cases.size()));
   report::LineChart chart{
-      "Grasps of the PG70", "planning [ms]", "not lifted at the first attempt [%]", {}, {}};
+      "Grasps of stage_pg70", "planning [ms]", "not lifted at the first attempt [%]", {}, {}};
   report::Series all{"settings", {}, {}, false}, best{"front", {}, {}, true};
   std::vector<std::vector<std::string>> rows;
   std::string csv = "milliseconds,first,within_three,views,knobs\n";
@@ -297,7 +297,7 @@ struct Subject {
 constexpr Subject kSubjects[] = {
     {"shape", "from segmented cloud to mesh", "60ms", "3mm", sweep_shape,
      [](const fidelity::Setting& setting) { (void)fidelity::shape_options(setting); }},
-    {"plan", "grasps of the PG70 on a predicted mesh; the error is a share of views", "200ms",
+    {"plan", "grasps of stage_pg70 on a predicted mesh; the error is a share of views", "200ms",
      "0.1", sweep_plan,
      [](const fidelity::Setting& setting) {
        grasp::PlannerOptions planner;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <exception>
 #include <filesystem>
 #include <optional>
@@ -12,10 +13,8 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/case_choice.h"
-#include "eval/grasp/fingered_hand.h"
 #include "eval/grasp/grasp_report.h"
 #include "eval/grasp/grasp_trials.h"
-#include "eval/grasp/parallel_gripper.h"
 #include "eval/grasp/platform_under_test.h"
 #include "eval/text_files.h"
 #include "prehend/robot/robot_files.h"
@@ -25,20 +24,16 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
-constexpr const char* kGripper = "pg70";
-constexpr const char* kHands[] = {"sdh2", "bh8"};
-
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/grasp");
-  std::vector<std::string> platforms, hands;
+  std::vector<std::string> platforms{"stage_pg70"};
   bool open_loop = false;
   fs::path robots = "config/robots";
 };
 
-struct HandCase {
+struct PlatformCase {
   eval::Case one;
-  const eval::HandUnderTest* hand;
-  std::string name() const { return hand->name + "_" + one.result_name(); }
+  const eval::PlatformUnderTest* platform;
 };
 
 // The file's result, if it has one of every setting.
@@ -58,31 +53,30 @@ std::optional<eval::GraspCase> known_result(const fs::path& file,
 }
 
 int run(const Options& options) {
-  std::vector<eval::HandUnderTest> hands;
+  std::deque<eval::PlatformUnderTest> platforms;
   for (const std::string& name : options.platforms) {
-    hands.push_back(
-        eval::platform_under_test(robot::platform_file(options.robots, name), !options.open_loop));
-  }
-  for (const std::string& name : options.hands) {
-    hands.push_back(name == kGripper ? eval::parallel_gripper()
-                                     : eval::fingered_hand(options.robots, name));
+    platforms.emplace_back(robot::platform_file(options.robots, name), !options.open_loop);
   }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> views = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(views);
-  std::vector<HandCase> cases;
-  for (const eval::HandUnderTest& hand : hands) {
-    for (const eval::Case& one : views) cases.push_back({one, &hand});
+  std::vector<PlatformCase> cases;
+  std::vector<std::string> names;
+  for (const eval::PlatformUnderTest& platform : platforms) {
+    const std::string run = platform.name() + (options.open_loop ? "_open_loop_" : "_");
+    for (const eval::Case& one : views) {
+      cases.push_back({one, &platform});
+      names.push_back(run + one.result_name());
+    }
   }
   const eval::CaseRunOptions runs = options.choice.runs();
-  std::vector<std::string> names;
-  for (const HandCase& one : cases) names.push_back(one.name());
   const auto crashed = eval::run_cases(
       runs, names,
       [&](int, const fs::path& file) { return known_result(file, settings).has_value(); },
       [&](int i, const fs::path& file) {
-        eval::write_grasp_case(file, eval::run_grasp_case(cases[i].one, *cases[i].hand, settings));
+        eval::write_grasp_case(file,
+                               eval::run_grasp_case(cases[i].one, *cases[i].platform, settings));
       });
   std::vector<eval::GraspCase> results;
   for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
@@ -114,25 +108,15 @@ int main(int argc, char** argv) {
       "or is hidden by is rendered, is an obstacle, and does not move. A run that was interrupted "
       "goes on where it was.");
   eval::add_case_options(app, options.choice);
-  std::vector<std::string> names{kGripper};
-  names.insert(names.end(), std::begin(kHands), std::end(kHands));
   app.add_option(
-      "--platform", options.platforms,
-      "arms with hands to evaluate, one or more: what is in --robots, or a file; planned "
-      "with the arm's motion and executed by the cycle that runs on the robot");
+         "--platform", options.platforms,
+         "arms with hands to evaluate, one or more: what is in --robots, or a file; planned "
+         "with the arm's motion and executed by the cycle that runs on the robot")
+      ->capture_default_str();
   app.add_flag("--open-loop", options.open_loop,
-               "platforms do not stop the approach where the hand touches")
-      ->needs("--platform");
-  app.add_option(
-         "--hand", options.hands,
-         "hands without an arm to evaluate, one or more; default: pg70 where no platform is "
-         "named")
-      ->check(CLI::IsMember(names));
-  app.add_option("--robots", options.robots, "folder of the platforms' and hands' files")
+               "the approach does not stop where the hand touches");
+  app.add_option("--robots", options.robots, "folder of the platforms' files")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  return eval::parse_and_run(app, argc, argv, [&options] {
-    if (options.platforms.empty() && options.hands.empty()) options.hands = {kGripper};
-    return run(options);
-  });
+  return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -16,6 +16,7 @@ struct Figure {
   double GraspTrial::*value;
 };
 constexpr Figure kFigures[] = {{"plan_seconds", &GraspTrial::plan_seconds},
+                               {"grasp_seconds", &GraspTrial::grasp_seconds},
                                {"slip", &GraspTrial::slip},
                                {"contact_error", &GraspTrial::contact_error},
                                {"area_error", &GraspTrial::area_error},
@@ -103,7 +104,7 @@ void write_grasp_case(const std::filesystem::path& file, const GraspCase& result
   put_text(out, "case", result.case_name);
   put_text(out, "group", result.group);
   put_text(out, "data_set", result.data_set);
-  put_text(out, "hand", result.hand);
+  put_text(out, "platform", result.platform);
   put(out, "orientation", result.orientation);
   put(out, "others", result.others);
   put_text(out, "problem", result.problem);
@@ -132,7 +133,7 @@ GraspCase read_grasp_case(const std::filesystem::path& file) {
     result.case_name = node["case"].as<std::string>();
     result.group = node["group"].as<std::string>();
     result.data_set = node["data_set"].as<std::string>();
-    result.hand = node["hand"].as<std::string>();
+    result.platform = node["platform"].as<std::string>();
     result.orientation = node["orientation"].as<int>();
     result.others = node["others"].as<int>();
     result.problem = node["problem"].as<std::string>();

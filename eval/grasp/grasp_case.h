@@ -17,9 +17,9 @@ const char* to_string(PlannedOn planned_on);
 struct GraspTrial {
   std::string setting;  // of the planner; "predicted", "truth", "delaunay" for the defaults
   std::string problem;  // why nothing was executed
-  std::string outcome;  // of the execution, in words; of a platform: of the first attempt
-  /// Of a platform, where the first attempt ended that did not succeed: view, plan, arm (it has no
-  /// motion), a phase of the cycle, or truth (success was said, but is none); else empty.
+  std::string outcome;  // of the execution's first attempt, in words
+  /// Where the first attempt ended that did not succeed: view, plan, arm (it has no motion), a
+  /// phase of the cycle, or truth (success was said, but is none); else empty.
   std::string stage;
   int candidates = 0;               // of the plan
   int grasps = 0;                   // in the plan
@@ -27,14 +27,15 @@ struct GraspTrial {
   int plans = 1;                    // that they were of: 1 + those of new looks
   bool lifted = false;              // and carried, and put down
   double plan_seconds = kUnknown;   // processor time of planning, one thread
+  double grasp_seconds = kUnknown;  // of it: for the hand's grasps, without the arm's motion
   double slip = kUnknown;           // m, in the hand while it was lifted and carried
   double contact_error = kUnknown;  // m, mean, of the predicted contacts from the true surface
-  /// Contact area predicted over that of the same grasp closed on the truth, less 1; parallel
-  /// grippers only.
+  /// Contact area predicted over that which was felt, less 1; of hands with pads.
   double area_error = kUnknown;
-  double opening_error = kUnknown;  // m, of the opening at the touch, felt less predicted
-  double robustness = kUnknown;     // predicted of the executed grasp
-  double best_robustness = 0;       // predicted, of all grasps
+  /// m, of the opening at the touch, felt less predicted; of grippers that regulate their grip.
+  double opening_error = kUnknown;
+  double robustness = kUnknown;  // predicted of the executed grasp
+  double best_robustness = 0;    // predicted, of all grasps
   double guessed_contact = kUnknown;
   std::vector<control::Surprise> surprises;  // of all attempts; reactions and tolerances left out
 
@@ -46,7 +47,7 @@ struct GraspCase {
   std::string case_name;
   std::string group;
   std::string data_set;
-  std::string hand;
+  std::string platform;
   int orientation = 0;                // degrees
   int others = 0;                     // bodies beside the object, which do not move
   std::string problem;                // nothing was segmented or completed, or the process crashed

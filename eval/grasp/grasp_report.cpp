@@ -34,8 +34,8 @@ std::vector<std::string> distinct(const std::vector<GraspCase>& cases,
   return names;
 }
 
-std::vector<std::string> hands_of(const std::vector<GraspCase>& cases) {
-  return distinct(cases, [](const GraspCase& one) { return one.hand; });
+std::vector<std::string> platforms_of(const std::vector<GraspCase>& cases) {
+  return distinct(cases, [](const GraspCase& one) { return one.platform; });
 }
 
 std::vector<std::string> groups_of(const std::vector<GraspCase>& cases) {
@@ -61,15 +61,15 @@ std::vector<GraspCase> selected(const std::vector<GraspCase>& cases,
   return result;
 }
 
-GraspTotals totals_of(const std::vector<GraspCase>& cases, const std::string& hand,
+GraspTotals totals_of(const std::vector<GraspCase>& cases, const std::string& platform,
                       const std::string& setting) {
   GraspTotals totals;
-  totals.hand = hand;
+  totals.platform = platform;
   totals.setting = setting;
   std::vector<double> slips, contacts, areas, openings, seconds;
   for (const GraspCase& one : cases) {
     const GraspTrial* trial = one.trial(setting);
-    if (one.hand != hand || trial == nullptr || !one.fits()) continue;
+    if (one.platform != platform || trial == nullptr || !one.fits()) continue;
     ++totals.cases;
     totals.unplanned += trial->grasps == 0 ? 1 : 0;
     totals.first += trial->lifted_at_first() ? 1 : 0;
@@ -97,7 +97,7 @@ std::string millimetres(double metres) {
 }
 
 using Rows = std::vector<std::vector<std::string>>;
-const std::vector<std::string> kTotalsHeader{"hand",
+const std::vector<std::string> kTotalsHeader{"platform",
                                              "group",
                                              "planned on",
                                              "at first",
@@ -113,7 +113,7 @@ Rows totals_rows(const std::vector<GraspCase>& cases) {
   Rows rows;
   for (const GraspTotals& t : grasp_totals(cases)) {
     rows.push_back(
-        {t.hand, t.group, t.setting, share_text(t.first, t.cases),
+        {t.platform, t.group, t.setting, share_text(t.first, t.cases),
          share_text(t.within_three, t.cases), fmt::format("{}", t.unplanned), millimetres(t.slip),
          millimetres(t.contact_error),
          std::isnan(t.area_error) ? "-" : fmt::format("{:.0f}", 100 * t.area_error),
@@ -124,7 +124,7 @@ Rows totals_rows(const std::vector<GraspCase>& cases) {
 }
 
 std::vector<std::string> objects_header(const std::vector<GraspCase>& cases) {
-  std::vector<std::string> header{"hand", "group", "object", "others", "fits"};
+  std::vector<std::string> header{"platform", "group", "object", "others", "fits"};
   for (const auto& setting : settings_of(cases)) header.push_back(setting);
   return header;
 }
@@ -132,20 +132,21 @@ std::vector<std::string> objects_header(const std::vector<GraspCase>& cases) {
 // For each setting: at first / within three.
 Rows objects_rows(const std::vector<GraspCase>& cases) {
   Rows rows;
-  for (const auto& hand : hands_of(cases)) {
-    const auto of_hand = selected(cases, [&](const GraspCase& c) { return c.hand == hand; });
+  for (const auto& platform : platforms_of(cases)) {
+    const auto of_platform =
+        selected(cases, [&](const GraspCase& c) { return c.platform == platform; });
     const auto name_of = [](const GraspCase& c) { return c.group + "/" + c.data_set; };
-    for (const auto& object : distinct(of_hand, name_of)) {
+    for (const auto& object : distinct(of_platform, name_of)) {
       const auto views =
-          selected(of_hand, [&](const GraspCase& c) { return name_of(c) == object; });
+          selected(of_platform, [&](const GraspCase& c) { return name_of(c) == object; });
       const auto fitting =
           std::count_if(views.begin(), views.end(), [](const GraspCase& c) { return c.fits(); });
       const GraspCase& first = views.front();
-      rows.push_back({hand, first.group, first.data_set,
+      rows.push_back({platform, first.group, first.data_set,
                       first.others == 0 ? "-" : fmt::format("{} fixed", first.others),
                       fmt::format("{} of {}", fitting, views.size())});
       for (const auto& setting : settings_of(cases)) {
-        const GraspTotals t = totals_of(views, hand, setting);
+        const GraspTotals t = totals_of(views, platform, setting);
         rows.back().push_back(t.cases > 0 ? fmt::format("{} / {}", t.first, t.within_three) : "-");
       }
     }
@@ -167,7 +168,7 @@ std::string without_numbers(const std::string& text) {
   return result;
 }
 
-const std::vector<std::string> kReasonsHeader{"hand", "planned on", "stage", "cases",
+const std::vector<std::string> kReasonsHeader{"platform", "planned on", "stage", "cases",
                                               "why not at first"};
 
 std::string why_not_at_first(const GraspTrial& trial) {
@@ -182,7 +183,7 @@ Rows reasons_rows(const std::vector<GraspCase>& cases) {
     if (!one.fits()) continue;
     for (const GraspTrial& trial : one.trials) {
       if (trial.lifted_at_first()) continue;
-      ++counts[{one.hand, trial.setting, trial.stage.empty() ? "-" : trial.stage,
+      ++counts[{one.platform, trial.setting, trial.stage.empty() ? "-" : trial.stage,
                 without_numbers(why_not_at_first(trial))}];
     }
   }
@@ -219,51 +220,48 @@ struct Goal {
 };
 
 // Of views lifted at the first attempt, planned on the prediction.
-double first_goal(const std::string& hand) {
-  if (hand == "bh8") return 0.93;
-  return hand == "pa10_barrett" ? 0.94 : 0.95;
-}
+double first_goal(const std::string& platform) { return platform == "pa10_barrett" ? 0.94 : 0.95; }
 
 // At first and within three attempts, of objects that fit.
 std::vector<Goal> goals_of(const std::vector<GraspCase>& cases) {
   std::vector<Goal> goals;
-  for (const auto& hand : hands_of(cases)) {
-    const GraspTotals predicted = totals_of(cases, hand, to_string(PlannedOn::kPredicted));
-    const GraspTotals delaunay = totals_of(cases, hand, to_string(PlannedOn::kDelaunay));
+  for (const auto& platform : platforms_of(cases)) {
+    const GraspTotals predicted = totals_of(cases, platform, to_string(PlannedOn::kPredicted));
+    const GraspTotals delaunay = totals_of(cases, platform, to_string(PlannedOn::kDelaunay));
     if (predicted.cases == 0) continue;
-    const double first = first_goal(hand);
-    goals.push_back({fmt::format("{}: {:.1f} % at the first attempt, goal {:.0f} %", hand,
+    const double first = first_goal(platform);
+    goals.push_back({fmt::format("{}: {:.1f} % at the first attempt, goal {:.0f} %", platform,
                                  100 * predicted.first_share(), 100 * first),
                      predicted.first_share() >= first});
-    if (hand == "pg70") {
-      goals.push_back({fmt::format("{}: {:.1f} % within three attempts, goal 97 %", hand,
+    if (platform == "stage_pg70") {
+      goals.push_back({fmt::format("{}: {:.1f} % within three attempts, goal 97 %", platform,
                                    100 * predicted.within_three_share()),
                        predicted.within_three_share() >= 0.97});
     }
     if (delaunay.cases > 0) {
       goals.push_back({fmt::format("{}: {:.1f} % at the first attempt on the Delaunay baseline, "
                                    "goal: ten points below the prediction",
-                                   hand, 100 * delaunay.first_share()),
+                                   platform, 100 * delaunay.first_share()),
                        delaunay.first_share() <= predicted.first_share() - 0.1});
     }
   }
   return goals;
 }
 
-std::string success_chart(const std::vector<GraspCase>& cases, const std::string& hand) {
+std::string success_chart(const std::vector<GraspCase>& cases, const std::string& platform) {
   report::BarChart chart;
-  chart.title = "Lifted at the first attempt: " + hand;
+  chart.title = "Lifted at the first attempt: " + platform;
   chart.y_label = "share of views [%]";
-  const auto of_hand =
-      selected(cases, [&](const GraspCase& c) { return c.hand == hand && c.fits(); });
-  chart.categories = distinct(of_hand, [](const GraspCase& c) { return c.data_set; });
-  for (const auto& setting : settings_of(of_hand)) {
+  const auto of_platform =
+      selected(cases, [&](const GraspCase& c) { return c.platform == platform && c.fits(); });
+  chart.categories = distinct(of_platform, [](const GraspCase& c) { return c.data_set; });
+  for (const auto& setting : settings_of(of_platform)) {
     report::BarChart::Bars bars;
     bars.name = setting;
     for (const auto& object : chart.categories) {
       const auto views =
-          selected(of_hand, [&](const GraspCase& c) { return c.data_set == object; });
-      bars.values.push_back(100 * totals_of(views, hand, setting).first_share());
+          selected(of_platform, [&](const GraspCase& c) { return c.data_set == object; });
+      bars.values.push_back(100 * totals_of(views, platform, setting).first_share());
     }
     chart.series.push_back(bars);
   }
@@ -272,18 +270,19 @@ std::string success_chart(const std::vector<GraspCase>& cases, const std::string
 
 std::string cases_csv(const std::vector<GraspCase>& cases) {
   std::string csv =
-      "hand,group,case,object,others,orientation_deg,setting,grasps,attempts,lifted,slip_m,contact_"
+      "platform,group,case,object,others,orientation_deg,setting,grasps,attempts,lifted,slip_m,"
+      "contact_"
       "error_m,"
       "area_error,opening_error_m,robustness,guessed_contact,plan_s,stage,why\n";
   for (const GraspCase& one : cases) {
     for (const GraspTrial& t : one.trials) {
       std::string why = t.outcome.empty() ? t.problem : t.outcome;
       std::replace(why.begin(), why.end(), '"', '\'');
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n", one.hand,
-                         one.group, one.case_name, one.data_set, one.others, one.orientation,
-                         t.setting, t.grasps, t.attempts, t.lifted, t.slip, t.contact_error,
-                         t.area_error, t.opening_error, t.robustness, t.guessed_contact,
-                         t.plan_seconds, t.stage, why);
+      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\"\n",
+                         one.platform, one.group, one.case_name, one.data_set, one.others,
+                         one.orientation, t.setting, t.grasps, t.attempts, t.lifted, t.slip,
+                         t.contact_error, t.area_error, t.opening_error, t.robustness,
+                         t.guessed_contact, t.plan_seconds, t.stage, why);
     }
   }
   return csv;
@@ -294,16 +293,17 @@ std::string cases_csv(const std::vector<GraspCase>& cases) {
 std::vector<GraspTotals> grasp_totals(const std::vector<GraspCase>& cases) {
   std::vector<GraspTotals> totals;
   const auto groups = groups_of(cases);
-  for (const auto& hand : hands_of(cases)) {
+  for (const auto& platform : platforms_of(cases)) {
     const auto add = [&](const std::string& group, const std::vector<GraspCase>& of_group) {
       for (const auto& setting : settings_of(of_group)) {
-        totals.push_back(totals_of(of_group, hand, setting));
+        totals.push_back(totals_of(of_group, platform, setting));
         totals.back().group = group;
       }
     };
     for (const auto& group : groups) {
-      add(group,
-          selected(cases, [&](const GraspCase& c) { return c.hand == hand && c.group == group; }));
+      add(group, selected(cases, [&](const GraspCase& c) {
+            return c.platform == platform && c.group == group;
+          }));
     }
     if (groups.size() > 1) add("all", cases);
   }
@@ -326,7 +326,7 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
              goals = text::Json::array();
   for (const GraspTotals& t : grasp_totals(cases)) {
     totals.add(text::Json::object()
-                   .set("hand", t.hand)
+                   .set("platform", t.platform)
                    .set("group", t.group)
                    .set("setting", t.setting)
                    .set("cases", t.cases)
@@ -341,7 +341,7 @@ std::string grasp_json(const std::vector<GraspCase>& cases) {
   }
   for (const SurpriseTotals& t : surprise_totals(cases)) {
     surprises.add(text::Json::object()
-                      .set("hand", t.hand)
+                      .set("platform", t.platform)
                       .set("setting", t.setting)
                       .set("kind", to_string(t.kind))
                       .set("attempts", t.attempts)
@@ -369,10 +369,10 @@ void write_grasp_report(const std::filesystem::path& folder, const std::vector<G
       "truth, the planner finds a grasp that holds in at least half of its disturbed trials.");
   for (const Goal& goal : goals_of(cases)) page.add_verdict(goal.text, goal.met);
   page.add_table(kTotalsHeader, totals_rows(cases));
-  for (const auto& hand : hands_of(cases)) {
+  for (const auto& platform : platforms_of(cases)) {
     if (std::any_of(cases.begin(), cases.end(),
-                    [&](const GraspCase& c) { return c.hand == hand && c.fits(); })) {
-      page.add_chart(success_chart(cases, hand), "Views lifted at the first attempt");
+                    [&](const GraspCase& c) { return c.platform == platform && c.fits(); })) {
+      page.add_chart(success_chart(cases, platform), "Views lifted at the first attempt");
     }
   }
   page.add_heading("Objects: views lifted at the first attempt / within three");

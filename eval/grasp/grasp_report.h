@@ -8,10 +8,10 @@
 
 namespace prehend::eval {
 
-/// One setting's figures over those cases of one hand and group whose object fits it.
+/// One setting's figures over those cases of one platform and group whose object fits it.
 struct GraspTotals {
   std::string group;  // or "all"
-  std::string hand;
+  std::string platform;
   std::string setting;
   int cases = 0;      // whose object fits
   int unplanned = 0;  // of them: no grasp was found
@@ -29,8 +29,8 @@ struct GraspTotals {
   }
 };
 
-/// Of each hand, group and setting, in the order of their first case; of all groups where there are
-/// several.
+/// Of each platform, group and setting, in the order of their first case; of all groups where there
+/// are several.
 std::vector<GraspTotals> grasp_totals(const std::vector<GraspCase>& cases);
 
 /// Tables for people, to be printed: totals, each object, the reasons of failures.

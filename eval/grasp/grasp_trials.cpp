@@ -18,14 +18,6 @@ namespace {
 // kg, of a household thing of that volume [m^3].
 double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
 
-Belief known_truth(geometry::TriangleMesh mesh_W,
-                   const std::vector<geometry::TriangleMesh>& others_W) {
-  Belief belief;
-  belief.object.mesh_W = std::move(mesh_W);
-  belief.obstacles.meshes_W = others_W;
-  return belief;
-}
-
 }  // namespace
 
 std::vector<PlannerSetting> compared_settings() {
@@ -41,14 +33,14 @@ std::vector<PlannerSetting> compared_settings() {
   return settings;
 }
 
-GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
+GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
                          const std::vector<PlannerSetting>& settings) {
   GraspCase result;
   result.case_name = one.name();
   result.group = one.data_set->group;
   result.data_set = one.data_set->name;
   result.orientation = one.orientation;
-  result.hand = hand.name;
+  result.platform = platform.name();
 
   const geometry::TriangleMesh& mesh_B = *one.data_set->mesh_B;
   const double mass = household_mass(geometry::mass_properties(mesh_B).volume);
@@ -77,15 +69,15 @@ GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
       if (!first_look.contains(key)) {
         const double start = processor_time();
         first_look[key] = on == PlannedOn::kTruth
-                              ? known_truth(truth.mesh_W, others_W)
+                              ? belief_of(truth.mesh_W, others_W)
                               : believed_object(one, *seen, on, setting.alternatives);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
       int look = 0;
-      trial = hand.grasp(
+      trial = platform.grasp(
           first_look.at(key), truth, setting, [&](const geometry::RigidTransform& X_moved) {
             if (on == PlannedOn::kTruth) {
-              return known_truth(geometry::transformed(truth.mesh_W, X_moved), others_W);
+              return belief_of(geometry::transformed(truth.mesh_W, X_moved), others_W);
             }
             return believed_object(one, see_object(one, X_moved * X_WB, ++look), on,
                                    setting.alternatives);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "eval/data_sets.h"
-#include "eval/grasp/hand_under_test.h"
+#include "eval/grasp/platform_under_test.h"
 
 namespace prehend::eval {
 
@@ -13,7 +13,7 @@ std::vector<PlannerSetting> compared_settings();
 /// Lets the case's object come to rest (resting_pose) among the other bodies of the case, renders
 /// its stereo pair, segments it, predicts the object and tries each setting. What fails is in the
 /// result's problems; only a bug throws.
-GraspCase run_grasp_case(const Case& one, const HandUnderTest& hand,
+GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
                          const std::vector<PlannerSetting>& settings);
 
 }  // namespace prehend::eval

@@ -7,8 +7,9 @@
 #include <string_view>
 
 #include "eval/grasp/grasp_trials.h"
-#include "eval/grasp/parallel_gripper.h"
+#include "eval/grasp/platform_under_test.h"
 #include "prehend/fidelity/plan_settings.h"
+#include "prehend/text/tree_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -78,15 +79,15 @@ std::vector<MeasuredPlan> measure_plan_tradeoff(
       fidelity::apply_plan_setting(setting, options);
     };
   }
-  const HandUnderTest hand = parallel_gripper();
+  const PlatformUnderTest stage(text::tree_file("config/robots/stage_pg70.yaml"), true);
   for (const Case& one : cases) {
     progress(one.name());
-    const GraspCase result = run_grasp_case(one, hand, planners);
+    const GraspCase result = run_grasp_case(one, stage, planners);
     for (std::size_t i = 0; i < measured.size(); ++i) {
       const GraspTrial& trial = result.trials[i];
       measured[i].first += trial.lifted_at_first();
       measured[i].within_three += trial.lifted;
-      if (trial.candidates > 0) measured[i].setting.seconds += trial.plan_seconds;
+      if (trial.candidates > 0) measured[i].setting.seconds += trial.grasp_seconds;
     }
   }
   for (MeasuredPlan& m : measured) {

@@ -9,10 +9,11 @@
 
 namespace prehend::eval {
 
-/// One setting of the PG70's planner on some views.
+/// One setting of the planner of the PG70 on its stage, on some views.
 struct MeasuredPlan {
-  fidelity::Setting setting;  // mean planning time; share of views not lifted at the first attempt
-  int first = 0;              // views lifted at the first attempt
+  /// Mean time of planning the hand's grasps; share of views not lifted at the first attempt.
+  fidelity::Setting setting;
+  int first = 0;  // views lifted at the first attempt
   int within_three = 0;
   int views = 0;
 };
@@ -26,8 +27,8 @@ std::vector<fidelity::Setting> swept_plan_settings(bool quick);
 std::vector<Case> views_to_sweep(const std::vector<DataSet>& sets, bool quick);
 
 /// Plans on the prediction of each view by each setting and executes on the truth, as eval_grasp
-/// does; processor time of planning. `progress` is told what is at hand. Views whose object is not
-/// seen count as failures of all.
+/// does; processor time of planning. `progress` is told what is at
+/// hand. Views whose object is not seen count as failures of all.
 std::vector<MeasuredPlan> measure_plan_tradeoff(
     const std::vector<Case>& cases, const std::vector<fidelity::Setting>& settings,
     const std::function<void(const std::string&)>& progress);

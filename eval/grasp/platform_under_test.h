@@ -1,23 +1,36 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "eval/grasp/hand_under_test.h"
-#include "prehend/robot/platform.h"
+#include "eval/grasp/trial_setup.h"
+#include "prehend/planning/platform_plan.h"
 
 namespace prehend::eval {
 
-/// A platform's arm and hand: plans with the arm's motion (planning::PlatformPlanner), executes
-/// with the shipped cycle (control::CycleInWorld) in a world with the wrist sensor's noise, and
-/// looks again after a failed attempt. `lifted` is by 50 mm at least, put down, and said to be.
-/// @param reacts as control::ArmCycleOptions::reacts.
-/// @throws geometry::InputError as robot::read_platform(), as in_reach(), and for a platform whose
-/// gripper is moved through /gripper: that has another world.
-HandUnderTest platform_under_test(const std::filesystem::path& file, bool reacts);
+/// An arm and its hand as they ship: plans with the arm's motion (planning::PlatformPlanner),
+/// executes with the cycle (PlatformExecution), and looks again after a failed attempt. The arm
+/// starts from its home `side`, else `home`; the platform is in_reach(). Planning takes one thread:
+/// processes share the cores, and times are of one.
+class PlatformUnderTest {
+ public:
+  /// @param reacts as control::ArmCycleOptions::reacts.
+  /// @throws geometry::InputError as robot::read_platform(), in_reach() and, of a gripper that is
+  /// moved by its drive, simulation::carrier_of().
+  PlatformUnderTest(const std::filesystem::path& file, bool reacts);
 
-/// The platform, moved along the table where its arm does not reach the world's origin, at which
-/// evaluated objects stand, from above: to where the middle of what it reaches is there.
-/// @throws geometry::InputError for an arm that reaches nothing on the table from above.
-robot::Platform in_reach(robot::Platform platform);
+  const std::string& name() const { return planner_.platform().name; }
+
+  /// Plans on what is believed by `setting`, executes on what is there.
+  GraspTrial grasp(const Belief& believed, const TrueObject& truth, const PlannerSetting& setting,
+                   const BelieveAgain& believe_again) const;
+
+ private:
+  planning::PlatformPlan plan(const Belief& belief, const PlannerSetting& setting) const;
+
+  planning::PlatformPlanner planner_;
+  bool reacts_;
+  std::string home_;
+};
 
 }  // namespace prehend::eval

@@ -1,7 +1,9 @@
 #include "eval/grasp/seen_object.h"
 
 #include <cstdint>
+#include <iterator>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "eval/case_runner.h"
@@ -16,19 +18,21 @@ namespace {
 using Shapes = std::vector<shape::SceneShape>;
 
 // As the node that plans takes them: what has no shape is no obstacle.
-grasp::Obstacles neighbours_of(const SeenObject& seen, const Shapes& shapes) {
-  grasp::Obstacles obstacles;
+planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes) {
+  planning::Neighbours others;
   for (std::size_t i = 0; i < seen.scene.objects.size(); ++i) {
     if (i == seen.index) continue;
     try {
       const geometry::Plane& support = support_of(seen.scene, seen.scene.objects[i]);
-      const auto pieces = surface::make_object_model(shapes[i].get(), support).convex_pieces_W;
-      obstacles.meshes_W.insert(obstacles.meshes_W.end(), pieces.begin(), pieces.end());
+      surface::ObjectModel model = surface::make_object_model(shapes[i].get(), support);
+      others.meshes_W.push_back(std::move(model.mesh_W));
+      std::move(model.convex_pieces_W.begin(), model.convex_pieces_W.end(),
+                std::back_inserter(others.pieces_W));
     } catch (const geometry::InputError&) {
       continue;
     }
   }
-  return obstacles;
+  return others;
 }
 
 }  // namespace
@@ -63,11 +67,11 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
   }
   Belief belief;
   if (planned_on == PlannedOn::kDelaunay) {
-    belief.object.mesh_W = surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC);
+    belief = belief_of(surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC), {});
   } else {
     belief.object = surface::make_object_model(shapes[seen.index].get(), support_of(scene, object));
   }
-  if (has_others) belief.obstacles = neighbours_of(seen, shapes);
+  if (has_others) belief.others = neighbours_of(seen, shapes);
   return belief;
 }
 

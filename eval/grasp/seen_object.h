@@ -2,7 +2,7 @@
 
 #include "eval/data_sets.h"
 #include "eval/grasp/grasp_case.h"
-#include "eval/grasp/hand_under_test.h"
+#include "eval/grasp/trial_setup.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/perception/segmented_scene.h"
 

@@ -14,9 +14,9 @@ namespace {
 using control::Surprise;
 using control::SurpriseKind;
 
-/// Of one hand and setting.
+/// Of one platform and setting.
 struct FeltByKind {
-  std::string hand, setting;
+  std::string platform, setting;
   int attempts = 0;
   std::map<SurpriseKind, std::vector<Surprise>> kinds;
 };
@@ -38,9 +38,9 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
     if (!one.fits()) continue;
     for (const GraspTrial& trial : one.trials) {
       auto found = std::find_if(all.begin(), all.end(), [&](const FeltByKind& felt) {
-        return felt.hand == one.hand && felt.setting == trial.setting;
+        return felt.platform == one.platform && felt.setting == trial.setting;
       });
-      if (found == all.end()) found = all.insert(all.end(), {one.hand, trial.setting, 0, {}});
+      if (found == all.end()) found = all.insert(all.end(), {one.platform, trial.setting, 0, {}});
       found->attempts += trial.attempts;
       for (const Surprise& surprise : trial.surprises) {
         found->kinds[surprise.kind].push_back(surprise);
@@ -54,7 +54,7 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
       for (const Surprise& s : surprises) differences.push_back(s.felt - s.predicted);
       const auto surprising = std::count_if(surprises.begin(), surprises.end(),
                                             [](const Surprise& s) { return s.surprising; });
-      totals.push_back({felt.hand, felt.setting, kind, felt.attempts,
+      totals.push_back({felt.platform, felt.setting, kind, felt.attempts,
                         static_cast<int>(surprises.size()), static_cast<int>(surprising),
                         middle_of(std::move(differences))});
     }
@@ -64,7 +64,7 @@ std::vector<SurpriseTotals> surprise_totals(const std::vector<GraspCase>& cases)
 
 const std::vector<std::string>& surprises_header() {
   static const std::vector<std::string> header{
-      "hand", "planned on", "attempts", "what", "compared", "surprises", "felt less predicted"};
+      "platform", "planned on", "attempts", "what", "compared", "surprises", "felt less predicted"};
   return header;
 }
 
@@ -74,7 +74,7 @@ std::vector<std::vector<std::string>> surprises_rows(const std::vector<GraspCase
     const std::string share =
         t.attempts > 0 ? fmt::format(" ({:.0f} % of attempts)", 100.0 * t.surprising / t.attempts)
                        : "";
-    rows.push_back({t.hand, t.setting, fmt::format("{}", t.attempts), to_string(t.kind),
+    rows.push_back({t.platform, t.setting, fmt::format("{}", t.attempts), to_string(t.kind),
                     fmt::format("{}", t.compared), fmt::format("{}{}", t.surprising, share),
                     fmt::format("{:.3g} {}", t.difference, unit_of(t.kind))});
   }

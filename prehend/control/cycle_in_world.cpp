@@ -8,18 +8,18 @@
 
 namespace prehend::control {
 
-CycleInWorld::CycleInWorld(simulation::RobotWorld& world, const ArmCycleOptions& options,
+CycleInWorld::CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
                            const CycleInWorldOptions& run)
-    : world_(world), options_(run), arm_(world), hand_(world), cycle_(options, arm_, hand_) {
+    : world_(world), options_(run), cycle_(options, world.arm(), world.hand()) {
   const text::Require require{"CycleInWorldOptions."};
   require(std::isfinite(run.period) && run.period > 0, "period must be positive");
   require(run.touch_counts >= 0, "touch_counts must not be negative");
   require(std::isfinite(run.time_limit) && run.time_limit > 0, "time_limit must be positive");
-  steps_ = std::max(1, static_cast<int>(std::lround(run.period / world.options().step)));
+  steps_ = std::max(1, static_cast<int>(std::lround(run.period / world.step_time())));
 }
 
 ArmPercepts CycleInWorld::feel() {
-  ArmPercepts percepts = percepts_of(world_, options_.touch_counts);
+  ArmPercepts percepts = world_.percepts(options_.touch_counts);
   if (count_++ % 2 == 0) {
     frames_ = percepts.pads;
     frame_time_ = percepts.time;

@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "prehend/control/arm_cycle.h"
-#include "prehend/control/world_ports.h"
+#include "prehend/control/cycle_world.h"
+#include "prehend/robot/grip.h"
 
 namespace prehend::control {
 
 struct CycleInWorldOptions {
-  double period = 0.01;   // s, > 0, of the cycle, and of the joints and the wrist; the pads' frames
-                          // come every second time
-  int touch_counts = 10;  // >= 0, above: a texel is touched
-  double time_limit = 240;  // s, > 0, simulated, of run()
+  double period = 0.01;  // s, > 0, of the cycle, and of the joints and the wrist; the pads' frames
+                         // come every second time
+  int touch_counts = robot::kTouchCounts;  // >= 0, above: a texel is touched
+  double time_limit = 240;                 // s, > 0, simulated, of run()
 };
 
 /// Grasps to execute, best first, or why there are none.
@@ -27,9 +28,8 @@ struct GraspsToTry {
 /// gives its plan at once. Same world and same grasps: bitwise the same run.
 class CycleInWorld {
  public:
-  /// @pre the world, which has an arm, outlives it.
-  /// @throws std::invalid_argument for options out of range.
-  CycleInWorld(simulation::RobotWorld& world, const ArmCycleOptions& options,
+  /// @pre the world outlives it. @throws std::invalid_argument for options out of range.
+  CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
                const CycleInWorldOptions& run = {});
 
   /// The world goes on by a period, the cycle makes a step.
@@ -47,10 +47,8 @@ class CycleInWorld {
  private:
   ArmPercepts feel();
 
-  simulation::RobotWorld& world_;
+  CycleWorld& world_;
   CycleInWorldOptions options_;
-  WorldArm arm_;
-  WorldHand hand_;
   ArmCycle cycle_;
   int steps_;                       // of the world in a period
   long count_ = 0;                  // periods

@@ -63,7 +63,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   for (const grasp::Grasp& grasp : grasps.grasps) {
     plan.robustness = std::max(plan.robustness, grasp.robustness);
   }
-  const double spent = seconds_since(begin);
+  plan.grasp_time = seconds_since(begin);
   if (!platform_.hand.gripper) {
     for (grasp::Grasp& grasp : grasps.grasps) grasp.force = options.grip_force;
   }
@@ -71,7 +71,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
     add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W},
                 start, options, &plan);
   }
-  if (options.touch) predict_touch(object, table_W, spent, options, &plan);
+  if (options.touch) predict_touch(object, table_W, options, &plan);
   return plan;
 }
 
@@ -119,13 +119,14 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
 }
 
 void PlatformPlanner::predict_touch(const surface::ObjectModel& object,
-                                    const geometry::Plane& table_W, double spent,
+                                    const geometry::Plane& table_W,
                                     const PlatformPlanOptions& options, PlatformPlan* plan) const {
   // A gripper that regulates its grip feels what its closing was planned by.
   if (platform_.hand.pads.empty() || platform_.hand_port == robot::HandPort::kGripper) return;
   const auto begin = steady_clock::now();
   TouchPredictionOptions touch = *options.touch;
-  if (options.grasps.budget > 0) touch.budget = std::max(options.grasps.budget - spent, 1e-6);
+  if (options.grasps.budget > 0)
+    touch.budget = std::max(options.grasps.budget - plan->grasp_time, 1e-6);
   std::vector<grasp::Grasp> grasps;
   for (const PlannedPick& pick : plan->picks) {
     if (!pick.segments.empty()) grasps.push_back(pick.grasp);

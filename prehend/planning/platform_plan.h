@@ -38,6 +38,7 @@ struct PlatformPlan : grasp::PlanAnswer {
   std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
+  double grasp_time = 0;   // s, that planning the hand's grasps took
   double touch_time = 0;   // s, that predicting touch took
 };
 
@@ -87,7 +88,7 @@ class PlatformPlanner {
                    PlatformPlan* plan) const;
 
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
-                     double spent, const PlatformPlanOptions& options, PlatformPlan* plan) const;
+                     const PlatformPlanOptions& options, PlatformPlan* plan) const;
 
   robot::Platform platform_;
   grasp::HandToClose hand_;  // of platform_

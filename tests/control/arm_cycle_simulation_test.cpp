@@ -4,16 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "prehend/control/arm_in_world.h"
 #include "prehend/control/cycle_in_world.h"
 #include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/inverse_kinematics.h"
 #include "prehend/robot/platform.h"
 #include "prehend/simulation/robot_world.h"
 #include "prehend/simulation/shapes.h"
+#include "tests/grasp/hand_scene.h"
 
 namespace prehend::control {
 namespace {
@@ -143,13 +146,14 @@ class InSimulation : public testing::TestWithParam<PlatformSetup> {
       robot::read_platform(std::string("config/robots/") + setup.platform);
   const geometry::TriangleMesh box = simulation::make_standing_box({0.06, 0.06, 0.14});
   simulation::RobotWorld world{platform, simulation::Scene()};
+  ArmInWorld arm{world};
   RigidTransform X_WG = RigidTransform::Identity();  // of the grasp
   ArmGrasp grasp;
   double highest = 0;  // m, of the box
 };
 
 TEST_P(InSimulation, PicksABoxAndPutsItDown) {
-  CycleInWorld in_world(world, options());
+  CycleInWorld in_world(arm, options());
   run(in_world);
   const ArmCycle& cycle = in_world.cycle();
   EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
@@ -172,7 +176,7 @@ TEST_P(InSimulation, HoldsWhatIsMuchLighterThanGuessedWithAnyOverrun) {
   grasp.lifted_mass = 4;
   ArmCycleOptions far = options();
   far.overrun = 2.5;
-  CycleInWorld in_world(world, far);
+  CycleInWorld in_world(arm, far);
   run(in_world);
   const ArmCycle& cycle = in_world.cycle();
   EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
@@ -181,7 +185,7 @@ TEST_P(InSimulation, HoldsWhatIsMuchLighterThanGuessedWithAnyOverrun) {
 
 // Regression: success was said without an object.
 TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
-  CycleInWorld in_world(world, options());
+  CycleInWorld in_world(arm, options());
   const ArmCycle& cycle = in_world.cycle();
   bool gone = false;
   run(in_world, [&] {
@@ -198,6 +202,61 @@ TEST_P(InSimulation, ABoxThatFallsWhileItIsCarriedIsNoticed) {
   EXPECT_TRUE(std::any_of(cycle.surprises().begin(), cycle.surprises().end(), [](const auto& s) {
     return s.kind == SurpriseKind::kHeldWhileCarried && s.surprising;
   }));
+}
+
+// It slips out of the hand while it is lifted.
+TEST_P(InSimulation, WhatIsTooSlipperyIsNoticed) {
+  world.add_object("box", box, 2, false, 0.02);
+  ArmCycleOptions once = options();
+  once.largest_attempts = 1;
+  CycleInWorld in_world(arm, once);
+  run(in_world);
+  const ArmCycle& cycle = in_world.cycle();
+  EXPECT_FALSE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_LT(world.body("box").height, 0.003);
+  EXPECT_TRUE(std::any_of(cycle.surprises().begin(), cycle.surprises().end(), [](const auto& s) {
+    return s.kind == SurpriseKind::kHeldAfterLift && s.surprising;
+  }));
+}
+
+class BesideTheMiddle : public InSimulation {
+ protected:
+  /// How far the box is pushed until the lift begins [m].
+  double push(double gather) {
+    simulation::RobotWorld fresh(platform, simulation::Scene());
+    fresh.add_object("box", beside, 0.4);
+    const Eigen::Vector3d start = fresh.body("box").X_WB.translation();
+    ArmCycleOptions gathering = options();
+    gathering.gather = gather;
+    ArmInWorld fresh_arm(fresh);
+    CycleInWorld in_world(fresh_arm, gathering);
+    std::optional<double> pushed;
+    in_world.run({{grasp}, ""}, nullptr, [&] {
+      if (pushed || in_world.cycle().phase() != Phase::kLift) return;
+      pushed = (fresh.body("box").X_WB.translation() - start).norm();
+    });
+    EXPECT_TRUE(in_world.cycle().result().success()) << in_world.cycle().result().reason;
+    return pushed.value_or(-1);
+  }
+
+  const geometry::TriangleMesh beside = grasp::moved(box, Eigen::Vector3d(0, 0.02, 0));
+};
+
+TEST_P(BesideTheMiddle, GatheredFingersDoNotPush) {
+  const grasp::TouchedMesh touched(beside);
+  const grasp::TestHand hand(platform.hand.name);
+  const robot::Preshape& shape = hand.model.preshape(setup.preshape);
+  const grasp::ClosedFingers met =
+      hand.close(setup.preshape, X_WG * (hand.model.X_HP * shape.X_PG).inverse(), touched.scene);
+  Eigen::VectorXd closed(hand.model.size());
+  for (int i = 0; i < hand.model.size(); ++i) {
+    closed[i] = met.all[hand.model.actuated[static_cast<std::size_t>(i)]];
+  }
+  grasp.hand = robot::closing_way(platform.hand, shape, shape.open, closed);
+  const double gathered = push(0.1), at_once = push(0);
+  EXPECT_GE(gathered, 0);
+  EXPECT_LT(gathered, 0.4 * at_once);
+  EXPECT_GT(at_once, 0.01);
 }
 
 // What is predicted on the true shape, by a hand alone in coarser steps, is what the arm's hand
@@ -219,7 +278,7 @@ class FeltInSimulation : public InSimulation {
     grasp.contact_area = touch.mean.area;
     grasp.tactile_sum = touch.mean.sum;
     grasp.closure = grasp.hand.closure(touch.stopped);
-    CycleInWorld in_world(world, options());
+    CycleInWorld in_world(arm, options());
     run(in_world);
     const ArmCycle& cycle = in_world.cycle();
     EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
@@ -246,6 +305,10 @@ INSTANTIATE_TEST_SUITE_P(
     Platforms, InSimulation,
     testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09, 0.3},
                     PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09, 1.0}));
+
+INSTANTIATE_TEST_SUITE_P(Platforms, BesideTheMiddle,
+                         testing::Values(PlatformSetup{"pa10_barrett.yaml", "spread_0", true, 0.09,
+                                                       1.0}));
 
 INSTANTIATE_TEST_SUITE_P(Platforms, FeltInSimulation,
                          testing::Values(PlatformSetup{"kr5_sdh.yaml", "parallel", false, 0.09,

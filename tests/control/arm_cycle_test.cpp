@@ -149,7 +149,7 @@ std::vector<double> ends_of_shifted(double beside, ArmCycleOptions options) {
     if (f.arm.asked.size() == 3) hand.stopped = {0.6, 0.6};
     cycle.step(f.now);
   }
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   std::vector<double> ends;
   for (const JointTrajectory& asked : f.arm.asked) ends.push_back(asked.points.back().position[0]);
   return ends;
@@ -184,7 +184,7 @@ TEST(ArmCycle, GoesUpFromWhatItPressesOnBeforeItRetreats) {
     if (f.now.positions[0] > 4.99 && f.now.positions[0] < 5.01) f.now.wrist_force->z() += 360;
     cycle.step(f.now);
   }
-  EXPECT_TRUE(cycle.result().success) << cycle.result().reason;
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
   ASSERT_EQ(f.arm.asked.size(), 7u);
   const auto end = [&](std::size_t i) { return f.arm.asked[i].points.back().position[0]; };
   EXPECT_GT(end(5), 4.5);

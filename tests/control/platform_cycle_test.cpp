@@ -10,61 +10,27 @@
 
 #include <gtest/gtest.h>
 
-#include "prehend/control/cycle_in_world.h"
-#include "prehend/control/planned_grasp.h"
-#include "prehend/robot/platform.h"
-#include "prehend/simulation/robot_world.h"
+#include "prehend/control/arm_in_world.h"
 #include "prehend/simulation/shapes.h"
-#include "prehend/surface/model.h"
+#include "tests/control/pick_of.h"
 
 namespace prehend::control {
 namespace {
 
 constexpr double kMass = 0.3;  // kg
 
-/// One platform, its planner, and what it made of a thing.
 class PlatformCycle : public testing::TestWithParam<const char*> {
  protected:
-  planning::PlatformPlanOptions plan_options() const {
-    planning::PlatformPlanOptions options(planner.platform().hand);
-    options.grasps.threads = 1;
-    options.touch.emplace().threads = 1;
-    options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
-    return options;
-  }
-
-  planning::PlatformPlan plan(const geometry::TriangleMesh& mesh_W) const {
-    return planner.plan(surface::model_of_mesh(mesh_W), {}, {}, {}, start, plan_options());
-  }
-
-  GraspsToTry to_try(const planning::PlatformPlan& plan) const {
-    GraspsToTry grasps{{}, grasp::in_words(plan)};
-    for (const planning::PlannedPick& pick : plan.picks) {
-      if (!pick.segments.empty()) {
-        grasps.grasps.push_back(arm_grasp(planner.platform(), pick));
-      }
-    }
-    return grasps;
-  }
-
   simulation::RobotWorld world_of(const geometry::TriangleMesh& mesh_W) const {
     simulation::Scene scene;
     scene.wrench.emplace();
     scene.wrench->force_noise = 0.1;
-    simulation::RobotWorld world(planner.platform(), scene, "side");
+    simulation::RobotWorld world(planned.platform(), scene, "side");
     world.add_object("thing", mesh_W, kMass);
     return world;
   }
 
-  ArmCycleOptions reacting() const {
-    ArmCycleOptions options;
-    options.reacts = true;
-    return options;
-  }
-
-  const planning::PlatformPlanner planner{
-      robot::read_platform(std::string("config/robots/") + GetParam() + ".yaml")};
-  const robot::Positions start = planner.platform().home("side").arm;
+  const PickOf planned{GetParam()};
 };
 
 struct Picked {
@@ -74,8 +40,10 @@ struct Picked {
   std::vector<Surprise> surprises;
 };
 
-Picked pick(simulation::RobotWorld& world, CycleInWorld& in_world, GraspsToTry grasps) {
+Picked pick(simulation::RobotWorld& world, const ArmCycleOptions& options, GraspsToTry grasps) {
   Picked picked;
+  ArmInWorld arm(world);
+  CycleInWorld in_world(arm, options);
   picked.result = in_world.run(std::move(grasps), nullptr, [&] {
     picked.highest = std::max(picked.highest, world.body("thing").height);
   });
@@ -91,14 +59,13 @@ TEST_P(PlatformCycle, PicksABoxAndACan) {
       {"can", simulation::make_can(0.027, 0.13)}};
   for (const auto& [name, mesh_W] : things) {
     SCOPED_TRACE(name);
-    const planning::PlatformPlan made = plan(mesh_W);
+    const planning::PlatformPlan made = planned.plan(mesh_W);
     ASSERT_FALSE(made.picks.empty()) << made.problem;
     EXPECT_EQ(made.outcome, grasp::PlanOutcome::kGraspable);
     ASSERT_TRUE(made.picks.front().move_W.has_value());
     simulation::RobotWorld world = world_of(mesh_W);
     const Eigen::Vector3d before = world.body("thing").X_WB.translation();
-    CycleInWorld in_world(world, reacting());
-    const Picked picked = pick(world, in_world, to_try(made));
+    const Picked picked = pick(world, reacting(), planned.to_try(made));
     EXPECT_TRUE(picked.result.success()) << picked.result.reason;
     EXPECT_EQ(picked.result.attempts, 1);
     EXPECT_GT(picked.highest, 0.1);
@@ -123,8 +90,7 @@ TEST_P(PlatformCycle, WhatIsNotThereSurprises) {
   world.place_object("thing", elsewhere);
   ArmCycleOptions once = reacting();
   once.largest_attempts = 1;
-  CycleInWorld in_world(world, once);
-  const Picked picked = pick(world, in_world, to_try(plan(mesh_W)));
+  const Picked picked = pick(world, once, planned.to_try(planned.plan(mesh_W)));
   EXPECT_FALSE(picked.result.success());
   EXPECT_NE(picked.result.reason.find("closed on nothing"), std::string::npos)
       << picked.result.reason;
@@ -137,9 +103,9 @@ TEST_P(PlatformCycle, WhatIsNotThereSurprises) {
 // One that stands 2 cm beside its prediction: a fingertip comes down on it, or the fingers meet it
 // one after the other. Without adapting it is held by its edge or, when it is heavy, lost.
 TEST_P(PlatformCycle, PutsTheHandInTheMiddleOfWhatItMeets) {
-  if (planner.platform().hand.gripper) GTEST_SKIP() << "its jaws meet in the middle";
+  if (planned.platform().hand.gripper) GTEST_SKIP() << "its jaws meet in the middle";
   const geometry::TriangleMesh mesh_W = simulation::make_standing_box({0.05, 0.05, 0.14});
-  const planning::PlatformPlan made = plan(mesh_W);
+  const planning::PlatformPlan made = planned.plan(mesh_W);
   ASSERT_FALSE(made.picks.empty()) << made.problem;
   EXPECT_EQ(made.picks.front().shifts.size(), 4u) << "nothing stands beside it";
   double height[2] = {0, 0};
@@ -151,9 +117,8 @@ TEST_P(PlatformCycle, PutsTheHandInTheMiddleOfWhatItMeets) {
     ArmCycleOptions once = reacting();
     once.largest_attempts = 1;
     once.adaptations = adaptations;
-    CycleInWorld in_world(world, once);
-    const Picked picked = pick(world, in_world, to_try(made));
-    EXPECT_TRUE(picked.result.success) << picked.result.reason;
+    const Picked picked = pick(world, once, planned.to_try(made));
+    EXPECT_TRUE(picked.result.success()) << picked.result.reason;
     height[adaptations / 2] = picked.highest;
   }
   EXPECT_GE(height[1], height[0] - 0.002) << "as high as the hand: it does not hang from an edge";
@@ -166,8 +131,7 @@ TEST_P(PlatformCycle, IsTheSameRunAgain) {
   std::optional<Picked> first;
   for (int run = 0; run < 2; ++run) {
     simulation::RobotWorld world = world_of(mesh_W);
-    CycleInWorld in_world(world, reacting());
-    Picked picked = pick(world, in_world, to_try(plan(mesh_W)));
+    Picked picked = pick(world, reacting(), planned.to_try(planned.plan(mesh_W)));
     ASSERT_TRUE(picked.result.success()) << picked.result.reason;
     if (!first) {
       first = std::move(picked);
@@ -183,26 +147,27 @@ TEST_P(PlatformCycle, IsTheSameRunAgain) {
 }
 
 TEST_P(PlatformCycle, WithoutGraspsItSaysWhy) {
-  const planning::PlatformPlan none = plan(simulation::make_standing_box({0.4, 0.4, 0.4}));
+  const planning::PlatformPlan none = planned.plan(simulation::make_standing_box({0.4, 0.4, 0.4}));
   EXPECT_TRUE(none.picks.empty());
   EXPECT_EQ(none.outcome, grasp::PlanOutcome::kUngraspable) << none.problem;
   simulation::RobotWorld world = world_of(simulation::make_standing_box({0.05, 0.05, 0.14}));
-  CycleInWorld in_world(world, reacting());
-  const CycleResult& result = in_world.run(to_try(none));
+  const CycleResult result = pick(world, reacting(), planned.to_try(none)).result;
   EXPECT_FALSE(result.success());
   EXPECT_EQ(result.attempts, 0);
   EXPECT_EQ(result.reason, grasp::ungraspable_text(none.problem));
 }
 
 TEST_P(PlatformCycle, PlacesAndCountsOutOfRangeAreRefused) {
-  planning::PlatformPlanOptions options = plan_options();
+  planning::PlatformPlanOptions options = planned.plan_options();
   options.motions = 0;
   const surface::ObjectModel model =
       surface::model_of_mesh(simulation::make_standing_box({0.05, 0.05, 0.14}));
-  EXPECT_THROW(planner.plan(model, {}, {}, {}, start, options), std::invalid_argument);
-  options = plan_options();
+  EXPECT_THROW(planned.planner.plan(model, {}, {}, {}, planned.start, options),
+               std::invalid_argument);
+  options = planned.plan_options();
   options.place.given_W = Eigen::Vector2d(3, 0);
-  const planning::PlatformPlan far = planner.plan(model, {}, {}, {}, start, options);
+  const planning::PlatformPlan far =
+      planned.planner.plan(model, {}, {}, {}, planned.start, options);
   EXPECT_TRUE(far.picks.empty());
   EXPECT_EQ(far.outcome, grasp::PlanOutcome::kUngraspable);
   EXPECT_GE(far.robustness, 0.5) << "the hand's grasps are told all the same";
@@ -215,7 +180,8 @@ INSTANTIATE_TEST_SUITE_P(Platforms, PlatformCycle,
 
 TEST(CycleInWorldTest, RefusesTimesThatAreNone) {
   const robot::Platform platform = robot::read_platform("config/robots/kr5_sdh.yaml");
-  simulation::RobotWorld world(platform, simulation::Scene());
+  simulation::RobotWorld robot_world(platform, simulation::Scene());
+  ArmInWorld world(robot_world);
   for (const double bad : {0.0, -1.0, std::nan("")}) {
     CycleInWorldOptions options;
     options.period = bad;

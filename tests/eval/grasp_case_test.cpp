@@ -28,7 +28,7 @@ GraspCase case_of(const std::string& object, std::vector<GraspTrial> trials) {
   one.case_name = object + "-000";
   one.group = "household";
   one.data_set = object;
-  one.hand = "pg70";
+  one.platform = "stage_pg70";
   one.predict_seconds = 0.25;
   one.trials = std::move(trials);
   return one;
@@ -45,7 +45,7 @@ TEST(GraspCase, IsReadAsItWasWritten) {
   write_grasp_case(folder.path / "a.yaml", written);
   const GraspCase read = read_grasp_case(folder.path / "a.yaml");
   EXPECT_EQ(read.case_name, written.case_name);
-  EXPECT_EQ(read.hand, "pg70");
+  EXPECT_EQ(read.platform, "stage_pg70");
   EXPECT_EQ(read.others, 2);
   ASSERT_EQ(read.trials.size(), 1u);
   EXPECT_EQ(read.trials[0].outcome, written.trials[0].outcome);
@@ -83,7 +83,8 @@ TEST(GraspTotals, CountOnlyObjectsThatFit) {
   EXPECT_EQ(totals[0].first, 1);
   EXPECT_EQ(totals[0].within_three, 2);
   EXPECT_EQ(totals[0].unplanned, 1);
-  EXPECT_NE(grasp_text(cases).find("missed: pg70: 33.3 % at the first attempt"), std::string::npos)
+  EXPECT_NE(grasp_text(cases).find("missed: stage_pg70: 33.3 % at the first attempt"),
+            std::string::npos)
       << grasp_text(cases);
   std::vector<GraspCase> with_area = cases;
   with_area[0].trials[0].area_error = -0.125;

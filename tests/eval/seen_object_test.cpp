@@ -30,8 +30,10 @@ TEST(BelievedObject, WhatIsBesideItIsAnObstacle) {
   const auto sets = make_data_sets("test", {carton(true)});
   const Case one{&sets.front(), 0, 1};
   const Belief belief = believed_object(one, see_object(one, one.X_WB(), 0), PlannedOn::kPredicted);
-  Eigen::AlignedBox3d obstacles;
-  for (const auto& piece : belief.obstacles.meshes_W) obstacles.extend(geometry::bounds(piece));
+  Eigen::AlignedBox3d obstacles, pieces;
+  for (const auto& mesh : belief.others.meshes_W) obstacles.extend(geometry::bounds(mesh));
+  for (const auto& piece : belief.others.pieces_W) pieces.extend(geometry::bounds(piece));
+  EXPECT_TRUE(pieces.isApprox(obstacles, 0.01)) << "of the same";
   ASSERT_FALSE(obstacles.isEmpty());
   EXPECT_NEAR(obstacles.center().y(), 0.15, 0.02);
   EXPECT_NEAR(obstacles.max().z(), 0.08, 0.02);
@@ -42,7 +44,7 @@ TEST(BelievedObject, AloneItHasNoObstacles) {
   const auto sets = make_data_sets("test", {carton(false)});
   const Case one{&sets.front(), 0, 1};
   const Belief belief = believed_object(one, see_object(one, one.X_WB(), 0), PlannedOn::kDelaunay);
-  EXPECT_TRUE(belief.obstacles.meshes_W.empty());
+  EXPECT_TRUE(belief.others.meshes_W.empty());
   EXPECT_FALSE(belief.object.mesh_W.empty());
 }
 

@@ -22,11 +22,12 @@ Surprise felt(SurpriseKind kind, double predicted, double value, bool surprising
   return {kind, predicted, value, 0, surprising, ""};
 }
 
-GraspCase felt_case(const std::string& hand, double robustness, std::vector<Surprise> surprises) {
+GraspCase felt_case(const std::string& platform, double robustness,
+                    std::vector<Surprise> surprises) {
   GraspCase one;
   one.group = "household";
   one.data_set = "can";
-  one.hand = hand;
+  one.platform = platform;
   for (const char* setting : {"predicted", "truth"}) {
     GraspTrial trial;
     trial.setting = setting;
@@ -51,7 +52,7 @@ TEST(SurpriseTotals, AreCountedByHandAndKindOfObjectsThatFit) {
       felt_case("b", 0.9, {felt(SurpriseKind::kTactileSum, 8, 2, true)})};
   const auto totals = surprise_totals(cases);
   ASSERT_EQ(totals.size(), 3u);
-  EXPECT_EQ(totals[0].hand, "a");
+  EXPECT_EQ(totals[0].platform, "a");
   EXPECT_EQ(totals[0].setting, "predicted");
   EXPECT_EQ(totals[0].kind, SurpriseKind::kTactileSum);
   EXPECT_EQ(totals[0].attempts, 2);
@@ -60,7 +61,7 @@ TEST(SurpriseTotals, AreCountedByHandAndKindOfObjectsThatFit) {
   EXPECT_EQ(totals[0].difference, -1);
   EXPECT_EQ(totals[1].kind, SurpriseKind::kHeldAfterLift);
   EXPECT_EQ(totals[1].surprising, 0);
-  EXPECT_EQ(totals[2].hand, "b");
+  EXPECT_EQ(totals[2].platform, "b");
   EXPECT_EQ(totals[2].surprising, 1);
   const std::string text = grasp_text(cases);
   EXPECT_THAT(text, HasSubstr("tactile sum"));

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "eval/grasp/grasp_case.h"
-#include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
+#include "prehend/planning/platform_plan.h"
 #include "prehend/surface/object_model.h"
 
+// What a trial of a platform starts from.
 namespace prehend::eval {
 
 /// A way to plan.
@@ -21,10 +21,6 @@ struct PlannerSetting {
   std::function<void(grasp::PlannerOptions* options)> change;
   int alternatives = 0;  // shapes besides the predicted one on which grasps are tried
 };
-
-/// The hand's default options with what the setting changes, on one thread: processes share the
-/// cores, and times are of one.
-grasp::PlannerOptions options_for(const robot::HandModel& hand, const PlannerSetting& setting);
 
 /// An object as a hand meets it: in the world, on the table z = 0.
 struct TrueObject {
@@ -37,24 +33,16 @@ struct TrueObject {
 /// What grasps are planned on.
 struct Belief {
   surface::ObjectModel object;
-  grasp::Obstacles obstacles;
+  planning::Neighbours others;
 };
+
+/// Of bare meshes, as the truth and the Delaunay surface are: with their convex pieces, of one that
+/// encloses nothing its hull.
+Belief belief_of(const geometry::TriangleMesh& mesh_W,
+                 const std::vector<geometry::TriangleMesh>& others_W);
 
 /// What is believed of the object after a new look at it: what was at p_W is at X_moved * p_W now.
 /// @throws geometry::InputError or std::exception in words when nothing is made of the view.
 using BelieveAgain = std::function<Belief(const geometry::RigidTransform& X_moved)>;
-
-/// A hand under test: plans on what is believed by `setting`, executes on what is there, and may
-/// look again after a failed attempt.
-struct HandUnderTest {
-  std::string name;
-  std::function<GraspTrial(const Belief& believed, const TrueObject& truth,
-                           const PlannerSetting& setting, const BelieveAgain& believe_again)>
-      grasp;
-};
-
-/// Mean distance of the points to the surface [m]. @pre there is a point.
-double mean_distance(const std::vector<Eigen::Vector3d>& points_W,
-                     const geometry::MeshQuery& surface_W);
 
 }  // namespace prehend::eval

@@ -1,0 +1,89 @@
+#include "prehend/control/stage_in_world.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace prehend::control {
+
+using simulation::GripperMode;
+
+namespace {
+
+constexpr double kOpeningTolerance = 3e-4;  // m
+
+}  // namespace
+
+void WorldGripper::move_to(double opening, double speed) {
+  target_ = opening;
+  refused_ = !(speed > 0);
+  if (refused_) return;
+  try {
+    world_.set_gripper_command(GripperMode::kPosition, opening, 0, speed);
+  } catch (const std::invalid_argument&) {
+    refused_ = true;
+  }
+}
+
+MotionStatus WorldGripper::motion() {
+  if (refused_) return MotionStatus::kFailed;
+  const simulation::GripperReading now = world_.gripper();
+  if (std::abs(now.opening - target_) < kOpeningTolerance && !now.moving) {
+    return MotionStatus::kReached;
+  }
+  return now.blocked ? MotionStatus::kContact : MotionStatus::kMoving;
+}
+
+void WorldGripper::command_velocity(double speed, double current_limit) {
+  world_.set_gripper_command(GripperMode::kVelocity, speed, current_limit);
+}
+
+void WorldGripper::stop() { world_.set_gripper_command(GripperMode::kStop, 0); }
+
+StageInWorld::StageInWorld(simulation::World& world, const robot::Platform& platform,
+                           const std::string& home, const PadGripperOptions& gripper)
+    : world_(world),
+      stage_(platform, home),
+      arm_(*this),
+      drive_(world),
+      hand_(world.scene().gripper, gripper, drive_) {}
+
+void StageInWorld::step() {
+  stage_.begin_step(world_);
+  world_.step();
+  stage_.end_step(world_);
+}
+
+void StageInWorld::follow(const simulation::TrajectoryRequest& request, double contact_force) {
+  try {
+    stage_.follow(request, {}, world_);
+    stage_.stop_on_contact(contact_force);
+  } catch (const std::invalid_argument&) {
+    stage_.let_go();
+    throw;
+  }
+}
+
+PadPercept StageInWorld::pad(simulation::PadSide side, int touch_counts) const {
+  const simulation::TactileImage image = world_.tactile_image(side);
+  const double pitch = world_.scene().gripper.pad.texel_pitch;
+  return {image.sum, robot::touched_area(image.counts, touch_counts, pitch * pitch), 0,
+          side == simulation::PadSide::kLeft ? "left" : "right"};
+}
+
+ArmPercepts StageInWorld::percepts(int touch_counts) {
+  ArmPercepts percepts;
+  percepts.time = world_.time();
+  const robot::Positions q = simulation::stage_position(world_);
+  percepts.positions.assign(q.begin(), q.end());
+  for (const robot::ChainJoint& joint : stage_.drive().chain().joints()) {
+    percepts.names.push_back(joint.name);
+  }
+  percepts.wrist_force = world_.wrist_wrench().force;
+  percepts.pads = {pad(simulation::PadSide::kLeft, touch_counts),
+                   pad(simulation::PadSide::kRight, touch_counts)};
+  const simulation::GripperReading gripper = world_.gripper();
+  percepts.gripper = {gripper.opening, gripper.blocked, 0, 0};
+  return percepts;
+}
+
+}  // namespace prehend::control
