@@ -22,6 +22,7 @@
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
@@ -37,6 +38,15 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
                   rejection.generator(), rejection.reason(),
                   rejection.nearest_miss().empty() ? "" : ", at best " + rejection.nearest_miss());
   }
+}
+
+// Says which plug-ins are there but cannot be chosen.
+template <class Registry>
+std::vector<std::string> usable_names(graph::Node& node, const Registry& registry) {
+  for (const auto& problem : registry.problems()) {
+    node.log_warning("{} cannot be used: {}", problem.file.string(), problem.reason);
+  }
+  return registry.names();
 }
 
 // The defaults are those that `options` have.
@@ -64,10 +74,11 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
           "between hand and other objects");
   const auto generators = node.declare_parameter<std::vector<std::string>>(
       {.name = "generators",
-       .choices = grasp::generator_names(),
+       .choices = usable_names(node, grasp::GeneratorRegistry()),
        .description =
            "ways to make candidates, these alone; none: circles and boxes for a parallel gripper, "
-           "circles for other hands, and antipodal where none of those holds",
+           "circles for other hands, and antipodal where none of those holds; others in shared "
+           "libraries in PREHEND_GENERATORS",
        .read_only = true});
   if (!generators.empty()) {
     options.generators = generators;
@@ -117,15 +128,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
                                                        .minimum = 1,
                                                        .description = "of grasps in a plan",
                                                        .read_only = true});
-}
-
-// Says which plug-ins are there but cannot be chosen.
-template <class Registry>
-std::vector<std::string> usable_names(graph::Node& node, const Registry& registry) {
-  for (const auto& problem : registry.problems()) {
-    node.log_warning("{} cannot be used: {}", problem.file.string(), problem.reason);
-  }
-  return registry.names();
 }
 
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
