@@ -23,7 +23,7 @@ void choose_sensor(const text::YamlMap& map, const std::string& name, TactileOpt
   try {
     tactile.model = name == kDefaultSensor ? nullptr : SensorRegistry().create(name);
   } catch (const std::invalid_argument& error) {
-    map.fail("sensor", std::string(": ") + error.what(),
+    map.fail("sensor", std::string("names none: ") + error.what(),
              "Correct the name, or name its plug-in's folder in PREHEND_SENSORS");
   }
   tactile.parameters.clear();
