@@ -7,6 +7,7 @@
 
 #include "prehend/grasp/closing/finger_closing.h"
 #include "prehend/grasp/closing/pad_closing.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/grasp/wrench/force_closure.h"
 #include "prehend/grasp/wrench/wrench_hull.h"
@@ -128,15 +129,17 @@ void BM_CandidatePg70(benchmark::State& state) {
   grasp::PlannerOptions options;
   const robot::GripperModel gripper;
   const auto& preshape = scene.platform.hand.preshapes.front();
-  const grasp::PadClosing evaluator(grasp::make_solid(object.mesh_W, options.density),
-                                    geometry::Plane{}, {}, scene.platform.hand, {}, options);
+  const grasp::Solid solid = grasp::make_solid(object.mesh_W, options.density);
+  const geometry::MeshQuery query_W(solid.mesh_W);
+  const grasp::Obstacles nowhere;
+  const grasp::Reachability everywhere;
+  const grasp::PadClosing evaluator(
+      {solid, query_W, geometry::Plane{}, nowhere, scene.hand, everywhere, options});
   std::vector<grasp::Candidate> closing;
-  const auto generator = grasp::make_generator("antipodal", options.candidates);
-  for (const auto& candidate : generator->generate({evaluator.query(),
-                                                    evaluator.solid().center_of_mass_W,
-                                                    {},
-                                                    evaluator.reach(preshape),
-                                                    {}})) {
+  const auto generator = grasp::make_generator("antipodal");
+  const grasp::GraspTarget target{
+      query_W, solid.center_of_mass_W, {}, evaluator.reach(preshape), {}};
+  for (const auto& candidate : generator->generate(target, options.candidates)) {
     grasp::ClosedGrasp evaluated;
     if (!evaluator.evaluate(candidate, preshape, &evaluated)) closing.push_back(candidate);
   }

@@ -24,6 +24,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/knob_parameters.h"
 #include "prehend/graph/node_program.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
 
@@ -41,6 +42,15 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
   }
 }
 
+// Says which plug-ins are there but cannot be chosen.
+template <class Registry>
+std::vector<std::string> usable_names(graph::Node& node, const Registry& registry) {
+  for (const auto& problem : registry.problems()) {
+    node.log_warning("{} cannot be used: {}", problem.file.string(), problem.reason);
+  }
+  return registry.names();
+}
+
 // The defaults are those that `options` have.
 void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared) {
   grasp::PlannerOptions& options = *declared;
@@ -50,10 +60,11 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   grasp::FingerOptions::knobs(options.fingers, declare);
   const auto generators = node.declare_parameter<std::vector<std::string>>(
       {.name = "generators",
-       .choices = grasp::generator_names(),
+       .choices = usable_names(node, grasp::GeneratorRegistry()),
        .description =
            "ways to make candidates, these alone; none: circles and boxes for a parallel gripper, "
-           "circles for other hands, and antipodal where none of those holds",
+           "circles for other hands, and antipodal where none of those holds; others in shared "
+           "libraries in PREHEND_GENERATORS",
        .read_only = true});
   if (!generators.empty()) {
     options.generators = generators;
@@ -85,15 +96,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   if (node.is_parameter_given("standoffs")) {
     options.candidates.standoffs = options.candidates.circles.standoffs;
   }
-}
-
-// Says which plug-ins are there but cannot be chosen.
-template <class Registry>
-std::vector<std::string> usable_names(graph::Node& node, const Registry& registry) {
-  for (const auto& problem : registry.problems()) {
-    node.log_warning("{} cannot be used: {}", problem.file.string(), problem.reason);
-  }
-  return registry.names();
 }
 
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {

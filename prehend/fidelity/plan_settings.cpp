@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "prehend/fidelity/knobs.h"
-#include "prehend/grasp/generators/generator.h"
+#include "prehend/grasp/generators/generator_registry.h"
 
 namespace prehend::fidelity {
 namespace {
@@ -22,14 +22,12 @@ int whole_number(const std::string& knob, const std::string& text, int least) {
 }
 
 std::vector<std::string> generators_of(const std::string& text) {
-  const std::vector<std::string> known = grasp::generator_names();
+  const grasp::GeneratorRegistry known;
   std::vector<std::string> names;
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find('+', start), text.size());
     names.push_back(text.substr(start, end - start));
-    if (std::find(known.begin(), known.end(), names.back()) == known.end()) {
-      refuse_knob(kPlanSubject, "generators", text);
-    }
+    if (!known.has(names.back())) refuse_knob(kPlanSubject, "generators", text);
     start = end + 1;
   }
   return names;

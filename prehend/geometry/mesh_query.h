@@ -23,42 +23,61 @@ struct NearestPoint {
   int triangle = 0;
 };
 
-/// Ray and nearest-point queries on one mesh, by Embree's bounding volume hierarchy. Building costs
-/// O(t log t); the mesh is copied. Queries are const and may run in several threads at once.
-/// Embree works in single precision: expect 1e-6 relative to the mesh's size and distance from the
-/// origin, so keep meshes in a frame near them.
-class MeshQuery {
+/// Rays and nearest points of one surface. Queries may run in several threads at once. Pure
+/// virtual, so that plug-ins need nothing of prehend linked to them.
+class SurfaceQuery {
  public:
-  /// @throws InputError for a mesh without triangles, with indices out of range or with NaN.
-  explicit MeshQuery(TriangleMesh mesh);
-  ~MeshQuery();
-  MeshQuery(MeshQuery&&) noexcept;
-  MeshQuery& operator=(MeshQuery&&) noexcept;
+  virtual ~SurfaceQuery() = default;
 
-  const TriangleMesh& mesh() const;
+  virtual const TriangleMesh& mesh() const = 0;
 
   /// First triangle hit from `origin` along `direction` (unit) within (0, max_distance] [m].
-  std::optional<RayHit> cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
-                                 double max_distance = 1e9) const;
+  virtual std::optional<RayHit> cast_ray(const Eigen::Vector3d& origin,
+                                         const Eigen::Vector3d& direction,
+                                         double max_distance = 1e9) const = 0;
 
   /// cast_ray() from each origin along one direction (unit), several at a time: three to five times
   /// as fast for rays side by side. `hits` is resized.
-  void cast_rays(const std::vector<Eigen::Vector3d>& origins, const Eigen::Vector3d& direction,
-                 double max_distance, std::vector<std::optional<RayHit>>* hits) const;
+  virtual void cast_rays(const std::vector<Eigen::Vector3d>& origins,
+                         const Eigen::Vector3d& direction, double max_distance,
+                         std::vector<std::optional<RayHit>>* hits) const = 0;
 
   /// Axis-aligned box round all vertices.
-  const Eigen::AlignedBox3d& box() const;
+  virtual const Eigen::AlignedBox3d& box() const = 0;
 
   /// The point of the surface nearest to `point`, if within `max_distance` [m].
-  std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
-                                      double max_distance = 1e9) const;
+  virtual std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
+                                              double max_distance = 1e9) const = 0;
 
   /// True when `point` is inside the (watertight) mesh: on most of three rays the first surface
   /// met is seen from its back.
-  bool contains(const Eigen::Vector3d& point) const;
+  virtual bool contains(const Eigen::Vector3d& point) const = 0;
 
   /// Distance to the surface, negative inside [m].
-  double signed_distance(const Eigen::Vector3d& point) const;
+  virtual double signed_distance(const Eigen::Vector3d& point) const = 0;
+};
+
+/// Queries on a mesh by Embree's bounding volume hierarchy. Building costs O(t log t); the mesh is
+/// copied. Embree works in single precision: expect 1e-6 relative to the mesh's size and distance
+/// from the origin, so keep meshes in a frame near them.
+class MeshQuery final : public SurfaceQuery {
+ public:
+  /// @throws InputError for a mesh without triangles, with indices out of range or with NaN.
+  explicit MeshQuery(TriangleMesh mesh);
+  ~MeshQuery() override;
+  MeshQuery(MeshQuery&&) noexcept;
+  MeshQuery& operator=(MeshQuery&&) noexcept;
+
+  const TriangleMesh& mesh() const override;
+  std::optional<RayHit> cast_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                 double max_distance = 1e9) const override;
+  void cast_rays(const std::vector<Eigen::Vector3d>& origins, const Eigen::Vector3d& direction,
+                 double max_distance, std::vector<std::optional<RayHit>>* hits) const override;
+  const Eigen::AlignedBox3d& box() const override;
+  std::optional<NearestPoint> nearest(const Eigen::Vector3d& point,
+                                      double max_distance = 1e9) const override;
+  bool contains(const Eigen::Vector3d& point) const override;
+  double signed_distance(const Eigen::Vector3d& point) const override;
 
  private:
   struct Implementation;

@@ -11,7 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "prehend/grasp/closing/closing.h"
+#include "prehend/grasp/closing/closing_registry.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/grasp/parallel.h"
 #include "prehend/grasp/surface_trust.h"
 
@@ -33,6 +34,13 @@ struct Listed {
   const Grasp& grasp() const { return closed.grasp; }
 };
 
+/// A shape that the object has, or may have, and the hand that closes on it.
+struct OnShape {
+  Solid solid;
+  geometry::MeshQuery query_W;
+  std::unique_ptr<Closing> closing;
+};
+
 bool better(const Listed& a, const Listed& b) {
   const double of_a = a.grasp().score, of_b = b.grasp().score;
   return of_a != of_b ? of_a > of_b : a.order < b.order;
@@ -48,7 +56,8 @@ class Planner {
         hand_(hand),
         reachability_(reachability),
         options_(options),
-        closing_(closing_on(object.mesh_W, obstacles)),
+        on_object_(closing_on(object.mesh_W, obstacles)),
+        closing_(on_object_->closing.get()),
         disturbances_(disturbances(options.uncertainty)),
         start_(steady_clock::now()) {
     for (const auto& name : options.preshapes) preshapes_.push_back(&hand.hand->preshape(name));
@@ -60,10 +69,16 @@ class Planner {
   GraspPlan plan();
 
  private:
-  std::unique_ptr<Closing> closing_on(const geometry::TriangleMesh& mesh_W,
+  // On the heap, as the closing refers to the rest.
+  std::unique_ptr<OnShape> closing_on(const geometry::TriangleMesh& mesh_W,
                                       const Obstacles& obstacles) const {
-    return make_closing(make_solid(mesh_W, options_.density), table_, obstacles, hand_,
-                        reachability_, options_);
+    Solid solid = make_solid(mesh_W, options_.density);
+    geometry::MeshQuery query_W(solid.mesh_W);
+    auto on_shape =
+        std::make_unique<OnShape>(OnShape{std::move(solid), std::move(query_W), nullptr});
+    on_shape->closing = make_closing(
+        {on_shape->solid, on_shape->query_W, table_, obstacles, hand_, reachability_, options_});
+    return on_shape;
   }
   bool time_is_up() const {
     return options_.budget > 0 &&
@@ -84,7 +99,9 @@ class Planner {
   const HandToClose& hand_;
   const Reachability& reachability_;
   const PlannerOptions& options_;
-  std::unique_ptr<Closing> closing_;
+  const Obstacles nowhere_;  // in the way of other shapes: they were of the object's
+  std::unique_ptr<OnShape> on_object_;
+  const Closing* closing_;
   std::vector<Disturbance> disturbances_;
   steady_clock::time_point start_;
   std::vector<const robot::Preshape*> preshapes_;
@@ -107,19 +124,19 @@ std::vector<Tried> Planner::candidates(const std::vector<std::string>& generator
   std::vector<Tried> all;
   // Looked at once for all preshapes.
   std::vector<ApproachView> views;
-  const Eigen::Vector3d& centroid_W = closing_->solid().center_of_mass_W;
+  const Eigen::Vector3d& centroid_W = on_object_->solid.center_of_mass_W;
   const bool circles =
       std::find(generators.begin(), generators.end(), "circles") != generators.end();
   if (circles) {
-    views = approach_views(closing_->query().mesh(), centroid_W, table_, reachability_,
+    views = approach_views(on_object_->query_W.mesh(), centroid_W, table_, reachability_,
                            options_.candidates.circles);
   }
   for (const robot::Preshape* preshape : preshapes_) {
-    const GraspTarget target{closing_->query(),          centroid_W,    table_,
+    const GraspTarget target{on_object_->query_W,        centroid_W,    table_,
                              closing_->reach(*preshape), reachability_, circles ? &views : nullptr};
     for (const std::string& name : generators) {
-      const auto generator = make_generator(name, options_.candidates);
-      for (const Candidate& candidate : generator->generate(target)) {
+      const auto generator = make_generator(name);
+      for (const Candidate& candidate : generator->generate(target, options_.candidates)) {
         all.push_back({name, preshape, candidate});
         if (!options_.both_ways) continue;
         Candidate turned = candidate;
@@ -174,7 +191,7 @@ std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::siz
 void Planner::assess_surface(Grasp* grasp) const {
   double sum = 0, guessed = 0, there = 0;
   for (const GraspContact& contact : grasp->contacts) {
-    const auto trust = surface_trust(object_, closing_->query(), contact.contact_W.point);
+    const auto trust = surface_trust(object_, on_object_->query_W, contact.contact_W.point);
     if (!trust) continue;
     const double weight = contact.force > 0 ? contact.force : 1;
     sum += weight;
@@ -251,8 +268,10 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
 
 // Who is assessed no more counts as if nothing held.
 void Planner::assess_robustness(std::vector<Listed>* best) const {
-  std::vector<std::unique_ptr<Closing>> alternatives;
-  for (const auto& mesh_W : object_.alternatives_W) alternatives.push_back(closing_on(mesh_W, {}));
+  std::vector<std::unique_ptr<OnShape>> alternatives;
+  for (const auto& mesh_W : object_.alternatives_W) {
+    alternatives.push_back(closing_on(mesh_W, nowhere_));
+  }
   std::size_t assessed = best->size();
   if (options_.robust_count > 0) {
     assessed = std::min(assessed, static_cast<std::size_t>(options_.robust_count));
@@ -263,7 +282,7 @@ void Planner::assess_robustness(std::vector<Listed>* best) const {
     if (time_is_up()) return;
     const Grasp& grasp = (*best)[i / samples].grasp();
     const std::size_t shape = i % samples % (alternatives.size() + 1);
-    const Closing& closing = shape == 0 ? *closing_ : *alternatives[shape - 1];
+    const Closing& closing = shape == 0 ? *closing_ : *alternatives[shape - 1]->closing;
     const Disturbance& one = disturbances_[i % samples];
     held[i] = closing.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
   });

@@ -88,7 +88,7 @@ struct HandCandidate {
 
 /// The defaults are those of a parallel gripper; default_options() has every hand's.
 struct PlannerOptions {
-  std::vector<std::string> generators{"circles", "boxes"};  // of generator_names(), at least one
+  std::vector<std::string> generators{"circles", "boxes"};  // by name, at least one
   /// Tried as well when no grasp of the former holds in `enough` of its disturbed trials: walls,
   /// rims and handles of what is too wide.
   std::vector<std::string> further_generators{"antipodal"};

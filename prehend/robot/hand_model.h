@@ -68,7 +68,12 @@ struct HandModel {
   /// one motor moves half of the opening. None: a hand with fingers.
   std::optional<GripperModel> gripper;
   geometry::RigidTransform X_HP = geometry::RigidTransform::Identity();  // of the palm
+  std::string closing;  // method of closing that the file names; empty: closing_method()'s default
 
+  /// By which name a planner finds how this hand closes (prehend/grasp/closing).
+  std::string closing_method() const {
+    return !closing.empty() ? closing : gripper ? "pads" : "fingers";
+  }
   int size() const { return static_cast<int>(actuated.size()); }
   double mass() const;  // kg, of all links
   std::vector<std::string> actuated_names() const;

@@ -39,6 +39,7 @@ class HandReader {
     map.read("palm", palm);
     map.read("friction", hand_.friction);
     map.read("gripper", gripper);
+    map.read("closing", hand_.closing);
     const YAML::Node actuated = map.child("actuated"), fingers = map.child("fingers"),
                      pads = map.child("pads"), breakaway = map.child("breakaway"),
                      tool = map.child("tool"), preshapes = map.child("preshapes");
@@ -47,6 +48,9 @@ class HandReader {
     if (urdf_.empty()) map.fail("urdf", "is missing", "Name the URDF file, relative to this one");
     if (palm.empty()) map.fail("palm", "is missing", "Name the palm's link");
     if (!(hand_.friction > 0)) map.fail("friction", "is not positive", "Give a coefficient");
+    if (file["closing"] && hand_.closing.empty()) {
+      map.fail("closing", "names no method", "Write pads, fingers or a plug-in's, or leave it out");
+    }
     hand_.model = at_line(map, "urdf", [&] { return read_urdf(path_.parent_path() / urdf_); });
     hand_.palm = at_line(map, "palm", [&] { return hand_.model.link_index(palm); });
     set_palm_pose(map);

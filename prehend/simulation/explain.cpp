@@ -151,8 +151,7 @@ void explain_gripper(const Scene& scene, Explanation& out) {
   }
   out.modelled.push_back(
       {"pads", explained_text("2 x %d x %d texels: %s; electronics %s", pad.rows, pad.columns,
-                              law_text(pad.law).c_str(),
-                              scene.tactile.sensor.is_ideal() ? "ideal" : "realistic")});
+                              law_text(pad.law).c_str(), scene.tactile.about().c_str())});
   if (rules.gate_texels) {
     out.left_out.push_back({explained_text("%d rays of the pads", 2 * pad.rows * pad.columns),
                             "gate_texels", 0, "m", "none: bitwise the same",

@@ -60,10 +60,11 @@ void RobotWorld::Implementation::explain_hand(Explanation& out) const {
   out.modelled.push_back(
       {"hand",
        explained_text("%s: %s, %s, %s, friction %g; the palm is carried, "
-                      "fingers give way and are pushed",
+                      "fingers give way and are pushed; grasps are planned to close by %s",
                       hand_model.name.c_str(), counted(hand_model.fingers.size(), "finger").c_str(),
                       counted(robot.motors.size(), "motor").c_str(),
-                      shapes_text(robot, of_hand).c_str(), hand_model.friction)});
+                      shapes_text(robot, of_hand).c_str(), hand_model.friction,
+                      hand_model.closing_method().c_str())});
   for (const RobotBodies::Motor& motor : robot.motors) {
     const char* unit = motor.slides ? "m" : "rad";
     const double yield = motor.slides ? options.hand.sliding_yield : options.hand.yield;
@@ -92,7 +93,7 @@ void RobotWorld::Implementation::explain_hand(Explanation& out) const {
 }
 
 void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
-  const char* electronics = options.tactile.sensor.is_ideal() ? "ideal" : "realistic";
+  const std::string electronics = options.tactile.about();
   if (hand_model.pads.empty()) {
     out.modelled.push_back({"pads", "none: nothing is felt but at the wrist and by the motors"});
   }
@@ -100,7 +101,7 @@ void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
     out.modelled.push_back(
         {"pad " + pad.name,
          explained_text("%d x %d texels: %s; electronics %s", pad.model.rows, pad.model.columns,
-                        law_text(pad.model.law).c_str(), electronics)});
+                        law_text(pad.model.law).c_str(), electronics.c_str())});
   }
   out.modelled.push_back({"wrist", options.wrench ? "force and torque sensor with its errors"
                                                   : "forces and torques as they are"});

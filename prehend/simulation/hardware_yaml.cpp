@@ -1,6 +1,12 @@
 #include "prehend/simulation/hardware_yaml.h"
 
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+
 #include "prehend/robot/texel_law_yaml.h"
+#include "prehend/simulation/sensors/sensor_registry.h"
 #include "prehend/simulation/world_engine.h"
 #include "prehend/text/yaml_map.h"
 
@@ -8,6 +14,64 @@ namespace prehend::simulation {
 
 using text::YamlMap;
 using Path = std::filesystem::path;
+
+namespace {
+
+// Another sensor begins from its own defaults.
+void choose_sensor(const text::YamlMap& map, const std::string& name, TactileOptions& tactile) {
+  if (name == tactile.sensor_name()) return;
+  try {
+    tactile.model = name == kDefaultSensor ? nullptr : SensorRegistry().create(name);
+  } catch (const std::invalid_argument& error) {
+    map.fail("sensor", std::string("names none: ") + error.what(),
+             "Correct the name, or name its plug-in's folder in PREHEND_SENSORS");
+  }
+  tactile.parameters.clear();
+}
+
+void read_sensor_parameters(const YAML::Node& node, const Path& file, TactileOptions& tactile) {
+  text::YamlMap map(node, file, "tactile.parameters");
+  for (const PadSensorParameter& parameter : tactile.model->parameters()) {
+    double value = parameter.default_value;
+    if (const auto before = tactile.parameters.find(parameter.name);
+        before != tactile.parameters.end()) {
+      value = before->second;
+    }
+    map.read(parameter.name, value);
+    if (!(value >= parameter.minimum && value <= parameter.maximum)) {
+      map.fail(parameter.name, fmt::format("is {}", value),
+               fmt::format("Write {} to {}", parameter.minimum, parameter.maximum));
+    }
+    if (node[parameter.name]) tactile.parameters[parameter.name] = value;
+  }
+  map.finish();
+}
+
+void read_foam(text::YamlMap& map, TactileSensorOptions& sensor) {
+  bool realistic = false;
+  map.read("realistic", realistic);
+  if (realistic) sensor = TactileSensorOptions::realistic();
+  map.read("threshold", sensor.threshold);
+  map.read("gain_spread", sensor.gain_spread);
+  map.read("hysteresis", sensor.hysteresis);
+  map.read("creep", sensor.creep);
+  map.read("creep_time", sensor.creep_time);
+  map.read("low_pass_time", sensor.low_pass_time);
+  map.read("noise", sensor.noise);
+  const YAML::Node dead = map.child("dead");
+  if (!dead.IsDefined()) return;
+  if (!dead.IsSequence()) map.fail("dead", "is no list", "Write texels' indices: [3, 17]");
+  sensor.dead.clear();
+  for (const YAML::Node& texel : dead) {
+    int index = 0;
+    if (!texel.IsScalar() || !YAML::convert<int>::decode(texel, index)) {
+      map.fail("dead", "has an entry that is no whole number", "Write texels' indices: [3, 17]");
+    }
+    sensor.dead.push_back(index);
+  }
+}
+
+}  // namespace
 
 void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
   text::YamlMap map(node, file, "drive");
@@ -43,31 +107,27 @@ void read_drive(const YAML::Node& node, const Path& file, Scene& scene) {
 
 void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
   text::YamlMap map(node, file, "tactile");
-  TactileSensorOptions& sensor = scene.tactile.sensor;
-  bool realistic = false;
-  map.read("realistic", realistic);
-  if (realistic) sensor = TactileSensorOptions::realistic();
-  map.read("threshold", sensor.threshold);
-  map.read("gain_spread", sensor.gain_spread);
-  map.read("hysteresis", sensor.hysteresis);
-  map.read("creep", sensor.creep);
-  map.read("creep_time", sensor.creep_time);
-  map.read("low_pass_time", sensor.low_pass_time);
-  map.read("noise", sensor.noise);
-  map.read("seed", sensor.seed);
-  map.read("period", scene.tactile.period);
-  const YAML::Node dead = map.child("dead");
-  map.finish();
-  if (!dead.IsDefined()) return;
-  if (!dead.IsSequence()) map.fail("dead", "is no list", "Write texels' indices: [3, 17]");
-  sensor.dead.clear();
-  for (const YAML::Node& texel : dead) {
-    int index = 0;
-    if (!texel.IsScalar() || !YAML::convert<int>::decode(texel, index)) {
-      map.fail("dead", "has an entry that is no whole number", "Write texels' indices: [3, 17]");
-    }
-    sensor.dead.push_back(index);
+  TactileOptions& tactile = scene.tactile;
+  std::string name = tactile.sensor_name();
+  map.read("sensor", name);
+  choose_sensor(map, name, tactile);
+  for (const char* key : {"realistic", "threshold", "gain_spread", "hysteresis", "creep",
+                          "creep_time", "low_pass_time", "noise", "dead"}) {
+    if (!tactile.model || !node[key]) continue;
+    map.fail(key, std::string("is of the sensor foam, not of ") + tactile.sensor_name(),
+             "Take it out; what that one knows stands in `parameters`");
   }
+  read_foam(map, tactile.sensor);
+  map.read("seed", tactile.sensor.seed);
+  map.read("period", tactile.period);
+  const YAML::Node parameters = map.child("parameters");
+  map.finish();
+  if (!parameters.IsDefined()) return;
+  if (!tactile.model) {
+    map.fail("parameters", "are of a sensor that is a plug-in, and foam is none",
+             "Write foam's keys beside, or name the plug-in by `sensor`");
+  }
+  read_sensor_parameters(parameters, file, tactile);
 }
 
 void read_wrench(const YAML::Node& node, const Path& file, Scene& scene) {

@@ -10,15 +10,10 @@ RobotSensors::RobotSensors(const robot::HandModel& hand, const TactileOptions& t
     : tactile_(tactile) {
   if (wrench) wrist_.emplace(*wrench);
   for (const robot::HandPad& pad : hand.pads) {
-    TactileSensorOptions options = tactile.sensor;
-    options.rows = pad.model.rows;
-    options.columns = pad.model.columns;
-    options.newton_per_count = pad.model.newton_per_count;
-    options.full_scale = pad.model.full_scale;
-    options.seed += static_cast<std::uint32_t>(pads_.size());
-    pad_options_.push_back(options);
-    pads_.emplace_back(options);
-    frames_.emplace_back(static_cast<std::size_t>(options.rows * options.columns), 0);
+    const int number = static_cast<int>(pads_.size());
+    pad_options_.push_back(tactile.of_pad(pad.model, number));
+    pads_.emplace_back(tactile, pad.model, number);
+    frames_.emplace_back(static_cast<std::size_t>(pad.model.rows * pad.model.columns), 0);
   }
   age_ = tactile.period;  // the first frame is due at once
 }

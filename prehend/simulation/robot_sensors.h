@@ -19,7 +19,7 @@ class RobotSensors {
                const std::optional<WrenchSensorOptions>& wrench);
 
   /// Whether the pads' frames depend on the present forces alone; else they come each period.
-  bool ideal_pads() const { return tactile_.sensor.is_ideal(); }
+  bool ideal_pads() const { return tactile_.is_ideal(); }
   /// What the electronics of pad `pad` make of these forces [N], if they are ideal.
   std::vector<std::uint16_t> ideal_counts(std::size_t pad, const std::vector<double>& forces) const;
 
@@ -35,7 +35,7 @@ class RobotSensors {
  private:
   TactileOptions tactile_;
   std::vector<TactileSensorOptions> pad_options_;
-  std::vector<TactileSensor> pads_;
+  std::vector<PadElectronics> pads_;
   std::vector<std::vector<std::uint16_t>> frames_;
   std::optional<WrenchSensor> wrist_;
   double age_ = 0;  // s, of the frames

@@ -80,16 +80,6 @@ geometry::RigidTransform CarrierModel::gripper_pose(const Eigen::Vector3d& posit
   return X_WG;
 }
 
-TactileSensorOptions pad_electronics(const Scene& scene, int pad) {
-  TactileSensorOptions options = scene.tactile.sensor;
-  options.rows = scene.gripper.pad.rows;
-  options.columns = scene.gripper.pad.columns;
-  options.newton_per_count = scene.gripper.pad.newton_per_count;
-  options.full_scale = scene.gripper.pad.full_scale;
-  options.seed += static_cast<std::uint32_t>(pad);
-  return options;
-}
-
 void validate(const Scene& scene) {
   require(std::isfinite(scene.step) && scene.step > 0 && scene.step <= 0.1, "step",
           "above 0 and at most 0.1 s");
@@ -117,7 +107,7 @@ void validate(const Scene& scene) {
   require(scene.physics.most_iterations >= 1 && scene.physics.most_iterations <= 100,
           "physics.most_iterations", "1 to 100");
   require_positive(scene.tactile.period, "tactile.period");
-  TactileSensor{pad_electronics(scene, 0)};
+  PadElectronics{scene.tactile, scene.gripper.pad, 0};
   if (scene.wrench) WrenchSensor{*scene.wrench};
   validate_carrier(scene.carrier);
   validate_camera(scene.camera);

@@ -16,6 +16,7 @@
 #include "prehend/simulation/actuator.h"
 #include "prehend/simulation/physics.h"
 #include "prehend/simulation/rigid_body.h"
+#include "prehend/simulation/sensors/pad_electronics.h"
 #include "prehend/simulation/tactile_sensor.h"
 #include "prehend/simulation/texture.h"
 
@@ -62,13 +63,6 @@ struct TableModel {
   Eigen::Vector2d center{0, 0};    // m, of the visible top
   Eigen::Vector2d size{1.6, 1.6};  // m
   Texture texture{Texture::Pattern::kWood, {0.62, 0.47, 0.32}, {0.45, 0.32, 0.2}, 0.3, 0.02, 7};
-};
-
-/// The pads' electronics. Rows, columns, counts and full scale are those of `gripper.pad`.
-struct TactileOptions {
-  TactileOptions() { sensor.threshold = 0; }
-  TactileSensorOptions sensor;  // ideal without threshold; the right pad has seed + 1
-  double period = 0.01;         // s, between frames of a sensor that is not ideal
 };
 
 /// One object that stands on the table at the start.
@@ -128,9 +122,6 @@ Scene read_scene(const std::filesystem::path& path, const std::filesystem::path&
 
 /// Checks every value of a scene made in code. @throws std::invalid_argument naming the field.
 void validate(const Scene& scene);
-
-/// The electronics of pad 0 (left) or 1 (right).
-TactileSensorOptions pad_electronics(const Scene& scene, int pad);
 
 /// What texels feel of `object` exactly, in its own frame B; none for shapes that are meshes.
 std::optional<FeltShape> primitive_shape(const SceneObject& object);

@@ -19,7 +19,7 @@ constexpr double kInstant = 1e-9;         // s, shorter than that is nothing
 double World::Implementation::most_steady(double h) {
   h = std::min(h, std::max(scene.step, state.gripper.steady_time(state.motion.slide)));
   h = std::min(h, std::max(kInstant, state.carrier.time_to_bend()));
-  if (!scene.tactile.sensor.is_ideal()) {
+  if (!scene.tactile.is_ideal()) {
     const double to_frame = scene.tactile.period - state.frame_age;
     if (to_frame > kInstant) h = std::min(h, to_frame);
   }

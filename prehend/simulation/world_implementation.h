@@ -78,7 +78,7 @@ struct World::State {
   Motion motion;
   Carrier carrier;
   GripperAxis gripper;
-  std::array<TactileSensor, 2> pads;
+  std::array<PadElectronics, 2> pads;  // left, right
   std::array<TactileImage, 2> frames;  // the last ones, of pads that are not ideal
   double frame_age = 0;                // s
   std::optional<WrenchSensor> wrist;

@@ -70,8 +70,7 @@ void World::Implementation::read_sensors(double h) {
   }
   // Electronics with a memory see the pads at their own pace.
   state.frame_age += h;
-  if (scene.tactile.sensor.is_ideal() || state.frame_age < scene.tactile.period * (1 - 1e-9))
-    return;
+  if (scene.tactile.is_ideal() || state.frame_age < scene.tactile.period * (1 - 1e-9)) return;
   for (int k : {0, 1}) {
     state.frames[k] = image(k, state.pads[k].sample(texel_forces(k), state.frame_age));
   }
@@ -125,8 +124,8 @@ TactileImage World::tactile_image(PadSide side) const {
   }
   Implementation& world = *implementation_;
   const int pad = side == PadSide::kLeft ? 0 : 1;
-  if (!world.scene.tactile.sensor.is_ideal()) return world.state.frames[pad];
-  TactileSensor sensor = world.state.pads[pad];  // has no memory that counts
+  if (!world.scene.tactile.is_ideal()) return world.state.frames[pad];
+  PadElectronics sensor = world.state.pads[pad];  // has no memory that counts
   return world.image(pad, sensor.sample(world.texel_forces(pad), 0));
 }
 

@@ -68,6 +68,10 @@ std::uint64_t World::Implementation::description() const {
   const TactileSensorOptions& t = scene.tactile.sensor;
   writer(t.threshold, t.gain_spread, t.hysteresis, t.creep, t.creep_time, t.low_pass_time, t.noise,
          t.dead, t.seed, scene.tactile.period, scene.wrench.has_value());
+  if (scene.tactile.model) {
+    writer(scene.tactile.sensor_name());
+    for (const auto& [name, value] : scene.tactile.parameters) writer(name, value);
+  }
   if (const auto& w = scene.wrench) {
     writer(w->force_noise, w->torque_noise, w->force_resolution, w->torque_resolution,
            w->force_range, w->torque_range, w->bias);

@@ -1,9 +1,12 @@
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "prehend/grasp/generators/generator.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/grasp/ledger.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/robot/gripper_model.h"
@@ -14,6 +17,8 @@ namespace {
 using geometry::TriangleMesh;
 
 const robot::GripperModel kGeneratorGripper;
+const std::vector<std::string> kGenerators =
+    GeneratorRegistry(std::vector<std::filesystem::path>{}).names();
 
 class Scene {
  public:
@@ -22,7 +27,7 @@ class Scene {
         target_{query_, geometry::mass_properties(mesh).center_of_mass, geometry::Plane{},
                 hand_reach(kGeneratorGripper), reachability} {}
   std::vector<Candidate> generate(const std::string& name, const GeneratorOptions& options = {}) {
-    return make_generator(name, options)->generate(target_);
+    return make_generator(name)->generate(target_, options);
   }
 
  private:
@@ -87,7 +92,7 @@ TEST_P(EachGenerator, FindsGraspsOfABoxABallAndACan) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachGenerator, testing::ValuesIn(generator_names()),
+INSTANTIATE_TEST_SUITE_P(All, EachGenerator, testing::ValuesIn(kGenerators),
                          [](const auto& test) { return test.param; });
 
 TEST(Generators, AntipodalPointsAreInBothCones) {
@@ -141,7 +146,7 @@ TEST(Generators, BoxRaysApproachAgainstTheSurface) {
 TEST(Generators, NothingToHoldGivesNoCandidates) {
   // A disc of 0.1 mm, smaller than any contact: no crash, poses that the planner can refuse.
   Scene scene(raised(geometry::make_revolution({{5e-5, 0}, {5e-5, 1e-6}}, 8), 0.001));
-  for (const auto& name : generator_names()) {
+  for (const auto& name : kGenerators) {
     for (const auto& candidate : scene.generate(name)) {
       EXPECT_TRUE(candidate.X_WG.matrix().allFinite()) << name;
     }
@@ -153,11 +158,15 @@ TEST(Generators, UnknownNameIsToldTheNearest) {
     make_generator("antipodel");
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("\"antipodal\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("nearest is 'antipodal'"), std::string::npos)
+        << error.what();
   }
-  GeneratorOptions options;
-  options.samples = 0;
-  EXPECT_THROW(make_generator("boxes", options), std::invalid_argument);
+}
+
+TEST(Generators, OptionsOutOfRangeAreRefused) {
+  PlannerOptions options;
+  options.candidates.samples = 0;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
 TEST(Ledger, KeepsTheNearestMiss) {

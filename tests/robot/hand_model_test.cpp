@@ -176,6 +176,17 @@ TEST(HandModel, EveryPreshapeIsWithinTheLimitsAllTheWayOpen) {
             "joint 'thumb_distal' at 97.4 deg is beyond 90.0 deg");
 }
 
+// The planner knows the names: here any will do.
+TEST(HandModel, SaysByWhichMethodItCloses) {
+  HandModel hand = shipped("bh8");
+  EXPECT_EQ(hand.closing, "");
+  EXPECT_EQ(hand.closing_method(), "fingers");
+  EXPECT_EQ(shipped("pg70").closing_method(), "pads");
+  EXPECT_EQ(parallel_hand({}).closing_method(), "pads");
+  hand.closing = "scoop";
+  EXPECT_EQ(hand.closing_method(), "scoop");
+}
+
 class HandFile : public RobotFile {
  protected:
   std::string error(const std::string& from, const std::string& to,
@@ -208,6 +219,8 @@ TEST_F(HandFile, ErrorsNameLineNearestAndMend) {
   EXPECT_HAS(error("normal: [1, 0, 0]", "normal: [0, 0, 1]"), "does not lie in the face");
   EXPECT_HAS(error("friction: 0.7", "friction: -1"), "friction is not positive");
   EXPECT_HAS(error("friction: 0.7", "friction: .nan"), "no finite number");
+  EXPECT_HAS(error("closing: fingers", "closing: ''"),
+             "sdh2.yaml:13: hand.closing names no method");
   EXPECT_HAS(error("urdf: schunk_sdh2.urdf", "urdf: missing.urdf"), "missing.urdf");
   EXPECT_HAS(error("  pinch:", "  parallel:"), "parallel");
   EXPECT_HAS(error("torque: 0.5", "torque: 0", "bh8.yaml"), "torque is not positive");

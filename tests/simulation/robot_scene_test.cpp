@@ -4,6 +4,7 @@
 #include "prehend/simulation/robot_scene.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -60,6 +61,8 @@ const std::vector<Other> kOthers{
     {"tactile.noise", "20"},
     {"tactile.seed", "7"},
     {"tactile.period", "0.05"},
+    {"tactile.sensor", "dead_rows"},
+    {"tactile.parameters", "{first: 3, count: 5}"},
     {"tactile.dead", "[20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37]"},
     {"wrench.force_noise", "2"},
     {"wrench.torque_noise", "2"},
@@ -157,8 +160,12 @@ class RobotScene : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     write_box("solid.obj", 0.06);
     write_box("other.obj", 0.05);
+    setenv("PREHEND_SENSORS", PREHEND_SENSOR_EXAMPLE, 1);
   }
-  ~RobotScene() override { std::filesystem::remove_all(folder_); }
+  ~RobotScene() override {
+    unsetenv("PREHEND_SENSORS");
+    std::filesystem::remove_all(folder_);
+  }
 
   void write_box(const std::string& name, double side) const {
     const geometry::TriangleMesh mesh = geometry::make_box({side, side, side});
@@ -179,6 +186,10 @@ class RobotScene : public ::testing::Test {
   // The base with one key set.
   std::filesystem::path write(const std::string& key = "", const std::string& value = "") const {
     YAML::Node top = YAML::Load(with_robots(kBase));
+    // A plug-in does not know what foam does.
+    if (key == "tactile.sensor" || key == "tactile.parameters") {
+      top["tactile"] = YAML::Load("{sensor: dead_rows}");
+    }
     if (!key.empty()) {
       std::vector<YAML::Node> path{top};
       std::istringstream words(key);

@@ -109,8 +109,8 @@ TEST_F(SceneFile, PhysicsAndHardwareArriveInTheirFields) {
   EXPECT_DOUBLE_EQ(scene.tactile.sensor.creep, TactileSensorOptions::realistic().creep);
   EXPECT_DOUBLE_EQ(scene.tactile.sensor.noise, 7);
   EXPECT_EQ(scene.tactile.sensor.dead, (std::vector<int>{3, 17}));
-  EXPECT_EQ(pad_electronics(scene, 0).seed, 5u);
-  EXPECT_EQ(pad_electronics(scene, 1).seed, 6u);
+  EXPECT_EQ(scene.tactile.of_pad(scene.gripper.pad, 0).seed, 5u);
+  EXPECT_EQ(scene.tactile.of_pad(scene.gripper.pad, 1).seed, 6u);
   EXPECT_DOUBLE_EQ(scene.tactile.period, 0.02);
   ASSERT_TRUE(scene.wrench.has_value());
   EXPECT_DOUBLE_EQ(scene.wrench->force_noise, 0.1);

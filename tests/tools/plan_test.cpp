@@ -5,8 +5,12 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include "prehend/geometry/mesh_files.h"
 #include "tests/launch/child_program.h"
@@ -218,6 +222,27 @@ TEST_F(Plan, OptionsThatDoNotApplyAreRefused) {
     EXPECT_THAT(run(words), AllOf(HasSubstr(option[0]), HasSubstr("for clouds")));
     EXPECT_EQ(exit_code_, 1);
   }
+}
+
+// prehend/grasp/example: a generator, and a method of closing that a hand's file names.
+TEST_F(Plan, UsesAnotherProjectsPlugIns) {
+  const std::filesystem::path own = folder_.path("robots");
+  std::filesystem::copy("config/robots", own);
+  std::ifstream shipped(own / "sdh2.yaml");
+  std::string text((std::istreambuf_iterator<char>(shipped)), {});
+  text.replace(text.find("closing: fingers"), 16, "closing: fingertips");
+  std::ofstream(own / "mine.yaml") << text;
+  const std::vector<std::string> words{box({0.05, 0.06, 0.12}), "--generators", "from_the_top",
+                                       "--hand", own / "mine.yaml"};
+  EXPECT_THAT(run(words), HasSubstr("there is no closing 'fingertips'; the nearest is 'fingers'"));
+  EXPECT_EQ(exit_code_, 1);
+  setenv("PREHEND_CLOSINGS", PREHEND_GRASP_EXAMPLE, 1);
+  EXPECT_THAT(run(words), HasSubstr("there is no generator 'from_the_top'"));
+  EXPECT_EQ(exit_code_, 1);
+  setenv("PREHEND_GENERATORS", PREHEND_GRASP_EXAMPLE, 1);
+  EXPECT_THAT(run(words), AllOf(HasSubstr("FELL AT"), HasSubstr("from_the_top")));
+  unsetenv("PREHEND_CLOSINGS");
+  unsetenv("PREHEND_GENERATORS");
 }
 
 TEST_F(Plan, NamesWhatIsWrong) {

@@ -73,9 +73,10 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
       ->check(CLI::IsMember({"down", "any"}))
       ->capture_default_str();
   command
-      .add_option("--generators", choices.generators,
-                  "of candidates: circles, segments, boxes, antipodal, medial_axis; default: the "
-                  "planner's")
+      .add_option(
+          "--generators", choices.generators,
+          "of candidates: circles, segments, boxes, antipodal, medial_axis, or plug-ins' in "
+          "PREHEND_GENERATORS; default: the planner's")
       ->delimiter(',');
   command.add_option("--preshapes", choices.preshapes, "of a hand with fingers; default: all")
       ->delimiter(',');

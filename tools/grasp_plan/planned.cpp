@@ -9,6 +9,7 @@
 
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/grasp/generators/generator_registry.h"
 #include "prehend/robot/robot_files.h"
 
 namespace prehend::tools {
@@ -58,6 +59,8 @@ void refuse_chosen(const PlanChoices& choices) {
 grasp::PlannerOptions options_of(const PlanChoices& choices, Planned* planned) {
   grasp::PlannerOptions options = grasp::default_options(planned->hand);
   if (!choices.generators.empty()) {
+    const grasp::GeneratorRegistry known;
+    for (const std::string& name : choices.generators) known.create(name);
     options.generators = choices.generators;
     options.further_generators.clear();
   }

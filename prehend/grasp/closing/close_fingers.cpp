@@ -5,6 +5,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "prehend/grasp/closing/closing_registry.h"
+
 namespace prehend::grasp {
 namespace {
 
@@ -320,6 +322,9 @@ class FingersAdvancing {
 };
 
 }  // namespace
+
+HandToClose::HandToClose(const robot::HandModel& model)
+    : hand(&model), method(grasp::closing_method(model)), balls(make_hand_balls(model)) {}
 
 DriveRatios::DriveRatios(const robot::HandModel& hand)
     : motor(hand.model.joints.size(), -1), ratio(hand.model.joints.size(), 1) {

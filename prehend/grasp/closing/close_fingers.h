@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,15 @@
 
 namespace prehend::grasp {
 
-/// A hand made ready for closing: its model and the balls of its surface. Refers to the model.
+class ClosingMethod;
+
+/// A hand made ready for closing: its model, how it closes, the balls of its surface. Refers to the
+/// model.
 struct HandToClose {
-  explicit HandToClose(const robot::HandModel& model)
-      : hand(&model), balls(make_hand_balls(model)) {}
+  /// @throws geometry::InputError when the hand cannot close as its file says: closing_method().
+  explicit HandToClose(const robot::HandModel& model);
   const robot::HandModel* hand;
+  std::shared_ptr<const ClosingMethod> method;
   HandBalls balls;
 };
 

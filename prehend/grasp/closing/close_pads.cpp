@@ -15,8 +15,8 @@
 namespace prehend::grasp {
 namespace {
 
-using geometry::MeshQuery;
 using geometry::RigidTransform;
+using geometry::SurfaceQuery;
 
 // Centre of the texel in row `row` (from the fingertip) and column `column` in G: x and z [m].
 Eigen::Vector2d texel_center(const robot::TactilePadModel& pad, int row, int column) {
@@ -117,7 +117,7 @@ class PadBeds {
 };
 
 // Heights over all texels of both open pads; nothing when a pad starts inside the object.
-std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object,
+std::optional<std::vector<Spring>> measure_heights(const SurfaceQuery& object,
                                                    const RigidTransform& X_WG, double opening,
                                                    const robot::TactilePadModel& pad) {
   std::vector<Spring> springs;
@@ -148,7 +148,7 @@ std::optional<std::vector<Spring>> measure_heights(const MeshQuery& object,
 
 // True when the object, at rest between the pads, reaches into a finger beyond its pad: the
 // finger's face lies the pad's thickness behind the pad's, from the housing to the fingertip.
-bool reaches_finger(const MeshQuery& object, const RigidTransform& X_WG, double open,
+bool reaches_finger(const SurfaceQuery& object, const RigidTransform& X_WG, double open,
                     const PadBeds& beds, double opening, const robot::GripperModel& gripper) {
   constexpr double kSpacing = 0.004;  // m, of the rays along the finger
   const auto& pad = gripper.pad;
@@ -215,7 +215,7 @@ void ClosingOptions::validate() const {
   require(touch_counts >= 0, "touch_counts must not be negative");
 }
 
-SectionExtent measure_section(const MeshQuery& object_W, const RigidTransform& X_WG,
+SectionExtent measure_section(const SurfaceQuery& object_W, const RigidTransform& X_WG,
                               const robot::GripperModel& gripper) {
   const Eigen::Vector3d y_W = X_WG.linear().col(1);
   const Eigen::AlignedBox3d& box = object_W.box();
@@ -249,7 +249,7 @@ void SectionExtent::shift_hand(double offset) {
   for (SurfaceOverTexel& over : surface) over.height -= over.side * offset;
 }
 
-ClosedHand close_hand(const MeshQuery& object_W, const RigidTransform& X_WG, double opening,
+ClosedHand close_hand(const SurfaceQuery& object_W, const RigidTransform& X_WG, double opening,
                       double force, const robot::GripperModel& gripper,
                       const ClosingOptions& options, const SectionExtent* section) {
   options.validate();

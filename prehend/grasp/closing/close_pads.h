@@ -69,7 +69,7 @@ struct SectionExtent {
   /// As seen from a hand that is moved by `offset` [m] along its y axis.
   void shift_hand(double offset);
 };
-SectionExtent measure_section(const geometry::MeshQuery& object_W,
+SectionExtent measure_section(const geometry::SurfaceQuery& object_W,
                               const geometry::RigidTransform& X_WG,
                               const robot::GripperModel& gripper);
 
@@ -89,7 +89,7 @@ SectionExtent measure_section(const geometry::MeshQuery& object_W,
 /// met from far outside is then what the open pads meet.
 /// Cost: 2 x rows x columns rays and about 15 us.
 /// @throws std::invalid_argument when `opening` or `force` is not positive.
-ClosedHand close_hand(const geometry::MeshQuery& object_W, const geometry::RigidTransform& X_WG,
+ClosedHand close_hand(const geometry::SurfaceQuery& object_W, const geometry::RigidTransform& X_WG,
                       double opening, double force, const robot::GripperModel& gripper,
                       const ClosingOptions& options = {}, const SectionExtent* section = nullptr);
 

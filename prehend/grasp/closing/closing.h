@@ -1,10 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/plane.h"
@@ -20,15 +20,22 @@ struct ClosedGrasp {
   std::shared_ptr<const void> kept;
 };
 
-/// A way to close a hand, on one solid: the object that is planned on, or what it may be instead.
-/// Const calls may run at once. Adding one: a file here, and a line in closing.cpp.
+/// What a hand is closed on, and how. All of it outlives the closing.
+struct ClosingTask {
+  const Solid& solid;                     // the object, or what it may be instead
+  const geometry::SurfaceQuery& query_W;  // its surface
+  geometry::Plane table;
+  const Obstacles& obstacles;
+  const HandToClose& hand;
+  const Reachability& reachability;
+  const PlannerOptions& options;  // validated
+};
+
+/// A hand that closes on one solid. Const calls may run at once. Pure virtual where it is not
+/// inline, so that closings in shared libraries need nothing of prehend linked to them.
 class Closing {
  public:
-  explicit Closing(Solid solid) : solid_(std::move(solid)), query_(solid_.mesh_W) {}
   virtual ~Closing() = default;
-
-  const Solid& solid() const { return solid_; }
-  const geometry::MeshQuery& query() const { return query_; }
 
   /// What a generator must know of the hand in a preshape.
   virtual HandReach reach(const robot::Preshape& preshape) const = 0;
@@ -52,19 +59,30 @@ class Closing {
   /// Says that nothing of this outline's width [m], its narrowest, fits into the hand; empty: it
   /// does, or is not known.
   virtual std::string too_wide(double /*narrowest*/) const { return ""; }
-  /// The reason in words with this hand's figures; empty: it has none.
+  /// The reason in words with figures; empty: to_string() of it says all.
   virtual std::string explain(Reason /*reason*/) const { return ""; }
-
- private:
-  Solid solid_;
-  geometry::MeshQuery query_;
 };
 
-/// The way of this hand: "pads" (pad_closing.h) of a parallel gripper with pads, else "fingers"
-/// (finger_closing.h). Refers to hand and options, which are validated.
-std::unique_ptr<Closing> make_closing(Solid solid, const geometry::Plane& table,
-                                      const Obstacles& obstacles, const HandToClose& hand,
-                                      const Reachability& reachability,
-                                      const PlannerOptions& options);
+/// Makes a closing that is built in.
+using MakeClosing =
+    std::function<std::unique_ptr<Closing>(const std::string& name, const ClosingTask& task)>;
+
+/// A method of closing hands, chosen by name in a hand's file (`closing`). Recipe for another one:
+/// README.md of prehend/grasp.
+class ClosingMethod {
+ public:
+  virtual ~ClosingMethod() = default;
+  virtual std::string name() const = 0;  // by which it is chosen: "fingers"
+  /// Why this hand cannot close so ("it has no pads"); empty: it can.
+  virtual std::string misfit(const robot::HandModel& hand) const = 0;
+  /// @param built_in makes those that are built in, for methods that change what these do.
+  /// @pre misfit(*task.hand.hand) is empty.
+  virtual std::unique_ptr<Closing> make(const ClosingTask& task,
+                                        const MakeClosing& built_in) const = 0;
+};
+
+/// Of ClosingMethod, Closing and what they are given: a plug-in that was built for another one is
+/// not loaded.
+constexpr int kClosingInterface = 1;
 
 }  // namespace prehend::grasp

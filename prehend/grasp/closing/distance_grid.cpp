@@ -29,7 +29,7 @@ std::size_t index_of(const Eigen::Vector3i& count, int x, int y, int z) {
 
 }  // namespace
 
-DistanceGrid::DistanceGrid(const geometry::MeshQuery& mesh, double cell, double margin)
+DistanceGrid::DistanceGrid(const geometry::SurfaceQuery& mesh, double cell, double margin)
     : mesh_(&mesh), cell_(cell), per_cell_(1 / cell) {
   if (!(cell > 0) || !std::isfinite(cell) || !(margin > 0) || !std::isfinite(margin)) {
     throw std::invalid_argument("DistanceGrid: cell and margin must be positive and finite");

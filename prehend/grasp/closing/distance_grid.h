@@ -22,7 +22,7 @@ class DistanceGrid {
   /// Nodes `cell` [m] apart up to `margin` [m] round the mesh; both > 0. A mesh so large that it
   /// takes more than 8 million nodes is asked directly instead. Keeps a reference to `mesh`.
   /// @throws std::invalid_argument for a cell or a margin that is not positive and finite.
-  explicit DistanceGrid(const geometry::MeshQuery& mesh, double cell = 0.0025,
+  explicit DistanceGrid(const geometry::SurfaceQuery& mesh, double cell = 0.0025,
                         double margin = 0.03);
 
   /// Distance [m] within kNear of the mesh, by linear interpolation: wrong by at most cell^2 / (4
@@ -31,7 +31,7 @@ class DistanceGrid {
   /// Direction away from the mesh, of unit length but where it is undefined (0).
   Eigen::Vector3d away(const Eigen::Vector3d& p) const;
 
-  const geometry::MeshQuery& mesh() const { return *mesh_; }
+  const geometry::SurfaceQuery& mesh() const { return *mesh_; }
 
   static constexpr double kNear = 0.0125;  // m, above the largest balls' radius and 2 mm
 
@@ -47,7 +47,7 @@ class DistanceGrid {
   /// Distances at a cell's corners; x changes fastest.
   void corners(const Cell& cell, double (&values)[8]) const;
 
-  const geometry::MeshQuery* mesh_;
+  const geometry::SurfaceQuery* mesh_;
   Eigen::AlignedBox3d box_;  // of the mesh
   Eigen::Vector3d origin_;   // of the nodes
   double cell_, per_cell_;   // m and its inverse

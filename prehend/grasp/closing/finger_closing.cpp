@@ -69,16 +69,14 @@ bool overlap(const LinkBalls& a, const RigidTransform& X_WA, const LinkBalls& b,
 
 }  // namespace
 
-FingerClosing::FingerClosing(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
-                             const HandToClose& hand, const Reachability& reachability,
-                             const PlannerOptions& options)
-    : Closing(std::move(solid)),
-      grid_(query()),
-      table_(table),
-      hand_(hand),
-      reachability_(reachability),
-      options_(options) {
-  geometry::TriangleMesh others = obstacle_mesh(obstacles);
+FingerClosing::FingerClosing(const ClosingTask& task)
+    : solid_(task.solid),
+      grid_(task.query_W),
+      table_(task.table),
+      hand_(task.hand),
+      reachability_(task.reachability),
+      options_(task.options) {
+  geometry::TriangleMesh others = obstacle_mesh(task.obstacles);
   if (others.empty()) return;
   obstacle_query_.emplace(std::move(others));
   obstacle_grid_.emplace(*obstacle_query_);
@@ -183,7 +181,7 @@ std::optional<Refusal> FingerClosing::close(const robot::Preshape& preshape, Tou
     contacts.push_back(contact.contact_W);
   }
   *wrenches =
-      primitive_wrenches(contacts, solid().center_of_mass_W, solid().radius, options_.cone_edges);
+      primitive_wrenches(contacts, solid_.center_of_mass_W, solid_.radius, options_.cone_edges);
   const WrenchHull closure = wrench_hull(*wrenches, {.closure_only = true});
   if (!closure.closed) {
     return Refusal{Reason::kNotClosed, Miss{Quantity::kQuality, -closure.distance, 0}};
@@ -236,7 +234,7 @@ std::optional<Refusal> FingerClosing::evaluate(const Candidate& candidate,
   if (auto refusal = close(preshape, advance.what, grasp, &wrenches)) return refusal;
   if (fingers_meet(*grasp)) return Refusal{Reason::kFingersMeet, {}};
   grasp->quality = wrench_hull(wrenches, {.precision = kPrecision}).epsilon;
-  grasp->predicted.lifted_mass = solid().mass;
+  grasp->predicted.lifted_mass = solid_.mass;
   grasp->score = score(*grasp);
   return std::nullopt;
 }
@@ -251,13 +249,13 @@ HandForces FingerClosing::forces(const Grasp& grasp) const {
     closed.broken_away.push_back(std::max(
         0.0, std::abs(grasp.closed_all[breakaway.joint] - coupled[breakaway.joint]) - 1e-9));
   }
-  return hand_forces(hand, grasp.X_WH, closed, solid().center_of_mass_W, solid().radius,
+  return hand_forces(hand, grasp.X_WH, closed, solid_.center_of_mass_W, solid_.radius,
                      options_.cone_edges);
 }
 
 Vector6 FingerClosing::load() const {
   Vector6 load = Vector6::Zero();
-  load.head<3>() = -solid().mass * (kGravity + options_.lift_acceleration) * table_.normal;
+  load.head<3>() = -solid_.mass * (kGravity + options_.lift_acceleration) * table_.normal;
   return load;
 }
 
@@ -304,10 +302,10 @@ double FingerClosing::score(const Grasp& grasp) const {
     const bool on_pad = contact.pad >= 0 || hand_.hand->pads.empty();
     on_pads += (on_pad ? 1.0 : 0.0) / static_cast<double>(grasp.contacts.size());
   }
-  const double weight = solid().mass * kGravity;
+  const double weight = solid_.mass * kGravity;
   const double sum = w.quality * grasp.quality / (grasp.quality + 0.05) +
                      w.margin * grasp.margin / (grasp.margin + weight) +
-                     w.centredness * std::exp(-(mean - solid().center_of_mass_W).norm() / 0.03) +
+                     w.centredness * std::exp(-(mean - solid_.center_of_mass_W).norm() / 0.03) +
                      w.pads * on_pads;
   return sum / (w.quality + w.margin + w.centredness + w.pads);
 }

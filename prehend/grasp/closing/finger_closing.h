@@ -15,10 +15,7 @@ namespace prehend::grasp {
 /// the lift's acceleration with the safety factor (hold()).
 class FingerClosing : public Closing {
  public:
-  /// Refers to `hand` and `options`.
-  FingerClosing(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
-                const HandToClose& hand, const Reachability& reachability,
-                const PlannerOptions& options);
+  explicit FingerClosing(const ClosingTask& task);
 
   HandReach reach(const robot::Preshape& preshape) const override;
   /// The quality is a lower bound within 5 %; margin, effort and volume are left out.
@@ -43,6 +40,7 @@ class FingerClosing : public Closing {
   bool fingers_meet(const Grasp& grasp) const;
   double score(const Grasp& grasp) const;
 
+  const Solid& solid_;
   DistanceGrid grid_;
   std::optional<geometry::MeshQuery> obstacle_query_;
   std::optional<DistanceGrid> obstacle_grid_;

@@ -47,21 +47,21 @@ struct PadClosing::Kept {
   double clearance = 0;  // m, of the hand over the table
 };
 
-PadClosing::PadClosing(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
-                       const robot::HandModel& hand, const Reachability& reachability,
-                       const PlannerOptions& options)
-    : Closing(std::move(solid)),
-      scene_(this->solid().mesh_W, table, obstacles, options.collision),
-      table_(table),
-      hand_(hand),
-      gripper_(*hand.gripper),
+PadClosing::PadClosing(const ClosingTask& task)
+    : solid_(task.solid),
+      query_W_(task.query_W),
+      scene_(task.solid.mesh_W, task.table, task.obstacles, task.options.collision),
+      table_(task.table),
+      hand_(*task.hand.hand),
+      gripper_(*hand_.gripper),
       largest_opening_(gripper_.max_opening),
-      reachability_(reachability),
-      options_(options),
+      reachability_(task.reachability),
+      options_(task.options),
       nominal_force_(gripper_.nominal_current * gripper_.force_per_current -
                      gripper_.friction_force),
-      largest_force_(options.pads.largest_force > 0 ? options.pads.largest_force : nominal_force_) {
-  gripper_.max_opening += options.pads.width_tolerance;
+      largest_force_(options_.pads.largest_force > 0 ? options_.pads.largest_force
+                                                     : nominal_force_) {
+  gripper_.max_opening += options_.pads.width_tolerance;
 }
 
 HandReach PadClosing::reach(const robot::Preshape& /*preshape*/) const {
@@ -86,8 +86,8 @@ std::string PadClosing::too_wide(double narrowest) const {
 
 std::string PadClosing::explain(Reason reason) const {
   if (reason != Reason::kTooHeavy) return "";
-  return fmt::format("too heavy for the grip force: {:.2f} kg need more than {:.0f} N",
-                     solid().mass, largest_force_);
+  return fmt::format("too heavy for the grip force: {:.2f} kg need more than {:.0f} N", solid_.mass,
+                     largest_force_);
 }
 
 double PadClosing::room() const { return largest_opening_ - 2 * options_.collision.object_margin; }
@@ -112,13 +112,13 @@ std::optional<Refusal> PadClosing::reach_pose(const Eigen::Vector3d& approach_W,
 // Shifts the hand along its closing direction to the middle of the section between the pads.
 std::optional<Refusal> PadClosing::centre(RigidTransform* X_WG, double* section_width,
                                           SectionExtent* section) const {
-  *section = measure_section(query(), *X_WG, gripper_);
+  *section = measure_section(query_W_, *X_WG, gripper_);
   if (!section->met) return Refusal{Reason::kNothing, {}};
   *section_width = section->upper - section->lower;
   double offset = (section->upper + section->lower) / 2;
   if (*section_width > room() + options_.pads.width_tolerance) {
     // Perhaps a rim or handle fits between the fingers where they stand.
-    const ClosedHand hand = close_hand(query(), *X_WG, gripper_.max_opening, least_force(),
+    const ClosedHand hand = close_hand(query_W_, *X_WG, gripper_.max_opening, least_force(),
                                        gripper_, options_.pads.closing);
     if (hand.outcome == ClosingOutcome::kTooWide) {
       return Refusal{Reason::kTooWide, Miss{Quantity::kLength, *section_width, room()}};
@@ -161,7 +161,7 @@ std::optional<Refusal> PadClosing::find_opening(const RigidTransform& X_WG, doub
 }
 
 double PadClosing::least_force() const {
-  const double weight = solid().mass * (kGravity + options_.lift_acceleration);
+  const double weight = solid_.mass * (kGravity + options_.lift_acceleration);
   return std::max(options_.pads.least_force,
                   options_.safety_factor * weight / (2 * options_.pads.friction));
 }
@@ -170,10 +170,10 @@ double PadClosing::least_force() const {
 // direction use; a weight along the closing direction unloads one pad.
 double PadClosing::load_ratio(const ClosedHand& hand, const RigidTransform& X_WG, double force,
                               double friction) const {
-  const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid().mass *
+  const Eigen::Vector3d weight_G = X_WG.linear().transpose() * -table_.normal * solid_.mass *
                                    (kGravity + options_.lift_acceleration);
   const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
-  const Eigen::Vector3d arm_G = X_WG.inverse() * solid().center_of_mass_W - middle_G;
+  const Eigen::Vector3d arm_G = X_WG.inverse() * solid_.center_of_mass_W - middle_G;
   const double torque = arm_G.cross(weight_G).y();
   const double tangential = std::hypot(weight_G.x(), weight_G.z());
   const double radius = (hand.left.torsion_radius + hand.right.torsion_radius) / 2;
@@ -188,7 +188,7 @@ Wrenches PadClosing::wrenches_of(const ClosedHand& hand, const RigidTransform& X
     return Contact{patch.center_G, -patch.normal_G, friction, patch.torsion_radius};
   };
   return primitive_wrenches({contact(hand.left), contact(hand.right)},
-                            X_WG.inverse() * solid().center_of_mass_W, solid().radius,
+                            X_WG.inverse() * solid_.center_of_mass_W, solid_.radius,
                             options_.cone_edges);
 }
 
@@ -202,7 +202,7 @@ std::optional<Refusal> PadClosing::close(const RigidTransform& X_WG, double open
     if (*force > largest_force_) {
       return Refusal{Reason::kTooHeavy, Miss{Quantity::kForce, *force, largest_force_}};
     }
-    *hand = close_hand(query(), X_WG, opening, *force, gripper_, options_.pads.closing, &section);
+    *hand = close_hand(query_W_, X_WG, opening, *force, gripper_, options_.pads.closing, &section);
     switch (hand->outcome) {
       case ClosingOutcome::kClosed:
         break;
@@ -243,7 +243,7 @@ std::optional<Refusal> PadClosing::close(const RigidTransform& X_WG, double open
 
 double PadClosing::score(const Grasp& grasp, const Kept& kept) const {
   const ClosedHand& hand = kept.hand;
-  const Eigen::Vector3d center_G = grasp.X_WG.inverse() * solid().center_of_mass_W;
+  const Eigen::Vector3d center_G = grasp.X_WG.inverse() * solid_.center_of_mass_W;
   const Eigen::Vector3d middle_G = (hand.left.center_G + hand.right.center_G) / 2;
   const Eigen::Vector3d arm_G = center_G - middle_G;
   const double distance = std::hypot(arm_G.x(), arm_G.z());
@@ -268,7 +268,7 @@ std::optional<Refusal> PadClosing::evaluate(const Candidate& sampled,
                    Miss{Quantity::kAngle, angle, reachability_.approach_tolerance}};
   }
   if (reachability_.approach_W) {
-    candidate = snapped(candidate, *reachability_.approach_W, solid().center_of_mass_W);
+    candidate = snapped(candidate, *reachability_.approach_W, solid_.center_of_mass_W);
   }
   double section_width = 0;
   SectionExtent section;
@@ -290,7 +290,7 @@ std::optional<Refusal> PadClosing::evaluate(const Candidate& sampled,
   auto kept = std::make_shared<Kept>();
   ClosedHand& hand = kept->hand;
   double force = 0, quality = 0;
-  if (turned) section = measure_section(query(), candidate.X_WG, gripper_);
+  if (turned) section = measure_section(query_W_, candidate.X_WG, gripper_);
   if (auto refusal = close(candidate.X_WG, opening, section, &hand, &force, &quality)) {
     return refusal;
   }
@@ -310,7 +310,7 @@ std::optional<Refusal> PadClosing::evaluate(const Candidate& sampled,
   grasp.effort = force / nominal_force_;
   grasp.quality = quality;
   grasp.predicted = {hand.opening_at_touch, (hand.left.area + hand.right.area) / 2,
-                     (hand.left.force + hand.right.force) / 2, solid().mass};
+                     (hand.left.force + hand.right.force) / 2, solid_.mass};
   kept->clearance =
       scene_.table_clearance(swept_hand(gripper_, opening, grasp.pregrasp_distance), grasp.X_WG);
   grasp.score = score(grasp, *kept);
@@ -350,7 +350,7 @@ bool PadClosing::holds(const Grasp& grasp, const RigidTransform& X_WG, double fr
   // The table is where it is: what is disturbed is the object in the hand.
   const auto way = swept_hand(gripper_, pregrasp_opening(grasp), grasp.pregrasp_distance);
   if (scene_.touches_object(way, X_WG)) return false;
-  const ClosedHand hand = close_hand(query(), X_WG, pregrasp_opening(grasp), grasp.force, gripper_,
+  const ClosedHand hand = close_hand(query_W_, X_WG, pregrasp_opening(grasp), grasp.force, gripper_,
                                      options_.pads.closing);
   return hand.outcome == ClosingOutcome::kClosed &&
          load_ratio(hand, X_WG, grasp.force, friction) <= 1 &&

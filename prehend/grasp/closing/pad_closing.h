@@ -18,10 +18,8 @@ namespace prehend::grasp {
 /// surface too, within [least_force, largest_force].
 class PadClosing : public Closing {
  public:
-  /// Refers to `hand` and `options`. @pre hand.gripper is set
-  PadClosing(Solid solid, const geometry::Plane& table, const Obstacles& obstacles,
-             const robot::HandModel& hand, const Reachability& reachability,
-             const PlannerOptions& options);
+  /// @pre the hand's `gripper` is set
+  explicit PadClosing(const ClosingTask& task);
 
   HandReach reach(const robot::Preshape& preshape) const override;
   std::optional<Refusal> evaluate(const Candidate& candidate, const robot::Preshape& preshape,
@@ -57,6 +55,8 @@ class PadClosing : public Closing {
                     double friction) const;
   double score(const Grasp& grasp, const Kept& kept) const;
 
+  const Solid& solid_;
+  const geometry::SurfaceQuery& query_W_;
   CollisionScene scene_;
   geometry::Plane table_;
   const robot::HandModel& hand_;

@@ -15,15 +15,16 @@ constexpr double kSkin = 1e-6;  // m, that a ray starts below the surface
 
 class Antipodal : public CandidateGenerator {
  public:
-  explicit Antipodal(const GeneratorOptions& options) : options_(options) {}
+  std::string name() const override { return "antipodal"; }
 
-  std::vector<Candidate> generate(const GraspTarget& target) const override {
+  std::vector<Candidate> generate(const GraspTarget& target,
+                                  const GeneratorOptions& options) const override {
     std::vector<Candidate> candidates;
-    const double cone = std::atan(options_.friction);  // rad, half the angle
+    const double cone = std::atan(options.friction);  // rad, half the angle
     const auto& mesh = target.query_W.mesh();
-    std::mt19937_64 random(options_.seed);
+    std::mt19937_64 random(options.seed);
     const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
-    for (const auto& sample : geometry::surface_samples(mesh, options_.samples, options_.seed)) {
+    for (const auto& sample : geometry::surface_samples(mesh, options.samples, options.seed)) {
       const auto& t = mesh.triangles[sample.triangle];
       const Eigen::Vector3d& a = mesh.vertices[t[0]];
       const Eigen::Vector3d normal =
@@ -40,23 +41,18 @@ class Antipodal : public CandidateGenerator {
         if (!exit || !(exit->normal.dot(direction) > std::cos(cone))) continue;
         const double width = exit->distance + kSkin;
         const HeldLine line{sample.point + width / 2 * direction, direction, width};
-        for (const auto& approach : approaches_about(direction, target, options_.approaches)) {
-          add_standoffs(line, approach, target, options_, &candidates);
+        for (const auto& approach : approaches_about(direction, target, options.approaches)) {
+          add_standoffs(line, approach, target, options, &candidates);
         }
         break;
       }
     }
     return candidates;
   }
-
- private:
-  GeneratorOptions options_;
 };
 
 }  // namespace
 
-std::unique_ptr<CandidateGenerator> make_antipodal(const GeneratorOptions& options) {
-  return std::make_unique<Antipodal>(options);
-}
+CandidateGenerator* create_antipodal() { return std::make_unique<Antipodal>().release(); }
 
 }  // namespace prehend::grasp

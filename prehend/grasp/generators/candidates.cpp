@@ -144,16 +144,6 @@ ApproachView view_along(const std::vector<Eigen::Vector3d>& outer, const Eigen::
 
 }  // namespace
 
-bool Reachability::reaches_direction(const Eigen::Vector3d& approach) const {
-  if (!approach_W) return true;
-  return std::atan2(approach_W->cross(approach).norm(), approach_W->dot(approach)) <=
-         approach_tolerance;
-}
-
-bool Reachability::reaches_point(const Eigen::Vector3d& p_W) const {
-  return workspace_W.isEmpty() || workspace_W.contains(p_W);
-}
-
 void CandidateOptions::validate() const {
   const text::Require require{"CandidateOptions."};
   require(directions_per_circle > 0, "directions_per_circle must be positive");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,9 +24,15 @@ struct Reachability {
   Eigen::AlignedBox3d workspace_W;
 
   /// True when a hand approaching along the unit vector `approach` is within the tolerance.
-  bool reaches_direction(const Eigen::Vector3d& approach) const;
+  bool reaches_direction(const Eigen::Vector3d& approach) const {
+    if (!approach_W) return true;
+    return std::atan2(approach_W->cross(approach).norm(), approach_W->dot(approach)) <=
+           approach_tolerance;
+  }
   /// True when the point `p_W` is inside the workspace.
-  bool reaches_point(const Eigen::Vector3d& p_W) const;
+  bool reaches_point(const Eigen::Vector3d& p_W) const {
+    return workspace_W.isEmpty() || workspace_W.contains(p_W);
+  }
 };
 
 /// A pose of the open hand to try.

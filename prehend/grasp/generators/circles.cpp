@@ -5,25 +5,21 @@ namespace {
 
 class Circles : public CandidateGenerator {
  public:
-  explicit Circles(const GeneratorOptions& options) : options_(options.circles) {}
+  std::string name() const override { return "circles"; }
 
-  std::vector<Candidate> generate(const GraspTarget& target) const override {
+  std::vector<Candidate> generate(const GraspTarget& target,
+                                  const GeneratorOptions& options) const override {
     if (target.views != nullptr) {
       return sample_candidates(*target.views, target.centroid_W, target.table, target.hand.tip_z,
-                               options_);
+                               options.circles);
     }
     return sample_candidates(target.query_W.mesh(), target.centroid_W, target.table,
-                             target.hand.tip_z, target.reachability, options_);
+                             target.hand.tip_z, target.reachability, options.circles);
   }
-
- private:
-  CandidateOptions options_;
 };
 
 }  // namespace
 
-std::unique_ptr<CandidateGenerator> make_circles(const GeneratorOptions& options) {
-  return std::make_unique<Circles>(options);
-}
+CandidateGenerator* create_circles() { return std::make_unique<Circles>().release(); }
 
 }  // namespace prehend::grasp

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +24,7 @@ HandReach hand_reach(const robot::GripperModel& gripper);
 
 /// An object to make candidates for.
 struct GraspTarget {
-  const geometry::MeshQuery& query_W;  // the object's surface, triangles outward
+  const geometry::SurfaceQuery& query_W;  // the object's surface, triangles outward
   Eigen::Vector3d centroid_W = Eigen::Vector3d::Zero();
   geometry::Plane table;
   HandReach hand;
@@ -34,15 +33,7 @@ struct GraspTarget {
   const std::vector<ApproachView>* views = nullptr;
 };
 
-/// One way to make candidates. Adding one: a file in generators/ and a line in generator.cpp.
-class CandidateGenerator {
- public:
-  virtual ~CandidateGenerator() = default;
-  /// Hand poses in a fixed order; the same target gives the same ones, bit by bit.
-  virtual std::vector<Candidate> generate(const GraspTarget& target) const = 0;
-};
-
-/// How many candidates the generators make. CandidateOptions has what "circles" needs.
+/// How many candidates generators make. CandidateOptions has what "circles" needs.
 struct GeneratorOptions {
   CandidateOptions circles;
   int samples = 120;   // > 0, of the surface: antipodal points, medial balls, rays of each box side
@@ -57,30 +48,22 @@ struct GeneratorOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// Names for make_generator(), each with its source:
-/// - "circles": sample_candidates() in candidates.h: two circles of approach directions round the
-///   centroid (Bohg et al., "Mind the gap", ICRA 2011, section IV, the UJI platform).
-/// - "segments": circles of approach directions round the line between two points of the surface
-///   that face each other across the middle of the object (the same, the KTH platform), at several
-///   stations of its longest axis.
-/// - "boxes": rays from the sides of the object's box inwards; the hand approaches against the
-///   surface normal where a ray hits (R. Diankov, "Automated construction of robotic manipulation
-///   programs", PhD thesis, CMU 2010, section 4.1: OpenRAVE's approach rays).
-/// - "antipodal": surface points by area, each with the point opposite along its normal; kept where
-///   the line between them is in both friction cones (I-M. Chen and J. W. Burdick, "Finding
-///   antipodal point grasps on irregularly shaped objects", IEEE T-RA 9(4), 1993).
-/// - "medial_axis": balls that touch the surface at opposite sides from inside; the hand closes
-///   along the line between the points of touch (Przybylski, Asfour and Dillmann, "Planning grasps
-///   for robotic hands using a novel object representation based on the medial axis transform",
-///   IROS 2011; balls by shrinking: Ma, Bae and Choi, "3D medial axis point approximation using
-///   nearest neighbors and the normal field", The Visual Computer 28(1), 2012).
-std::vector<std::string> generator_names();
+/// One way to make candidates. Recipe for another one: README.md of prehend/grasp. Pure virtual, so
+/// that generators in shared libraries need nothing of prehend linked to them.
+class CandidateGenerator {
+ public:
+  virtual ~CandidateGenerator() = default;
+  virtual std::string name() const = 0;  // by which it is chosen: "circles"
+  /// Hand poses in a fixed order; the same target and options give the same ones, bit by bit.
+  virtual std::vector<Candidate> generate(const GraspTarget& target,
+                                          const GeneratorOptions& options) const = 0;
+};
 
 /// The generator of candidates that were given to a planner instead, as told in its results.
 inline constexpr const char* kGiven = "given";
 
-/// @throws std::invalid_argument for an unknown name (with the nearest) or a bad option.
-std::unique_ptr<CandidateGenerator> make_generator(const std::string& name,
-                                                   const GeneratorOptions& options = {});
+/// Of CandidateGenerator and what it is given: a plug-in that was built for another one is not
+/// loaded.
+constexpr int kGeneratorInterface = 1;
 
 }  // namespace prehend::grasp

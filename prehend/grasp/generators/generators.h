@@ -1,17 +1,15 @@
 #pragma once
 
-// The generators that generator.h names, for generator.cpp alone.
-
-#include <memory>
+// The generators that are built in, for generator_registry.cpp alone. Who calls owns.
 
 #include "prehend/grasp/generators/generator.h"
 
 namespace prehend::grasp {
 
-std::unique_ptr<CandidateGenerator> make_circles(const GeneratorOptions& options);
-std::unique_ptr<CandidateGenerator> make_segments(const GeneratorOptions& options);
-std::unique_ptr<CandidateGenerator> make_box_rays(const GeneratorOptions& options);
-std::unique_ptr<CandidateGenerator> make_antipodal(const GeneratorOptions& options);
-std::unique_ptr<CandidateGenerator> make_medial_axis(const GeneratorOptions& options);
+CandidateGenerator* create_circles();
+CandidateGenerator* create_segments();
+CandidateGenerator* create_box_rays();
+CandidateGenerator* create_antipodal();
+CandidateGenerator* create_medial_axis();
 
 }  // namespace prehend::grasp

@@ -10,7 +10,7 @@
 
 namespace prehend::grasp {
 
-std::optional<HeldLine> line_through(const geometry::MeshQuery& object_W,
+std::optional<HeldLine> line_through(const geometry::SurfaceQuery& object_W,
                                      const Eigen::Vector3d& p_W, const Eigen::Vector3d& axis_W) {
   const Eigen::AlignedBox3d& box = object_W.box();
   const double reach = (p_W - box.center()).norm() + box.diagonal().norm() / 2 + 0.01;  // m

@@ -16,7 +16,7 @@ struct HeldLine {
 
 /// The line between the points where rays from far outside meet the object, along `axis_W` and
 /// against it through `p_W`; none when they miss it.
-std::optional<HeldLine> line_through(const geometry::MeshQuery& object_W,
+std::optional<HeldLine> line_through(const geometry::SurfaceQuery& object_W,
                                      const Eigen::Vector3d& p_W, const Eigen::Vector3d& axis_W);
 
 /// Directions in which a hand that closes along `axis_W` may approach: evenly round the axis,

@@ -17,20 +17,21 @@ constexpr double kTolerance = 0.1;
 
 class MedialAxis : public CandidateGenerator {
  public:
-  explicit MedialAxis(const GeneratorOptions& options) : options_(options) {}
+  std::string name() const override { return "medial_axis"; }
 
-  std::vector<Candidate> generate(const GraspTarget& target) const override {
+  std::vector<Candidate> generate(const GraspTarget& target,
+                                  const GeneratorOptions& options) const override {
     std::vector<Candidate> candidates;
     const auto& mesh = target.query_W.mesh();
-    for (const auto& sample : geometry::surface_samples(mesh, options_.samples, options_.seed)) {
+    for (const auto& sample : geometry::surface_samples(mesh, options.samples, options.seed)) {
       const auto& t = mesh.triangles[sample.triangle];
       const Eigen::Vector3d& a = mesh.vertices[t[0]];
       const Eigen::Vector3d normal =
           (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
       const auto line = touching_line(target.query_W, sample.point, normal);
       if (!line) continue;
-      for (const auto& approach : approaches_about(line->axis_W, target, options_.approaches)) {
-        add_standoffs(*line, approach, target, options_, &candidates);
+      for (const auto& approach : approaches_about(line->axis_W, target, options.approaches)) {
+        add_standoffs(*line, approach, target, options, &candidates);
       }
     }
     return candidates;
@@ -39,7 +40,7 @@ class MedialAxis : public CandidateGenerator {
  private:
   // The line between the two points at which the largest ball inside that touches the surface at
   // `p` touches it; none when they are on the same side of the ball, as at an edge.
-  static std::optional<HeldLine> touching_line(const geometry::MeshQuery& object,
+  static std::optional<HeldLine> touching_line(const geometry::SurfaceQuery& object,
                                                const Eigen::Vector3d& p,
                                                const Eigen::Vector3d& normal) {
     const auto exit = object.cast_ray(p - kMedialSkin * normal, -normal);
@@ -61,14 +62,10 @@ class MedialAxis : public CandidateGenerator {
     if (!((other - center).dot(normal) < -kLeastOpposition * radius)) return std::nullopt;
     return HeldLine{(p + other) / 2, (p - other).normalized(), (p - other).norm()};
   }
-
-  GeneratorOptions options_;
 };
 
 }  // namespace
 
-std::unique_ptr<CandidateGenerator> make_medial_axis(const GeneratorOptions& options) {
-  return std::make_unique<MedialAxis>(options);
-}
+CandidateGenerator* create_medial_axis() { return std::make_unique<MedialAxis>().release(); }
 
 }  // namespace prehend::grasp
