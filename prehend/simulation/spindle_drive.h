@@ -2,38 +2,17 @@
 
 #include <optional>
 
-#include "prehend/contact/grasp_model.h"
+#include "prehend/contact/slide.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/simulation/dc_motor.h"
 #include "prehend/simulation/power_screw.h"
 
 namespace prehend::simulation {
 
 enum class ControlMode { kPosition, kVelocity, kVoltage, kCurrent };
 
-/// What drives one prismatic coordinate q of a grasp (its slide), e.g. the closing of both jaws.
-/// Positive closes. A step is: command() when there is a new one, drive() before the step,
-/// observe() after it. State is the object's value: copy to save.
-class Actuator {
- public:
-  virtual ~Actuator() = default;
-  /// `target`: m, m/s, V or A by mode. @throws std::invalid_argument when not finite.
-  virtual void command(ControlMode mode, double target) = 0;
-  /// The force on the slide over the coming step of `h` [s], affine in its velocity at the end,
-  /// from position [m] and velocity [m/s] at the start.
-  virtual contact::SlideCommand drive(double h, double position, double velocity) = 0;
-  /// What the solved velocity [m/s] did to current, temperature and integrators.
-  virtual void observe(double h, double position, double velocity) = 0;
-  /// Mass, friction and stiction of the slide with this drive.
-  virtual contact::SlideModel slide() const = 0;
-  virtual double current() const = 0;  // A, positive closes
-};
-
-/// A DC motor with gear and spindle. Everything is in the coordinate of the slide.
-struct SpindleDriveModel {
-  double supply = 24;             // V
-  double resistance = 1.5;        // Ohm of the winding at 25 degrees
-  double rotor_inertia = 2.0e-6;  // kg m^2; estimate
-  double torque_constant = 0.03;  // N m/A, and V s of back-EMF
+/// A DC motor with gear and spindle. Everything but the motor is in the coordinate of the slide.
+struct SpindleDriveModel : DcMotorModel {
   double gear_ratio = 4;
   double spindle_lead = 0.018;  // m of the opening for each turn of the spindle
   double efficiency = 0.7;      // of gear and spindle, from motor to jaws; estimate
@@ -56,16 +35,8 @@ struct SpindleDriveModel {
   double viscous_friction = 20;      // N s/m
   double stribeck_velocity = 0.002;  // m/s
 
-  double nominal_current = 2.0;    // A
-  double peak_current = 6.5;       // A
   double max_speed = 0.083;        // m/s, of the opening
   double max_acceleration = 0.32;  // m/s^2
-
-  // Winding: C dT/dt = R i^2 - (T - ambient) / thermal_resistance.
-  double ambient = 25;            // degrees Celsius
-  double thermal_resistance = 6;  // K/W
-  double thermal_capacity = 20;   // J/K
-  double hottest = 100;  // degrees; the limit falls from peak to nominal current in the 10 K before
 
   // The controller's servo, at the jaws: integral and proportional part of its velocity loop.
   double servo_stiffness = 1e6;  // N/m
@@ -92,28 +63,37 @@ void validate(const SpindleDriveModel& model);
 /// @throws std::invalid_argument when `rest`'s motor and gear cannot give that force.
 SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriveModel& rest);
 
-/// The drive: a servo that follows a trapezoidal reference of position and speed, with current and
-/// voltage limits, back-EMF, heat.
+/// What drives one prismatic coordinate q of a grasp (its slide), e.g. the closing of both jaws.
+/// Positive closes. A servo follows a trapezoidal reference of position and speed, with current and
+/// voltage limits, back-EMF, heat (dc_motor.h).
 ///   F = K i = Ki (x_ref - q) + Kv (v_ref - dq/dt) + m a_ref,   |i| <= limit
 /// kPosition and kVelocity use it; the reference never leads by more than the limit needs, so that
 /// reversal is immediate and a blocked drive presses with the limit. kVoltage and kCurrent go to
-/// the motor as they are. Motor inductance is left out (its time constant is below a millisecond).
-class SpindleDrive : public Actuator {
+/// the motor as they are. A step is: command() when there is a new one, drive() before the step,
+/// observe() after it. Its state is its value: copy to save.
+class SpindleDrive {
  public:
   explicit SpindleDrive(const SpindleDriveModel& model);
-  /// Lowers the limits of current [A] and of the servo's speed [m/s]; 0 means the model's.
+  /// Lowers the limits of current [A] and of the servo's speed [m/s]; 0 means the model's. A speed
+  /// other than 0 bounds that of kVoltage, too (bounded_in_speed).
   /// @throws std::invalid_argument when not finite or negative.
   void set_limits(double current, double speed);
-  void command(ControlMode mode, double target) override;
-  contact::SlideCommand drive(double h, double position, double velocity) override;
-  void observe(double h, double position, double velocity) override;
-  contact::SlideModel slide() const override;
+  void set_speed_limit(double speed);
+  /// `target`: m, m/s, V or A by mode. @throws std::invalid_argument when not finite.
+  void command(ControlMode mode, double target);
+  /// The force on the slide over the coming step of `h` [s], affine in its velocity at the end,
+  /// from position [m] and velocity [m/s] at the start.
+  contact::SlideCommand drive(double h, double position, double velocity);
+  /// What the solved velocity [m/s] did to current, temperature and integrators.
+  void observe(double h, double position, double velocity);
+  /// Mass, friction and stiction of the slide with this drive.
+  contact::SlideModel slide() const;
   /// The force that opposes closing [N] from outside, at each jaw, in the last step; counts only
   /// with a thread, whose friction in the next step is that of this load: against it
   /// friction_against_load(), along with it friction_along_load() times the load. Half the
   /// difference of the two is a force against the load, half the sum is friction.
   void observe_load(double load) { load_ = load; }
-  double current() const override { return current_; }
+  double current() const { return current_; }          // A, positive closes
   double temperature() const { return temperature_; }  // degrees Celsius
   double current_limit() const;                        // A, now
   /// For how long [s] the servo's speed stays as it is, unless something gets in its way, with the
@@ -130,7 +110,6 @@ class SpindleDrive : public Actuator {
   }
 
  private:
-  double resistance() const;  // Ohm at the present temperature
   contact::SlideCommand motor(double h, double position, double velocity);
   void lead(double h, double position, double velocity, double limit);
 
