@@ -34,7 +34,8 @@ void RobotRunner::slice() {
     ++slices_;
   }
   slice_done_.notify_all();
-  if (watchdog_fired) node_.log_warning("no hand command for 0.2 s while moving: stopped");
+  if (watchdog_fired)
+    node_.log_warning("no hand command for {} s while moving: stopped", kWatchdog);
   on_readings_(readings);
 }
 

@@ -27,8 +27,6 @@ struct RobotReadings {
 /// thread; the arm and the hand belong to who asked last, known by a ticket.
 class RobotRunner : public MovedArm {
  public:
-  static constexpr double kWatchdog = 0.2;  // s, simulated, of continuous commands to the hand
-
   RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
               std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
               std::function<void(std::int64_t)> on_pace);

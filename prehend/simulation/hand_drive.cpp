@@ -52,6 +52,7 @@ HandDrive::HandDrive(const RobotBodies& robot, const HandDriveOptions& options)
       motor.actuator = actuators->make(*joint.model, motor.actuated);
       const ActuatorMechanics mechanics = motor.actuator->mechanics();
       own = joint.gear * joint.gear * mechanics.inertia;
+      motor.actuator_state = motor.actuator->initial_state(0);
       if (mechanics.stiffness > 0) motor.actuated.stiffness = mechanics.stiffness;
     }
     motor.inertia = (own + inertia_of_link(robot, joint)) / (joint.gear * joint.gear);

@@ -79,6 +79,7 @@ class HandDrive {
   bool stop_commanded(const engines::MultibodyState& state);
 
   /// Sets drives and the stops of inner joints for the coming step.
+  /// @throws std::runtime_error naming an actuator that gives no finite effort.
   void before_step(double h, engines::Multibody& system, const engines::MultibodyState& state);
   /// What the step did to the actuators.
   void after_step(double h, const engines::Multibody& system, const engines::MultibodyState& state);
@@ -107,6 +108,8 @@ class HandDrive {
   };
   void check(const MotorsCommand& command) const;
   void advance_groups(double h, const engines::Multibody& system);
+  static contact::SlideCommand driven(Motor& motor, const ActuatorRequest& request, double h,
+                                      const JointMotion& start);
   contact::SlideCommand commanded_drive(Motor& motor, double h, const JointMotion& start,
                                         double effort) const;
   JointMotion motion(const engines::MultibodyState& state, int motor) const {

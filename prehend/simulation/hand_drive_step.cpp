@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "prehend/simulation/dc_motor.h"
 #include "prehend/simulation/hand_drive.h"
@@ -56,6 +59,20 @@ void HandDrive::advance_groups(double h, const engines::Multibody& system) {
   }
 }
 
+// By its actuator.
+contact::SlideCommand HandDrive::driven(Motor& motor, const ActuatorRequest& request, double h,
+                                        const JointMotion& start) {
+  const contact::SlideCommand drive =
+      motor.actuator->drive(request, h, start, motor.actuator_state);
+  try {
+    contact::validate(drive);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(fmt::format("the actuator {} of '{}' cannot be followed: {}",
+                                         motor.actuator->name(), motor.joint.name, error.what()));
+  }
+  return drive;
+}
+
 // Of a motor that command() moves.
 contact::SlideCommand HandDrive::commanded_drive(Motor& motor, double h, const JointMotion& start,
                                                  double effort) const {
@@ -67,7 +84,7 @@ contact::SlideCommand HandDrive::commanded_drive(Motor& motor, double h, const J
   const ActuatorRequest request = reference.request(motor.actuated);
   contact::SlideCommand drive;
   if (motor.actuator) {
-    drive = motor.actuator->drive(request, h, start, motor.actuator_state);
+    drive = driven(motor, request, h, start);
   } else if (request.mode == robot::JointMode::kEffort) {
     drive.force = request.value;
   } else {
@@ -96,8 +113,7 @@ void HandDrive::before_step(double h, engines::Multibody& system,
     } else if (motor.actuator) {
       const ActuatorRequest request{robot::JointMode::kPosition, motor.reference,
                                     motor.reference_velocity, joint.max_effort};
-      drive = joint_drive(motor.actuator->drive(request, h, motion(state, m), motor.actuator_state),
-                          h, joint);
+      drive = joint_drive(driven(motor, request, h, motion(state, m)), h, joint);
     } else {
       drive.mode = engines::JointDrive::Mode::kPosition;
       drive.target = motor.reference / joint.gear;

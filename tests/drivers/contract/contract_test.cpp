@@ -300,8 +300,8 @@ TEST_P(Contract, BadCommandsAreRefusedAndNothingMoves) {
 
 // The simulated motor does; the PG70's protocol has no such command, which is said.
 TEST_P(Contract, VoltageMovesItOrIsRefusedByName) {
-  robot_->states.clear();
   const double before = state().opening();
+  robot_->states.clear();
   command_for(400ms, Command::VOLTAGE, -2);
   if (!GetParam().takes_voltage()) {
     EXPECT_TRUE(eventually([&] {
