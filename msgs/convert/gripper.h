@@ -1,8 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
+#include "msgs/joints.pb.h"
 #include "msgs/sensors.pb.h"
+#include "prehend/robot/command_modes.h"
 #include "prehend/robot/gripper_model.h"
 
 namespace prehend::convert {
@@ -14,5 +17,9 @@ msgs::GripperDescription describe_gripper(const std::filesystem::path& file);
 
 /// @throws geometry::InputError as robot::parse_gripper_model().
 robot::GripperModel from_message(const msgs::GripperDescription& message);
+
+/// None for a mode of another version of the message.
+std::optional<robot::GripperMode> from_message(msgs::GripperCommand::Mode mode);
+std::optional<robot::JointMode> from_message(msgs::JointCommand::Mode mode);
 
 }  // namespace prehend::convert

@@ -4,30 +4,14 @@
 #include <stdexcept>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/gripper.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
 namespace {
 
-using simulation::GripperMode;
-
 constexpr double kOpeningTolerance = 3e-4;  // m
 constexpr int kSlicesPerFeedback = 5;       // 20 Hz
-
-GripperMode mode_of(const msgs::GripperCommand& command) {
-  switch (command.mode()) {
-    case msgs::GripperCommand::STOP:
-      return GripperMode::kStop;
-    case msgs::GripperCommand::POSITION:
-      return GripperMode::kPosition;
-    case msgs::GripperCommand::VELOCITY:
-      return GripperMode::kVelocity;
-    case msgs::GripperCommand::CURRENT:
-      return GripperMode::kCurrent;
-    default:
-      throw std::invalid_argument("unknown mode of a gripper command");
-  }
-}
 
 msgs::Acknowledge acknowledged(const char* words) {
   msgs::Acknowledge answer;
@@ -70,7 +54,9 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
 
 void MotionActions::command(const msgs::GripperCommand& command) {
   try {
-    robot_.command_gripper(mode_of(command), command.value(), command.current_limit(),
+    const auto mode = convert::from_message(command.mode());
+    if (!mode) throw std::invalid_argument("unknown mode of a gripper command");
+    robot_.command_gripper(*mode, command.value(), command.current_limit(),
                            command.header().stamp());
   } catch (const std::invalid_argument& error) {
     node_.log_warning("/gripper/command refused: {}", error.what());

@@ -11,6 +11,9 @@
 
 namespace prehend::nodes {
 
+/// s, simulated: what a continuous command moves is stopped when no other has come for so long.
+inline constexpr double kWatchdog = 0.2;
+
 /// A thread that does the simulation's slices as the pacer allows.
 class PacedLoop {
  public:

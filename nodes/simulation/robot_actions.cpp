@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "msgs/convert/gripper.h"
 #include "prehend/simulation/hand_request.h"
 
 namespace prehend::nodes {
@@ -35,14 +36,38 @@ msgs::Acknowledge done() {
 RobotActions::RobotActions(graph::Node& node, RobotRunner& robot)
     : node_(node), robot_(robot), arm_(node, robot) {
   stop_hand_ = node.serve<msgs::Empty, msgs::Acknowledge>("/hand/stop", [this](const msgs::Empty&) {
-    robot_.take_hand();
-    robot_.with_world([](RobotWorld& world) { world.stop_hand(); });
+    robot_.stop_hand("stopped by /hand/stop");
     return done();
   });
+  command_ = node.subscribe<msgs::JointCommand>(
+      "/hand/command", graph::QoS::queue(20),
+      [this](const graph::Received<msgs::JointCommand>& message) { command(*message); });
   hand_ = node.serve_action<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult>(
       "/hand/move", [this](const msgs::MoveHandGoal& goal, HandContext& context) {
         return move_hand(goal, context);
       });
+}
+
+void RobotActions::command(const msgs::JointCommand& command) {
+  // A stream goes on: what is wrong with it is said when it begins.
+  const auto say = [this](const std::string& words) {
+    if (words != said_) node_.log_warning("/hand/command {}", words);
+    said_ = words;
+  };
+  const auto mode = convert::from_message(command.mode());
+  if (!mode) return say("refused: unknown mode of a joint command");
+  try {
+    const simulation::JointsRequest request{
+        *mode,
+        {command.joint_name().begin(), command.joint_name().end()},
+        {command.value().begin(), command.value().end()}};
+    if (!robot_.command_hand(request, command.header().stamp())) {
+      return say("ignored: it is stamped before the goal of /hand/move that came");
+    }
+    said_.clear();
+  } catch (const std::invalid_argument& error) {
+    say("refused: " + std::string(error.what()));
+  }
 }
 
 msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, HandContext& context) {
@@ -57,12 +82,10 @@ msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, Han
   };
   std::uint64_t ticket = 0;
   try {
-    robot_.with_world([&](RobotWorld& world) {
-      const simulation::NamedHandCommand named = check_hand_request(world, request_of(goal));
-      motors = named.motors;
-      world.move_hand(named.command);
-    });
-    ticket = robot_.take_hand();
+    const simulation::NamedHandCommand named = robot_.with_world(
+        [&](RobotWorld& world) { return check_hand_request(world, request_of(goal)); });
+    motors = named.motors;
+    ticket = robot_.move_hand(named.command, goal.stamp());
   } catch (const std::invalid_argument& error) {
     return finish(error.what());
   }
@@ -76,14 +99,14 @@ msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, Han
       reached = world.hand().reached();
       q = world.hand_positions();
     });
-    if (!robot_.holds_hand(ticket)) return finish("another command took the hand over");
+    if (const std::string loss = robot_.loss_of_hand(ticket); !loss.empty()) return finish(loss);
     if (!moving) {
       result.set_reached(reached);
       result.set_blocked(blocked);
       return finish(reached ? "" : (goal.until_contact() ? "pressing" : "blocked"));
     }
     if (context.cancelled()) {
-      if (!context.preempted()) robot_.with_world([](RobotWorld& world) { world.stop_hand(); });
+      if (!context.preempted()) robot_.stop_hand("cancelled");
       return finish("cancelled");
     }
     if (slice % kHandSlicesPerFeedback != 0) continue;

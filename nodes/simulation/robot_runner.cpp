@@ -11,7 +11,8 @@ namespace prehend::nodes {
 RobotRunner::RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
                          std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
                          std::function<void(std::int64_t)> on_pace)
-    : world_(std::move(world)),
+    : node_(node),
+      world_(std::move(world)),
       steps_(std::max(1, static_cast<int>(std::lround(static_cast<double>(slice) * 1e-9 /
                                                       world_.options().step)))),
       on_readings_(std::move(on_readings)),
@@ -20,13 +21,21 @@ RobotRunner::RobotRunner(graph::Node& node, simulation::RobotWorld world, graph:
 
 void RobotRunner::slice() {
   RobotReadings readings;
+  bool watchdog_fired = false;
   {
     const std::lock_guard lock(mutex_);
-    for (int i = 0; i < steps_; ++i) world_.step();
+    for (int i = 0; i < steps_; ++i) {
+      world_.step();
+      if (hand_commanded_ && world_.time() - command_time_ > kWatchdog) {
+        watchdog_fired = world_.stop_commanded_hand() || watchdog_fired;
+      }
+    }
     readings = read();
     ++slices_;
   }
   slice_done_.notify_all();
+  if (watchdog_fired)
+    node_.log_warning("no hand command for {} s while moving: stopped", kWatchdog);
   on_readings_(readings);
 }
 
@@ -75,14 +84,38 @@ MovedArm::State RobotRunner::arm_state() {
           arm.position(), arm.reason()};
 }
 
-std::uint64_t RobotRunner::take_hand() {
+std::uint64_t RobotRunner::move_hand(const simulation::HandCommand& command, std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
+  world_.move_hand(command);
+  hand_stamp_ = stamp;
+  hand_commanded_ = false;
+  hand_taker_ = "another command took the hand over";
   return ++hand_ticket_;
 }
 
-bool RobotRunner::holds_hand(std::uint64_t ticket) {
+bool RobotRunner::command_hand(const simulation::JointsRequest& request, std::int64_t stamp) {
   const std::lock_guard lock(mutex_);
-  return ticket == hand_ticket_;
+  if (stamp != 0 && stamp <= hand_stamp_) return false;
+  world_.command_hand(check_joints_request(world_, request));
+  hand_taker_ = request.mode == robot::JointMode::kStop ? "stopped by /hand/command"
+                                                        : "another command took the hand over";
+  ++hand_ticket_;
+  hand_commanded_ = true;
+  command_time_ = world_.time();
+  return true;
+}
+
+void RobotRunner::stop_hand(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  world_.stop_hand();
+  hand_commanded_ = false;
+  hand_taker_ = why;
+  ++hand_ticket_;
+}
+
+std::string RobotRunner::loss_of_hand(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  return ticket == hand_ticket_ ? std::string() : hand_taker_;
 }
 
 void RobotRunner::wait_for_slice() {

@@ -9,6 +9,7 @@
 
 #include "nodes/simulation/arm_action.h"
 #include "nodes/simulation/paced_loop.h"
+#include "prehend/simulation/hand_request.h"
 #include "prehend/simulation/robot_world.h"
 
 namespace prehend::nodes {
@@ -47,9 +48,18 @@ class RobotRunner : public MovedArm {
   void follow(const simulation::TrajectoryRequest& request, const std::vector<double>& tolerance,
               double contact_force) override;
   State arm_state() override;
-  /// Takes the hand over from whoever had it.
-  std::uint64_t take_hand();
-  bool holds_hand(std::uint64_t ticket);
+  /// A motion of the hand; returns a ticket that loss_of_hand() knows until the next one.
+  /// `stamp`: see command_hand(). @throws std::invalid_argument as RobotWorld::move_hand().
+  std::uint64_t move_hand(const simulation::HandCommand& command, std::int64_t stamp);
+  /// A continuous command: joints that still move kWatchdog later are stopped. Like a motion it
+  /// takes the hand over from whoever had it, unless `stamp` [ns] is set and not later than that of
+  /// the last move_hand: then it came late, is ignored, and false is returned.
+  /// @throws std::invalid_argument as check_joints_request() and RobotWorld::command_hand().
+  bool command_hand(const simulation::JointsRequest& request, std::int64_t stamp);
+  /// Holds where it is; `why` becomes the reason of the motion that it ends.
+  void stop_hand(const std::string& why);
+  /// Who took the hand from a motion, in words; "" while nobody has.
+  std::string loss_of_hand(std::uint64_t ticket);
 
   void wait_for_slice() override;
 
@@ -57,12 +67,17 @@ class RobotRunner : public MovedArm {
   void slice();
   RobotReadings read() const;
 
+  graph::Node& node_;
   simulation::RobotWorld world_;
   const int steps_;
   std::function<void(const RobotReadings&)> on_readings_;
   std::mutex mutex_;  // guards what follows and world_
   std::condition_variable slice_done_;
   std::uint64_t slices_ = 0, arm_ticket_ = 0, hand_ticket_ = 0;
+  std::string hand_taker_;       // who made the ticket, in words for the one before
+  std::int64_t hand_stamp_ = 0;  // ns, of the last move_hand
+  bool hand_commanded_ = false;  // by command_hand
+  double command_time_ = 0;      // s, simulated
   PacedLoop loop_;
 };
 

@@ -44,7 +44,8 @@ void SimulatedRobot::slice() {
     watchdog_fired = std::exchange(watchdog_fired_, false);
   }
   slice_done_.notify_all();
-  if (watchdog_fired) node_.log_warning("no gripper command for 0.2 s while moving: stopped");
+  if (watchdog_fired)
+    node_.log_warning("no gripper command for {} s while moving: stopped", kWatchdog);
   on_readings_(readings);
 }
 

@@ -32,8 +32,7 @@ struct SensorReadings {
 /// may come from any thread.
 class SimulatedRobot : public MovedArm {
  public:
-  static constexpr double kSlice = 0.01;    // s, simulated
-  static constexpr double kWatchdog = 0.2;  // s, simulated
+  static constexpr double kSlice = 0.01;  // s, simulated
 
   /// [ns] Length of a slice: the whole steps of the scene nearest to kSlice, at least one.
   static std::int64_t slice_of(const simulation::Scene& scene);

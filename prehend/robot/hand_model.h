@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,13 @@ struct Breakaway {
   double rate = 1;    // > 0
 };
 
+/// What moves an actuated joint, as the file says; who simulates it knows what may be said.
+struct JointMotor {
+  std::string actuator = "dc_motor";     // by name, see prehend/simulation/actuator_registry.h
+  std::map<std::string, double> values;  // of its parameters, SI units
+  std::string place;                     // "sdh2.yaml:12: hand.motor.pivot", for errors
+};
+
 /// How the open hand stands and how it closes.
 struct Preshape {
   /// How one actuated joint moves while the hand closes.
@@ -63,7 +71,10 @@ struct HandModel {
   std::vector<Finger> fingers;
   std::vector<HandPad> pads;
   std::vector<Preshape> preshapes;  // at least one
-  double friction = 0.5;            // of the fingers, > 0
+  /// Of the actuated joints whose motor is known, by their index in `actuated`. The others are
+  /// moved by ideal position loops.
+  std::map<int, JointMotor> motors;
+  double friction = 0.5;  // of the fingers, > 0
   /// A parallel gripper with pads: how these feel and press, for grasps planned by its pads. Its
   /// one motor moves half of the opening. None: a hand with fingers.
   std::optional<GripperModel> gripper;

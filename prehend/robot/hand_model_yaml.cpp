@@ -42,7 +42,8 @@ class HandReader {
     map.read("closing", hand_.closing);
     const YAML::Node actuated = map.child("actuated"), fingers = map.child("fingers"),
                      pads = map.child("pads"), breakaway = map.child("breakaway"),
-                     tool = map.child("tool"), preshapes = map.child("preshapes");
+                     motor = map.child("motor"), tool = map.child("tool"),
+                     preshapes = map.child("preshapes");
     map.finish();
     if (hand_.name.empty()) map.fail("name", "is missing", "Name the hand");
     if (urdf_.empty()) map.fail("urdf", "is missing", "Name the URDF file, relative to this one");
@@ -60,6 +61,7 @@ class HandReader {
     read_fingers(fingers);
     if (pads.IsDefined()) read_pads(pads);
     if (breakaway.IsDefined()) read_breakaways(breakaway);
+    if (motor.IsDefined()) read_motors(motor);
     if (tool.IsDefined()) X_PG_ = read_pose(tool, path_, "hand.tool");
     if (!preshapes.IsDefined()) map.fail("preshapes", "is missing", "Give at least one");
     read_preshapes(preshapes);
@@ -263,6 +265,31 @@ class HandReader {
   int actuated_at(const text::YamlMap& map, const std::string& key,
                   const std::string& joint) const {
     return at_line(map, key, [&] { return hand_.actuated_index(joint); });
+  }
+
+  void read_motors(const YAML::Node& node) {
+    each(node, "hand.motor",
+         [&](text::YamlMap& names, const std::string& name, const YAML::Node& value) {
+           const int joint = actuated_at(names, name, name);
+           const std::string place = "hand.motor." + name;
+           JointMotor motor;
+           motor.place =
+               path_.string() + ":" + std::to_string(value.Mark().line + 1) + ": " + place;
+           text::YamlMap map(value, path_, place);
+           map.read("actuator", motor.actuator);
+           for (const auto& entry : value) {
+             const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+             if (key == "actuator") continue;
+             double number = 0;
+             map.read(key, number);
+             if (!std::isfinite(number)) map.fail(key, "is not finite", "Give a number");
+             motor.values[key] = number;
+           }
+           map.finish();
+           if (!hand_.motors.emplace(joint, std::move(motor)).second) {
+             names.fail(name, "is there twice", "Describe its motor once");
+           }
+         });
   }
 
   Preshape::Closing read_closing(text::YamlMap& map, const std::string& name,

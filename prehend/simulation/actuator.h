@@ -1,150 +1,89 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "prehend/contact/grasp_model.h"
-#include "prehend/robot/gripper_model.h"
-#include "prehend/simulation/power_screw.h"
+#include "prehend/contact/slide.h"
+#include "prehend/robot/command_modes.h"
 
 namespace prehend::simulation {
 
-enum class ControlMode { kPosition, kVelocity, kVoltage, kCurrent };
+/// What a plug-in was compiled with; another one is not loaded.
+inline constexpr int kActuatorInterface = 1;
 
-/// What drives one prismatic coordinate q of a grasp (its slide), e.g. the closing of both jaws.
-/// Positive closes. A step is: command() when there is a new one, drive() before the step,
-/// observe() after it. State is the object's value: copy to save.
+/// The joint of a hand that an actuator moves, as its motor sees it. Units here and below are those
+/// of a joint that turns; of one that slides m for rad, N for N m, kg for kg m^2.
+struct ActuatedJoint {
+  std::string name;
+  bool slides = false;
+  double lower = 0, upper = 0;  // rad
+  double max_velocity = 0;      // rad/s, > 0
+  double max_effort = 0;        // N m, > 0
+  /// Of the position loop that the hand's controller closes [N m/rad, N m s/rad], > 0.
+  double stiffness = 0, damping = 0;
+};
+
+/// What the hand's controller asks for over a step.
+struct ActuatorRequest {
+  /// kPosition, kEffort or kVoltage: for stops and speeds the controller moves a position.
+  robot::JointMode mode = robot::JointMode::kPosition;
+  double value = 0;        // rad at the step's end, N m or V
+  double speed = 0;        // rad/s, that of `value` in kPosition
+  double most_effort = 0;  // N m, > 0
+};
+
+struct JointMotion {
+  double position = 0;  // rad
+  double velocity = 0;  // rad/s
+};
+
+/// What an actuator adds to its joint.
+struct ActuatorMechanics {
+  double inertia = 0;   // kg m^2, >= 0, of what turns with the joint
+  double friction = 0;  // N m, >= 0, Coulomb
+  double damping = 0;   // N m s/rad, >= 0
+  /// N m/rad, >= 0, with which it holds a position; 0: with that of the hand's loop.
+  double stiffness = 0;
+};
+
+/// A value that the robot's file gives an actuator.
+struct ActuatorParameter {
+  std::string name, unit, about;
+  std::optional<double> default_value;  // none: it must be given
+};
+
+/// What moves a joint: a motor with its gear, a valve with its cylinder, a spring behind a motor.
+/// The object is what does not change; what does is `state`, numbers that belong to the hand's
+/// state, so that every state of a world can be saved, copied and gone back to. A step is: drive()
+/// before, observe() after it. No call may keep anything else, throw (but configure()) or depend on
+/// time.
 class Actuator {
  public:
   virtual ~Actuator() = default;
-  /// `target`: m, m/s, V or A by mode. @throws std::invalid_argument when not finite.
-  virtual void command(ControlMode mode, double target) = 0;
-  /// The force on the slide over the coming step of `h` [s], affine in its velocity at the end,
-  /// from position [m] and velocity [m/s] at the start.
-  virtual contact::SlideCommand drive(double h, double position, double velocity) = 0;
-  /// What the solved velocity [m/s] did to current, temperature and integrators.
-  virtual void observe(double h, double position, double velocity) = 0;
-  /// Mass, friction and stiction of the slide with this drive.
-  virtual contact::SlideModel slide() const = 0;
-  virtual double current() const = 0;  // A, positive closes
-};
+  virtual std::string name() const = 0;   // in files, of a-z, 0-9 and _
+  virtual std::string about() const = 0;  // half a line
+  virtual std::vector<ActuatorParameter> parameters() const = 0;
 
-/// A DC motor with gear and spindle. Everything is in the coordinate of the slide.
-struct SpindleDriveModel {
-  double supply = 24;             // V
-  double resistance = 1.5;        // Ohm of the winding at 25 degrees
-  double rotor_inertia = 2.0e-6;  // kg m^2; estimate
-  double torque_constant = 0.03;  // N m/A, and V s of back-EMF
-  double gear_ratio = 4;
-  double spindle_lead = 0.018;  // m of the opening for each turn of the spindle
-  double efficiency = 0.7;      // of gear and spindle, from motor to jaws; estimate
-  double jaw_mass = 0.1;        // kg, of each of two jaws; estimate
+  /// Once, before all that follows; `values` in the order of parameters(), finite.
+  /// @throws std::invalid_argument "`parameter` must be ..." naming the parameter.
+  virtual void configure(const ActuatedJoint& joint, const std::vector<double>& values) = 0;
+  /// Whether it does what is asked in this mode: kEffort or kVoltage; kPosition it must.
+  virtual bool takes(robot::JointMode mode) const = 0;
+  virtual ActuatorMechanics mechanics() const = 0;
 
-  /// Friction of the spindle's thread, which grows with the force that it transmits; then
-  /// `efficiency` is the gear's alone and the thread's lead is half of `spindle_lead`, since two
-  /// threads move a jaw each. Without: friction as below, whatever the load.
-  struct Thread {
-    double mean_diameter = 0.010;  // m
-    double friction = 0.1;         // Coulomb, of the flanks
-    double flank_angle = 0;        // rad, see PowerScrew
-  };
-  std::optional<Thread> thread;
-  PowerScrew screw() const;  // @pre thread
-
-  // Friction of gear, spindle and guides, at the jaws.
-  double static_friction = 10;       // N, stiction
-  double coulomb_friction = 8;       // N
-  double viscous_friction = 20;      // N s/m
-  double stribeck_velocity = 0.002;  // m/s
-
-  double nominal_current = 2.0;    // A
-  double peak_current = 6.5;       // A
-  double max_speed = 0.083;        // m/s, of the opening
-  double max_acceleration = 0.32;  // m/s^2
-
-  // Winding: C dT/dt = R i^2 - (T - ambient) / thermal_resistance.
-  double ambient = 25;            // degrees Celsius
-  double thermal_resistance = 6;  // K/W
-  double thermal_capacity = 20;   // J/K
-  double hottest = 100;  // degrees; the limit falls from peak to nominal current in the 10 K before
-
-  // The controller's servo, at the jaws: integral and proportional part of its velocity loop.
-  double servo_stiffness = 1e6;  // N/m
-  double velocity_gain = 4000;   // N s/m; critical damping of 4 kg
-
-  double ratio() const;              // rad of the rotor for each metre of the opening
-  double force_per_current() const;  // N of each jaw for each A, before friction
-  double reflected_mass() const;     // kg of the coordinate: rotor and jaws
-  /// Least force on the jaws that turns the motor by itself [N]; infinity when the transmission
-  /// locks itself (efficiency of 1/2 or less, or a thread whose friction exceeds the tangent of its
-  /// lead angle).
-  double back_drive_force() const;
-};
-
-/// The Schunk PG70's: speed, acceleration, supply and currents as in its driver and data sheet, the
-/// rest estimated so that 30 N/A and 8 N of friction come out, as in config/robots/pg70_dsa.yaml.
-SpindleDriveModel pg70_drive();
-
-/// @throws std::invalid_argument naming the field.
-void validate(const SpindleDriveModel& model);
-
-/// `rest` with what a gripper's data sheet says: speed, acceleration, currents, force for each
-/// ampere (by the efficiency), friction (stiction in the ratio that `rest` has) and jaws.
-/// @throws std::invalid_argument when `rest`'s motor and gear cannot give that force.
-SpindleDriveModel drive_of(const robot::GripperModel& gripper, const SpindleDriveModel& rest);
-
-/// The drive: a servo that follows a trapezoidal reference of position and speed, with current and
-/// voltage limits, back-EMF, heat.
-///   F = K i = Ki (x_ref - q) + Kv (v_ref - dq/dt) + m a_ref,   |i| <= limit
-/// kPosition and kVelocity use it; the reference never leads by more than the limit needs, so that
-/// reversal is immediate and a blocked drive presses with the limit. kVoltage and kCurrent go to
-/// the motor as they are. Motor inductance is left out (its time constant is below a millisecond).
-class SpindleDrive : public Actuator {
- public:
-  explicit SpindleDrive(const SpindleDriveModel& model);
-  /// Lowers the limits of current [A] and of the servo's speed [m/s]; 0 means the model's.
-  /// @throws std::invalid_argument when not finite or negative.
-  void set_limits(double current, double speed);
-  void command(ControlMode mode, double target) override;
-  contact::SlideCommand drive(double h, double position, double velocity) override;
-  void observe(double h, double position, double velocity) override;
-  contact::SlideModel slide() const override;
-  /// The force that opposes closing [N] from outside, at each jaw, in the last step; counts only
-  /// with a thread, whose friction in the next step is that of this load: against it
-  /// friction_against_load(), along with it friction_along_load() times the load. Half the
-  /// difference of the two is a force against the load, half the sum is friction.
-  void observe_load(double load) { load_ = load; }
-  double current() const override { return current_; }
-  double temperature() const { return temperature_; }  // degrees Celsius
-  double current_limit() const;                        // A, now
-  /// For how long [s] the servo's speed stays as it is, unless something gets in its way, with the
-  /// slide at `position` [m]: 0 while it speeds up or brakes, infinity when blocked or not asked.
-  double steady_time(double position) const;
-  const SpindleDriveModel& model() const { return model_; }
-
-  /// All that changes, for saving: see StateWriter.
-  template <class Archive>
-  void archive(Archive& archive) {
-    archive(mode_, target_, most_current_, most_speed_, begins_, reference_, speed_reference_,
-            current_, temperature_);
-    if (model_.thread) archive(load_);
-  }
-
- private:
-  double resistance() const;  // Ohm at the present temperature
-  contact::SlideCommand motor(double h, double position, double velocity);
-  void lead(double h, double position, double velocity, double limit);
-
-  SpindleDriveModel model_;
-  ControlMode mode_ = ControlMode::kCurrent;
-  double target_ = 0;
-  double most_current_ = 0, most_speed_ = 0;  // A, m/s; 0: the model's
-  bool begins_ = true;                        // the reference starts where the slide is
-  double reference_ = 0;                      // m
-  double speed_reference_ = 0;                // m/s
-  double current_ = 0;                        // A
-  double temperature_;                        // degrees Celsius
-  double load_ = 0;                           // N, see observe_load
-  contact::SlideCommand last_;
+  /// At rest with the joint at `position` [rad]. Its size never changes.
+  virtual std::vector<double> initial_state(double position) const = 0;
+  /// The effort on the joint over the coming step of `h` [s], which begins with `start`: affine in
+  /// the velocity at its end, and bounded (contact/slide.h; `more_friction` does not count).
+  virtual contact::SlideCommand drive(const ActuatorRequest& request, double h,
+                                      const JointMotion& start, std::span<double> state) const = 0;
+  /// After the step: the motion at its end, and the effort [N m] that was given in it.
+  virtual void observe(double h, const JointMotion& end, double effort,
+                       std::span<double> state) const = 0;
+  /// A, of the motor; not a number where there is none.
+  virtual double current(std::span<const double> state) const = 0;
 };
 
 }  // namespace prehend::simulation

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -68,6 +69,14 @@ void RobotWorld::Implementation::explain_hand(Explanation& out) const {
   for (const RobotBodies::Motor& motor : robot.motors) {
     const char* unit = motor.slides ? "m" : "rad";
     const double yield = motor.slides ? options.hand.sliding_yield : options.hand.yield;
+    if (motor.model) {
+      out.modelled.push_back(
+          {"motor " + motor.name,
+           explained_text("at most %g %s and %g %s/s, by the actuator %s", motor.max_effort,
+                          motor.slides ? "N" : "N m", motor.max_velocity, unit,
+                          motor.model->actuator.c_str())});
+      continue;
+    }
     out.modelled.push_back(
         {"motor " + motor.name,
          explained_text("at most %g %s and %g %s/s; gives way by %g %s under that, holds %g times "
@@ -84,8 +93,13 @@ void RobotWorld::Implementation::explain_hand(Explanation& out) const {
                         breakaway.torque)});
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  out.left_out.push_back({"the motors' currents", "", nan, "N m", "not known",
-                          "hands say what their joints can, not what their motors draw"});
+  const bool all_known = std::all_of(robot.motors.begin(), robot.motors.end(),
+                                     [](const auto& motor) { return motor.model.has_value(); });
+  if (!all_known) {
+    out.left_out.push_back({"the motors' currents", "", nan, "N m", "not known",
+                            "hands say what their joints can, not what their motors draw; where "
+                            "the hand's file has no `motor`"});
+  }
   out.left_out.push_back(
       {"surfaces between points", "", nan, "m", "not known",
        explained_text("links and objects touch by points, %g mm apart on fingers, %g mm on the arm",

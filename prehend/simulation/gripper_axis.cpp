@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "prehend/simulation/trapezoid.h"
 #include "prehend/simulation/world.h"
 
 namespace prehend::simulation {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kStandingSpeed = 2e-4;      // m/s, below it the jaw counts as standing
 constexpr double kPositionTolerance = 2e-4;  // m
+constexpr double kNoSpeed = 1e-9;            // m/s, as a limit, where 0 means another
 
 }  // namespace
 
@@ -46,6 +48,10 @@ void GripperAxis::command(GripperMode mode, double value, double current_limit, 
       current = std::abs(value);
       target_ = value == 0 ? 0.0 : std::copysign(gripper_.max_speed, value);
       break;
+    case GripperMode::kVoltage:
+      control = ControlMode::kVoltage;
+      target_ = std::clamp(value, -drive_.model().supply, drive_.model().supply);
+      break;
     case GripperMode::kStop:
       target_ = 0;
       break;
@@ -63,6 +69,7 @@ double GripperAxis::to_end(double position) const {
 
 double GripperAxis::steady_time(double position) const {
   const double of_drive = drive_.steady_time(position);
+  if (mode_ == GripperMode::kVoltage) return blocked() ? of_drive : 0.0;
   if (mode_ == GripperMode::kPosition || target_ == 0) return of_drive;
   const double left = to_end(position), speed = std::abs(target_);
   if (left < kPositionTolerance && !moving_) return of_drive;  // stands at the end of its stroke
@@ -73,10 +80,14 @@ double GripperAxis::steady_time(double position) const {
 contact::SlideCommand GripperAxis::begin_step(double h, double position, double velocity) {
   if (mode_ != GripperMode::kPosition && target_ != 0) {
     // No faster than what stops at the end of the stroke.
-    const double a = gripper_.max_acceleration, left = std::max(0.0, to_end(position));
-    const double most = std::sqrt(a * a * h * h + 2 * a * left) - a * h;
-    drive_.command(ControlMode::kVelocity,
-                   -std::copysign(std::min(std::abs(target_), most), target_));
+    const double left = std::max(0.0, to_end(position));
+    const double most = stopping_speed(left, gripper_.max_acceleration, h);
+    if (mode_ == GripperMode::kVoltage) {
+      drive_.set_speed_limit(std::clamp(most, kNoSpeed, gripper_.max_speed));
+    } else {
+      drive_.command(ControlMode::kVelocity,
+                     -std::copysign(std::min(std::abs(target_), most), target_));
+    }
   }
   return drive_.drive(h, position, velocity);
 }

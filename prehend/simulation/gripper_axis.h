@@ -1,24 +1,24 @@
 #pragma once
 
+#include "prehend/robot/command_modes.h"
 #include "prehend/robot/gripper_model.h"
-#include "prehend/simulation/actuator.h"
+#include "prehend/simulation/spindle_drive.h"
 
 namespace prehend::simulation {
-
-enum class GripperMode;
 
 /// The gripper's controller and drive on the slide that both jaws share. The slide's coordinate is
 /// minus the opening, so that positive closes, as an Actuator has it:
 ///   m dv/dt = F - friction - (Fn_left + Fn_right) / 2
 /// kCurrent is the servo with the maximum speed as reference and |current| as limit, so that a
-/// blocked jaw presses with force_per_current |i| less friction; kStop brakes and holds. Before the
-/// ends of the stroke the servo brakes by itself. Its state is its value: copy to save.
+/// blocked jaw presses with force_per_current |i| less friction; kVoltage drives the motor as it
+/// is, within supply, current and maximum speed; kStop brakes and holds. Before the ends of the
+/// stroke it brakes by itself. Its state is its value: copy to save.
 class GripperAxis {
  public:
   GripperAxis(const robot::GripperModel& gripper, const SpindleDriveModel& drive);
 
   /// See World::set_gripper_command.
-  void command(GripperMode mode, double value, double current_limit, double speed);
+  void command(robot::GripperMode mode, double value, double current_limit, double speed);
 
   /// The drive over the coming step of `h` [s] from the slide's position [m] and velocity [m/s].
   contact::SlideCommand begin_step(double h, double position, double velocity);
@@ -49,8 +49,8 @@ class GripperAxis {
 
   robot::GripperModel gripper_;
   SpindleDrive drive_;
-  GripperMode mode_;
-  double target_ = 0;  // of the opening: m or m/s
+  robot::GripperMode mode_;
+  double target_ = 0;  // of the opening: m or m/s; kVoltage: V
   bool moving_ = false;
   double blocked_time_ = 0;  // s
 };

@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "prehend/contact/require.h"
+#include "prehend/simulation/actuator_registry.h"
 
 namespace prehend::simulation {
 namespace {
 
-constexpr double kSlack = 1e-4;      // rad, beyond limits
-constexpr double kSoftening = 0.15;  // share of the effort over which a finger slows down
-constexpr double kLeastPace = 0.02;  // of the speed asked for: it stands
+// Of the joint's own body about its axis [kg m^2], of one that slides its mass.
+double inertia_of_link(const RobotBodies& robot, const RobotBodies::Motor& motor) {
+  const engines::EngineJoint& joint = robot.joints[static_cast<std::size_t>(motor.joint)];
+  const engines::EngineBody& body = robot.bodies[static_cast<std::size_t>(joint.body)];
+  if (motor.slides) return body.mass;
+  const Eigen::Vector3d axis_B = body.X_WB.linear().transpose() * joint.axis_W;
+  const Eigen::Vector3d arm = joint.axis_W.cross(body.X_WB.translation() - joint.anchor_W);
+  return axis_B.cwiseAbs2().dot(body.moments) + body.mass * arm.squaredNorm();
+}
 
 }  // namespace
 
@@ -27,6 +32,7 @@ HandDrive::HandDrive(const RobotBodies& robot, const HandDriveOptions& options)
   contact::require_positive(options.blocked_time, "HandDriveOptions::blocked_time");
   contact::require(options.holding >= 1, "HandDriveOptions::holding", "at least 1");
   std::map<int, std::size_t> of_finger;
+  std::optional<ActuatorRegistry> actuators;  // looked for when one is named
   for (std::size_t m = 0; m < robot.motors.size(); ++m) {
     Motor motor;
     motor.joint = robot.motors[m];
@@ -34,6 +40,22 @@ HandDrive::HandDrive(const RobotBodies& robot, const HandDriveOptions& options)
     if (motor.joint.inner >= 0) {
       motor.inner_mechanics = robot.mechanics[static_cast<std::size_t>(motor.joint.inner)];
     }
+    const RobotBodies::Motor& joint = motor.joint;
+    const double stiffness =
+        joint.max_effort / (joint.slides ? options_.sliding_yield : options_.yield);
+    motor.actuated = {
+        joint.name,         joint.slides,     joint.lower, joint.upper,
+        joint.max_velocity, joint.max_effort, stiffness,   stiffness * options.response};
+    double own = robot.mechanics[static_cast<std::size_t>(joint.joint)].rotor_inertia;
+    if (joint.model) {
+      if (!actuators) actuators.emplace();
+      motor.actuator = actuators->make(*joint.model, motor.actuated);
+      const ActuatorMechanics mechanics = motor.actuator->mechanics();
+      own = joint.gear * joint.gear * mechanics.inertia;
+      motor.actuator_state = motor.actuator->initial_state(0);
+      if (mechanics.stiffness > 0) motor.actuated.stiffness = mechanics.stiffness;
+    }
+    motor.inertia = (own + inertia_of_link(robot, joint)) / (joint.gear * joint.gear);
     motors_.push_back(motor);
     const int finger = motor.joint.finger;
     const auto known = of_finger.find(finger);
@@ -45,6 +67,24 @@ HandDrive::HandDrive(const RobotBodies& robot, const HandDriveOptions& options)
       groups_[known->second].motors.push_back(static_cast<int>(m));
     }
   }
+}
+
+void HandDrive::put_mechanics(std::vector<engines::JointMechanics>& mechanics) const {
+  for (const Motor& motor : motors_) {
+    if (!motor.actuator) continue;
+    const double gear = motor.joint.gear;
+    const ActuatorMechanics own = motor.actuator->mechanics();
+    engines::JointMechanics& joint = mechanics[static_cast<std::size_t>(motor.joint.joint)];
+    joint.rotor_inertia = gear * gear * own.inertia;
+    joint.damping = gear * gear * own.damping;
+    joint.dry_friction = gear * own.friction;
+  }
+}
+
+double HandDrive::current(int motor) const {
+  const Motor& of = motors_.at(static_cast<std::size_t>(motor));
+  return of.actuator ? of.actuator->current(of.actuator_state)
+                     : std::numeric_limits<double>::quiet_NaN();
 }
 
 double HandDrive::position(const engines::MultibodyState& state, int motor) const {
@@ -72,103 +112,22 @@ Eigen::VectorXd HandDrive::positions(const engines::MultibodyState& state) const
   return q;
 }
 
+void HandDrive::begin(const engines::MultibodyState& state) {
+  for (int m = 0; m < size(); ++m) {
+    Motor& motor = motors_[static_cast<std::size_t>(m)];
+    if (motor.actuator) motor.actuator_state = motor.actuator->initial_state(position(state, m));
+  }
+  hold(state);
+}
+
 void HandDrive::hold(const engines::MultibodyState& state) {
   for (int m = 0; m < size(); ++m) {
     Motor& motor = motors_[static_cast<std::size_t>(m)];
     motor.start = motor.target = motor.reference = position(state, m);
     motor.reference_velocity = 0;
+    motor.commanded.reset();
   }
   for (Group& group : groups_) group = {group.motors};
-}
-
-void HandDrive::move(const HandCommand& command) {
-  const auto refuse = [](const std::string& what) { throw std::invalid_argument(what); };
-  if (command.position.size() != size()) {
-    refuse(fmt::format("{} positions for {} joints of the hand", command.position.size(), size()));
-  }
-  if (!(command.speed > 0 && command.speed <= 1)) refuse("speed must be in (0, 1]");
-  if (command.effort.size() != 0 && command.effort.size() != size()) {
-    refuse(fmt::format("{} efforts for {} joints of the hand", command.effort.size(), size()));
-  }
-  for (int m = 0; m < size(); ++m) {
-    const RobotBodies::Motor& joint = motors_[static_cast<std::size_t>(m)].joint;
-    const double target = command.position[m];
-    if (!std::isfinite(target)) refuse("the position of '" + joint.name + "' is not finite");
-    if (target < joint.lower - kSlack || target > joint.upper + kSlack) {
-      refuse(fmt::format("'{}' at {:.4f} is outside {:.4f} to {:.4f}", joint.name, target,
-                         joint.lower, joint.upper));
-    }
-    if (command.effort.size() == 0) continue;
-    const double effort = command.effort[m];
-    if (!(effort > 0 && effort <= joint.max_effort * (1 + 1e-9))) {
-      refuse(fmt::format("the effort of '{}' must be in (0, {:.3f}], not {}", joint.name,
-                         joint.max_effort, effort));
-    }
-  }
-  for (Group& group : groups_) {
-    group = {group.motors};
-    for (const int m : group.motors) {
-      Motor& motor = motors_[static_cast<std::size_t>(m)];
-      // From where the loop holds it, so that what it presses with does not leap.
-      motor.start = motor.reference;
-      motor.target = command.position[m];
-      motor.opens = motor.target < motor.start;
-      motor.effort = command.effort.size() > 0 ? command.effort[m] : motor.joint.max_effort;
-      group.duration = std::max(group.duration, std::abs(motor.target - motor.start) /
-                                                    (command.speed * motor.joint.max_velocity));
-    }
-    group.share = group.duration > 0 ? 0.0 : 1.0;
-  }
-}
-
-void HandDrive::before_step(double h, engines::Multibody& system,
-                            const engines::MultibodyState& state) {
-  for (Group& group : groups_) {
-    double most_pace = group.share < 1 ? std::min(1.0, group.pace + h / options_.ramp) : 0.0;
-    bool pressed = false;
-    for (const int m : group.motors) {
-      const Motor& motor = motors_[static_cast<std::size_t>(m)];
-      const double way = motor.target - motor.start;
-      if (way == 0) continue;
-      const double load = std::copysign(1.0, way) * effort(system, m) / motor.effort;
-      const double pace = std::clamp((1 - load) / kSoftening, 0.0, 1.0);
-      pressed = pressed || pace < kLeastPace;
-      most_pace = std::min(most_pace, pace);
-    }
-    group.pace = most_pace;
-    group.stuck = pressed && group.share < 1 ? group.stuck + h : 0.0;
-    if (group.share < 1) group.share = std::min(1.0, group.share + h * group.pace / group.duration);
-    for (const int m : group.motors) {
-      Motor& motor = motors_[static_cast<std::size_t>(m)];
-      const double way = motor.target - motor.start;
-      motor.reference = motor.start + group.share * way;
-      motor.reference_velocity = group.share < 1 ? group.pace * way / group.duration : 0.0;
-    }
-  }
-  for (int m = 0; m < size(); ++m) {
-    const Motor& motor = motors_[static_cast<std::size_t>(m)];
-    const RobotBodies::Motor& joint = motor.joint;
-    engines::JointDrive drive;
-    drive.mode = engines::JointDrive::Mode::kPosition;
-    drive.target = motor.reference / joint.gear;
-    drive.target_velocity = motor.reference_velocity / joint.gear;
-    const double stiffness =
-        joint.max_effort / (joint.slides ? options_.sliding_yield : options_.yield);
-    drive.stiffness = joint.gear * joint.gear * stiffness;
-    drive.damping = drive.stiffness * options_.response;
-    drive.limit = joint.gear * options_.holding * joint.max_effort;
-    drive.along = joint.along;
-    drive.share = joint.share;
-    system.set_drive(joint.joint, drive);
-    if (joint.inner < 0) continue;
-    // The worm of an inner joint lets nothing turn it back; only its motor does.
-    engines::JointMechanics mechanics = motor.inner_mechanics;
-    if (!(motor.opens && motor.reference_velocity < 0)) {
-      mechanics.lower = std::clamp(state.positions[joint.along_coordinate], mechanics.lower,
-                                   mechanics.upper - 1e-6);
-    }
-    system.set_mechanics(joint.inner, mechanics);
-  }
 }
 
 Eigen::VectorXd HandDrive::targets() const {

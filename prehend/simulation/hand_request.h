@@ -26,4 +26,15 @@ struct NamedHandCommand {
 /// name) or named twice, another number of values than of joints.
 NamedHandCommand check_hand_request(const RobotWorld& world, const HandRequest& request);
 
+/// A continuous command to a hand's joints as somebody asks for it.
+struct JointsRequest {
+  robot::JointMode mode = robot::JointMode::kStop;
+  std::vector<std::string> joints;  // as of HandRequest; kStop: none means all
+  std::vector<double> values;       // as many, by mode; none of kStop
+};
+
+/// The command to `world`'s hand. What is beyond limits RobotWorld::command_hand() refuses or cuts.
+/// @throws std::invalid_argument in words: as check_hand_request().
+MotorsCommand check_joints_request(const RobotWorld& world, const JointsRequest& request);
+
 }  // namespace prehend::simulation

@@ -333,7 +333,8 @@ class Builder {
   }
 
   void add_motors() {
-    for (const int own : hand_.actuated) {
+    for (std::size_t i = 0; i < hand_.actuated.size(); ++i) {
+      const int own = hand_.actuated[i];
       const Joint& joint = hand_.model.joints[own];
       if (!(std::isfinite(joint.max_velocity) && joint.max_velocity > 0 &&
             std::isfinite(joint.max_effort) && joint.max_effort > 0)) {
@@ -349,6 +350,9 @@ class Builder {
       motor.lower = joint.lower;
       motor.upper = joint.upper;
       motor.slides = joint.kind == Joint::Kind::kPrismatic;
+      if (const auto known = hand_.motors.find(static_cast<int>(i)); known != hand_.motors.end()) {
+        motor.model = known->second;
+      }
       for (const robot::Breakaway& breakaway : hand_.breakaways) {
         if (breakaway.leader != own) continue;
         const double m = hand_.model.joints[breakaway.joint].mimic->multiplier;

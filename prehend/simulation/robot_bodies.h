@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct RobotBodies {
     double max_velocity = 0, max_effort = 0;  // rad/s, N m; of one that slides m/s, N
     double lower = 0, upper = 0;              // rad or m
     bool slides = false;
+    std::optional<robot::JointMotor> model;  // what the hand's file says of it
   };
 
   robot::RobotModel model;

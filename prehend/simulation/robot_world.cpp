@@ -73,6 +73,7 @@ RobotWorld::Implementation::Implementation(const robot::RobotModel& model,
   robot = make_robot_bodies(model, hand_model, prefix, X_WR, all, options.mechanics);
   for (const RobotBodies::Motor& motor : robot.motors) motor_names.push_back(motor.name);
   hand.emplace(robot, options.hand);
+  hand->put_mechanics(robot.mechanics);
   build();
 }
 
@@ -241,6 +242,7 @@ void RobotWorld::Implementation::step() {
   hand->before_step(options.step, *system, state);
   system->implicit_euler(state, options.step, state, next);
   std::swap(state, next);
+  hand->after_step(options.step, *system, state);
   put_to_sleep();
   read_sensors();
   const bool above = contact_limit > 0 && arm && wrist.force.norm() > contact_limit;
@@ -352,6 +354,12 @@ Eigen::VectorXd RobotWorld::hand_positions() const {
   return implementation_->hand->positions(implementation_->state);
 }
 void RobotWorld::move_hand(const HandCommand& command) { implementation_->hand->move(command); }
+void RobotWorld::command_hand(const MotorsCommand& command) {
+  implementation_->hand->command(command);
+}
+bool RobotWorld::stop_commanded_hand() {
+  return implementation_->hand->stop_commanded(implementation_->state);
+}
 void RobotWorld::stop_hand() { implementation_->hand->hold(implementation_->state); }
 
 void RobotWorld::set_hand(const Eigen::VectorXd& positions) {
@@ -367,7 +375,7 @@ void RobotWorld::set_hand(const Eigen::VectorXd& positions) {
     world.state.velocities[c] = 0;
   }
   world.system->complete(world.state);
-  world.hand->hold(world.state);
+  world.hand->begin(world.state);
 }
 
 void RobotWorld::add_object(const std::string& name, const geometry::TriangleMesh& mesh_W,

@@ -133,6 +133,10 @@ class RobotWorld {
   Eigen::VectorXd hand_positions() const;
   /// @throws std::invalid_argument (HandDrive::move).
   void move_hand(const HandCommand& command);
+  /// @throws std::invalid_argument (HandDrive::command).
+  void command_hand(const MotorsCommand& command);
+  /// HandDrive::stop_commanded().
+  bool stop_commanded_hand();
   void stop_hand();
   /// Sets motors at once, at rest and couplings unbroken, before anything touches.
   /// @throws std::invalid_argument for another number of values or one that is not finite.

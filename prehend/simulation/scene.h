@@ -13,10 +13,10 @@
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/robot/gripper_model.h"
-#include "prehend/simulation/actuator.h"
 #include "prehend/simulation/physics.h"
 #include "prehend/simulation/rigid_body.h"
 #include "prehend/simulation/sensors/pad_electronics.h"
+#include "prehend/simulation/spindle_drive.h"
 #include "prehend/simulation/tactile_sensor.h"
 #include "prehend/simulation/texture.h"
 

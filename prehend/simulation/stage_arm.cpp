@@ -33,6 +33,12 @@ ArmDriveOptions drive_options(const robot::Platform& platform) {
 CarrierModel carrier_of(const robot::Platform& platform, const std::string& home) {
   const robot::KinematicChain chain = platform.arm_chain();
   if (chain.size() != 4) refuse_stage(platform, "has no four joints");
+  if (!platform.hand.motors.empty()) {
+    throw geometry::InputError(
+        platform.hand.motors.begin()->second.place +
+            " has no effect on a hand that is moved through /gripper",
+        "Remove it, and describe its motor in the gripper's file under `drive`");
+  }
   CarrierModel carrier;
   // The pose is what a carrier makes of the joints, wherever they are.
   const robot::Preshape& preshape = platform.hand.preshapes.front();

@@ -11,6 +11,7 @@
 
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/robot/command_modes.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/simulation/texture.h"
 
@@ -19,7 +20,7 @@ namespace prehend::simulation {
 struct WorldCommand;
 struct Explanation;
 
-enum class GripperMode { kStop, kPosition, kVelocity, kCurrent };
+using robot::GripperMode;
 enum class PadSide { kLeft, kRight };  // left is at +y of the gripper frame
 
 struct GripperReading {
@@ -127,7 +128,8 @@ class World {
   const Scene& scene() const;
 
   /// Drives the opening. kPosition: value [m] within 0..max_opening; kVelocity: [m/s], negative
-  /// closes, cut to the model's maximum; kCurrent: [A], negative closes, cut to max_current.
+  /// closes, cut to the model's maximum; kCurrent: [A], negative closes, cut to max_current;
+  /// kVoltage: [V], negative closes, cut to the drive's supply, the speed to the model's maximum.
   /// `current_limit` [A]: 0 means nominal; cut to max_current. In kPosition `speed` [m/s] limits
   /// the speed; 0 means the maximum. Acceleration is the model's.
   /// @throws std::invalid_argument for a value that is not finite or an opening out of range.

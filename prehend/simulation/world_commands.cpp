@@ -82,7 +82,7 @@ std::vector<WorldCommand> read_commands(std::string_view bytes, const std::strin
     archive_command(reader, command);
     const bool known = command.kind <= WorldCommand::Kind::kDriveCarrier &&
                        command.mode >= GripperMode::kStop &&
-                       command.mode <= GripperMode::kCurrent &&
+                       command.mode <= GripperMode::kVoltage &&
                        command.texture.pattern >= Texture::Pattern::kNoise &&
                        command.texture.pattern <= Texture::Pattern::kWood;
     if (!known) reader.fail("has a command of no known kind");

@@ -7,7 +7,7 @@
 
 #include "prehend/contact/grasp_stepper.h"
 #include "prehend/contact/parallel_grasp.h"
-#include "prehend/simulation/actuator.h"
+#include "prehend/simulation/spindle_drive.h"
 #include "prehend/simulation/tactile_sensor.h"
 
 namespace prehend::simulation {

@@ -84,6 +84,22 @@ TEST(Adaptive, AgreesWithFineSteps) {
   }
 }
 
+// A motor at a voltage speeds up within milliseconds, brakes at its stop, and is reversed there.
+TEST(Adaptive, FollowsAVoltage) {
+  const auto run = [](const Scene& scene) {
+    World world(scene);
+    std::vector<double> openings;
+    for (const double voltage : {-1.5, -3.0, 0.0, -24.0, 2.0}) {
+      world.set_gripper_command(GripperMode::kVoltage, voltage);
+      world.advance(0.6);
+      openings.push_back(world.gripper().opening);
+    }
+    return openings;
+  };
+  const std::vector<double> fine = run(fine_scene(0.1)), adaptive = run(adaptive_scene(0.1, 1e-5));
+  for (std::size_t i = 0; i < fine.size(); ++i) EXPECT_NEAR(adaptive[i], fine[i], 1e-4) << i;
+}
+
 TEST(Adaptive, MeetsTheTableWithinTheTolerance) {
   const auto fall = [](Scene scene) {
     scene.physics.rules.sleep = false;

@@ -99,6 +99,85 @@ TEST(GripperDrive, AJerkOvershootsAndStictionKeepsIt) {
   }
 }
 
+// K (V - emf v) / R = friction: what the jaws' friction takes of the voltage is missing in their
+// speed.
+TEST(GripperDrive, VoltageGivesTheSpeedOfBackEmfLessFriction) {
+  const SpindleDriveModel drive = drive_of(Scene().gripper, Scene().drive);
+  const double K = drive.force_per_current(), emf = drive.torque_constant * drive.ratio();
+  for (const double step : {1e-4, 1e-3, 5e-3}) {
+    for (const double voltage : {1.0, 2.0, 3.0}) {
+      World world(empty_scene(step));
+      world.set_gripper_command(GripperMode::kVoltage, -voltage);
+      run(world, 0.2);
+      const double v = (K * voltage / drive.resistance - drive.coulomb_friction) /
+                       (K * emf / drive.resistance + drive.viscous_friction);
+      EXPECT_NEAR(world.gripper().velocity, -v, 0.005 * v) << voltage << ' ' << step;
+      EXPECT_NEAR(world.gripper().current, -(voltage - emf * v) / drive.resistance, 0.003);
+      EXPECT_TRUE(world.gripper().moving);
+    }
+  }
+}
+
+TEST(GripperDrive, VoltageKeepsSupplySpeedCurrentAndStroke) {
+  for (const double step : {1e-4, 1e-3, 5e-3}) {
+    for (const double voltage : {-1000.0, -24.0, 5.0, 24.0}) {
+      Scene scene = empty_scene(step);
+      scene.start_opening = voltage < 0 ? 0.069 : 0.0;
+      World world(scene);
+      world.set_gripper_command(GripperMode::kVoltage, voltage, 4.0);
+      double fastest = 0;
+      for (int i = 0; i * step < 2; ++i) {
+        world.step();
+        const GripperReading gripper = world.gripper();
+        fastest = std::max(fastest, std::abs(gripper.velocity));
+        ASSERT_LE(std::abs(gripper.current), 4.0 * 1.01) << voltage << ' ' << step;
+        ASSERT_GT(gripper.opening, -2e-4) << voltage << ' ' << step;
+        ASSERT_LT(gripper.opening, 0.0692) << voltage << ' ' << step;
+      }
+      EXPECT_LE(fastest, 0.083 * 1.01) << voltage << ' ' << step;
+      EXPECT_GE(fastest, voltage == 5.0 ? 0.07 : 0.08) << voltage << ' ' << step;
+      EXPECT_NEAR(world.gripper().opening, voltage < 0 ? 0 : 0.069, 5e-4) << voltage << ' ' << step;
+      EXPECT_FALSE(world.gripper().moving);
+    }
+  }
+}
+
+// At a stand no back-EMF opposes it: F = K V / R.
+TEST(GripperDrive, VoltagePressesWithItsStallForce) {
+  Scene scene = testing::grasp_scene(1.0);
+  scene.start_opening = 0.05;
+  const SpindleDriveModel drive = drive_of(scene.gripper, scene.drive);
+  for (const double voltage : {1.5, 3.0}) {
+    World world(scene);
+    world.set_gripper_command(GripperMode::kVelocity, -0.005, 0.3);
+    run(world, 1.5);
+    for (int i = 1; i <= 400; ++i) {  // slowly, lest the rotor's momentum presses too
+      world.set_gripper_command(GripperMode::kVoltage, -voltage * i / 400);
+      run(world, 0.01);
+    }
+    run(world, 1);
+    const double stall = drive.force_per_current() * voltage / drive.resistance;
+    EXPECT_LE(world.tactile_image(PadSide::kLeft).sum, stall - drive.coulomb_friction + 0.1);
+    EXPECT_GE(world.tactile_image(PadSide::kLeft).sum, stall - drive.static_friction - 0.5);
+    EXPECT_NEAR(world.gripper().current, -voltage / drive.resistance, 0.01 * voltage);
+    EXPECT_TRUE(world.gripper().blocked);
+  }
+}
+
+TEST(GripperDrive, NoVoltageBrakesByTheShortedWinding) {
+  World world(empty_scene());
+  world.set_gripper_command(GripperMode::kVelocity, -0.08);
+  run(world, 0.4);
+  const double before = world.gripper().opening;
+  world.set_gripper_command(GripperMode::kVoltage, 0);
+  run(world, 0.3);
+  // tau = m R / (K emf) = 4.7 ms: 0.4 mm and less by friction.
+  EXPECT_LT(before - world.gripper().opening, 0.08 * 0.0047);
+  EXPECT_GT(before - world.gripper().opening, 0.5 * 0.08 * 0.0047);
+  EXPECT_FALSE(world.gripper().moving);
+  EXPECT_FALSE(world.gripper().blocked);
+}
+
 TEST(GripperDrive, RefusesBadCommands) {
   World world(empty_scene());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -106,6 +185,8 @@ TEST(GripperDrive, RefusesBadCommands) {
   EXPECT_THROW(world.set_gripper_command(GripperMode::kPosition, -0.001), std::invalid_argument);
   EXPECT_THROW(world.set_gripper_command(GripperMode::kVelocity, nan), std::invalid_argument);
   EXPECT_THROW(world.set_gripper_command(GripperMode::kCurrent, 1, -2), std::invalid_argument);
+  EXPECT_THROW(world.set_gripper_command(GripperMode::kVoltage, nan), std::invalid_argument);
+  EXPECT_THROW(world.set_gripper_command(GripperMode::kVoltage, 1, -2), std::invalid_argument);
 }
 
 TEST(Carrier, FollowsAStraightTrapezoid) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -278,6 +279,111 @@ TEST_F(RobotNode, MovesTheHand) {
   bad = goal;
   bad.mutable_joint_name()->RemoveLast();
   refused(bad, "2 positions for 1 joints");
+}
+
+class HandCommands : public RobotNode {
+ protected:
+  void SetUp() override {
+    RobotNode::SetUp();
+    commands_ = node_->advertise<msgs::JointCommand>("/hand/command", QoS::queue(100));
+    ASSERT_TRUE(commands_.wait_for_subscribers(1, 10s));
+    rest_ = thumb();
+  }
+
+  void send(msgs::JointCommand::Mode mode, double value,
+            const std::string& joint = "thumb_proximal", std::int64_t stamp = 0) {
+    msgs::JointCommand command;
+    command.mutable_header()->set_stamp(stamp != 0 ? stamp : node_->clock().now());
+    command.set_mode(mode);
+    command.add_joint_name(joint);
+    if (mode != msgs::JointCommand::STOP) command.add_value(value);
+    commands_.publish(command);
+  }
+  /// As a stream does.
+  void send_again(msgs::JointCommand::Mode mode, double value,
+                  const std::string& joint = "thumb_proximal") {
+    for (int i = 0; i < 5; ++i) {
+      send(mode, value, joint);
+      std::this_thread::sleep_for(10ms);
+    }
+  }
+
+  // Of hand_thumb_proximal.
+  static double of_thumb(const msgs::JointState& state, bool velocity = false) {
+    for (int i = 0; i < state.name_size(); ++i) {
+      if (state.name(i) != "hand_thumb_proximal") continue;
+      return velocity ? state.velocity(i) : state.position(i);
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  double thumb() {
+    const std::lock_guard lock(mutex_);
+    return of_thumb(states_.back());
+  }
+  void wait_simulated(std::chrono::nanoseconds time) {
+    std::int64_t end = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      end = states_.back().header().stamp() + time.count();
+    }
+    ASSERT_TRUE(wait_until([&] { return states_.back().header().stamp() > end; }));
+  }
+  int said(const std::string& words) const {
+    std::ifstream in(output_);
+    int count = 0;
+    for (std::string line; std::getline(in, line);) count += line.find(words) != std::string::npos;
+    return count;
+  }
+
+  graph::Publisher<msgs::JointCommand> commands_;
+  double rest_ = 0;
+};
+
+TEST_F(HandCommands, AForgottenVelocityIsStoppedByTheWatchdog) {
+  send(msgs::JointCommand::VELOCITY, 0.5);
+  ASSERT_TRUE(wait_until([&] { return of_thumb(states_.back(), true) > 0.4; }));
+  ASSERT_TRUE(wait_until([&] { return std::abs(of_thumb(states_.back(), true)) < 1e-3; }));
+  // 0.2 s of 0.5 rad/s and braking; unwatched it would go on for seconds.
+  EXPECT_GT(thumb(), rest_ + 0.05);
+  EXPECT_LT(thumb(), rest_ + 0.2);
+  EXPECT_EQ(said("no hand command for 0.2 s while moving: stopped"), 1);
+}
+
+TEST_F(HandCommands, WhatCannotBeIsRefusedOnceAndNothingMoves) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  send_again(msgs::JointCommand::VOLTAGE, 1);
+  send_again(msgs::JointCommand::EFFORT, nan);
+  send_again(msgs::JointCommand::POSITION, 9);
+  send_again(msgs::JointCommand::VELOCITY, 1, "thumb_proximl");
+  send_again(static_cast<msgs::JointCommand::Mode>(9), 1);
+  ASSERT_TRUE(wait_until([&] { return said("unknown mode of a joint command") > 0; }));
+  wait_simulated(300ms);
+  EXPECT_NEAR(thumb(), rest_, 1e-3);
+  EXPECT_EQ(said("/hand/command refused: 'hand_thumb_proximal' has no motor"), 1);
+  EXPECT_EQ(said("'hand_thumb_proximal' is not finite"), 1);
+  EXPECT_EQ(said("'hand_thumb_proximal' at 9.0000 is outside"), 1);
+  EXPECT_EQ(said("did you mean \"hand_thumb_proximal\"?"), 1);
+  EXPECT_EQ(said("unknown mode of a joint command"), 1);
+}
+
+TEST_F(HandCommands, ALaterCommandTakesOverFromAGoalAndAnEarlierIsIgnored) {
+  msgs::MoveHandGoal goal;
+  goal.add_joint_name("thumb_proximal");
+  goal.add_position(rest_ + 1.2);
+  goal.set_speed(0.2);
+  goal.set_stamp(node_->clock().now());
+  auto handle = hand_.send(goal);
+  ASSERT_TRUE(wait_until([&] { return of_thumb(states_.back()) > rest_ + 0.05; }));
+  for (int i = 0; i < 5; ++i) send(msgs::JointCommand::STOP, 0, "thumb_proximal", goal.stamp());
+  ASSERT_TRUE(wait_until([&] { return of_thumb(states_.back()) > rest_ + 0.2; }));
+  EXPECT_EQ(said("/hand/command ignored"), 1);
+  send(msgs::JointCommand::STOP, 0, "thumb_proximal", goal.stamp() + 1);
+  const auto outcome = handle.wait(20s);
+  ASSERT_TRUE(outcome.ok()) << outcome.error();
+  EXPECT_FALSE(outcome->reached());
+  EXPECT_EQ(outcome->reason(), "stopped by /hand/command");
+  ASSERT_TRUE(wait_until([&] { return std::abs(of_thumb(states_.back(), true)) < 1e-3; }));
+  EXPECT_LT(thumb(), rest_ + 1);
 }
 
 TEST_F(RobotNode, TellsTheTruthOfItsObjects) {

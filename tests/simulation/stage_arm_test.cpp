@@ -70,6 +70,9 @@ TEST(StageArm, RefusesWhatIsNoStageOfTheWorld) {
   askew.X_WB.rotate(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()));
   EXPECT_THROW(carrier_of(askew, "home"), geometry::InputError);
   EXPECT_THROW(carrier_of(stage_pg70(), "hme"), geometry::InputError);
+  robot::Platform driven = stage_pg70();  // by its gripper's `drive`, so that this would be ignored
+  driven.hand.motors[0].place = "pg70.yaml:9";
+  EXPECT_THROW(carrier_of(driven, "home"), geometry::InputError);
 }
 
 TEST(StageArm, FollowsAPathAndStandsAtItsEnd) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <thread>
 
+#include "msgs/convert/gripper.h"
+
 namespace prehend::drivers::pg70 {
 namespace {
 
@@ -20,19 +22,21 @@ msgs::Acknowledge answer(bool success, const std::string& reason = {}) {
   return message;
 }
 
-std::optional<MotionMode> mode_of(const msgs::GripperCommand& command) {
-  switch (command.mode()) {
-    case msgs::GripperCommand::STOP:
+// What the module's protocol has.
+std::optional<MotionMode> mode_of(robot::GripperMode mode) {
+  switch (mode) {
+    case robot::GripperMode::kStop:
       return MotionMode::kStop;
-    case msgs::GripperCommand::POSITION:
+    case robot::GripperMode::kPosition:
       return MotionMode::kPosition;
-    case msgs::GripperCommand::VELOCITY:
+    case robot::GripperMode::kVelocity:
       return MotionMode::kVelocity;
-    case msgs::GripperCommand::CURRENT:
+    case robot::GripperMode::kCurrent:
       return MotionMode::kCurrent;
-    default:
-      return std::nullopt;
+    case robot::GripperMode::kVoltage:
+      break;
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -77,12 +81,20 @@ GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), d
 void GripperOffers::command(const msgs::GripperCommand& command) {
   const std::int64_t stamp = command.header().stamp();
   if (stamp != 0 && stamp <= action_stamp_) return;  // meant to come before the goal
-  const auto mode = mode_of(command);
-  const std::string refusal = mode ? device_.with_driver([&](Driver& driver, Time now) {
+  const auto refuse = [this](const std::string& why) {
+    node_.log_warning("/gripper/command refused: {}", why);
+  };
+  const auto asked = convert::from_message(command.mode());
+  if (!asked) return refuse("unknown mode of a gripper command");
+  const auto mode = mode_of(*asked);
+  if (!mode) {
+    return refuse(msgs::GripperCommand::Mode_Name(command.mode()) +
+                  ": the PG70 has no such command. Send POSITION, VELOCITY or CURRENT");
+  }
+  const std::string refusal = device_.with_driver([&](Driver& driver, Time now) {
     return driver.command(*mode, command.value(), command.current_limit(), now);
-  })
-                                   : "unknown mode of a gripper command";
-  if (!refusal.empty()) node_.log_warning("/gripper/command refused: {}", refusal);
+  });
+  if (!refusal.empty()) refuse(refusal);
 }
 
 // Says that it stands only when states show it, which as a rule takes some hundredths of a second.

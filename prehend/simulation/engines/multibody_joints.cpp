@@ -48,6 +48,7 @@ void validate(const JointDrive& drive, int joint) {
   require_not_negative(drive.stiffness, owner + "stiffness");
   require_not_negative(drive.damping, owner + "damping");
   require_limit(drive.limit, owner + "limit");
+  require(std::isfinite(drive.force), owner + "force", "finite");
   require(std::isfinite(drive.share), owner + "share", "finite");
   require(drive.along < 0 || drive.along != joint, owner + "along", "another joint");
 }
@@ -129,8 +130,9 @@ void Multibody::begin_rows(const MultibodyState& base, double h, const Eigen::Ve
     row.offset = positions ? drive.stiffness * (drive.target - driven) +
                                  drive.damping * drive.target_velocity
                            : drive.damping * drive.target;
-    row.most = drive.limit;
-    row.least = -drive.limit;
+    row.offset += drive.force;
+    row.most = drive.force + drive.limit;
+    row.least = drive.force - drive.limit;
     drive_row_[j] = static_cast<int>(rows_.size());
     rows_.push_back(row);
   }

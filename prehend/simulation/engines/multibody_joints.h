@@ -25,7 +25,7 @@ struct JointDrive {
     kNone,      // nothing
     kVelocity,  // force = damping (target - velocity)
     kPosition   // force = stiffness (target - position) + damping (target_velocity - velocity)
-  };
+  };            // ... + `force`
   Mode mode = Mode::kNone;
   double target = 0;           // rad or rad/s
   double target_velocity = 0;  // rad/s, of kPosition
@@ -35,7 +35,9 @@ struct JointDrive {
   /// turns a chain of two links by one tendon or gear. -1: this joint alone.
   int along = -1;
   double share = 0;
-  double limit = std::numeric_limits<double>::infinity();  // N m, >= 0, of the force
+  /// N m, >= 0, of the force without `force`.
+  double limit = std::numeric_limits<double>::infinity();
+  double force = 0;  // N m, on top
 };
 
 /// Two joints by a gear with a clutch: `first` moves by `ratio` times what `second` moves, as long

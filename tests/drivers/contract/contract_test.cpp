@@ -291,10 +291,34 @@ TEST_P(Contract, BadCommandsAreRefusedAndNothingMoves) {
   robot_->command(Command::POSITION, nan);
   robot_->command(Command::VELOCITY, nan);
   robot_->command(Command::CURRENT, nan);
+  robot_->command(Command::VOLTAGE, nan);
   robot_->command(static_cast<Command::Mode>(9), 0.01);
   std::this_thread::sleep_for(300ms);
   EXPECT_NEAR(state().opening(), before, 5e-4);
   EXPECT_TRUE(stands());
+}
+
+// The simulated motor does; the PG70's protocol has no such command, which is said.
+TEST_P(Contract, VoltageMovesItOrIsRefusedByName) {
+  const double before = state().opening();
+  robot_->states.clear();
+  command_for(400ms, Command::VOLTAGE, -2);
+  if (!GetParam().takes_voltage()) {
+    EXPECT_TRUE(eventually([&] {
+      return robot_->output().find("VOLTAGE: the PG70 has no such command") != std::string::npos;
+    })) << robot_->output();
+    EXPECT_NEAR(state().opening(), before, 5e-4);
+    EXPECT_TRUE(stands());
+    EXPECT_EQ(state().error_code(), 0u);
+    return;
+  }
+  const double opening = state().opening();
+  EXPECT_LT(opening, before - 0.005);
+  EXPECT_TRUE(eventually([&] { return stands(); }, 10s)) << "the watchdog stops it";
+  EXPECT_GT(state().opening(), opening - 0.03);
+  double slowest = 0;
+  for (const auto& one : robot_->states.all()) slowest = std::min(slowest, one.velocity());
+  EXPECT_NEAR(slowest, -0.037, 3e-3) << "m/s, of the back-EMF less friction";
 }
 
 // A block of 30 mm that nothing moves stands between the jaws.

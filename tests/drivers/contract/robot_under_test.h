@@ -38,6 +38,8 @@ struct RobotKind {
   World world = World::kSimulation;
 
   bool has_senses() const { return world != World::kJaws; }
+  /// Its motor can be given a voltage: only the simulation's.
+  bool takes_voltage() const { return name == "Simulation"; }
   graph::ClockMode clock() const {
     return world == World::kSimulation ? graph::ClockMode::kSimulated : graph::ClockMode::kWall;
   }

@@ -1,4 +1,4 @@
-#include "prehend/simulation/actuator.h"
+#include "prehend/simulation/spindle_drive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,6 @@
 #include "prehend/simulation/trapezoid.h"
 
 namespace prehend::simulation {
-namespace {
-
-constexpr double kCopper = 0.00393;  // 1/K, temperature coefficient of copper's resistance
-// K below the hottest where the limit begins to fall; without, it would toggle.
-constexpr double kFoldBack = 10;
-
-}  // namespace
 
 double SpindleDriveModel::ratio() const { return 2 * std::numbers::pi * gear_ratio / spindle_lead; }
 
@@ -77,10 +70,7 @@ void validate(const SpindleDriveModel& model) {
   using contact::require;
   using contact::require_not_negative;
   using contact::require_positive;
-  require_positive(model.supply, "SpindleDriveModel::supply");
-  require_positive(model.resistance, "SpindleDriveModel::resistance");
-  require_positive(model.rotor_inertia, "SpindleDriveModel::rotor_inertia");
-  require_positive(model.torque_constant, "SpindleDriveModel::torque_constant");
+  validate(model, "SpindleDriveModel::");
   require_positive(model.gear_ratio, "SpindleDriveModel::gear_ratio");
   require_positive(model.spindle_lead, "SpindleDriveModel::spindle_lead");
   require(model.efficiency > 0 && model.efficiency <= 1, "SpindleDriveModel::efficiency",
@@ -92,15 +82,8 @@ void validate(const SpindleDriveModel& model) {
           "SpindleDriveModel::static_friction", "finite and at least coulomb_friction");
   require_not_negative(model.viscous_friction, "SpindleDriveModel::viscous_friction");
   require_positive(model.stribeck_velocity, "SpindleDriveModel::stribeck_velocity");
-  require_positive(model.nominal_current, "SpindleDriveModel::nominal_current");
-  require(std::isfinite(model.peak_current) && model.peak_current >= model.nominal_current,
-          "SpindleDriveModel::peak_current", "finite and at least nominal_current");
   require_positive(model.max_speed, "SpindleDriveModel::max_speed");
   require_positive(model.max_acceleration, "SpindleDriveModel::max_acceleration");
-  require(std::isfinite(model.ambient), "SpindleDriveModel::ambient", "finite");
-  require_positive(model.thermal_resistance, "SpindleDriveModel::thermal_resistance");
-  require_positive(model.thermal_capacity, "SpindleDriveModel::thermal_capacity");
-  require(model.hottest > model.ambient, "SpindleDriveModel::hottest", "above ambient");
   require_positive(model.servo_stiffness, "SpindleDriveModel::servo_stiffness");
   require_positive(model.velocity_gain, "SpindleDriveModel::velocity_gain");
 }
@@ -119,19 +102,17 @@ void SpindleDrive::command(ControlMode mode, double target) {
 
 void SpindleDrive::set_limits(double current, double speed) {
   contact::require_not_negative(current, "an actuator's current limit");
-  contact::require_not_negative(speed, "an actuator's speed limit");
+  set_speed_limit(speed);
   most_current_ = current;
+}
+
+void SpindleDrive::set_speed_limit(double speed) {
+  contact::require_not_negative(speed, "an actuator's speed limit");
   most_speed_ = speed;
 }
 
-double SpindleDrive::resistance() const {
-  return model_.resistance * (1 + kCopper * (temperature_ - 25));
-}
-
 double SpindleDrive::current_limit() const {
-  const double left = std::clamp((model_.hottest - temperature_) / kFoldBack, 0.0, 1.0);
-  const double able =
-      model_.nominal_current + left * (model_.peak_current - model_.nominal_current);
+  const double able = bearable_current(model_, temperature_);
   return most_current_ > 0 ? std::min(able, most_current_) : able;
 }
 
@@ -199,48 +180,33 @@ contact::SlideCommand SpindleDrive::drive(double h, double position, double velo
 
 // The motor's force on the slide, which is kept in last_ for observe().
 contact::SlideCommand SpindleDrive::motor(double h, double position, double velocity) {
-  const double K = model_.force_per_current(), emf = model_.torque_constant * model_.ratio();
-  const double R = resistance(), limit = current_limit();
-  last_ = {};
-  double present = 0;  // A, asked for at the present velocity
+  const double K = model_.force_per_current();
+  const DcMotorAtLoad motor{K, model_.torque_constant * model_.ratio(),
+                            winding_resistance(model_, temperature_), model_.supply,
+                            current_limit()};
   if (mode_ == ControlMode::kCurrent) {
-    present = std::clamp(target_, -limit, limit);
-    last_.force = K * present;
+    last_ = motor.at_current(target_, velocity);
   } else if (mode_ == ControlMode::kVoltage) {
-    const double voltage = std::clamp(target_, -model_.supply, model_.supply);
-    present = (voltage - emf * velocity) / R;
-    last_.force = K * voltage / R;
-    last_.damping = K * emf / R;
-    if (std::abs(present) > limit) {
-      present = std::copysign(limit, present);
-      last_.force = K * present;
-      last_.damping = 0;
+    last_ = motor.at_voltage(target_, velocity);
+    if (most_speed_ > 0 && target_ != 0) {
+      last_ = bounded_in_speed(last_, std::copysign(1.0, target_), most_speed_, K * motor.limit,
+                               model_.reflected_mass(), h, position, velocity);
     }
   } else {
     const double before = begins_ ? velocity : speed_reference_;
-    lead(h, position, velocity, K * limit);
+    lead(h, position, velocity, K * motor.limit);
     // None after a jump by the anti-windup.
     const double acceleration = (speed_reference_ - before) / h;
     const double most = model_.max_acceleration * (1 + 1e-9);
-    last_.stiffness = model_.servo_stiffness;
-    last_.reference = reference_;
+    contact::SlideCommand servo;
+    servo.stiffness = model_.servo_stiffness;
+    servo.reference = reference_;
     if (std::abs(acceleration) <= most) {
-      last_.reference += model_.reflected_mass() * acceleration / model_.servo_stiffness;
+      servo.reference += model_.reflected_mass() * acceleration / model_.servo_stiffness;
     }
-    last_.damping = model_.velocity_gain;
-    last_.speed = speed_reference_;
-    last_.limit = K * limit;
-    const double servo = last_.stiffness * (last_.reference + h * last_.speed - position) +
-                         last_.damping * (last_.speed - velocity);
-    present = std::clamp(servo / K, -limit, limit);
-  }
-  // What supply and back-EMF allow, judged at the present velocity.
-  const double driven = (model_.supply - emf * velocity) / R;
-  const double braked = (-model_.supply - emf * velocity) / R;
-  if (present > driven || present < braked) {
-    last_ = {};
-    last_.force = std::copysign(K * model_.supply / R, present > driven ? 1.0 : -1.0);
-    last_.damping = K * emf / R;
+    servo.damping = model_.velocity_gain;
+    servo.speed = speed_reference_;
+    last_ = motor.at_servo(servo, h, position, velocity);
   }
   return last_;
 }
@@ -253,10 +219,7 @@ void SpindleDrive::observe(double h, double position, double velocity) {
   if (mode_ == ControlMode::kPosition || mode_ == ControlMode::kVelocity) {
     reference_ += h * speed_reference_;
   }
-  const double heat = resistance() * current_ * current_;
-  const double time_constant = model_.thermal_resistance * model_.thermal_capacity;
-  const double final = model_.ambient + model_.thermal_resistance * heat;
-  temperature_ = final + (temperature_ - final) * std::exp(-h / time_constant);
+  temperature_ = next_temperature(model_, temperature_, current_, h);
 }
 
 }  // namespace prehend::simulation
