@@ -25,7 +25,7 @@ struct JointDrive {
     kNone,      // nothing
     kVelocity,  // force = damping (target - velocity)
     kPosition   // force = stiffness (target - position) + damping (target_velocity - velocity)
-  };            // ... + `force`
+  };
   Mode mode = Mode::kNone;
   double target = 0;           // rad or rad/s
   double target_velocity = 0;  // rad/s, of kPosition
@@ -35,9 +35,9 @@ struct JointDrive {
   /// turns a chain of two links by one tendon or gear. -1: this joint alone.
   int along = -1;
   double share = 0;
-  /// N m, >= 0, of the force without `force`.
+  /// N m, >= 0, of the mode's force.
   double limit = std::numeric_limits<double>::infinity();
-  double force = 0;  // N m, on top
+  double force = 0;  // N m, on top of that of the mode
 };
 
 /// Two joints by a gear with a clutch: `first` moves by `ratio` times what `second` moves, as long
