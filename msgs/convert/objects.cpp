@@ -222,12 +222,15 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
   scene.depth = unpack_depth(message.depth(), scene.camera.width, scene.camera.height);
   scene.table_W = from_message(message.table());
   for (const auto& object : message.objects()) {
-    scene.objects.push_back({static_cast<int>(object.id()), from_message(object.cloud()),
+    scene.objects.push_back({static_cast<int>(object.id()),
+                             from_message(object.cloud()),
                              read_mask(object, scene.camera.width, scene.camera.height),
-                             object.touches_image_border(), object.occluded_share(),
+                             object.touches_image_border(),
+                             object.occluded_share(),
                              object.has_support()
                                  ? std::optional<geometry::Plane>(from_message(object.support()))
-                                 : std::nullopt});
+                                 : std::nullopt,
+                             {}});
   }
   return scene;
 }

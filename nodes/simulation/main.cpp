@@ -300,8 +300,7 @@ const prehend::graph::RegisteredNodeProgram registered(
      "0.2 s after the last one while moving) and the service /hand/stop. A "
      "parallel gripper on a stage has /gripper/model and /gripper/state, /gripper/command (stopped "
      "0.2 s after the last one while moving), the action /gripper/move and the services "
-     "/gripper/stop, /gripper/fast_stop and /gripper/acknowledge; its stage has /carrier/state and "
-     "the action /carrier/move, too."},
+     "/gripper/stop, /gripper/fast_stop and /gripper/acknowledge."},
     run);
 
 }  // namespace

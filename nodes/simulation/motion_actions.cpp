@@ -3,9 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
-#include "prehend/geometry/errors.h"
 
 namespace prehend::nodes {
 namespace {
@@ -40,11 +38,6 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
   command_ = node.subscribe<msgs::GripperCommand>(
       "/gripper/command", graph::QoS::queue(20),
       [this](const graph::Received<msgs::GripperCommand>& message) { command(*message); });
-  carrier_ =
-      node.serve_action<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback, msgs::MoveCarrierResult>(
-          "/carrier/move", [this](const msgs::MoveCarrierGoal& goal, CarrierContext& context) {
-            return move_carrier(goal, context);
-          });
   gripper_ =
       node.serve_action<msgs::MoveGripperGoal, msgs::MoveGripperFeedback, msgs::MoveGripperResult>(
           "/gripper/move", [this](const msgs::MoveGripperGoal& goal, GripperContext& context) {
@@ -61,54 +54,6 @@ void MotionActions::command(const msgs::GripperCommand& command) {
   } catch (const std::invalid_argument& error) {
     node_.log_warning("/gripper/command refused: {}", error.what());
   }
-}
-
-msgs::MoveCarrierResult MotionActions::move_carrier(const msgs::MoveCarrierGoal& goal,
-                                                    CarrierContext& context) {
-  msgs::MoveCarrierResult result;
-  const auto reading = [this] {
-    return robot_.with_world([](simulation::World& world) { return world.carrier(); });
-  };
-  try {
-    if (goal.stop_on_contact() && !(goal.contact_force() > 0)) {
-      throw std::invalid_argument("contact_force must be positive");
-    }
-    robot_.move_carrier(convert::from_message(goal.x_wg()), goal.speed(),
-                        goal.stop_on_contact() ? goal.contact_force() : 0.0);
-  } catch (const std::invalid_argument& error) {
-    result.set_reason(error.what());
-  } catch (const geometry::InputError& error) {
-    result.set_reason(error.what());
-  }
-  if (!result.reason().empty()) {
-    *result.mutable_x_wg() = convert::to_message(reading().X_WG);
-    return result;
-  }
-
-  simulation::CarrierReading carrier = reading();
-  bool cancelled = false;
-  for (int slice = 0; carrier.moving && node_.ok(); ++slice) {
-    if (context.preempted()) break;  // the newer goal brakes by itself
-    if (context.cancelled() && !cancelled) {
-      cancelled = true;
-      robot_.stop_carrier();
-    }
-    robot_.wait_for_slice();
-    carrier = reading();
-    if (cancelled || slice % kSlicesPerFeedback != 0) continue;
-    msgs::MoveCarrierFeedback feedback;
-    *feedback.mutable_x_wg() = convert::to_message(carrier.X_WG);
-    feedback.set_remaining(carrier.remaining);
-    context.feedback(feedback);
-  }
-  result.set_contact(robot_.stopped_by_contact());
-  result.set_reached(!carrier.moving && !cancelled && !result.contact());
-  if (result.contact())
-    result.set_reason("stopped by contact");
-  else if (!result.reached())
-    result.set_reason("stopped before the goal");
-  *result.mutable_x_wg() = convert::to_message(carrier.X_WG);
-  return result;
 }
 
 msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal& goal,

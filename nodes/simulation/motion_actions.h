@@ -7,16 +7,14 @@
 
 namespace prehend::nodes {
 
-/// What moves the simulated robot: actions /carrier/move and /gripper/move, topic /gripper/command,
-/// services /gripper/stop, /gripper/fast_stop and /gripper/acknowledge.
+/// What moves the simulated gripper: action /gripper/move, topic /gripper/command, services
+/// /gripper/stop, /gripper/fast_stop and /gripper/acknowledge.
 class MotionActions {
  public:
   MotionActions(graph::Node& node, SimulatedRobot& robot);
 
  private:
-  using CarrierContext = graph::ActionContext<msgs::MoveCarrierFeedback>;
   using GripperContext = graph::ActionContext<msgs::MoveGripperFeedback>;
-  msgs::MoveCarrierResult move_carrier(const msgs::MoveCarrierGoal& goal, CarrierContext& context);
   msgs::MoveGripperResult move_gripper(const msgs::MoveGripperGoal& goal, GripperContext& context);
   void command(const msgs::GripperCommand& command);
 
@@ -24,7 +22,7 @@ class MotionActions {
   SimulatedRobot& robot_;
   graph::Service stop_, fast_stop_, acknowledge_;
   graph::Subscription command_;
-  graph::ActionServer carrier_, gripper_;
+  graph::ActionServer gripper_;
 };
 
 }  // namespace prehend::nodes

@@ -28,15 +28,6 @@ msgs::GripperState gripper_message(const SensorReadings& readings) {
   return message;
 }
 
-msgs::CarrierState carrier_message(const SensorReadings& readings) {
-  auto message = stamped<msgs::CarrierState>(readings.stamp, "world");
-  *message.mutable_x_wg() = convert::to_message(readings.carrier.X_WG);
-  *message.mutable_velocity() = convert::to_message(readings.carrier.velocity);
-  message.set_yaw_rate(readings.carrier.yaw_rate);
-  message.set_moving(readings.carrier.moving);
-  return message;
-}
-
 msgs::GroundTruth truth_message(const SensorReadings& readings) {
   auto message = stamped<msgs::GroundTruth>(readings.stamp, "world");
   for (const simulation::BodyReading& body : readings.bodies) {
@@ -62,7 +53,6 @@ SensorPublisher::SensorPublisher(graph::Node& node, const simulation::Scene& sce
       joints_(node.advertise<msgs::JointState>("/joint_states", QoS::queue(100))),
       gripper_(node.advertise<msgs::GripperState>("/gripper/state", QoS::queue(100))),
       wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
-      carrier_(node.advertise<msgs::CarrierState>("/carrier/state", QoS::queue(50))),
       truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {
   if (!has_touch_) return;
   left_ = node.advertise<msgs::TactileFrame>("/tactile/left", QoS::queue(50));
@@ -82,7 +72,6 @@ void SensorPublisher::publish(const SensorReadings& readings) {
     left_.publish(tactile(readings.left, readings.stamp, "left_pad"));
     right_.publish(tactile(readings.right, readings.stamp, "right_pad"));
   }
-  carrier_.publish(carrier_message(readings));
   truth_.publish(truth_message(readings));
 }
 

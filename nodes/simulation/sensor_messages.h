@@ -9,7 +9,7 @@ namespace prehend::nodes {
 
 /// Publishes readings as the topics a real robot has, and the ground truth:
 /// /clock, /joint_states, /gripper/state, /wrench 100 Hz; /tactile/left, /tactile/right,
-/// /carrier/state, /ground_truth 50 Hz (simulated). Without texels (physics.pads: rigid) there is
+/// /ground_truth 50 Hz (simulated). Without texels (physics.pads: rigid) there is
 /// no /tactile.
 class SensorPublisher {
  public:
@@ -29,7 +29,6 @@ class SensorPublisher {
   graph::Publisher<msgs::GripperState> gripper_;
   graph::Publisher<msgs::TactileFrame> left_, right_;
   graph::Publisher<msgs::Wrench> wrench_;
-  graph::Publisher<msgs::CarrierState> carrier_;
   graph::Publisher<msgs::GroundTruth> truth_;
 };
 

@@ -55,11 +55,6 @@ void SimulatedRobot::step_slice() {
     arm_.begin_step(world_);
     world_.step();
     arm_.end_step(world_);
-    if (contact_force_ > 0 && world_.wrist_wrench().force.norm() > contact_force_) {
-      world_.stop_carrier();
-      contact_ = true;
-      contact_force_ = 0;
-    }
     if (continuous_command_ && world_.time() - command_time_ > kWatchdog &&
         world_.gripper().moving) {
       world_.set_gripper_command(GripperMode::kStop, 0);
@@ -74,10 +69,10 @@ SensorReadings SimulatedRobot::read() const {
   readings.stamp = std::llround(world_.time() * 1e9);
   readings.gripper = world_.gripper();
   readings.gripper_error = gripper_error_;
-  readings.carrier = world_.carrier();
+  const simulation::CarrierReading carrier = world_.carrier();
   const robot::Positions q = simulation::stage_position(world_);
   for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const double velocity = i < 3 ? readings.carrier.velocity[i] : readings.carrier.yaw_rate;
+    const double velocity = i < 3 ? carrier.velocity[i] : carrier.yaw_rate;
     const auto& joint = arm_.drive().chain().joints()[static_cast<std::size_t>(i)];
     readings.joints.push_back({joint.name, q[i], velocity, 0});
   }
@@ -144,28 +139,6 @@ bool SimulatedRobot::acknowledge_gripper() {
   return std::exchange(gripper_error_, 0u) != 0;
 }
 
-void SimulatedRobot::move_carrier(const geometry::RigidTransform& X_WG, double speed,
-                                  double contact_force) {
-  const std::lock_guard lock(mutex_);
-  ++arm_ticket_;
-  arm_.let_go();
-  world_.move_carrier(X_WG, speed);
-  contact_force_ = contact_force;
-  contact_ = false;
-}
-
-void SimulatedRobot::stop_carrier() {
-  const std::lock_guard lock(mutex_);
-  if (arm_.moves()) return;
-  world_.stop_carrier();
-  contact_force_ = 0;
-}
-
-bool SimulatedRobot::stopped_by_contact() {
-  const std::lock_guard lock(mutex_);
-  return contact_;
-}
-
 std::uint64_t SimulatedRobot::take_arm() {
   const std::lock_guard lock(mutex_);
   return ++arm_ticket_;
@@ -179,17 +152,12 @@ bool SimulatedRobot::holds_arm(std::uint64_t ticket) {
 void SimulatedRobot::stop_arm(std::uint64_t ticket) {
   const std::lock_guard lock(mutex_);
   if (ticket != arm_ticket_) return;
-  if (arm_.moves()) {
-    arm_.stop();
-  } else {
-    world_.stop_carrier();
-  }
+  if (arm_.moves()) arm_.stop();
 }
 
 void SimulatedRobot::follow(const simulation::TrajectoryRequest& request,
                             const std::vector<double>& tolerance, double contact_force) {
   const std::lock_guard lock(mutex_);
-  contact_force_ = 0;
   try {
     arm_.follow(request, tolerance, world_);
   } catch (const std::invalid_argument&) {

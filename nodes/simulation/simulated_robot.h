@@ -19,8 +19,7 @@ namespace prehend::nodes {
 struct SensorReadings {
   std::int64_t stamp = 0;  // ns, simulated
   simulation::GripperReading gripper;
-  std::uint32_t gripper_error = 0;  // as of a PG70
-  simulation::CarrierReading carrier;
+  std::uint32_t gripper_error = 0;               // as of a PG70
   std::vector<simulation::JointReading> joints;  // of the stage
   simulation::TactileImage left, right;          // empty when the scene's pads have no texels
   simulation::ContactWrench wrench;
@@ -75,13 +74,6 @@ class SimulatedRobot : public MovedArm {
   /// True when there was something to acknowledge.
   bool acknowledge_gripper();
 
-  /// Starts a line; when `contact_force` [N] > 0, the carrier is stopped within one step once the
-  /// wrist feels more. @throws std::invalid_argument as World::move_carrier.
-  void move_carrier(const geometry::RigidTransform& X_WG, double speed, double contact_force);
-  void stop_carrier();
-  /// True when the last motion was stopped by contact.
-  bool stopped_by_contact();
-
   std::uint64_t take_arm() override;
   bool holds_arm(std::uint64_t ticket) override;
   void stop_arm(std::uint64_t ticket) override;
@@ -111,8 +103,6 @@ class SimulatedRobot : public MovedArm {
   bool continuous_command_ = false;
   double command_time_ = 0;  // s, simulated
   bool watchdog_fired_ = false;
-  double contact_force_ = 0;  // N, 0: not watched
-  bool contact_ = false;
 
   PacedLoop loop_;
 };

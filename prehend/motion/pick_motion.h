@@ -37,6 +37,10 @@ struct PickTask {
   /// Where the object may go, best first; empty: it is only lifted.
   std::vector<geometry::RigidTransform> X_BO_places;
   Eigen::Vector3d up_B = Eigen::Vector3d::UnitZ();  // away from the table; unit
+  /// Names in the collision world that the hand keeps clear of on the straight ways at the grasp
+  /// and at the place, as its grasps were planned with them, exactly: there it is not tested again
+  /// with what holds its links, which reaches beyond them.
+  std::vector<std::string> kept_clear;
 };
 
 struct PickOptions {

@@ -13,9 +13,13 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 PickScenes::PickScenes(const RobotInWorld& robot, const PickTask& task)
     : task_(task), reach_(robot), approach_(robot), without_(robot) {
-  approach_.change_world(
-      [&task](CollisionWorld& world) { world.set_margin(task.object.name, Part::kHand, -kNever); });
+  approach_.change_world([this](CollisionWorld& world) { let_hand(world); });
   without_.change_world([&task](CollisionWorld& world) { world.remove(task.object.name); });
+}
+
+void PickScenes::let_hand(CollisionWorld& world) const {
+  world.set_margin(task_.object.name, Part::kHand, -kNever);
+  for (const std::string& name : task_.kept_clear) world.set_margin(name, Part::kHand, -kNever);
 }
 
 std::vector<RobotSphere> PickScenes::held(const PickGrasp& grasp) const {
@@ -40,6 +44,7 @@ RobotInWorld PickScenes::lift(const PickGrasp& grasp, const robot::Positions& q)
       const double near = scene.held_clearance(name, q) - kSlack;
       if (near < scene.margin()) world.set_margin(name, Part::kHeld, near);
     }
+    let_hand(world);
   });
   return scene;
 }
@@ -50,7 +55,7 @@ RobotInWorld PickScenes::retreat(const geometry::RigidTransform& X_BO) const {
     for (const Ball& ball : task_.object.cover_O.balls) {
       world.add_sphere(task_.object.name, X_BO * ball.center, ball.radius);
     }
-    world.set_margin(task_.object.name, Part::kHand, -kNever);
+    let_hand(world);
   });
   return scene;
 }

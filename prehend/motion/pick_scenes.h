@@ -30,6 +30,8 @@ class PickScenes {
   Eigen::Vector3d approach_at(const PickGrasp& grasp, const geometry::RigidTransform& X_BO) const;
 
  private:
+  /// Lets the hand be at what it may touch, or keeps clear of by itself.
+  void let_hand(CollisionWorld& world) const;
   /// The object's balls in the tip's frame.
   std::vector<RobotSphere> held(const PickGrasp& grasp) const;
 

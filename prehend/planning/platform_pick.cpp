@@ -33,6 +33,7 @@ constexpr int kElbowAngles = 8;          // for what the arm reaches at all
 constexpr double kShareOfTime = 0.5;     // of what is left, while other grasps remain
 constexpr double kShiftStep = 0.005;     // m, of straight ways to the sides
 constexpr const char* kObject = "object";
+constexpr const char* kTable = "table";
 
 std::vector<TriangleMesh> moved(const std::vector<TriangleMesh>& meshes, const RigidTransform& X) {
   std::vector<TriangleMesh> result;
@@ -82,7 +83,7 @@ motion::CollisionWorld world_of(const PlatformScene& scene, const RigidTransform
   RigidTransform X_WMiddle = slab.X_WT;
   X_WMiddle.translation() += slab.X_WT.linear() * Eigen::Vector3d(0.5 * (kTableReach - slab.back),
                                                                   0, -kTableThickness / 2);
-  world.add_box("table", X_BW * X_WMiddle,
+  world.add_box(kTable, X_BW * X_WMiddle,
                 {kTableReach + slab.back, 2 * kTableReach, kTableThickness});
   for (const auto& piece : moved(scene.object_pieces_W, X_BW)) world.add_convex(kObject, piece);
   for (const auto& piece : moved(scene.obstacle_pieces_W, X_BW)) {
@@ -137,8 +138,13 @@ grasp::PlannerOptions within_reach(grasp::PlannerOptions options, const robot::P
 }
 
 PlatformGrasp to_pick(const grasp::Grasp& grasp) {
-  return {grasp.X_WG,     grasp.approach_W, grasp.pregrasp_distance,
-          grasp.preshape, grasp.open,       std::clamp(grasp.score, 0.0, 1.0)};
+  return {grasp.X_WG,
+          grasp.approach_W,
+          grasp.pregrasp_distance,
+          grasp.preshape,
+          grasp.open,
+          std::clamp(grasp.score, 0.0, 1.0),
+          true};
 }
 
 FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
@@ -261,8 +267,10 @@ class PlatformPicker {
     const HandShape& shape = shapes_[shapes_of_[turn.front()]];
     const robot::Preshape& preshape = platform_.hand.preshape(shape.preshape);
     task_.grasps.clear();
+    task_.kept_clear = {kTable};
     for (const std::size_t i : turn) {
       const PlatformGrasp& grasp = grasps_[i];
+      if (!grasp.clears_table) task_.kept_clear.clear();
       task_.grasps.push_back({platform_.X_BF(grasp.X_WG, preshape),
                               X_BW_.linear() * grasp.approach_W, grasp.pregrasp_distance,
                               grasp.expected_success});
@@ -292,12 +300,18 @@ class PlatformPicker {
     if (options_.shift <= 0 || approach == result_.motion.segments.end()) return;
     const robot::Positions start = approach->waypoints.back();
     motion::RobotInWorld without = shape.robot;
-    without.change_world([](motion::CollisionWorld& world) { world.remove(kObject); });
+    without.change_world([this](motion::CollisionWorld& world) {
+      world.remove(kObject);
+      for (const std::string& name : task_.kept_clear) {
+        world.set_margin(name, motion::Part::kHand, -motion::CollisionWorld::kInfinity);
+      }
+    });
     const RigidTransform X_BT = without.chain().forward(start);
     for (const Eigen::Vector3d side_G : {Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX()}) {
       for (const double length : {options_.shift, -options_.shift}) {
         for (const double share : {1.0, 0.5, 0.25}) {
           const Eigen::Vector3d way_W = share * length * X_WG.linear() * side_G;
+          if ((X_BW_.linear() * way_W).dot(task_.up_B) < -kShiftStep) break;  // not to the table
           RigidTransform X_BT_there = X_BT;
           X_BT_there.translation() += X_BW_.linear() * way_W;
           const motion::JointPath path =

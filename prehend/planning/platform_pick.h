@@ -30,6 +30,8 @@ struct PlatformGrasp {
   std::string preshape;
   Eigen::VectorXd open;         // of the hand's motors, before it closes; empty: the preshape's
   double expected_success = 1;  // 0..1, as motion::PickGrasp
+  /// The hand's straight ways were planned with the table, by the hand's own shapes.
+  bool clears_table = false;
 };
 
 struct PlatformPickOptions {

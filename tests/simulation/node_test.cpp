@@ -91,15 +91,6 @@ class SimulationNode : public ::testing::Test {
   int gripper_count_ = 0;
 };
 
-msgs::Pose down_at(double x, double y, double z) {
-  msgs::Pose pose;
-  pose.mutable_position()->set_x(x);
-  pose.mutable_position()->set_y(y);
-  pose.mutable_position()->set_z(z);
-  pose.mutable_orientation()->set_x(1);  // half a turn about x: approach straight down
-  return pose;
-}
-
 TEST_F(SimulationNode, PublishesSensorsAndOnePictureOfTheScene) {
   msgs::StereoPair pair;
   const auto subscription = node_->subscribe<msgs::StereoPair>(
@@ -130,38 +121,6 @@ TEST_F(SimulationNode, APictureThatIsAskedForIsOfAnotherScene) {
   ASSERT_TRUE(answer.ok()) << answer.error();
   EXPECT_TRUE(answer->success()) << answer->reason();
   EXPECT_TRUE(wait_until([&] { return generation == 2; }));
-}
-
-TEST_F(SimulationNode, CarrierMovesAndStopsOnContact) {
-  const auto client = node_->action_client<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback,
-                                           msgs::MoveCarrierResult>("/carrier/move");
-  msgs::MoveCarrierGoal goal;
-  *goal.mutable_x_wg() = down_at(0.25, 0, 0.2);
-  goal.set_speed(0.4);
-  std::atomic<int> feedback_count{0};
-  auto outcome =
-      client.send(goal, [&](const msgs::MoveCarrierFeedback&) { ++feedback_count; }).wait(20s);
-  ASSERT_TRUE(outcome.ok()) << outcome.error();
-  EXPECT_TRUE(outcome->reached()) << outcome->reason();
-  EXPECT_NEAR(outcome->x_wg().position().x(), 0.25, 1e-6);
-  EXPECT_GT(feedback_count, 3);
-
-  *goal.mutable_x_wg() = down_at(0.25, 0, 0.021);  // tips 5 mm below the table
-  goal.set_speed(0.05);
-  goal.set_stop_on_contact(true);
-  goal.set_contact_force(5);
-  outcome = client.send(goal).wait(20s);
-  ASSERT_TRUE(outcome.ok()) << outcome.error();
-  EXPECT_TRUE(outcome->contact());
-  EXPECT_FALSE(outcome->reached());
-  EXPECT_NEAR(outcome->x_wg().position().z(), 0.0258, 0.0016);
-
-  *goal.mutable_x_wg() = down_at(0.25, 0, 5);
-  goal.set_stop_on_contact(false);
-  outcome = client.send(goal).wait(20s);
-  ASSERT_TRUE(outcome.ok()) << outcome.error();
-  EXPECT_FALSE(outcome->reached());
-  EXPECT_NE(outcome->reason().find("limits"), std::string::npos) << outcome->reason();
 }
 
 // The stage's joints, as any arm's.

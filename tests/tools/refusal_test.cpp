@@ -35,14 +35,14 @@ class Refusals : public Command {
           if (request.step() <= 0) answer.set_error("a step must be positive");
           return answer;
         });
-    move_ = node_.serve_action<msgs::MoveCarrierGoal, msgs::MoveCarrierFeedback,
-                               msgs::MoveCarrierResult>(
-        "/carrier/move",
-        [](const msgs::MoveCarrierGoal& goal, graph::ActionContext<msgs::MoveCarrierFeedback>&) {
-          msgs::MoveCarrierResult result;
-          if (goal.speed() <= 0) result.set_reason("speed must be positive");
+    move_ = node_.serve_action<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
+                               msgs::FollowTrajectoryResult>(
+        "/arm/follow", [](const msgs::FollowTrajectoryGoal& goal,
+                          graph::ActionContext<msgs::FollowTrajectoryFeedback>&) {
+          msgs::FollowTrajectoryResult result;
+          if (goal.contact_force() < 0) result.set_reason("contact_force must be positive");
           result.set_contact(goal.stop_on_contact());
-          result.set_reached(goal.speed() > 0 && !goal.stop_on_contact());
+          result.set_reached(goal.contact_force() >= 0 && !goal.stop_on_contact());
           return result;
         });
   }
@@ -65,16 +65,17 @@ TEST_F(Refusals, ServiceThatSaysNoFailsWithItsReason) {
 }
 
 TEST_F(Refusals, GoalThatIsRefusedFailsWithItsReason) {
-  const Result refused = run({"action", "send", "/carrier/move", "speed: -1"});
+  const Result refused = run({"action", "send", "/arm/follow", "contact_force: -1"});
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output,
-              AllOf(HasSubstr("not done: speed must be positive\n"), Not(ContainsRegex("^done"))));
-  const Result json = run({"action", "send", "/carrier/move", "speed: -1", "--json"});
+  EXPECT_THAT(refused.output, AllOf(HasSubstr("not done: contact_force must be positive\n"),
+                                    Not(ContainsRegex("^done"))));
+  const Result json = run({"action", "send", "/arm/follow", "contact_force: -1", "--json"});
   EXPECT_EQ(json.exit_code, 1);
   EXPECT_EQ(text_of(parsed(json.output), "status"), "not done");
-  EXPECT_EQ(text_of(parsed(json.output), "error"), "speed must be positive");
-  EXPECT_EQ(run({"action", "send", "/carrier/move", "speed: 1"}).exit_code, 0);
-  EXPECT_EQ(run({"action", "send", "/carrier/move", "speed: 1 stop_on_contact: true"}).exit_code, 0)
+  EXPECT_EQ(text_of(parsed(json.output), "error"), "contact_force must be positive");
+  EXPECT_EQ(run({"action", "send", "/arm/follow", "contact_force: 1"}).exit_code, 0);
+  EXPECT_EQ(
+      run({"action", "send", "/arm/follow", "contact_force: 1 stop_on_contact: true"}).exit_code, 0)
       << "it was asked to end there";
 }
 

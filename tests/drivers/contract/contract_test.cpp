@@ -324,14 +324,15 @@ TEST_P(Contract, VoltageMovesItOrIsRefusedByName) {
 // A block of 30 mm that nothing moves stands between the jaws.
 class Block {
  public:
-  explicit Block(RobotUnderTest& robot) : robot_(robot), carrier_(robot.node(), "/carrier/state") {
+  explicit Block(RobotUnderTest& robot) : robot_(robot), joints_(robot.node(), "/joint_states") {
     if (robot.jaws()) {
       robot.jaws()->put_object(2 * kHalf);
       return;
     }
-    EXPECT_TRUE(eventually([&] { return carrier_.size() > 0; }));
-    const msgs::Vector3 centre = carrier_.last().x_wg().position();
-    place({centre.x(), centre.y(), centre.z()});
+    EXPECT_TRUE(eventually([&] { return joints_.size() > 0; }));
+    // The stage's slides go along the axes of the world, with its origin.
+    const msgs::JointState stage = joints_.last();
+    place({stage.position(0), stage.position(1), stage.position(2)});
   }
   ~Block() {
     if (robot_.jaws()) {
@@ -369,7 +370,7 @@ class Block {
   }
 
   RobotUnderTest& robot_;
-  TopicLog<msgs::CarrierState> carrier_;
+  TopicLog<msgs::JointState> joints_;
 };
 
 TEST_P(Contract, GripsWhatStandsBetweenItsJaws) {
