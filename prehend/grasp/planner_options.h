@@ -36,7 +36,7 @@ struct PadOptions {
   template <class Self, class Visit>
   static void knobs(Self& self, Visit&& visit) {
     using text::Knob;
-    visit(Knob{"friction", self.friction, "", 0.01, 10, "assumed between pads and objects"});
+    visit(Knob{"friction", self.friction, "", 1e-6, 10, "assumed between pads and objects"});
     visit(Knob{"least_force", self.least_force, "N", 0.1, 10000, "per pad"});
     visit(Knob{"largest_force", self.largest_force, "N", 0, 10000,
                "per pad; 0: by the gripper's nominal current"});
@@ -132,7 +132,7 @@ struct PlannerOptions {
   template <class Self, class Visit>
   static void knobs(Self& self, Visit&& visit) {
     using text::Knob;
-    visit(Knob{"density", self.density, "kg/m^3", 1, 25000, "assumed of the objects"});
+    visit(Knob{"density", self.density, "kg/m^3", 1, 1e6, "assumed of the objects"});
     visit(Knob{"safety_factor", self.safety_factor, "", 1, 100,
                "of the grasp force against slipping, or of the motors' limits against the load"});
     visit(Knob{"lift_acceleration", self.lift_acceleration, "m/s^2", 0, 100,

@@ -57,7 +57,7 @@ TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   }
   EXPECT_THAT(check("mounting: [0, 0, -0.05, 0, 0, 1.5]", "ft300"), HasSubstr("right: "));
   EXPECT_THAT(check("generators: [circles, segment]"),
-              AllOf(HasSubstr("wrong: "), HasSubstr("must be one of: circles, segments"),
+              AllOf(HasSubstr("wrong: "), HasSubstr("must be one of: antipodal, boxes"),
                     HasSubstr("(item 2)")));
   EXPECT_THAT(check("generators: circles"), HasSubstr("must be a list between brackets"));
   EXPECT_THAT(check("mounting: [0, up, 0, 0, 0, 0]", "ft300"), HasSubstr("item 2 is none"));
