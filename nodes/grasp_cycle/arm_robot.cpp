@@ -33,8 +33,8 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
       {.name = "reacts",
        .default_value = options.reacts,
        .description =
-           "stop the approach where the hand touches, and close there, or let go where pads tell "
-           "that it holds nothing; false: open loop",
+           "stop the approach where the hand touches, and put the fingers round what they feel; a "
+           "gripper that regulates its grip lets go there and looks again; false: open loop",
        .read_only = true});
   const graph::DeclareKnobs declare{node};
   control::ArmCycleOptions::knobs(options, declare);

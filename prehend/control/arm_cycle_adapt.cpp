@@ -78,9 +78,9 @@ void ArmCycle::shift() {
 }
 
 void ArmCycle::approach_again() {
+  if (primitive() != Primitive::kApproach) return gather();
   const JointTrajectory left = beside(*segment(motion::SegmentKind::kApproach), shifted_);
   const double gone = nearest_on(left, percepts_.names, percepts_.positions).share;
-  if (primitive() != Primitive::kApproach) return gather();
   enter(Step::kApproach, "arm: approach");
   follow(reversed(part_of(reversed(left), std::max(1 - gone, kLeastLeft))), options_.contact_force);
 }
