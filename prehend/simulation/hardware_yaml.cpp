@@ -53,6 +53,7 @@ void read_foam(text::YamlMap& map, TactileSensorOptions& sensor) {
   if (realistic) sensor = TactileSensorOptions::realistic();
   map.read("threshold", sensor.threshold);
   map.read("gain_spread", sensor.gain_spread);
+  map.read("pad_gain_spread", sensor.pad_gain_spread);
   map.read("hysteresis", sensor.hysteresis);
   map.read("creep", sensor.creep);
   map.read("creep_time", sensor.creep_time);
@@ -111,7 +112,7 @@ void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
   std::string name = tactile.sensor_name();
   map.read("sensor", name);
   choose_sensor(map, name, tactile);
-  for (const char* key : {"realistic", "threshold", "gain_spread", "hysteresis", "creep",
+  for (const char* key : {"realistic", "threshold", "gain_spread", "pad_gain_spread", "hysteresis", "creep",
                           "creep_time", "low_pass_time", "noise", "dead"}) {
     if (!tactile.model || !node[key]) continue;
     map.fail(key, std::string("is of the sensor foam, not of ") + tactile.sensor_name(),

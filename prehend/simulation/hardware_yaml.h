@@ -17,7 +17,7 @@ namespace prehend::simulation {
 void read_drive(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
 /// `tactile:` of either file (of a robot's pads, too): `realistic: true` begins from
-/// TactileSensorOptions::realistic(); then threshold, gain_spread, hysteresis, creep, creep_time,
+/// TactileSensorOptions::realistic(); then threshold, gain_spread, pad_gain_spread, hysteresis, creep, creep_time,
 /// low_pass_time, noise, dead (a list of texels), seed, period. `sensor: NAME` takes a plug-in's
 /// (sensors/README.md) in place of foam, whose keys but seed and period do not apply then;
 /// `parameters` are that one's.

@@ -15,6 +15,7 @@ using contact::require_positive;
 TactileSensorOptions TactileSensorOptions::realistic() {
   TactileSensorOptions options;
   options.gain_spread = 0.05;
+  options.pad_gain_spread = 0.2;
   options.hysteresis = 0.04;
   options.creep = 0.06;
   options.low_pass_time = 0.01;
@@ -23,7 +24,7 @@ TactileSensorOptions TactileSensorOptions::realistic() {
 }
 
 bool TactileSensorOptions::is_ideal() const {
-  return gain_spread == 0 && hysteresis == 0 && creep == 0 && low_pass_time == 0 && noise == 0 &&
+  return gain_spread == 0 && pad_gain_spread == 0 && hysteresis == 0 && creep == 0 && low_pass_time == 0 && noise == 0 &&
          dead.empty();
 }
 
@@ -36,6 +37,7 @@ TactileSensor::TactileSensor(const TactileSensorOptions& options)
           "1 to 65535");
   require(options.threshold >= 0, "TactileSensorOptions::threshold", "not negative");
   require_not_negative(options.gain_spread, "TactileSensorOptions::gain_spread");
+  require_not_negative(options.pad_gain_spread, "TactileSensorOptions::pad_gain_spread");
   require_not_negative(options.hysteresis, "TactileSensorOptions::hysteresis");
   require_not_negative(options.creep, "TactileSensorOptions::creep");
   require_positive(options.creep_time, "TactileSensorOptions::creep_time");
@@ -46,6 +48,11 @@ TactileSensor::TactileSensor(const TactileSensorOptions& options)
   if (options.gain_spread > 0) {
     std::normal_distribution<double> spread(1, options.gain_spread);
     for (double& gain : gain_) gain = std::max(0.1, spread(random_));
+  }
+  if (options.pad_gain_spread > 0) {
+    std::normal_distribution<double> spread(1, options.pad_gain_spread);
+    const double pad = std::max(0.1, spread(random_));
+    for (double& gain : gain_) gain *= pad;
   }
   for (const int texel : options.dead) {
     require(texel >= 0 && texel < count, "TactileSensorOptions::dead", "indices of texels");

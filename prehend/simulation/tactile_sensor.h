@@ -26,17 +26,20 @@ struct TactileSensorOptions {
   int rows = 14, columns = 6;
   double newton_per_count = robot::kDsaNewtonPerCount;
   int full_scale = 4095;
-  int threshold = 10;        // counts
-  double gain_spread = 0;    // standard deviation of the texels' gains, relative
-  double hysteresis = 0;     // share of the force that unloading shows too much, at most
-  double creep = 0;          // share that a constant force adds in the long run
-  double creep_time = 10;    // s
-  double low_pass_time = 0;  // s, of the foam
-  double noise = 0;          // counts, standard deviation
-  std::vector<int> dead;     // texels that always say 0
+  int threshold = 10;          // counts
+  double gain_spread = 0;      // standard deviation of the texels' gains, relative
+  double pad_gain_spread = 0;  // the same from pad to pad
+  double hysteresis = 0;       // share of the force that unloading shows too much, at most
+  double creep = 0;            // share that a constant force adds in the long run
+  double creep_time = 10;      // s
+  double low_pass_time = 0;    // s, of the foam
+  double noise = 0;            // counts, standard deviation
+  std::vector<int> dead;       // texels that always say 0
   std::uint32_t seed = 1;
 
-  /// Foam and electronics of a used pad: 5 % gains, 4 % hysteresis, 6 % creep, 10 ms, 3 counts.
+  /// Foam and electronics of a used pad: 5 % gains, 20 % from pad to pad (figure 5a of the
+  /// soft-contact paper shows sums that differ clearly), 4 % hysteresis, 6 % creep, 10 ms, 3
+  /// counts.
   static TactileSensorOptions realistic();
   /// Whether a frame depends on the present forces alone.
   bool is_ideal() const;

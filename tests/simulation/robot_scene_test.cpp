@@ -54,6 +54,7 @@ const std::vector<Other> kOthers{
     {"tactile.realistic", "false"},
     {"tactile.threshold", "40"},
     {"tactile.gain_spread", "0.3"},
+    {"tactile.pad_gain_spread", "0.3"},
     {"tactile.hysteresis", "0.3"},
     {"tactile.creep", "0.5"},
     {"tactile.creep_time", "0.01"},
