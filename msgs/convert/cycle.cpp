@@ -126,7 +126,7 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   result.tactile_sum = grasp.predicted().tactile_sum();
   const Eigen::VectorXd stopped = vector_of(grasp.predicted().stop_position());
   if (stopped.size() == result.hand.closed.size()) result.closure = result.hand.closure(stopped);
-  result.stops = stopped.size() == result.hand.closed.size() ? stopped : result.hand.closed;
+  if (stopped.size() == result.hand.closed.size()) result.stops = stopped;
   const bool sound =
       (result.largest_effort.empty() ||
        result.largest_effort.size() == result.hand_joints.size()) &&

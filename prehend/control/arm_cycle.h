@@ -36,7 +36,8 @@ struct ArmGrasp {
   double contact_area = 0, tactile_sum = 0;
   double closure = 0;  // rad, predicted, that the hand has closed when it meets it, by ClosingWay
   /// How it can adapt to a thing that is beside its prediction, and how it feels that: of
-  /// hand_joints, see displacement_felt(). Empty: it does not.
+  /// hand_joints, see displacement_felt(). Empty: it does not, as where no simulated hand has said
+  /// where its motors are stopped.
   std::vector<HandShift> shifts;
   robot::FingertipWays fingertips;  // in the world
   Eigen::VectorXd stops;            // rad or m, where it is predicted to be stopped by the thing

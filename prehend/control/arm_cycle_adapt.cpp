@@ -13,6 +13,7 @@ namespace {
 constexpr double kFeelingShare = 0.35;  // of the hand's greatest effort
 constexpr double kLeastLeft = 0.02;     // of the approach's time
 constexpr double kBack = 0.2;           // of the approach's time, that is gone back from contact
+constexpr double kFarthest = 0.04;      // m, that a thing is thought to be beside its prediction
 constexpr double kShiftTime = 0.5;      // s, at least; longer where a joint's speed asks for it
 
 JointTrajectory beside(JointTrajectory path, const std::vector<double>& offsets) {
@@ -47,6 +48,7 @@ bool ArmCycle::adapt(bool felt_only) {
   const Eigen::Vector3d beside_W = displacement_felt(
       grasp().hand.rate, grasp().stops, Eigen::Map<const Eigen::VectorXd>(stopped.data(), motors),
       grasp().hand.at(options_.overrun), grasp().fingertips);
+  if (beside_W.norm() > kFarthest) return false;  // it is of another shape, not elsewhere
   shift_ = followed(beside_W, grasp().shifts);
   // What was only felt may stand in the middle by now; then the approach goes on.
   if (!felt_only && shift_.way_W.norm() <= options_.shift_tolerance) return false;

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/QR>
+#include <Eigen/SVD>
 
 namespace prehend::control {
 namespace {
 
 constexpr double kAtEnd = 0.02;      // rad or m, from where a motor was sent: nothing stopped it
+constexpr double kLeastShare = 0.3;  // of the largest singular value: what fingers tell less of,
+                                     // as those that are nearly parallel, counts as not told
 constexpr double kLeastWay = 0.005;  // m for each rad of closing: a fingertip that closes
 
 }  // namespace
@@ -43,9 +45,10 @@ Eigen::Vector3d displacement_felt(const Eigen::VectorXd& closing_rate,
     ways[rows++] = direction.dot(felt.beyond);
   }
   if (rows < 2) return Eigen::Vector3d::Zero();
-  const Eigen::Vector4d solution =
-      equations.topRows(rows).completeOrthogonalDecomposition().solve(ways.head(rows));
-  return solution.head<3>();
+  Eigen::JacobiSVD<Eigen::MatrixXd> decomposition(equations.topRows(rows),
+                                                  Eigen::ComputeThinU | Eigen::ComputeThinV);
+  decomposition.setThreshold(kLeastShare);
+  return decomposition.solve(ways.head(rows)).head<3>();
 }
 
 FollowedShift followed(const Eigen::Vector3d& displacement_W,

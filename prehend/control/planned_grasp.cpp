@@ -62,13 +62,15 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   for (const planning::SidewaysShift& shift : pick.shifts) {
     result.shifts.push_back({shift.way_W, list_of(shift.offsets)});
   }
-  if (!result.shifts.empty()) {
+  // Where the planner alone thinks that it closes is too rough to tell a thing beside it.
+  if (!result.shifts.empty() && pick.touch.stopped.size() == grasp.closed.size()) {
     const robot::Preshape& preshape = hand.preshape(grasp.preshape);
     const geometry::RigidTransform X_WH = grasp.X_WG * (hand.X_HP * preshape.X_PG).inverse();
-    result.stops =
-        pick.touch.stopped.size() == grasp.closed.size() ? pick.touch.stopped : grasp.closed;
+    result.stops = pick.touch.stopped;
     result.fingertips = robot::fingertip_ways(hand, result.stops);
     result.fingertips.ways = (X_WH.linear() * result.fingertips.ways).eval();
+  } else {
+    result.shifts.clear();
   }
   return result;
 }

@@ -112,8 +112,8 @@ void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
   std::string name = tactile.sensor_name();
   map.read("sensor", name);
   choose_sensor(map, name, tactile);
-  for (const char* key : {"realistic", "threshold", "gain_spread", "pad_gain_spread", "hysteresis", "creep",
-                          "creep_time", "low_pass_time", "noise", "dead"}) {
+  for (const char* key : {"realistic", "threshold", "gain_spread", "pad_gain_spread", "hysteresis",
+                          "creep", "creep_time", "low_pass_time", "noise", "dead"}) {
     if (!tactile.model || !node[key]) continue;
     map.fail(key, std::string("is of the sensor foam, not of ") + tactile.sensor_name(),
              "Take it out; what that one knows stands in `parameters`");

@@ -24,8 +24,8 @@ TactileSensorOptions TactileSensorOptions::realistic() {
 }
 
 bool TactileSensorOptions::is_ideal() const {
-  return gain_spread == 0 && pad_gain_spread == 0 && hysteresis == 0 && creep == 0 && low_pass_time == 0 && noise == 0 &&
-         dead.empty();
+  return gain_spread == 0 && pad_gain_spread == 0 && hysteresis == 0 && creep == 0 &&
+         low_pass_time == 0 && noise == 0 && dead.empty();
 }
 
 TactileSensor::TactileSensor(const TactileSensorOptions& options)

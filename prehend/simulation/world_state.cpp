@@ -66,8 +66,8 @@ std::uint64_t World::Implementation::description() const {
   writer(c.minimum, c.maximum, c.max_speed, c.max_acceleration, c.max_yaw_rate,
          c.max_yaw_acceleration, c.mounting_tilt);
   const TactileSensorOptions& t = scene.tactile.sensor;
-  writer(t.threshold, t.gain_spread, t.pad_gain_spread, t.hysteresis, t.creep, t.creep_time, t.low_pass_time, t.noise,
-         t.dead, t.seed, scene.tactile.period, scene.wrench.has_value());
+  writer(t.threshold, t.gain_spread, t.pad_gain_spread, t.hysteresis, t.creep, t.creep_time,
+         t.low_pass_time, t.noise, t.dead, t.seed, scene.tactile.period, scene.wrench.has_value());
   if (scene.tactile.model) {
     writer(scene.tactile.sensor_name());
     for (const auto& [name, value] : scene.tactile.parameters) writer(name, value);

@@ -56,6 +56,15 @@ TEST(DisplacementFelt, IsFoundAlongWhatTheFingersCanTell) {
       << "and a thing that is wider too";
 }
 
+// Regression: of three fingers that close nearly along one line a thing seemed half a metre away.
+TEST(DisplacementFelt, IsNotWhatFingersBarelyTell) {
+  const double turn = 0.05;
+  const Fingers nearly({kY, Vector3d(std::sin(turn), std::cos(turn), 0), -kY});
+  Eigen::VectorXd at = nearly.predicted;
+  at[0] += 0.1;
+  EXPECT_LT(nearly.felt(at).norm(), 0.01) << "m, of a fingertip that is 8 mm farther";
+}
+
 TEST(DisplacementFelt, AThingThatIsNarrowerIsNotBeside) {
   const Fingers two({kY, -kY});
   EXPECT_LT(two.felt(two.stopped(Vector3d::Zero(), 0.01)).norm(), 1e-12);
