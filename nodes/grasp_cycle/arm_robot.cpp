@@ -66,6 +66,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
                       platform.name, why));
     }
   };
+  const std::vector<std::string> adapting{"adaptations", "shift_tolerance"};
+  if (platform.hand.gripper) refuse(adapting, "its jaws meet in the middle");
+  if (platform.hand.pads.empty()) refuse(adapting, "where its motors stop is not predicted");
+  if (!node.parameter<bool>("reacts")) refuse(adapting, "with reacts:=false nothing is felt");
   std::vector<std::string> names;
   if (has_gripper) {
     robot::GripOptions fingers;

@@ -46,6 +46,14 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
     EXPECT_THAT(refusal({"platform:=pa10_barrett", parameter}),
                 HasSubstr("its hand has no tactile pads"));
   }
+  EXPECT_THAT(refusal({"platform:=kr5_pg70", "reacts:=true", "adaptations:=1"}),
+              HasSubstr("its jaws meet in the middle"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "reacts:=true", "shift_tolerance:=0.01"}),
+              HasSubstr("its jaws meet in the middle"));
+  EXPECT_THAT(refusal({"platform:=pa10_barrett", "reacts:=true", "adaptations:=1"}),
+              HasSubstr("where its motors stop is not predicted"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "reacts:=false", "adaptations:=1"}),
+              HasSubstr("with reacts:=false"));
 }
 
 TEST_F(CycleParameters, AreRefusedOutOfTheirRange) {
