@@ -116,9 +116,9 @@ struct ArmPercepts {
 };
 
 struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
-  /// The arm stops where the hand touches while it approaches, and fingers that close on something
-  /// beside its prediction put the hand in its middle and close again (UJI's platform); otherwise
-  /// the plan is executed without looking (KTH's: open loop).
+  /// The arm stops where the hand touches while it approaches (UJI's platform), and fingers that
+  /// close on something beside its prediction put the hand in its middle and close again, where the
+  /// plan has ArmGrasp::shifts; otherwise the plan is executed without looking (KTH's: open loop).
   bool reacts = false;
   double contact_force = 5;     // N
   double collision_force = 60;  // N
@@ -171,10 +171,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
 /// the pads that touch feel it; what pads do not say is not compared.
 ///
-/// With `reacts`, fingers that meet something too early on the approach, or beside its prediction,
-/// tell by where they were stopped how far it is beside (displacement_felt()). They let go, the
-/// hand follows as far as the plan says that it is free to (ArmGrasp::shifts), goes on with what is
-/// left of the approach, and closes again, at most `adaptations` times in an attempt.
+/// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
+/// beside its prediction, tell by where they were stopped how far it is beside
+/// (displacement_felt()). They let go, the hand follows as far as the plan says that it is free to
+/// (ArmGrasp::shifts), goes on with what is left of the approach, and closes again, at most
+/// `adaptations` times in an attempt.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, a little higher where it presses on something there, else

@@ -1,7 +1,6 @@
 // The hand puts itself in the middle of what its fingers have met beside its prediction.
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,13 +14,6 @@ constexpr double kLeastLeft = 0.02;     // of the approach's time
 constexpr double kBack = 0.2;           // of the approach's time, that is gone back from contact
 constexpr double kFarthest = 0.04;      // m, that a thing is thought to be beside its prediction
 constexpr double kShiftTime = 0.5;      // s, at least; longer where a joint's speed asks for it
-
-JointTrajectory beside(JointTrajectory path, const std::vector<double>& offsets) {
-  for (JointTrajectory::Point& point : path.points) {
-    for (std::size_t k = 0; k < offsets.size(); ++k) point.position.at(k) += offsets[k];
-  }
-  return path;
-}
 
 }  // namespace
 

@@ -56,7 +56,7 @@ void ArmCycle::after_approach(MotionStatus status) {
   if (touches) {
     const bool adapts = feel();
     add_surprise(SurpriseKind::kTouchedTooEarly, 0, felt_contact(0),
-                 adapts ? "feels where it is, and shifts the hand" : "closes where it touches");
+                 adapts ? "feels where it is" : "closes where it touches");
     if (adapts) return;
   }
   ended(Outcome::kDone);

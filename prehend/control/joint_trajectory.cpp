@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -168,13 +169,17 @@ JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& nam
   return slowed(std::move(path), slowness(planned, path));
 }
 
+JointTrajectory beside(JointTrajectory path, const std::vector<double>& offsets) {
+  for (JointTrajectory::Point& point : path.points) {
+    for (std::size_t k = 0; k < offsets.size(); ++k) point.position.at(k) += offsets[k];
+  }
+  return path;
+}
+
 JointTrajectory displaced(JointTrajectory path, const std::vector<std::string>& names,
                           const std::vector<double>& positions, double most) {
   const std::vector<double> off = offsets(path, names, positions, most);
-  for (JointTrajectory::Point& point : path.points) {
-    for (std::size_t k = 0; k < off.size(); ++k) point.position[k] += off[k];
-  }
-  return path;
+  return beside(std::move(path), off);
 }
 
 }  // namespace prehend::control

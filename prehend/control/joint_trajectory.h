@@ -43,6 +43,9 @@ PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::strin
 JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,
                        const std::vector<double>& positions, double most);
 
+/// `path` with its joints `offsets` away [rad or m] all along. @pre no more offsets than joints
+JointTrajectory beside(JointTrajectory path, const std::vector<double>& offsets);
+
 /// `path` as far beside itself, all along, as the arm stands beside its start: for small ways about
 /// the tool's path moved as a whole.
 /// @throws std::invalid_argument as joined().

@@ -92,4 +92,17 @@ struct Fakes {
   }
 };
 
+inline const Surprise* surprise_of(const ArmCycle& cycle, SurpriseKind kind) {
+  for (const Surprise& surprise : cycle.surprises()) {
+    if (surprise.kind == kind) return &surprise;
+  }
+  return nullptr;
+}
+
+inline int surprising(const ArmCycle& cycle) {
+  int count = 0;
+  for (const Surprise& surprise : cycle.surprises()) count += surprise.surprising ? 1 : 0;
+  return count;
+}
+
 }  // namespace prehend::control
