@@ -75,6 +75,7 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
     robot::GripOptions fingers;
     robot::GripOptions::knobs(fingers, text::ListKnobs{"", &names});
     names.erase(std::remove(names.begin(), names.end(), "touch_force"), names.end());
+    names.push_back("small_opening");
     control::HoldingOptions holding;
     control::HoldingOptions::knobs(holding, text::ListKnobs{kHolding, &names});
     refuse(names,

@@ -50,7 +50,7 @@ ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
 bool ArmCycle::moves_hand() const {
   return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kFeel ||
          step_ == Step::kLoosen || step_ == Step::kClose || step_ == Step::kPress ||
-         step_ == Step::kRelease;
+         step_ == Step::kRelease || step_ == Step::kLoosenHold;
 }
 
 bool ArmCycle::waits() const {
@@ -59,8 +59,8 @@ bool ArmCycle::waits() const {
 }
 
 bool ArmCycle::leaves() const {
-  return step_ == Step::kRelease || step_ == Step::kRelieve || step_ == Step::kRetreat ||
-         step_ == Step::kGoBack;
+  return step_ == Step::kRelease || step_ == Step::kRelieve || step_ == Step::kPutBack ||
+         step_ == Step::kLoosenHold || step_ == Step::kRetreat || step_ == Step::kGoBack;
 }
 
 void ArmCycle::enter(Step step, const std::string& detail) {
@@ -120,6 +120,7 @@ void ArmCycle::prepare_attempt() {
   clears_ = false;
   lowered_.reset();
   put_down_ = false;
+  opened_less_ = false;
   adapted_ = 0;
   shifted_.clear();
   holding_.begin();
@@ -297,8 +298,8 @@ MotionStatus ArmCycle::motion_status() {
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
-  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kShift ||
-                       step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value()) ||
+  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
+                       step_ == Step::kShift || step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value()) ||
                        (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
@@ -340,6 +341,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
 bool ArmCycle::reacts_to_contact() const {
   switch (step_) {
     case Step::kPlace:
+    case Step::kPutBack:
       return true;
     case Step::kLower:
       return lowers_fully_;
@@ -397,6 +399,7 @@ void ArmCycle::advance(MotionStatus status) {
       if (const auto now = closure()) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);
+        gripped_ = *now;
       }
       return ended(Outcome::kDone);
     case Step::kLift:
@@ -418,7 +421,10 @@ void ArmCycle::advance(MotionStatus status) {
     case Step::kRaise:
     case Step::kRelease:
       return ended(Outcome::kDone);
+    case Step::kPutBack:
+      return open_less();
     case Step::kRelieve:
+    case Step::kLoosenHold:
       return retreat();
     case Step::kRetreat:
       holding_.begin_weighing();

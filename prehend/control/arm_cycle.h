@@ -129,6 +129,7 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   double largest_detour = 0.5;     // rad
   double shift_tolerance = 0.006;  // m
   int adaptations = 2;
+  double small_opening = 0.25;  // rad
   HoldingOptions holding;
 
   /// See text/knob.h.
@@ -155,6 +156,9 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"adaptations", self.adaptations, "", 0, 20,
                "with reacts: times that fingers let go, the hand is shifted to the middle of what "
                "they felt, and they close again; 0: they grip where they touch"});
+    visit(Knob{"small_opening", self.small_opening, "rad", 0.01, 3.2,
+               "that fingers open from where they gripped, when the hand has opened all the way and "
+               "takes along what it has put down: it is put back, and left so"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -179,7 +183,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// It retreats as planned from a place, a little higher where it presses on something there, else
-/// back the way it came, as far as it came. Looks again
+/// back the way it came, as far as it came. Fingers that take along what was put down (one that
+/// stood in a cup hooks it when it opens) put it back, open by little, and leave again. Looks again
 /// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has
 /// led onto the way there, as from straight above, else from the retreat's end.
 ///
@@ -224,6 +229,8 @@ class ArmCycle : public Cycle {
     kPlace,
     kRelease,
     kRelieve,
+    kPutBack,
+    kLoosenHold,
     kRetreat,
     kVerify,
     kGoBack,
@@ -284,6 +291,9 @@ class ArmCycle : public Cycle {
   void approach_again();
   void retreat();
   void relieve();
+  /// Puts down again what the hand has taken along, to leave it with fingers that open less.
+  void put_back();
+  void open_less();
   void go_back();
   void fail(const std::string& reason);
   const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
@@ -300,6 +310,8 @@ class ArmCycle : public Cycle {
   std::optional<JointTrajectory> lowered_;  // the last way down
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
+  double gripped_ = 0;           // rad, closure() when it had gripped
+  bool opened_less_ = false;     // to leave what the hand had taken along
   int adapted_ = 0;              // times in this attempt
   FollowedShift shift_;          // that comes next
   std::vector<double> shifted_;  // rad or m, of the arm's joints, by all shifts of this attempt

@@ -33,6 +33,20 @@ void ArmCycle::relieve() {
   follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), kRelief), 0, false);
 }
 
+void ArmCycle::put_back() {
+  opened_less_ = true;
+  const JointTrajectory way = gone_.back();
+  gone_.pop_back();
+  enter(Step::kPutBack, "putting back what the hand has taken along");
+  follow(reversed(way), options_.collision_force, false);
+}
+
+void ArmCycle::open_less() {
+  const Eigen::VectorXd positions = grasp().hand.at(gripped_ - options_.small_opening);
+  hand_.move(grasp().hand_joints, {positions.begin(), positions.end()}, options_.opening_speed, false, {});
+  enter(Step::kLoosenHold, "opening the hand by little");
+}
+
 void ArmCycle::retreat() {
   const JointTrajectory* way = segment(motion::SegmentKind::kRetreat);
   const bool relieved = step_ == Step::kRelieve;

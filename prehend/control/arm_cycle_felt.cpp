@@ -162,7 +162,12 @@ void ArmCycle::verify() {
     const std::string felt = hand_.still_felt();
     empty = {felt.empty(), felt.empty() ? "the hand is empty" : felt};
   }
-  add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0, "ends");
+  const bool leaves_again = !empty.yes && !hand_.feels_its_grip() && !opened_less_ &&
+                            is_at_place() && !gone_.empty() &&
+                            segment(motion::SegmentKind::kRetreat);
+  add_surprise(SurpriseKind::kPlaced, 1, empty.yes ? 1 : 0,
+               leaves_again ? "puts it back and opens less" : "ends");
+  if (leaves_again) return put_back();
   const std::string name = described(grasp(), grasp_index());
   if (!empty.yes) {
     return ended(Outcome::kFailed,

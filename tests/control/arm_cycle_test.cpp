@@ -220,6 +220,27 @@ TEST(ArmCycle, WhatSticksToTheHandIsNotPutDown) {
   EXPECT_TRUE(surprise_of(cycle, SurpriseKind::kPlaced)->surprising);
 }
 
+TEST(ArmCycle, WhatTheOpenedHandTakesAlongIsPutBackAndLeftWithLessOpening) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle, 4000, 6);  // it retreats
+  for (int i = 0; i < 400 && !cycle.finished(); ++i) {
+    f.now.time += 0.02;
+    const bool hooked = f.hand.asked.back() < 0.2;
+    f.felt().wrist_force = Eigen::Vector3d(0, 0, hooked ? 3 : 0);
+    cycle.step(f.now);
+  }
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  ASSERT_EQ(f.arm.asked.size(), 8U);
+  EXPECT_EQ(f.arm.asked[6].points.front().position[0], 6) << "back by the retreat";
+  EXPECT_EQ(f.arm.asked[6].points.back().position[0], 5);
+  EXPECT_EQ(f.arm.asked[7].points.back().position[0], 6) << "and away again";
+  EXPECT_NEAR(f.hand.asked.back(), f.hand.touches_at - ArmCycleOptions{}.small_opening, 1e-9);
+  EXPECT_THAT(surprise_of(cycle, SurpriseKind::kPlaced)->reaction, HasSubstr("puts it back"));
+}
+
 TEST(ArmCycle, WithoutAPlaceItEndsHolding) {
   Fakes f;
   ArmCycle cycle({}, f.arm, f.hand);
