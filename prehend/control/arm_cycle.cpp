@@ -120,6 +120,7 @@ void ArmCycle::prepare_attempt() {
   clears_ = false;
   lowered_.reset();
   put_down_ = false;
+  reliefs_ = 0;
   opened_less_ = false;
   adapted_ = 0;
   shifted_.clear();
@@ -127,17 +128,12 @@ void ArmCycle::prepare_attempt() {
 }
 
 void ArmCycle::begin(const Action& action) {
-  const auto move_hand = [this](Step step, const std::string& detail) {
-    hand_.move(grasp().hand_joints, values_of(grasp().hand.open), options_.opening_speed, false,
-               {});
-    enter(step, detail);
-  };
   switch (action.primitive) {
     case Primitive::kLook:
       return;  // Cycle's
     case Primitive::kApproach:
     case Primitive::kTouch:
-      return move_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
+      return open_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
       if (hand_.feels_its_grip()) return close();
       const bool regulates =
@@ -154,8 +150,7 @@ void ArmCycle::begin(const Action& action) {
       begin_segment(Step::kPlace, contact_force_down());
       return;
     case Primitive::kRelease:
-      return move_hand(Step::kRelease,
-                       failure().empty() ? "opening the hand" : failure() + "; opening");
+      return open_to_release();
     case Primitive::kRetreat:
       return is_at_place() && failure().empty() ? retreat() : go_back();
     case Primitive::kWait:
@@ -298,8 +293,9 @@ MotionStatus ArmCycle::motion_status() {
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
-  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
-                       step_ == Step::kShift || step_ == Step::kLower || (step_ == Step::kRaise && lowered_.has_value()) ||
+  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve ||
+                       step_ == Step::kPutBack || step_ == Step::kShift || step_ == Step::kLower ||
+                       (step_ == Step::kRaise && lowered_.has_value()) ||
                        (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
@@ -320,6 +316,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
     status = MotionStatus::kContact;
   }
   if (status == MotionStatus::kMoving) {
+    if (opens_onto_something()) return relieve(true);
     if (spent() <= options_.motion_timeout) return;
     stop_motion();
     return fail(detail_ + " took too long");
@@ -424,6 +421,7 @@ void ArmCycle::advance(MotionStatus status) {
     case Step::kPutBack:
       return open_less();
     case Step::kRelieve:
+      return opens_on_ ? open_to_release() : retreat();
     case Step::kLoosenHold:
       return retreat();
     case Step::kRetreat:

@@ -156,9 +156,10 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"adaptations", self.adaptations, "", 0, 20,
                "with reacts: times that fingers let go, the hand is shifted to the middle of what "
                "they felt, and they close again; 0: they grip where they touch"});
-    visit(Knob{"small_opening", self.small_opening, "rad", 0.01, 3.2,
-               "that fingers open from where they gripped, when the hand has opened all the way and "
-               "takes along what it has put down: it is put back, and left so"});
+    visit(
+        Knob{"small_opening", self.small_opening, "rad", 0.01, 3.2,
+             "that fingers open from where they gripped, when the hand has opened all the way and "
+             "takes along what it has put down: it is put back, and left so"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -182,11 +183,12 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// `adaptations` times in an attempt.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
-/// It retreats as planned from a place, a little higher where it presses on something there, else
-/// back the way it came, as far as it came. Fingers that take along what was put down (one that
-/// stood in a cup hooks it when it opens) put it back, open by little, and leave again. Looks again
-/// (Cycle) are taken from where the arm stood at first; after a place only where the retreat has
-/// led onto the way there, as from straight above, else from the retreat's end.
+/// Where fingers that open press on something at a place, the hand goes up from it, and they go on.
+/// It retreats as planned from a place, else back the way it came, as far as it came. Fingers that
+/// take along what was put down (one that stood in a cup hooks it when it opens) put it back, open
+/// by little, and leave again. Looks again (Cycle) are taken from where the arm stood at first;
+/// after a place only where the retreat has led onto the way there, as from straight above, else
+/// from the retreat's end.
 ///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
@@ -290,7 +292,12 @@ class ArmCycle : public Cycle {
   void shift();
   void approach_again();
   void retreat();
-  void relieve();
+  /// The hand presses on something at the place.
+  bool presses() const;
+  bool opens_onto_something() const;
+  void relieve(bool opens_on);
+  void open_hand(Step step, const std::string& detail);
+  void open_to_release();
   /// Puts down again what the hand has taken along, to leave it with fingers that open less.
   void put_back();
   void open_less();
@@ -311,6 +318,8 @@ class ArmCycle : public Cycle {
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
   double gripped_ = 0;           // rad, closure() when it had gripped
+  int reliefs_ = 0;              // times that it went up from what it pressed on
+  bool opens_on_ = false;        // after the last one
   bool opened_less_ = false;     // to leave what the hand had taken along
   int adapted_ = 0;              // times in this attempt
   FollowedShift shift_;          // that comes next

@@ -7,9 +7,11 @@
 namespace prehend::control {
 namespace {
 
-constexpr double kOnPath = 0.03;    // rad or m, from a path: it stands there
-constexpr double kLeastWay = 0.01;  // of a path, that is gone back
-constexpr double kRelief = 0.25;    // of the way down's time: some 2 cm of 15
+constexpr double kOnPath = 0.03;       // rad or m, from a path: it stands there
+constexpr double kLeastWay = 0.01;     // of a path, that is gone back
+constexpr double kRelief = 0.25;       // of the way down's time: some 2 cm of 15
+constexpr double kSmallRelief = 0.17;  // the same: some 5 mm
+constexpr int kMostReliefs = 6;        // of fingers that open
 
 }  // namespace
 
@@ -25,12 +27,37 @@ void ArmCycle::clear_view() {
   go_back();
 }
 
-// The hand is open, and presses on something that nobody saw: it would drag that along.
-void ArmCycle::relieve() {
+bool ArmCycle::presses() const {
+  return is_at_place() && failure().empty() && segment(motion::SegmentKind::kPlace) &&
+         percepts_.wrist_force && percepts_.wrist_force->norm() > options_.contact_force;
+}
+
+// Fingers that unroll come down, onto the table or the floor of a cup: opened by force they stay
+// half closed, and hook what they stand in.
+bool ArmCycle::opens_onto_something() const {
+  return step_ == Step::kRelease && reliefs_ < kMostReliefs && !hand_.feels_its_grip() && presses();
+}
+
+void ArmCycle::relieve(bool opens_on) {
   const JointTrajectory& place = *segment(motion::SegmentKind::kPlace);
   const double gone = nearest_on(place, percepts_.names, percepts_.positions).share;
+  opens_on_ = opens_on;
+  if (opens_on_) hand_.stop();
+  ++reliefs_;
   enter(Step::kRelieve, "going up from what it presses on");
-  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))), kRelief), 0, false);
+  follow(part_of(reversed(part_of(place, std::max(gone, kLeastWay))),
+                 opens_on_ ? kSmallRelief : kRelief),
+         0, false);
+}
+
+void ArmCycle::open_hand(Step step, const std::string& detail) {
+  hand_.move(grasp().hand_joints, {grasp().hand.open.begin(), grasp().hand.open.end()},
+             options_.opening_speed, false, {});
+  enter(step, detail);
+}
+
+void ArmCycle::open_to_release() {
+  open_hand(Step::kRelease, failure().empty() ? "opening the hand" : failure() + "; opening");
 }
 
 void ArmCycle::put_back() {
@@ -43,19 +70,18 @@ void ArmCycle::put_back() {
 
 void ArmCycle::open_less() {
   const Eigen::VectorXd positions = grasp().hand.at(gripped_ - options_.small_opening);
-  hand_.move(grasp().hand_joints, {positions.begin(), positions.end()}, options_.opening_speed, false, {});
+  hand_.move(grasp().hand_joints, {positions.begin(), positions.end()}, options_.opening_speed,
+             false, {});
   enter(Step::kLoosenHold, "opening the hand by little");
 }
 
 void ArmCycle::retreat() {
   const JointTrajectory* way = segment(motion::SegmentKind::kRetreat);
-  const bool relieved = step_ == Step::kRelieve;
-  const double pressed = percepts_.wrist_force ? percepts_.wrist_force->norm() : 0;
-  if (way && !relieved && segment(motion::SegmentKind::kPlace) && pressed > options_.contact_force)
-    return relieve();
+  // What nobody saw would be dragged along.
+  if (way && step_ != Step::kRelieve && presses()) return relieve(false);
   enter(Step::kRetreat, "arm: retreat");
   if (!way) return;
-  follow(*way, options_.collision_force, true, relieved ? displaced : joined);
+  follow(*way, options_.collision_force, true, reliefs_ > 0 ? displaced : joined);
 }
 
 void ArmCycle::go_back() {

@@ -58,6 +58,59 @@ bool mesh_depth(const geometry::MeshQuery& query, const Eigen::Vector3d& p, doub
   return true;
 }
 
+// Means of the normals of the faces that meet at each point of the mesh's surface; zero where these
+// have no area.
+std::vector<Eigen::Vector3d> normals_at(const std::vector<Eigen::Vector3d>& points,
+                                        const geometry::MeshQuery& query) {
+  constexpr double kOnFace = 1e-6;  // m
+  const geometry::TriangleMesh& mesh = query.mesh();
+  const auto normal_of = [&mesh](const Eigen::Vector3i& t) -> Eigen::Vector3d {
+    return (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+        .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+        .normalized();
+  };
+  // Corners are found among few faces only; of many, the nearest one says enough.
+  constexpr std::size_t kFewFaces = 200;
+  std::vector<Eigen::Vector3d> normals;
+  for (const Eigen::Vector3d& p : points) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3i& t : mesh.triangles) {
+      if (mesh.triangles.size() > kFewFaces) break;
+      const Eigen::Vector3d n = normal_of(t);
+      const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+                            &c = mesh.vertices[t[2]];
+      const auto beyond = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+        return n.dot((to - from).cross(p - from)) < -kOnFace * (to - from).norm();
+      };
+      if (std::abs(n.dot(p - a)) > kOnFace || beyond(a, b) || beyond(b, c) || beyond(c, a))
+        continue;
+      // Two triangles of one face count once.
+      if (sum.isZero(0) || sum.normalized().dot(n) < kFaceOn) sum += n;
+    }
+    if (sum.norm() < 1e-3) {
+      const auto nearest = query.nearest(p);
+      if (nearest) sum = normal_of(mesh.triangles[static_cast<std::size_t>(nearest->triangle)]);
+    }
+    normals.push_back(sum.stableNormalized());
+  }
+  return normals;
+}
+
+/// Whether more than a few points of its surface have the other side of a wall behind them.
+bool has_thin_walls(const BodyModel& model) {
+  constexpr double kFewPoints = 0.05, kOff = 1e-6;  // share; m
+  const std::vector<Eigen::Vector3d> normals = normals_at(model.surface_points, *model.query);
+  std::size_t thin = 0;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (normals[i].isZero(0)) continue;
+    const Eigen::Vector3d inward = -normals[i];
+    const auto other_side = model.query->cast_ray(model.surface_points[i] + kOff * inward, inward,
+                                                  RobotTouch::kThinWall);
+    thin += other_side && other_side->normal.dot(inward) > 0;
+  }
+  return static_cast<double>(thin) > kFewPoints * static_cast<double>(normals.size());
+}
+
 /// Leaves the deepest and those farthest from what is left already: as many as primitives have, so
 /// that links do not become stiffer with the number of points on them.
 void keep_apart(std::vector<engines::ConvexContact>& contacts, std::size_t most) {
@@ -103,8 +156,10 @@ RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPa
               0,
               sample_surface(mesh, carried && !palm ? kArmSpacing : kPointSpacing),
               {},
+              {},
               geometry::bounds(mesh),
               nullptr};
+    part.normals_S = normals_at(part.points_S, geometry::MeshQuery(mesh));
     if (own.solid) {
       part.mesh = std::make_shared<geometry::MeshQuery>(mesh);
       for (const Eigen::Vector3d& p : mesh.vertices) part.radius = std::max(part.radius, p.norm());
@@ -134,6 +189,7 @@ bool RobotTouch::Foam::holds(const Eigen::Vector3d& p_S) const {
 RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
   Near near;
   if (model.felt.shape.kind() != contact::Shape::Kind::kMesh) return near;
+  near.has_thin_walls = has_thin_walls(model);
   near.box = model.box;
   near.side = std::max(kCell, model.box.sizes().maxCoeff() / kMostCells);
   near.box.min().array() -= 1.5 * near.side;
@@ -183,6 +239,26 @@ bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Ve
   const double reach = outside > 0 ? margin : kDeepest;
   if (!mesh_depth(*object.model.query, p_B, reach, normal_B, depth)) return false;
   return depth > -margin;
+}
+
+bool RobotTouch::wall_within(const Object& object, const Eigen::Vector3d& p_B,
+                             const Eigen::Vector3d& outward_B, Eigen::Vector3d& normal_B,
+                             double& depth) {
+  constexpr double kOff = 1e-7;  // m, past a face that was met
+  const Eigen::Vector3d inward = -outward_B;
+  double way = 0;
+  bool found = false;
+  while (way < kThinWall) {
+    const auto hit = object.model.query->cast_ray(p_B + way * inward, inward, kThinWall - way);
+    if (!hit) break;
+    way += hit->distance + kOff;
+    const double along = hit->normal.dot(inward);
+    if (along <= 0) continue;  // into a wall
+    found = true;
+    normal_B = hit->normal;
+    depth = way * along;
+  }
+  return found;
 }
 
 bool RobotTouch::Part::holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S,
@@ -236,10 +312,19 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
     return std::any_of(part.foams.begin(), part.foams.end(),
                        [&p_S](const Foam& foam) { return foam.holds(p_S); });
   };
-  for (const Eigen::Vector3d& p_S : part.points_S) {
+  const bool thin = near_[index].has_thin_walls;
+  for (std::size_t i = 0; i < part.points_S.size(); ++i) {
+    const Eigen::Vector3d& p_S = part.points_S[i];
     const Eigen::Vector3d p_B = X_BS * p_S;
     if (!box.contains(p_B) || in_foam(p_S)) continue;
-    if (!surface(object, near_[index], p_B, margin, normal, depth)) continue;
+    const Eigen::Vector3d outward = X_BS.linear() * part.normals_S[i];
+    bool met = surface(object, near_[index], p_B, margin, normal, depth);
+    // The far side of a wall, from within it or beyond it.
+    if (thin && !outward.isZero(0) && near_[index].outside_by(p_B) < kThinWall &&
+        (!met || normal.dot(outward) > 0)) {
+      met = wall_within(object, p_B, outward, normal, depth);
+    }
+    if (!met) continue;
     add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * normal), depth, touches);
   }
   const RigidTransform X_SB = X_BS.inverse(Eigen::Isometry);

@@ -15,7 +15,9 @@ namespace prehend::simulation {
 /// meshes; objects are met as what they are (box, ball, can) or as their meshes: points on the
 /// parts, a few millimetres apart, against the object's surface, and points of the object's surface
 /// against the parts. Fingers meet one another as primitives, or where one of them is a mesh by
-/// points of each in the other. So meshes need not be convex. What lies before a tactile pad's foam
+/// points of each in the other. So meshes need not be convex. Where an object's walls are thinner
+/// than kThinWall, a point of a part belongs to the side that the part has come from, which its
+/// inward normal tells, not to the nearest one. What lies before a tactile pad's foam
 /// is left to its texels (engines::EnginePad).
 class RobotTouch : public engines::TouchFinder {
  public:
@@ -28,6 +30,7 @@ class RobotTouch : public engines::TouchFinder {
   static constexpr double kPointSpacing = 0.004;  // m, on fingers
   static constexpr double kArmSpacing = 0.015;    // m, between points on the arm
   static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
+  static constexpr double kThinWall = 0.005;      // m
 
   /// @param pads of the hand, whose order RobotBodies::Pad means.
   RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
@@ -52,8 +55,9 @@ class RobotTouch : public engines::TouchFinder {
     engines::EngineShape shape;
     geometry::RigidTransform X_BS;
     contact::Shape felt;
-    double radius;                          // m, of a ball round S's origin that holds it
-    std::vector<Eigen::Vector3d> points_S;  // m
+    double radius;                           // m, of a ball round S's origin that holds it
+    std::vector<Eigen::Vector3d> points_S;   // m
+    std::vector<Eigen::Vector3d> normals_S;  // there, outward; on edges the mean of the faces'
     std::vector<Foam> foams;
     Eigen::AlignedBox3d box_S;                        // m
     std::shared_ptr<const geometry::MeshQuery> mesh;  // of a mesh; `shape` and `felt` mean nothing
@@ -66,7 +70,8 @@ class RobotTouch : public engines::TouchFinder {
   struct Near {
     Eigen::AlignedBox3d box;  // m, in B
     Eigen::Vector3i cells = Eigen::Vector3i::Zero();
-    double side = 0;               // m
+    double side = 0;  // m
+    bool has_thin_walls = false;
     std::vector<float> clearance;  // m, of each cell's middle from the surface, 0 inside; at most
                                    // what is asked for
     /// p_B is outside, this far from the surface at least [m]; 0 when it may be inside.
@@ -74,6 +79,11 @@ class RobotTouch : public engines::TouchFinder {
   };
 
   static Near make_near(const BodyModel& model);
+  /// Of a point p_B of a part with the outward normal `outward_B`: the wall that is within the part
+  /// behind it, by the side from which the part has come. False: there is none.
+  static bool wall_within(const Object& object, const Eigen::Vector3d& p_B,
+                          const Eigen::Vector3d& outward_B, Eigen::Vector3d& normal_B,
+                          double& depth);
   bool surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B, double margin,
                Eigen::Vector3d& normal_B, double& depth) const;
   void find_part_object(const Part& part, std::size_t object, double margin,

@@ -241,6 +241,36 @@ TEST(ArmCycle, WhatTheOpenedHandTakesAlongIsPutBackAndLeftWithLessOpening) {
   EXPECT_THAT(surprise_of(cycle, SurpriseKind::kPlaced)->reaction, HasSubstr("puts it back"));
 }
 
+TEST(ArmCycle, FromWhatFingersOpenOntoTheHandGoesUpAndTheyGoOn) {
+  Fakes f;
+  ArmCycle cycle({}, f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp()});
+  f.run(cycle, 4000, 5);  // it goes down to the place
+  int pressed = 0;
+  for (int i = 0; i < 400 && !cycle.finished(); ++i) {
+    f.now.time += 0.02;
+    const bool presses = !f.hand.last_closes && f.arm.asked.size() < 7;
+    f.hand.opens = presses ? MotionStatus::kMoving : MotionStatus::kReached;
+    if (f.felt(); presses) f.now.wrist_force = Eigen::Vector3d(0, 0, -30);
+    pressed += presses;
+    cycle.step(f.now);
+  }
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_GT(pressed, 1);
+  ASSERT_EQ(f.arm.asked.size(), 8U);
+  EXPECT_EQ(f.hand.stops, 2);
+  double at = 5;
+  for (const std::size_t up : {5, 6}) {
+    EXPECT_NEAR(f.arm.asked[up].points.front().position[0], at, 1e-9) << "back on the way down";
+    at = f.arm.asked[up].points.back().position[0];
+    EXPECT_LT(at, 5 - 0.01 * static_cast<double>(up - 4));
+    EXPECT_GT(at, 4.7);
+  }
+  EXPECT_NEAR(f.arm.asked[7].points.front().position[0], at, 1e-9) << "away, as far above";
+  EXPECT_NEAR(f.arm.asked[7].points.back().position[0], at + 1, 1e-9);
+}
+
 TEST(ArmCycle, WithoutAPlaceItEndsHolding) {
   Fakes f;
   ArmCycle cycle({}, f.arm, f.hand);

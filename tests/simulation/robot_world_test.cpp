@@ -138,6 +138,35 @@ TEST(RobotWorld, WhatIsBesideASharpEdgeTouchesNothing) {
   EXPECT_TRUE(world.body("comb").touches_robot);
 }
 
+// Regression: rubber gave way by more than half of a cup's wall; then the wall's other side was the
+// nearer one and drew the finger in. A plate is lowered onto the tips of fingers that point up.
+TEST(RobotWorld, AThinWallIsMetFromTheSideThatTheFingerCameFrom) {
+  const double thickness = 0.0018;
+  const auto push = [&](double depth) {
+    RigidTransform X_WH = RigidTransform::Identity();
+    X_WH.translation().z() = 0.5;
+    RobotWorld world(robot::read_hand_model("config/robots/bh8.yaml"), X_WH);
+    world.set_hand(Eigen::Vector4d(0, 1.2, 1.2, 1.2));
+    double tip = 0;  // m, of the fingers
+    for (const VisibleBody& body : world.visible_bodies()) {
+      for (const Eigen::Vector3d& p_B : body.mesh_B->vertices) {
+        tip = std::max(tip, (body.X_WB * p_B).z());
+      }
+    }
+    geometry::TriangleMesh plate = geometry::make_box({0.3, 0.3, thickness});
+    for (Eigen::Vector3d& p : plate.vertices) p.z() += tip + thickness / 2 - depth;
+    world.add_object("plate", plate, 1, true);
+    world.step();
+    double force = 0;
+    for (const auto& touch : world.object_touches("plate")) force += touch.force.z();
+    return force;
+  };
+  for (const double depth : {0.3, 0.6, 0.95, 1.5}) {
+    SCOPED_TRACE(depth);
+    EXPECT_GT(push(depth * thickness), 0);
+  }
+}
+
 TEST(RobotWorld, AHandIsSetElsewhereAtOnceAndAtRest) {
   const robot::HandModel hand = robot::read_hand_model("config/robots/sdh2.yaml");
   const RigidTransform here = above(hand, "parallel", {0, 0, 0.3});
