@@ -49,7 +49,7 @@ void PlatformExecution::run(
   cycle_.run(
       to_try(plan), [&] { return to_try(plan_again(moved())); }, [this] { watch(); });
   control::CycleWorld& robot = world_->robot();
-  for (double time = 0; time < kSettled; time += robot.step_time()) robot.step();
+  robot.advance(static_cast<int>(std::ceil(kSettled / robot.step_time())));
 }
 
 void PlatformExecution::record(GraspTrial* trial) const {

@@ -1,5 +1,6 @@
 #include "nodes/simulation/simulated_robot.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -50,11 +51,14 @@ void SimulatedRobot::slice() {
 }
 
 void SimulatedRobot::step_slice() {
-  const int steps = steps_of_slice(world_.scene());
-  for (int i = 0; i < steps; ++i) {
-    arm_.begin_step(world_);
-    world_.step();
-    arm_.end_step(world_);
+  for (std::int64_t left = steps_of_slice(world_.scene()); left > 0;) {
+    std::int64_t until_watchdog = left;
+    if (continuous_command_) {
+      const double spent = world_.time() - command_time_;
+      const double steps = std::floor((kWatchdog - spent) / world_.scene().step) + 1;
+      until_watchdog = std::clamp<std::int64_t>(static_cast<std::int64_t>(steps), 1, left);
+    }
+    left -= arm_.advance(world_, until_watchdog);
     if (continuous_command_ && world_.time() - command_time_ > kWatchdog &&
         world_.gripper().moving) {
       world_.set_gripper_command(GripperMode::kStop, 0);

@@ -36,7 +36,9 @@ class ArmInWorld : public CycleWorld, private DrivenArm {
   /// Keeps the reference. @pre the world has an arm
   explicit ArmInWorld(simulation::RobotWorld& world);
 
-  void step() override { world_.step(); }
+  void advance(int steps) override {
+    for (int i = 0; i < steps; ++i) world_.step();
+  }
   double step_time() const override { return world_.options().step; }
   double time() const override { return world_.time(); }
   ArmPort& arm() override { return arm_; }

@@ -30,7 +30,7 @@ ArmPercepts CycleInWorld::feel() {
 }
 
 void CycleInWorld::step() {
-  for (int i = 0; i < steps_; ++i) world_.step();
+  world_.advance(steps_);
   cycle_.step(feel());
 }
 

@@ -9,7 +9,7 @@ namespace prehend::control {
 class CycleWorld {
  public:
   virtual ~CycleWorld() = default;
-  virtual void step() = 0;               // by step_time()
+  virtual void advance(int steps) = 0;   // each of step_time()
   virtual double step_time() const = 0;  // s
   virtual double time() const = 0;       // s, simulated
   virtual ArmPort& arm() = 0;

@@ -47,10 +47,8 @@ StageInWorld::StageInWorld(simulation::World& world, const robot::Platform& plat
       drive_(world),
       hand_(world.scene().gripper, gripper, drive_) {}
 
-void StageInWorld::step() {
-  stage_.begin_step(world_);
-  world_.step();
-  stage_.end_step(world_);
+void StageInWorld::advance(int steps) {
+  for (std::int64_t left = steps; left > 0;) left -= stage_.advance(world_, left);
 }
 
 void StageInWorld::follow(const simulation::TrajectoryRequest& request, double contact_force) {

@@ -38,7 +38,7 @@ class StageInWorld : public CycleWorld, private DrivenArm {
   StageInWorld(simulation::World& world, const robot::Platform& platform, const std::string& home,
                const PadGripperOptions& gripper = {});
 
-  void step() override;
+  void advance(int steps) override;
   double step_time() const override { return world_.scene().step; }
   double time() const override { return world_.time(); }
   ArmPort& arm() override { return arm_; }

@@ -9,6 +9,22 @@
 #include "prehend/simulation/trapezoid.h"
 
 namespace prehend::simulation {
+namespace {
+
+constexpr double kInstant = 1e-9;  // s, shorter than that is nothing
+
+}  // namespace
+
+CarrierPath CarrierPath::between(const Eigen::Vector4d& way, const Eigen::Vector4d& start,
+                                 const Eigen::Vector4d& end, double duration) {
+  CarrierPath path;
+  path.duration = duration;
+  path.velocity = start;
+  const Eigen::Vector4d rest = way - duration * start, gain = duration * (end - start);
+  path.acceleration = (6 * rest - 2 * gain) / (duration * duration);
+  path.jerk = (6 * gain - 12 * rest) / (duration * duration * duration);
+  return path;
+}
 
 Carrier::Carrier(const CarrierModel& model)
     : model_(model), position_(model.start), yaw_(model.start_yaw) {}
@@ -35,23 +51,42 @@ void Carrier::move(const geometry::RigidTransform& X_WG_target, double speed) {
   }
   const double target_yaw = std::atan2(turn(1, 0), turn(0, 0));
   const double change = std::remainder(target_yaw - yaw_, 2 * std::numbers::pi);
+  if (guide_) run_on(velocity(), yaw_rate());
   next_ = Target{p, yaw_ + change, speed};
   braking_ = path_speed_ != 0;
   if (!braking_) path_remaining_ = 0;
 }
 
-// A path without end, at a speed of 1 of it each second.
 void Carrier::drive(const Eigen::Vector3d& velocity, double yaw_rate, double h) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kBeyond = 1e-9;  // m
   if (!velocity.allFinite() || !std::isfinite(yaw_rate)) {
     throw std::invalid_argument("the carrier's velocity must be finite");
   }
-  const Eigen::Vector3d next = position_ + h * velocity;
-  if ((next - model_.minimum).minCoeff() < -kBeyond ||
-      (model_.maximum - next).minCoeff() < -kBeyond) {
+  require_within(position_ + h * velocity);
+  run_on(velocity, yaw_rate);
+}
+
+void Carrier::guide(const CarrierPath& path) {
+  if (!path.velocity.allFinite() || !path.acceleration.allFinite() || !path.jerk.allFinite() ||
+      !(std::isfinite(path.duration) && path.duration > 0)) {
+    throw std::invalid_argument("the carrier's path must be finite, its duration positive");
+  }
+  require_within(position_ + path.way(path.duration).head<3>());
+  run_on(Eigen::Vector3d::Zero(), 0);
+  guide_ = path;
+}
+
+void Carrier::require_within(const Eigen::Vector3d& position) const {
+  constexpr double kBeyond = 1e-9;  // m
+  if ((position - model_.minimum).minCoeff() < -kBeyond ||
+      (model_.maximum - position).minCoeff() < -kBeyond) {
     throw std::invalid_argument("the carrier would leave its limits");
   }
+}
+
+// A path without end, at a speed of 1 of it each second.
+void Carrier::run_on(const Eigen::Vector3d& velocity, double yaw_rate) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  guide_.reset();
   next_.reset();
   goal_.reset();
   braking_ = false;
@@ -67,6 +102,7 @@ void Carrier::drive(const Eigen::Vector3d& velocity, double yaw_rate, double h) 
 }
 
 void Carrier::stop() {
+  if (guide_) run_on(velocity(), yaw_rate());
   next_.reset();
   braking_ = path_speed_ != 0;
   if (!braking_) path_remaining_ = 0;
@@ -87,7 +123,18 @@ void Carrier::start(const Target& target) {
   if (length < 1e-9 && angle < 1e-9) path_remaining_ = 0;
 }
 
+void Carrier::end_guided_step(double h) {
+  const Eigen::Vector4d way = guide_->way(h);
+  position_ += way.head<3>();
+  yaw_ += way[3];
+  guide_->velocity = guide_->velocity_at(h);
+  guide_->acceleration += h * guide_->jerk;
+  guide_->duration -= h;
+  if (guide_->duration < kInstant) run_on(velocity(), yaw_rate());
+}
+
 void Carrier::begin_step(double h) {
+  if (guide_) return;
   if (braking_) {
     path_speed_ = std::max(0.0, path_speed_ - path_acceleration_ * h);
     if (path_speed_ == 0) {
@@ -107,6 +154,7 @@ void Carrier::begin_step(double h) {
 }
 
 void Carrier::end_step(double h) {
+  if (guide_) return end_guided_step(h);
   if (path_speed_ == 0) return;
   position_ += h * velocity();
   yaw_ += h * yaw_rate();
@@ -123,6 +171,7 @@ void Carrier::arrive() {
 
 // Speeds up, goes on or brakes, so that it stands at the goal.
 Carrier::Segment Carrier::segment() {
+  if (guide_) return {0, guide_->duration};
   constexpr double kSame = 1e-9;  // relative
   if (braking_ && path_speed_ == 0) {
     braking_ = false;
@@ -149,6 +198,7 @@ double Carrier::time_to_bend() { return segment().duration; }
 void Carrier::begin_exact_step() { ramp_ = segment().ramp; }
 
 void Carrier::end_exact_step(double h) {
+  if (guide_) return end_guided_step(h);
   const double way = h * (path_speed_ + 0.5 * h * ramp_);
   position_ += way * path_direction_;
   yaw_ += way * path_yaw_;

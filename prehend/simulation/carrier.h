@@ -7,6 +7,29 @@
 
 namespace prehend::simulation {
 
+/// A way of x, y, z [m] and yaw [rad] from where a carrier stands: velocity t + acceleration t^2 /
+/// 2
+/// + jerk t^3 / 6.
+struct CarrierPath {
+  Eigen::Vector4d velocity = Eigen::Vector4d::Zero(), acceleration = Eigen::Vector4d::Zero(),
+                  jerk = Eigen::Vector4d::Zero();
+  double duration = 0;  // s
+
+  /// By `way`, from `start` to `end` [m/s, rad/s]: the cubic that has these at its ends.
+  static CarrierPath between(const Eigen::Vector4d& way, const Eigen::Vector4d& start,
+                             const Eigen::Vector4d& end, double duration);
+  Eigen::Vector4d way(double t) const {
+    return t * (velocity + t / 2 * (acceleration + t / 3 * jerk));
+  }
+  Eigen::Vector4d velocity_at(double t) const {
+    return velocity + t * (acceleration + t / 2 * jerk);
+  }
+  template <class Archive>
+  void archive(Archive& archive) {
+    archive(velocity, acceleration, jerk, duration);
+  }
+};
+
 /// The kinematic carrier: straight lines in x, y, z with yaw in time, trapezoidal speed. Its state
 /// is its value: copy to save.
 class Carrier {
@@ -17,6 +40,8 @@ class Carrier {
   void move(const geometry::RigidTransform& X_WG_target, double speed);
   /// See World::drive_carrier.
   void drive(const Eigen::Vector3d& velocity, double yaw_rate, double h);
+  /// See World::guide_carrier.
+  void guide(const CarrierPath& path);
   void stop();
 
   /// Chooses the velocity of the coming step of `h` [s]; the pose stays.
@@ -35,24 +60,37 @@ class Carrier {
   geometry::RigidTransform pose() const { return model_.gripper_pose(position_, yaw_); }
   /// Where it is `t` [s] after the step's beginning, and how fast then.
   geometry::RigidTransform pose_after(double t) const {
+    if (guide_) {
+      const Eigen::Vector4d way = guide_->way(t);
+      return model_.gripper_pose(position_ + way.head<3>(), yaw_ + way[3]);
+    }
     if (ramp_ == 0) return model_.gripper_pose(position_ + t * velocity(), yaw_ + t * yaw_rate());
     const double way = t * (path_speed_ + 0.5 * t * ramp_);
     return model_.gripper_pose(position_ + way * path_direction_, yaw_ + way * path_yaw_);
   }
   Eigen::Vector3d velocity_after(double t) const {
+    if (guide_) return guide_->velocity_at(t).head<3>();
     return (path_speed_ + t * ramp_) * path_direction_;
   }
-  double yaw_rate_after(double t) const { return (path_speed_ + t * ramp_) * path_yaw_; }
-  Eigen::Vector3d velocity() const { return path_speed_ * path_direction_; }  // m/s
-  double yaw_rate() const { return path_speed_ * path_yaw_; }                 // rad/s
-  double yaw() const { return yaw_; }                                         // rad
-  bool moving() const { return path_speed_ != 0 || path_remaining_ > 0 || next_.has_value(); }
+  double yaw_rate_after(double t) const {
+    return guide_ ? guide_->velocity_at(t)[3] : (path_speed_ + t * ramp_) * path_yaw_;
+  }
+  Eigen::Vector3d velocity() const {  // m/s
+    return guide_ ? Eigen::Vector3d(guide_->velocity.head<3>()) : path_speed_ * path_direction_;
+  }
+  double yaw_rate() const {  // rad/s
+    return guide_ ? guide_->velocity[3] : path_speed_ * path_yaw_;
+  }
+  double yaw() const { return yaw_; }  // rad
+  bool moving() const {
+    return guide_ || path_speed_ != 0 || path_remaining_ > 0 || next_.has_value();
+  }
   double remaining() const;  // m
 
   template <class Archive>
   void archive(Archive& archive) {
     archive(position_, yaw_, path_direction_, path_yaw_, path_remaining_, path_speed_,
-            path_max_speed_, path_acceleration_, braking_, goal_, next_);
+            path_max_speed_, path_acceleration_, braking_, goal_, next_, guide_);
   }
 
  private:
@@ -72,6 +110,9 @@ class Carrier {
   Segment segment();
   void start(const Target& target);
   void arrive();
+  void require_within(const Eigen::Vector3d& position) const;
+  void run_on(const Eigen::Vector3d& velocity, double yaw_rate);
+  void end_guided_step(double h);
 
   CarrierModel model_;
   Eigen::Vector3d position_;
@@ -84,7 +125,8 @@ class Carrier {
   bool braking_ = false;
   double ramp_ = 0;  // 1/s^2, of the exact step under way
   std::optional<Target> goal_;
-  std::optional<Target> next_;  // begins when the running motion has stopped
+  std::optional<Target> next_;        // begins when the running motion has stopped
+  std::optional<CarrierPath> guide_;  // from where it stands now; goes before all else
 };
 
 }  // namespace prehend::simulation

@@ -103,26 +103,69 @@ void StageArm::stop_on_contact(double force) {
   contact_ = false;
 }
 
-void StageArm::begin_step(World& world) {
-  if (!moves_) return;
-  const double h = world.scene().step;
-  drive_.step(h);
+bool StageArm::stands(const World& world) const {
   const robot::Positions way = drive_.position() - stage_position(world);
-  const bool stands = drive_.status() != ArmDrive::Status::kMoving && drive_.at_rest() &&
-                      way.cwiseAbs().maxCoeff() < kSamePose;
-  if (stands) {
-    world.drive_carrier(Eigen::Vector3d::Zero(), 0);
-    moves_ = false;
-  } else {
-    world.drive_carrier(way.head<3>() / h, way[3] / h);
-  }
+  return drive_.status() != ArmDrive::Status::kMoving && drive_.at_rest() &&
+         way.cwiseAbs().maxCoeff() < kSamePose;
 }
 
-void StageArm::end_step(const World& world) {
-  if (contact_limit_ <= 0 || !(world.wrist_wrench().force.norm() > contact_limit_)) return;
-  stop();
-  contact_ = true;
-  contact_limit_ = 0;
+void StageArm::drive(World& world) {
+  const double h = world.scene().step;
+  drive_.step(h);
+  if (stands(world)) {
+    world.drive_carrier(Eigen::Vector3d::Zero(), 0);
+    moves_ = false;
+    return;
+  }
+  const robot::Positions way = drive_.position() - stage_position(world);
+  world.drive_carrier(way.head<3>() / h, way[3] / h);
+}
+
+// A joint's velocity is the mean over its last step: at an instant it is that of the steps before
+// and after.
+void StageArm::guide(World& world, std::int64_t steps) const {
+  const double h = world.scene().step;
+  ArmDrive ahead = drive_;
+  const auto velocity_here = [&](ArmDrive drive) -> Eigen::Vector4d {
+    const robot::Positions before = drive.velocity();
+    drive.step(h);
+    return 0.5 * (before + drive.velocity());
+  };
+  const Eigen::Vector4d start = velocity_here(ahead);
+  for (std::int64_t i = 0; i < steps; ++i) ahead.step(h);
+  const Eigen::Vector4d way = ahead.position() - stage_position(world);
+  world.guide_carrier(
+      CarrierPath::between(way, start, velocity_here(ahead), static_cast<double>(steps) * h));
+}
+
+bool StageArm::feels(const World& world) const {
+  return contact_limit_ > 0 && world.wrist_wrench().force.norm() > contact_limit_;
+}
+
+std::int64_t StageArm::advance(World& world, std::int64_t steps) {
+  const auto contact = [&] { return feels(world); };
+  std::int64_t done = 0;
+  if (!world.scene().physics.adaptive) {
+    for (bool met = false; done < steps && !met; ++done) {
+      if (moves_) drive(world);
+      world.step();
+      met = contact();
+    }
+  } else {
+    if (moves_ && stands(world)) {
+      world.drive_carrier(Eigen::Vector3d::Zero(), 0);
+      moves_ = false;
+    }
+    if (moves_) guide(world, steps);
+    done = world.advance(steps, contact);
+    for (std::int64_t i = 0; moves_ && i < done; ++i) drive_.step(world.scene().step);
+  }
+  if (contact()) {
+    stop();
+    contact_ = true;
+    contact_limit_ = 0;
+  }
+  return done;
 }
 
 }  // namespace prehend::simulation

@@ -34,15 +34,24 @@ class StageArm {
   void stop_on_contact(double force);
   bool stopped_by_contact() const { return contact_; }
 
-  /// Before (after) each World::step(): gives the carrier its velocity (feels the wrist). Somebody
-  /// else may move the carrier while no trajectory is followed.
-  void begin_step(World& world);
-  void end_step(const World& world);
+  /// Advances `world` by at most `steps` of its scene's and moves its carrier, which somebody else
+  /// may move while no trajectory is followed. Returns how many: fewer where contact has stopped
+  /// it. With fixed steps the carrier has one velocity in each; with adaptive ones a cubic through
+  /// where the joints are at the beginning and the end, and contact is felt where a step ends.
+  std::int64_t advance(World& world, std::int64_t steps);
 
   const ArmDrive& drive() const { return drive_; }
   bool moves() const { return moves_; }
 
  private:
+  /// Whether the joints stand where they are to be: nothing is left to do.
+  bool stands(const World& world) const;
+  /// Steps the joints once and gives the carrier its velocity.
+  void drive(World& world);
+  /// Gives the carrier its path through the next `steps`.
+  void guide(World& world, std::int64_t steps) const;
+  bool feels(const World& world) const;
+
   ArmDriveOptions options_;
   ArmDrive drive_;
   bool moves_ = false;  // the carrier is driven

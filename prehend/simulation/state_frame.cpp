@@ -7,7 +7,7 @@
 namespace prehend::simulation {
 namespace {
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 std::string first_line(std::string_view kind) { return "prehend " + std::string(kind) + "\n"; }
 

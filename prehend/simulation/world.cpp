@@ -194,8 +194,17 @@ void World::advance(double duration) {
                                 std::to_string(step) + " s, not negative");
   }
   const auto ticks = static_cast<std::int64_t>(count);
-  if (implementation_->scene.physics.adaptive) return implementation_->advance_adaptively(ticks);
-  for (std::int64_t i = 0; i < ticks; ++i) implementation_->step();
+  advance(ticks, [] { return false; });
+}
+std::int64_t World::advance(std::int64_t steps, const std::function<bool()>& ends) {
+  if (implementation_->scene.physics.adaptive) {
+    return implementation_->advance_adaptively(steps, ends);
+  }
+  for (std::int64_t i = 0; i < steps; ++i) {
+    implementation_->step();
+    if (ends()) return i + 1;
+  }
+  return steps;
 }
 double World::time() const { return implementation_->state.steps * implementation_->scene.step; }
 const Scene& World::scene() const { return implementation_->scene; }
@@ -224,6 +233,13 @@ void World::drive_carrier(const Eigen::Vector3d& velocity_W, double yaw_rate) {
   command.kind = WorldCommand::Kind::kDriveCarrier;
   command.pose.translation() = velocity_W;
   command.value = yaw_rate;
+  implementation_->record(std::move(command));
+}
+void World::guide_carrier(const CarrierPath& path) {
+  implementation_->state.carrier.guide(path);
+  WorldCommand command;
+  command.kind = WorldCommand::Kind::kGuideCarrier;
+  command.path = path;
   implementation_->record(std::move(command));
 }
 void World::stop_carrier() {

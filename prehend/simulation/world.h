@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/robot/command_modes.h"
+#include "prehend/simulation/carrier.h"
 #include "prehend/simulation/scene.h"
 #include "prehend/simulation/texture.h"
 
@@ -124,6 +126,9 @@ class World {
   /// repeat bitwise; another division of the duration need not.
   /// @throws std::invalid_argument when duration is negative or no such number.
   void advance(double duration);
+  /// Advances by at most `steps` times scene().step, as above; ends with the one in or after which
+  /// `ends` says so, which is asked after each step that is taken. Returns how many it were.
+  std::int64_t advance(std::int64_t steps, const std::function<bool()>& ends);
   double time() const;  // s, number of steps times the step
   const Scene& scene() const;
 
@@ -146,6 +151,10 @@ class World {
   /// speed and acceleration. @throws std::invalid_argument when a value is not finite, or the next
   /// step would leave the carrier's limits.
   void drive_carrier(const Eigen::Vector3d& velocity_W, double yaw_rate);
+  /// The same along a cubic, for whoever steers in longer pieces, as adaptive steps want them; at
+  /// its end it goes on with the velocity there. @throws as drive_carrier(), of the path's end;
+  /// when its duration is not positive.
+  void guide_carrier(const CarrierPath& path);
   /// Brakes with the carrier's acceleration.
   void stop_carrier();
 

@@ -48,13 +48,15 @@ double World::Implementation::difference(const Motion& a, const Motion& b) const
   return worst;
 }
 
-void World::Implementation::advance_adaptively(std::int64_t ticks) {
+std::int64_t World::Implementation::advance_adaptively(std::int64_t ticks,
+                                                       const std::function<bool()>& ends) {
   const double allowed = kOneStep * scene.physics.tolerance, least = kLeastShare * scene.step;
   if (!step_start) {
     step_start = std::make_unique<State>(state);
     whole_step = std::make_unique<State>(state);
   }
   double left = static_cast<double>(ticks) * scene.step;
+  bool ended = false;
   while (left > kInstant) {
     double h = std::min(most_steady(std::min(state.next_step, kLongest)), left);
     if (left - h < kInstant) h = left;
@@ -79,8 +81,14 @@ void World::Implementation::advance_adaptively(std::int64_t ticks) {
     read_sensors(h);
     fall_asleep(h);
     left -= h;
+    if (ended || !ends()) continue;
+    ended = true;
+    const double steps_left = std::floor(left / scene.step + kInstant);
+    ticks -= static_cast<std::int64_t>(steps_left);
+    left -= steps_left * scene.step;
   }
   state.steps += ticks;
+  return ticks;
 }
 
 }  // namespace prehend::simulation

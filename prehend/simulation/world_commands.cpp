@@ -12,10 +12,10 @@ constexpr std::string_view kCommandsKind = "world-commands";
 
 template <class Archive>
 void archive_command(Archive& archive, WorldCommand& c) {
-  archive(c.step, c.kind, c.mode, c.value, c.current_limit, c.speed, c.pose.matrix(), c.name,
-          c.mesh_W.vertices, c.mesh_W.triangles, c.mass, c.friction, c.is_static, c.texture.pattern,
-          c.texture.color, c.texture.second_color, c.texture.contrast, c.texture.scale,
-          c.texture.seed);
+  archive(c.step, c.kind, c.mode, c.value, c.current_limit, c.speed, c.pose.matrix(), c.path,
+          c.name, c.mesh_W.vertices, c.mesh_W.triangles, c.mass, c.friction, c.is_static,
+          c.texture.pattern, c.texture.color, c.texture.second_color, c.texture.contrast,
+          c.texture.scale, c.texture.seed);
 }
 
 }  // namespace
@@ -30,6 +30,9 @@ void apply(const WorldCommand& command, World& world) {
       return;
     case WorldCommand::Kind::kDriveCarrier:
       world.drive_carrier(command.pose.translation(), command.value);
+      return;
+    case WorldCommand::Kind::kGuideCarrier:
+      world.guide_carrier(command.path);
       return;
     case WorldCommand::Kind::kStopCarrier:
       world.stop_carrier();
@@ -80,7 +83,7 @@ std::vector<WorldCommand> read_commands(std::string_view bytes, const std::strin
   for (std::uint64_t i = 0; i < count; ++i) {
     WorldCommand& command = commands.emplace_back();
     archive_command(reader, command);
-    const bool known = command.kind <= WorldCommand::Kind::kDriveCarrier &&
+    const bool known = command.kind <= WorldCommand::Kind::kGuideCarrier &&
                        command.mode >= GripperMode::kStop &&
                        command.mode <= GripperMode::kVoltage &&
                        command.texture.pattern >= Texture::Pattern::kNoise &&

@@ -19,7 +19,8 @@ struct WorldCommand {
     kAddObject,
     kRemoveObject,
     kPlaceObject,
-    kDriveCarrier  // pose: its translation is the velocity; value: the yaw rate
+    kDriveCarrier,  // pose: its translation is the velocity; value: the yaw rate
+    kGuideCarrier
   };
   std::int64_t step = 0;  // number of steps taken before it
   Kind kind = Kind::kGripper;
@@ -27,6 +28,7 @@ struct WorldCommand {
   double value = 0, current_limit = 0, speed = 0;                        // kGripper; speed: also
                                                                          // kMoveCarrier
   geometry::RigidTransform pose = geometry::RigidTransform::Identity();  // kMoveCarrier, kPlace
+  CarrierPath path;                                                      // kGuideCarrier
   std::string name;                                                      // of the object
   geometry::TriangleMesh mesh_W;                                         // kAddObject
   double mass = 0, friction = 0;                                         // kAddObject

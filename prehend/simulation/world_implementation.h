@@ -167,7 +167,7 @@ struct World::Implementation {
   void second_order(double h);
   void extrapolate();
   void step();
-  void advance_adaptively(std::int64_t ticks);
+  std::int64_t advance_adaptively(std::int64_t ticks, const std::function<bool()>& ends);
   double most_steady(double h);
   void exact_step(double h);
   double difference(const Motion& a, const Motion& b) const;

@@ -282,7 +282,10 @@ void World::Implementation::extrapolate() {
 }
 
 void World::Implementation::step() {
-  if (scene.physics.adaptive) return advance_adaptively(1);
+  if (scene.physics.adaptive) {
+    advance_adaptively(1, [] { return false; });
+    return;
+  }
   const double h = scene.step;
   state.carrier.begin_step(h);
   slide_step.set_command(

@@ -49,7 +49,7 @@ Outcome grasp_in_simulation(const simulation::SceneObject& object,
   outcome.result = in_world.run(planned.to_try(plan), nullptr, [&] {
     outcome.raised = std::max(outcome.raised, world.body(0).height - start.height);
   });
-  for (int i = 0; i < 500; ++i) stage.step();
+  stage.advance(500);
   outcome.surprises = in_world.cycle().surprises();
   outcome.moved_W = world.body(0).X_WB.translation() - start.X_WB.translation();
   outcome.final_height = world.body(0).height;

@@ -39,7 +39,7 @@ class StageInWorldTest : public testing::Test {
   template <class Port>
   MotionStatus end_of(Port& port) {
     const double limit = world.time() + 10;
-    while (port.motion() == MotionStatus::kMoving && world.time() < limit) stage.step();
+    while (port.motion() == MotionStatus::kMoving && world.time() < limit) stage.advance(1);
     return port.motion();
   }
 
@@ -85,7 +85,7 @@ TEST_F(StageInWorldTest, ArmFollowsAndBrakesBeforeItFollowsAnew) {
   stage.arm().follow(way(there, {-0.2, 0, 0, 0}, 2), 0);
   for (int i = 0; i < 1000; ++i) {
     EXPECT_EQ(stage.arm().motion(), MotionStatus::kMoving);  // it begins when the arm stands
-    stage.step();
+    stage.advance(1);
   }
   EXPECT_TRUE(world.carrier().moving);
   // It does not begin where the arm is now, and is refused when the arm stands.

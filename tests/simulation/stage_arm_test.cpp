@@ -1,5 +1,6 @@
 #include "prehend/simulation/stage_arm.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -22,19 +23,18 @@ struct Stage {
   World world;
   StageArm arm{stage_pg70(), "home"};
 
-  static Scene scene() {
+  static Scene scene(bool adaptive) {
     Scene scene;
     scene.carrier = carrier_of(stage_pg70(), "home");
+    scene.physics.adaptive = adaptive;
     return scene;
   }
-  Stage() : world(scene()) {}
-  void step() {
-    arm.begin_step(world);
-    world.step();
-    arm.end_step(world);
-  }
+  explicit Stage(bool adaptive = false) : world(scene(adaptive)) {}
+  void step() { arm.advance(world, 1); }
   void run(double seconds) {
-    for (int i = 0; i < std::lround(seconds / world.scene().step); ++i) step();
+    for (std::int64_t left = std::lround(seconds / world.scene().step); left > 0;) {
+      left -= arm.advance(world, std::min<std::int64_t>(left, 10));
+    }
   }
   /// Smoothly from where it is, by so much.
   TrajectoryRequest by(const Eigen::Vector4d& way, double seconds) const {
@@ -136,13 +136,52 @@ TEST(StageArm, RefusesPathsThatCannotBeRight) {
   EXPECT_THROW(stage.world.drive_carrier({std::nan(""), 0, 0}, 0), std::invalid_argument);
 }
 
+// In slices of ten steps the carrier is where the joints are at each slice's end, and between them
+// where it is in steps.
+TEST(StageArm, AdaptiveStepsFollowTheSamePath) {
+  Stage fixed, adaptive{true};
+  const Eigen::Vector4d way(0.2, -0.1, 0.05, 0.8);
+  for (Stage* stage : {&fixed, &adaptive}) stage->arm.follow(stage->by(way, 1.5), {}, stage->world);
+  double between = 0, at_ends = 0;
+  for (int slice = 0; slice < 180; ++slice) {
+    fixed.run(0.004);
+    adaptive.arm.advance(adaptive.world, 4);
+    between =
+        std::max(between, (stage_position(fixed.world) - stage_position(adaptive.world)).norm());
+    fixed.run(0.006);
+    adaptive.arm.advance(adaptive.world, 6);
+    at_ends =
+        std::max(at_ends, (stage_position(fixed.world) - stage_position(adaptive.world)).norm());
+  }
+  EXPECT_LT(at_ends, 1e-9);
+  EXPECT_LT(between, 1e-9);
+  EXPECT_FALSE(adaptive.arm.moves());
+  EXPECT_FALSE(adaptive.world.carrier().moving);
+  EXPECT_EQ(adaptive.arm.drive().status(), ArmDrive::Status::kReached);
+}
+
+TEST(StageArm, AdaptiveStepsFeelContactAndStop) {
+  Stage fixed, adaptive{true};
+  double height[2];
+  for (Stage* stage : {&fixed, &adaptive}) {
+    const double tip = stage->world.scene().gripper.tip_z();
+    const double down = stage_position(stage->world)[2] - (tip - 0.005);
+    stage->arm.follow(stage->by({0, 0, -down, 0}, 5), {}, stage->world);
+    stage->arm.stop_on_contact(5);
+    stage->run(6);
+    EXPECT_TRUE(stage->arm.stopped_by_contact());
+    height[stage == &adaptive] = stage_position(stage->world)[2];
+  }
+  EXPECT_NEAR(height[0], height[1], 2e-4) << "at most a few steps later";
+}
+
 // What the world was asked is all there is to repeat.
 TEST(StageArm, ARecordedRunReplaysBitwise) {
   Stage stage;
   stage.world.record_commands(true);
   stage.arm.follow(stage.by({0.1, 0.05, -0.1, 0.3}, 1), {}, stage.world);
   stage.run(0.7);
-  World again(Stage::scene());
+  World again(Stage::scene(false));
   replay(read_commands(command_bytes(stage.world.recorded_commands())), stage.world.step_count(),
          again);
   EXPECT_EQ(again.save_bytes(), stage.world.save_bytes());

@@ -122,8 +122,8 @@ TEST(WorldState, WhatIsForeignDamagedOrCutOffIsRefused) {
   EXPECT_NE(error_of(world, "objects: []\n").find("is no world-state"), std::string::npos);
   EXPECT_NE(error_of(world, command_bytes({})).find("is no world-state"), std::string::npos);
   std::string newer = bytes;
-  newer[std::string("prehend world-state\n").size()] = 2;
-  EXPECT_NE(error_of(world, newer).find("has version 2"), std::string::npos);
+  newer[std::string("prehend world-state\n").size()] = 3;
+  EXPECT_NE(error_of(world, newer).find("has version 3"), std::string::npos);
 
   const auto of_scene = [&](auto change) {
     Scene scene = rich_scene();
