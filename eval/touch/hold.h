@@ -37,6 +37,15 @@ HoldResult run_hold(simulation::engines::Engine& engine, const HoldTest& test);
 /// `test` mass, step and duration count; pads are texels. @throws as World's constructor.
 HoldResult run_world_hold(const std::string& engine, const HoldTest& test);
 
+/// The same of a hand of config/robots with fingers, alone on its carrier: a box of 60 x 60 x 120
+/// mm is gripped as hard as the motors press.
+struct HandHold {
+  HoldResult hold;   // without jitter and step_time
+  double bears = 0;  // kg, what friction bears of what the fingers pressed with on the table
+};
+/// @throws geometry::InputError for a file that cannot be read.
+HandHold run_hand_hold(const std::string& hand, const HoldTest& test);
+
 /// Advances a loaded hold_scene for kShakenDuration: pressed and loaded as above, then shaken
 /// between 1 and 1.5 s by forces of 0.1 m g at 5 Hz along x and at 7 Hz along z. The cube's centre
 /// [m] every 10 ms, of which the step must be a part.

@@ -3,33 +3,11 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "prehend/report/escaped.h"
 #include "prehend/report/pictures.h"
 
 namespace prehend::report {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 // RFC 4648, section 4.
 std::string base64(const std::string& bytes) {
