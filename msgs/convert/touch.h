@@ -1,7 +1,6 @@
 #pragma once
 
 #include "msgs/grasp.pb.h"
-#include "msgs/sensors.pb.h"
 #include "prehend/planning/touch_prediction.h"
 
 namespace prehend::convert {
@@ -10,8 +9,5 @@ namespace prehend::convert {
 /// nothing are left out. Sums and areas of `percepts` stay as they are.
 void add_touch(const planning::PredictedTouch& touch, const robot::HandModel& hand,
                msgs::PredictedPercepts* percepts);
-
-/// Where the cells of the pads of `hand` are.
-msgs::TactileCells cells_message(const robot::HandModel& hand);
 
 }  // namespace prehend::convert

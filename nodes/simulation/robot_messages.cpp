@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "msgs/convert/geometry.h"
-#include "msgs/convert/touch.h"
+#include "msgs/convert/tactile_cells.h"
 #include "nodes/simulation/clock_message.h"
 
 namespace prehend::nodes {

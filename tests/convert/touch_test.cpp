@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "msgs/convert/tactile_cells.h"
+
 namespace prehend::convert {
 namespace {
 
