@@ -195,17 +195,6 @@ PadLayout PadLayout::curved(const geometry::TriangleMesh& mesh_P, double thickne
   return pad;
 }
 
-double PadLayout::area() const {
-  double sum = 0;
-  for (const double share : scale) sum += share;
-  return sum * kReferenceTexelArea;
-}
-
-std::size_t PadLayout::cells() const {
-  return static_cast<std::size_t>(
-      std::count_if(scale.begin(), scale.end(), [](double share) { return share > 0; }));
-}
-
 PadLayout PadLayout::reordered(const std::vector<std::size_t>& order) const {
   std::vector<bool> seen(size_, false);
   bool is_permutation = order.size() == size_;

@@ -68,8 +68,17 @@ class PadLayout {
   Eigen::Vector3d first_tangent(std::size_t i) const { return {ux[i], uy[i], uz[i]}; }
   Eigen::Vector3d second_tangent(std::size_t i) const { return {vx[i], vy[i], vz[i]}; }
   double area(std::size_t i) const { return scale[i] * kReferenceTexelArea; }  // m^2
-  double area() const;                                                         // m^2, of all
-  std::size_t cells() const;  // texels that are there: size() but for those left out
+  // Inline, as those above: plug-ins have nothing of prehend linked to them.
+  double area() const {  // m^2, of all
+    double sum = 0;
+    for (const double share : scale) sum += share;
+    return sum * kReferenceTexelArea;
+  }
+  std::size_t cells() const {  // texels that are there: size() but for those left out
+    std::size_t count = 0;
+    for (const double share : scale) count += share > 0 ? 1 : 0;
+    return count;
+  }
   /// The surface that the texels are on, in P; null: flat.
   const std::shared_ptr<const geometry::TriangleMesh>& face() const { return face_; }
 
