@@ -17,7 +17,7 @@ void add_touch(const planning::PredictedTouch& touch, const robot::HandModel& ha
     const robot::TactilePadModel& model = hand.pads[i].model;
     msgs::PredictedPad& out = *percepts->add_pads();
     out.set_contact_area(pad.area);
-    *out.mutable_center() = to_message(Eigen::Vector3d(pad.center_P.x(), pad.center_P.y(), 0));
+    *out.mutable_center() = to_message(pad.center_P);
     msgs::TactileFrame& image = *out.mutable_image();
     image.mutable_header()->set_frame_id(pad.name);
     image.set_rows(static_cast<std::uint32_t>(pad.rows));

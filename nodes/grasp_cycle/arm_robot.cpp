@@ -120,6 +120,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
         wrist_stamp_ = message->header().stamp();
       }));
   for (const robot::HandPad& pad : platform.hand.pads) {
+    layouts_.emplace(pad.name, pad.layout);
     subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
         "/tactile/" + pad.name, QoS::latest(),
         [this, name = pad.name](const auto& message) { pads_[name] = message.shared(); }));
@@ -169,10 +170,15 @@ control::ArmPercepts ArmRobot::percepts() const {
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
-    percepts.pads.push_back({frame->sum(),
-                             robot::touched_area(frame->intensity(), touch_counts_,
-                                                 frame->texel_width() * frame->texel_height()),
-                             percepts.time - graph::seconds(frame->header().stamp()), name});
+    const contact::PadLayout& layout = *layouts_.at(name);
+    const auto& counts = frame->intensity();
+    // A real pad may be another one than the robot's file says.
+    const bool same = static_cast<std::size_t>(counts.size()) == layout.size();
+    const double area = same ? robot::touched_area(counts, touch_counts_, layout)
+                             : robot::touched_area(counts, touch_counts_,
+                                                   frame->texel_width() * frame->texel_height());
+    percepts.pads.push_back(
+        {frame->sum(), area, percepts.time - graph::seconds(frame->header().stamp()), name});
   }
   if (gripper_state_) {
     percepts.gripper = {gripper_state_->opening(), gripper_state_->blocked(),

@@ -83,7 +83,8 @@ class ArmRobot {
   std::optional<Eigen::Vector3d> wrist_force_;  // N
   std::int64_t wrist_stamp_ = 0;                // ns
   int touch_counts_;
-  std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;  // that have spoken
+  std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;     // that have spoken
+  std::map<std::string, std::shared_ptr<const contact::PadLayout>> layouts_;  // of all pads
   std::vector<control::ArmGrasp> prepared_;
 };
 

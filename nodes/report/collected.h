@@ -48,6 +48,7 @@ struct Collected {
   std::vector<std::pair<double, control::Phase>> phases;  // when each began
   bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation
   std::map<std::string, msgs::TactileFrame> pads;  // newest, by pad
+  std::map<std::string, msgs::PadCells> cells;     // where they are, by pad, where the robot says
   std::vector<TactileSnapshot> snapshots;
   std::map<std::string, History> pad_sums;  // N, by pad
   std::map<std::string, History> joints;    // rad or m, of arm and hand

@@ -53,6 +53,9 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
   listen<msgs::CycleState>("/cycle/state", QoS::queue(64), [this](const auto& m) { on_phase(m); });
   listen<msgs::CycleResult>("/cycle/result", QoS::queue(2), [&c](const auto& m) { c.result = m; });
   listen<msgs::Task>("/cycle/task", QoS::latched(1), [&c](const auto& m) { c.task = m; });
+  listen<msgs::TactileCells>("/tactile/cells", QoS::latched(1), [&c](const auto& m) {
+    for (const msgs::PadCells& pad : m.pads()) c.cells[pad.name()] = pad;
+  });
   for (const std::string& pad : pads) {
     listen<msgs::TactileFrame>("/tactile/" + pad, stream, [&c, pad](const auto& m) {
       c.pads[pad] = m;

@@ -1,6 +1,7 @@
 #include "nodes/report/drawn_robot.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -81,8 +82,9 @@ class DrawnPlatform : public DrawnRobot {
     const robot::HandModel& hand = platform_.hand;
     const auto X_WH = convert::from_message(grasp.x_wg()) *
                       (hand.X_HP * hand.preshape(grasp.preshape()).X_PG).inverse();
-    return {{geometry::transformed(report::robot_mesh(hand.model, closed_hand(grasp)), X_WH),
-             kHandColor}};
+    const Eigen::VectorXd closed = closed_hand(grasp);
+    return {{geometry::transformed(report::robot_mesh(hand.model, closed), X_WH), kHandColor},
+            {geometry::transformed(cells_at(closed), X_WH), kPadColor}};
   }
 
   std::vector<ColoredMesh> arm_at(const msgs::Grasp& grasp) const override {
@@ -113,6 +115,34 @@ class DrawnPlatform : public DrawnRobot {
   }
 
  private:
+  // The pads' cells on the hand in its frame H, as squares a little smaller than they are, over the
+  // links.
+  TriangleMesh cells_at(const Eigen::VectorXd& all) const {
+    constexpr double kShare = 0.8, kOver = 2e-4;  // of the side; m
+    const robot::HandModel& hand = platform_.hand;
+    std::vector<geometry::RigidTransform> X_HL;
+    hand.link_poses(all, X_HL);
+    TriangleMesh mesh;
+    for (const robot::HandPad& pad : hand.pads) {
+      const geometry::RigidTransform X_HP = X_HL[static_cast<std::size_t>(pad.link)] * pad.X_LP;
+      for (std::size_t i = 0; i < pad.layout->size(); ++i) {
+        if (pad.layout->area(i) == 0) continue;
+        const double half = 0.5 * kShare * std::sqrt(pad.layout->area(i));
+        const Eigen::Vector3d u = half * pad.layout->first_tangent(i),
+                              v = half * pad.layout->second_tangent(i),
+                              p = pad.layout->position(i) + kOver * pad.layout->normal(i);
+        const int first = static_cast<int>(mesh.vertices.size());
+        for (const Eigen::Vector3d& corner :
+             std::initializer_list<Eigen::Vector3d>{-u - v, u - v, u + v, -u + v}) {
+          mesh.vertices.push_back(X_HP * (p + corner));
+        }
+        mesh.triangles.emplace_back(first, first + 1, first + 2);
+        mesh.triangles.emplace_back(first, first + 2, first + 3);
+      }
+    }
+    return mesh;
+  }
+
   // Positions of all joints of the hand where its fingers touch.
   Eigen::VectorXd closed_hand(const msgs::Grasp& grasp) const {
     const robot::HandModel& hand = platform_.hand;

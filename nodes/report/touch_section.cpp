@@ -1,6 +1,7 @@
 #include "nodes/report/touch_section.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -41,6 +42,60 @@ std::map<std::string, std::vector<Shown>> shown_frames(const Collected& collecte
   return shown;
 }
 
+Eigen::Vector3d triple(const google::protobuf::RepeatedField<double>& values, int i) {
+  return {values.Get(3 * i), values.Get(3 * i + 1), values.Get(3 * i + 2)};
+}
+
+// The frame's cells as one sees them who looks at the pad along its mean normal, P's y up; none for
+// a pad that is a flat grid, whose rows and columns show it, or whose cells are not known.
+std::vector<report::DrawnCell> cells_of(const msgs::TactileFrame& frame,
+                                        const msgs::PadCells& pad) {
+  const int count = frame.intensity_size();
+  if (count == 0 || pad.area_size() != count || pad.position_size() != 3 * count ||
+      pad.normal_size() != 3 * count) {
+    return {};
+  }
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (int i = 0; i < count; ++i) {
+    normal += pad.area(i) * triple(pad.normal(), i);
+    area += pad.area(i);
+  }
+  constexpr double kFlat = 1 - 1e-9;
+  if (pad.rows() > 1 && normal.norm() > kFlat * area && pad.area(0) > 0) return {};
+  if (!(normal.norm() > 1e-6 * area)) normal = Eigen::Vector3d::UnitZ();  // closed all round
+  normal.normalize();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitY() - normal.y() * normal;
+  if (up.norm() < 0.1) up = Eigen::Vector3d::UnitX() - normal.x() * normal;
+  up.normalize();
+  const Eigen::Vector3d right = up.cross(normal);
+  std::vector<std::pair<double, report::DrawnCell>> cells;
+  for (int i = 0; i < count; ++i) {
+    if (!(pad.area(i) > 0)) continue;
+    const Eigen::Vector3d p = triple(pad.position(), i);
+    cells.push_back({normal.dot(p),
+                     {{right.dot(p), up.dot(p)},
+                      std::sqrt(pad.area(i)),
+                      static_cast<double>(frame.intensity(i))}});
+  }
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<report::DrawnCell> in_order;
+  for (auto& [height, cell] : cells) in_order.push_back(cell);
+  return in_order;
+}
+
+geometry::ColorImage picture_of(const msgs::TactileFrame& frame, const std::string& pad,
+                                const Collected& collected, double full) {
+  if (const auto found = collected.cells.find(pad); found != collected.cells.end()) {
+    const std::vector<report::DrawnCell> cells = cells_of(frame, found->second);
+    if (!cells.empty()) return report::draw_cells(cells, full);
+  }
+  const std::vector<double> values(frame.intensity().begin(), frame.intensity().end());
+  return report::draw_tactile(values, static_cast<int>(frame.rows()),
+                              static_cast<int>(frame.columns()), full);
+}
+
 }  // namespace
 
 std::string in_words(std::string name) {
@@ -67,9 +122,7 @@ void add_touch(report::Page& page, const Collected& collected) {
   for (const auto& [name, frames] : shown) {
     for (const Shown& one : frames) {
       const msgs::TactileFrame& frame = *one.frame;
-      const std::vector<double> values(frame.intensity().begin(), frame.intensity().end());
-      pictures.push_back(report::draw_tactile(values, static_cast<int>(frame.rows()),
-                                              static_cast<int>(frame.columns()), full));
+      pictures.push_back(picture_of(frame, name, collected, full));
       captions.push_back(
           fmt::format("{} pad, {}: {:.1f} N", in_words(name), one.when, frame.sum()));
     }

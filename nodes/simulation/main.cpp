@@ -293,8 +293,9 @@ const prehend::graph::RegisteredNodeProgram registered(
     {"simulation",
      "Stands in for the robot: table, objects, a platform (robot) and a stereo camera, from a "
      "scene "
-     "file. Publishes /clock, /camera/info, /camera/stereo, /joint_states, /tactile/PAD, /wrench "
-     "and /ground_truth; takes the action /arm/follow and the services /arm/stop, "
+     "file. Publishes /clock, /camera/info, /camera/stereo, /joint_states, /tactile/PAD, "
+     "/tactile/cells, /wrench and /ground_truth; takes the action /arm/follow and the services "
+     "/arm/stop, "
      "/simulation/spawn, /simulation/render and /clock/control (pause, resume, step, speed). A "
      "hand that is moved by its joints has the action /hand/move, the topic /hand/command (stopped "
      "0.2 s after the last one while moving) and the service /hand/stop. A "

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/tactile_cells.h"
 #include "nodes/simulation/clock_message.h"
 
 namespace prehend::nodes {
@@ -14,6 +15,10 @@ RobotPublisher::RobotPublisher(graph::Node& node, const robot::HandModel& hand)
       joints_(node.advertise<msgs::JointState>("/joint_states", QoS::queue(100))),
       wrench_(node.advertise<msgs::Wrench>("/wrench", QoS::queue(100))),
       truth_(node.advertise<msgs::GroundTruth>("/ground_truth", QoS::latched(50))) {
+  if (!hand.pads.empty()) {
+    cells_ = node.advertise<msgs::TactileCells>("/tactile/cells", QoS::latched(1));
+    cells_.publish(convert::cells_message(hand));
+  }
   for (const robot::HandPad& pad : hand.pads) {
     pads_.emplace(pad.name, Pad{pad.model, node.advertise<msgs::TactileFrame>(
                                                "/tactile/" + pad.name, QoS::queue(50))});

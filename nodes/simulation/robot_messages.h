@@ -11,7 +11,7 @@
 namespace prehend::nodes {
 
 /// Publishes what arm and hand feel, and the ground truth: /clock, /joint_states, /wrench 100 Hz;
-/// /tactile/PAD for each pad of the hand, /ground_truth 50 Hz (simulated).
+/// /tactile/PAD for each pad of the hand, /ground_truth 50 Hz (simulated); /tactile/cells once.
 class RobotPublisher {
  public:
   RobotPublisher(graph::Node& node, const robot::HandModel& hand);
@@ -28,6 +28,7 @@ class RobotPublisher {
   graph::Publisher<msgs::JointState> joints_;
   graph::Publisher<msgs::Wrench> wrench_;
   graph::Publisher<msgs::GroundTruth> truth_;
+  graph::Publisher<msgs::TactileCells> cells_;
   std::map<std::string, Pad> pads_;
 };
 

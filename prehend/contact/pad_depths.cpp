@@ -115,7 +115,7 @@ bool mesh_depths(const PadLayout& pad, const MeshRays& mesh, const geometry::Rig
   std::fill(state.depth.begin(), state.depth.end(), PadState::kFar);
   for (std::size_t i = 0; i < pad.size(); ++i) {
     const int triangle = hits.triangles[i];
-    if (triangle == MeshRays::kNone) continue;
+    if (triangle == MeshRays::kNone || pad.scale[i] == 0) continue;
     double distance = hits.edge_on[i];
     if (triangle != MeshRays::kEdgeOn) {
       const Eigen::Vector3d n = pad.normal(i);
@@ -178,11 +178,14 @@ bool find_depths(const PadLayout& pad, const PadReach& reach, const Shape& shape
   std::fill(state.depth.begin() + static_cast<std::ptrdiff_t>(pad.size()), state.depth.end(),
             PadState::kFar);
   for (std::size_t i = 0; i < pad.size(); ++i) {
+    state.depth[i] = PadState::kFar;
+    if (pad.scale[i] == 0) continue;
     const Eigen::Vector3d n = pad.normal(i);
     const double distance = shape.ray_distance(X_BP * (pad.position(i) - pad.thickness() * n),
                                                X_BP.linear() * n, limit);
-    state.depth[i] = distance < kInfinity ? pad.thickness() - distance : PadState::kFar;
-    any = any || distance < kInfinity;
+    if (!(distance < kInfinity)) continue;
+    state.depth[i] = pad.thickness() - distance;
+    any = true;
   }
   return any;
 }

@@ -17,6 +17,46 @@ auto arrays(Layout& pad) {
                      &pad.uy, &pad.uz, &pad.vx, &pad.vy, &pad.vz, &pad.scale};
 }
 
+constexpr int kParts = 8;        // of a bent texel's side
+constexpr double kSteepest = 4;  // surface over projected area: 75 degrees
+
+std::string cell_text(int row, int column) {
+  return "the cell in row " + std::to_string(row) + ", column " + std::to_string(column);
+}
+
+void check_grid(const PadGrid& grid) {
+  require_positive(grid.rows, "PadGrid::rows");
+  require_positive(grid.columns, "PadGrid::columns");
+  require_positive(grid.width, "PadGrid::width");
+  require_positive(grid.length, "PadGrid::length");
+  require_positive(grid.thickness, "PadGrid::thickness");
+}
+
+// The part of a surface over a cell, whose lowest corner is `corner`: kParts by kParts rectangles
+// of two triangles.
+geometry::TriangleMesh part_of(const SurfaceHeight& surface, const Eigen::Vector2d& corner,
+                               const Eigen::Vector2d& size, const std::string& cell) {
+  geometry::TriangleMesh part;
+  for (int j = 0; j <= kParts; ++j) {
+    for (int i = 0; i <= kParts; ++i) {
+      const double x = corner.x() + i * size.x() / kParts, y = corner.y() + j * size.y() / kParts;
+      const std::optional<double> z = surface(x, y);
+      if (!z) {
+        throw std::invalid_argument("PadLayout::bent: " + cell + " lies beside the surface");
+      }
+      part.vertices.emplace_back(x, y, *z);
+    }
+  }
+  for (int j = 0; j < kParts; ++j) {
+    for (int i = 0; i < kParts; ++i) {
+      const int a = j * (kParts + 1) + i, b = a + 1, c = a + kParts + 1, d = c + 1;
+      part.triangles.emplace_back(a, b, d);
+      part.triangles.emplace_back(a, d, c);
+    }
+  }
+  return part;
+}
+
 }  // namespace
 
 PadGrid refined(const PadGrid& grid, int factor) {
@@ -53,11 +93,7 @@ void PadLayout::finish() {
 }
 
 PadLayout PadLayout::flat(const PadGrid& grid) {
-  require_positive(grid.rows, "PadGrid::rows");
-  require_positive(grid.columns, "PadGrid::columns");
-  require_positive(grid.width, "PadGrid::width");
-  require_positive(grid.length, "PadGrid::length");
-  require_positive(grid.thickness, "PadGrid::thickness");
+  check_grid(grid);
   PadLayout pad;
   pad.flat_ = true;
   pad.rows_ = grid.rows;
@@ -71,6 +107,52 @@ PadLayout PadLayout::flat(const PadGrid& grid) {
               Eigen::Vector3d::UnitZ(), pitch_x * pitch_y);
     }
   }
+  pad.finish();
+  return pad;
+}
+
+PadLayout PadLayout::bent(const PadGrid& grid, const SurfaceHeight& surface,
+                          const std::vector<Eigen::Vector2i>& left_out) {
+  check_grid(grid);
+  for (const Eigen::Vector2i& cell : left_out) {
+    if (cell.minCoeff() < 0 || cell.x() >= grid.rows || cell.y() >= grid.columns) {
+      throw std::invalid_argument("PadLayout::bent: " + cell_text(cell.x(), cell.y()) +
+                                  " cannot be left out, as the grid does not have it");
+    }
+  }
+  PadLayout pad;
+  pad.rows_ = grid.rows;
+  pad.columns_ = grid.columns;
+  pad.thickness_ = grid.thickness;
+  std::vector<geometry::TriangleMesh> parts;
+  const Eigen::Vector2d size(grid.width / grid.columns, grid.length / grid.rows);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const Eigen::Vector2d corner(column * size.x() - 0.5 * grid.width,
+                                   0.5 * grid.length - (row + 1) * size.y());
+      const Eigen::Vector2d middle = corner + 0.5 * size;
+      if (std::count(left_out.begin(), left_out.end(), Eigen::Vector2i(row, column)) > 0) {
+        pad.add({middle.x(), middle.y(), 0}, Eigen::Vector3d::UnitZ(), 0);
+        continue;
+      }
+      geometry::TriangleMesh part = part_of(surface, corner, size, cell_text(row, column));
+      Eigen::Vector3d twice_area = Eigen::Vector3d::Zero();
+      for (const Eigen::Vector3i& t : part.triangles) {
+        twice_area += (part.vertices[t[1]] - part.vertices[t[0]])
+                          .cross(part.vertices[t[2]] - part.vertices[t[0]]);
+      }
+      const double area = geometry::surface_area(part);
+      if (area > kSteepest * size.prod()) {
+        throw std::invalid_argument("PadLayout::bent: the surface falls off too steeply under " +
+                                    cell_text(row, column));
+      }
+      pad.add(part.vertices[(kParts + 1) * (kParts / 2) + kParts / 2], twice_area.normalized(),
+              area);
+      parts.push_back(std::move(part));
+    }
+  }
+  if (parts.empty()) throw std::invalid_argument("PadLayout::bent: all cells are left out");
+  pad.face_ = std::make_shared<const geometry::TriangleMesh>(geometry::concatenated(parts));
   pad.finish();
   return pad;
 }
@@ -108,6 +190,7 @@ PadLayout PadLayout::curved(const geometry::TriangleMesh& mesh_P, double thickne
   if (pad.x.empty()) {
     throw std::invalid_argument("PadLayout::curved: the mesh's triangles have no area");
   }
+  pad.face_ = std::make_shared<const geometry::TriangleMesh>(mesh_P);
   pad.finish();
   return pad;
 }

@@ -15,7 +15,9 @@ double total_normal_force(const PadLayout& pad, const PadState& state) {
 
 std::vector<double> pressure(const PadLayout& pad, const PadState& state) {
   std::vector<double> result(pad.size());
-  for (std::size_t i = 0; i < pad.size(); ++i) result[i] = state.normal_force[i] / pad.area(i);
+  for (std::size_t i = 0; i < pad.size(); ++i) {
+    if (pad.area(i) > 0) result[i] = state.normal_force[i] / pad.area(i);
+  }
   return result;
 }
 

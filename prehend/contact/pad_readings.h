@@ -13,7 +13,7 @@ namespace prehend::contact {
 
 double total_normal_force(const PadLayout& pad, const PadState& state);  // N
 
-/// Normal force over area of each texel [Pa], size() values.
+/// Normal force over area of each texel [Pa], size() values; 0 of what is no texel.
 std::vector<double> pressure(const PadLayout& pad, const PadState& state);
 
 /// Mean of the texels' positions weighted by normal force, in P [m]; the pad's origin when nothing

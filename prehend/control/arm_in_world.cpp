@@ -65,9 +65,8 @@ ArmPercepts ArmInWorld::percepts(int touch_counts) {
     const auto& pads = world_.hand_model().pads;
     const auto model = std::find_if(pads.begin(), pads.end(),
                                     [&](const auto& one) { return one.name == pad.name; });
-    const double pitch = model->model.texel_pitch;
     percepts.pads.push_back(
-        {pad.sum, robot::touched_area(pad.counts, touch_counts, pitch * pitch), 0, pad.name});
+        {pad.sum, robot::touched_area(pad.counts, touch_counts, *model->layout), 0, pad.name});
   }
   return percepts;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -99,8 +100,26 @@ class PlyBody {
   std::size_t position_ = 0;
 };
 
-void read_vertex(PlyBody& body, const PlyElement& element, double scale, TriangleMesh& mesh) {
+/// Takes `value` where the property is a part of a colour.
+void read_color(const PlyProperty& property, double value, std::array<int, 3>& color) {
+  const bool is_share =
+      property.type == PlyNumber::kFloat32 || property.type == PlyNumber::kFloat64;
+  const int part =
+      static_cast<int>(std::lround(std::clamp(is_share ? 255 * value : value, 0., 255.)));
+  if (property.name == "red") color[0] = part;
+  if (property.name == "green") color[1] = part;
+  if (property.name == "blue") color[2] = part;
+}
+
+bool has_color(const PlyElement& element) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [](const PlyProperty& one) { return one.name == "red"; });
+}
+
+void read_vertex(PlyBody& body, const PlyElement& element, double scale, TriangleMesh& mesh,
+                 PlyColors* colors) {
   Eigen::Vector3d vertex = Eigen::Vector3d::Zero();
+  std::array<int, 3> color{};
   for (const PlyProperty& property : element.properties) {
     const std::size_t count = property.list_length ? body.next_length(*property.list_length) : 1;
     for (std::size_t k = 0; k < count; ++k) {
@@ -108,20 +127,27 @@ void read_vertex(PlyBody& body, const PlyElement& element, double scale, Triangl
       if (property.name == "x") vertex.x() = value;
       if (property.name == "y") vertex.y() = value;
       if (property.name == "z") vertex.z() = value;
+      if (colors) read_color(property, value, color);
     }
   }
+  if (colors && has_color(element)) colors->vertices.push_back(color);
   mesh.vertices.push_back(scale * vertex);
 }
 
 // `polygon` is room to work in.
 void read_face(PlyBody& body, const PlyElement& element, std::vector<int>& polygon,
-               TriangleMesh& mesh) {
+               TriangleMesh& mesh, PlyColors* colors) {
+  const std::size_t before = mesh.triangles.size();
+  std::array<int, 3> color{};
   for (const PlyProperty& property : element.properties) {
     const bool corners = property.list_length &&
                          (property.name == "vertex_indices" || property.name == "vertex_index");
     const std::size_t count = property.list_length ? body.next_length(*property.list_length) : 1;
     if (!corners) {
-      for (std::size_t k = 0; k < count; ++k) body.next(property.type);
+      for (std::size_t k = 0; k < count; ++k) {
+        const double value = body.next(property.type);
+        if (colors) read_color(property, value, color);
+      }
       continue;
     }
     polygon.clear();
@@ -129,6 +155,9 @@ void read_face(PlyBody& body, const PlyElement& element, std::vector<int>& polyg
     for (std::size_t k = 2; k < count; ++k) {
       mesh.triangles.emplace_back(polygon[0], polygon[k - 1], polygon[k]);
     }
+  }
+  if (colors && has_color(element)) {
+    colors->triangles.insert(colors->triangles.end(), mesh.triangles.size() - before, color);
   }
 }
 
@@ -141,7 +170,7 @@ void skip_row(PlyBody& body, const PlyElement& element) {
 
 }  // namespace
 
-TriangleMesh read_ply_mesh(const std::filesystem::path& path, double scale) {
+TriangleMesh read_ply_mesh(const std::filesystem::path& path, double scale, PlyColors* colors) {
   const PlyHeader header = read_ply_header(path);
   PlyBody body(path, header);
   TriangleMesh mesh;
@@ -151,9 +180,9 @@ TriangleMesh read_ply_mesh(const std::filesystem::path& path, double scale) {
   for (const PlyElement& element : header.elements) {
     for (std::size_t row = 0; row < element.count; ++row) {
       if (element.name == "vertex") {
-        read_vertex(body, element, scale, mesh);
+        read_vertex(body, element, scale, mesh, colors);
       } else if (element.name == "face") {
-        read_face(body, element, polygon, mesh);
+        read_face(body, element, polygon, mesh, colors);
       } else {
         skip_row(body, element);
       }

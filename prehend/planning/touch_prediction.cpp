@@ -169,32 +169,27 @@ class FeltObject {
   std::vector<PredictedPad> read() const {
     std::vector<PredictedPad> pads;
     for (simulation::HandPadReading& reading : world_.pads()) {
-      const robot::TactilePadModel& model = hand_.pads[pads.size()].model;
+      const contact::PadLayout& layout = *hand_.pads[pads.size()].layout;
       PredictedPad pad{std::move(reading.name),   reading.rows, reading.columns,
                        std::move(reading.counts), reading.sum,  0,
-                       Eigen::Vector2d::Zero()};
-      pad.area = robot::touched_area(pad.counts, options_.touch_counts,
-                                     model.texel_pitch * model.texel_pitch);
-      pad.center_P = center_of(pad, model.texel_pitch);
+                       Eigen::Vector3d::Zero()};
+      pad.area = robot::touched_area(pad.counts, options_.touch_counts, layout);
+      pad.center_P = center_of(pad, layout);
       pads.push_back(std::move(pad));
     }
     return pads;
   }
 
-  Eigen::Vector2d center_of(const PredictedPad& pad, double pitch) const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Vector3d center_of(const PredictedPad& pad, const contact::PadLayout& layout) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double counts = 0;
-    for (int row = 0; row < pad.rows; ++row) {
-      for (int column = 0; column < pad.columns; ++column) {
-        const int count = pad.counts[static_cast<std::size_t>(row * pad.columns + column)];
-        if (count <= options_.touch_counts) continue;
-        counts += count;
-        sum += count * pitch *
-               Eigen::Vector2d(column - 0.5 * (pad.columns - 1),
-                               0.5 * (pad.rows - 1) - row);  // row 0 is at the tip
-      }
+    for (std::size_t i = 0; i < pad.counts.size(); ++i) {
+      const int count = pad.counts[i];
+      if (count <= options_.touch_counts) continue;
+      counts += count;
+      sum += count * layout.position(i);
     }
-    return counts > 0 ? Eigen::Vector2d(sum / counts) : sum;
+    return counts > 0 ? Eigen::Vector3d(sum / counts) : sum;
   }
 
   robot::MeanTouch mean(const std::vector<PredictedPad>& pads) const {

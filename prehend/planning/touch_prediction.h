@@ -40,9 +40,9 @@ struct PredictedPad {
   std::vector<std::uint16_t> counts;  // rows * columns, as its electronics show them
   double sum = 0;                     // N
   double area = 0;                    // m^2, robot::touched_area()
-  /// m, across and along the finger in the pad's frame P: where its touched texels are, by their
-  /// counts; 0 without any.
-  Eigen::Vector2d center_P = Eigen::Vector2d::Zero();
+  /// m, in the pad's frame P (robot::HandPad): where its touched texels are, their mean by their
+  /// counts; 0 without any. On a curved pad it may lie below the face.
+  Eigen::Vector3d center_P = Eigen::Vector3d::Zero();
 };
 
 enum class TouchOutcome {

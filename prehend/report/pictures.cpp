@@ -154,18 +154,57 @@ ColorImage draw_meshes(const std::vector<ColoredMesh>& meshes,
   return out;
 }
 
+namespace {
+
+constexpr Rgb kNoCell{70, 70, 70};
+
+Rgb heat(double value, double full) {
+  static const auto map = color_map(cv::COLORMAP_HOT);
+  const double part = full > 0 ? std::clamp(value / full, 0.0, 1.0) : 0.0;
+  return map[static_cast<std::size_t>(part * 255)];
+}
+
+}  // namespace
+
+ColorImage draw_cells(const std::vector<DrawnCell>& cells, double full, int longest) {
+  Eigen::AlignedBox2d box;
+  for (const DrawnCell& cell : cells) {
+    if (!(std::isfinite(cell.side) && cell.side > 0 && cell.center.allFinite())) {
+      throw std::invalid_argument("draw_cells: a cell has no size or no place");
+    }
+    const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * cell.side);
+    box.extend(cell.center - half);
+    box.extend(cell.center + half);
+  }
+  if (cells.empty() || longest < 2) throw std::invalid_argument("draw_cells: there is no cell");
+  const double pixels = longest / box.sizes().maxCoeff();  // for a metre
+  const auto size_of = [pixels](double length) {
+    return std::max(1, static_cast<int>(std::lround(pixels * length)));
+  };
+  ColorImage out(size_of(box.sizes().x()), size_of(box.sizes().y()), kNoCell);
+  for (const DrawnCell& cell : cells) {
+    const Rgb color = heat(cell.value, full);
+    const double left = pixels * (cell.center.x() - 0.5 * cell.side - box.min().x());
+    const double top = pixels * (box.max().y() - cell.center.y() - 0.5 * cell.side);
+    const int side = std::max(1, static_cast<int>(pixels * cell.side) - 1);
+    const int u0 = static_cast<int>(std::lround(left)), v0 = static_cast<int>(std::lround(top));
+    for (int v = std::max(0, v0); v < std::min(out.height, v0 + side); ++v) {
+      for (int u = std::max(0, u0); u < std::min(out.width, u0 + side); ++u) out.at(u, v) = color;
+    }
+  }
+  return out;
+}
+
 ColorImage draw_tactile(const std::vector<double>& values, int rows, int columns, double full,
                         int cell) {
   if (values.size() != static_cast<std::size_t>(rows) * columns || cell < 2) {
     throw std::invalid_argument("draw_tactile needs rows * columns values");
   }
-  static const auto map = color_map(cv::COLORMAP_HOT);
-  ColorImage out(columns * cell, rows * cell, {70, 70, 70});
+  ColorImage out(columns * cell, rows * cell, kNoCell);
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       const double value = values[static_cast<std::size_t>(r) * columns + c];
-      const double part = full > 0 ? std::clamp(value / full, 0.0, 1.0) : 0.0;
-      const Rgb color = map[static_cast<std::size_t>(part * 255)];
+      const Rgb color = heat(value, full);
       for (int v = 0; v < cell - 1; ++v) {
         for (int u = 0; u < cell - 1; ++u) out.at(c * cell + u, r * cell + v) = color;
       }

@@ -44,6 +44,19 @@ geometry::ColorImage draw_meshes(const std::vector<ColoredMesh>& meshes,
 geometry::ColorImage draw_tactile(const std::vector<double>& values, int rows, int columns,
                                   double full, int cell = 18);
 
+/// A cell of a tactile pad in the plane that it is drawn in, y up.
+struct DrawnCell {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();  // m
+  double side = 0;                                   // m, of a square
+  double value = 0;
+};
+
+/// A tactile image whose cells lie anywhere, those that come later in front, in the false colours
+/// of draw_tactile(); `longest` pixels for its longer side. @throws std::invalid_argument without
+/// cells, or when one has no size.
+geometry::ColorImage draw_cells(const std::vector<DrawnCell>& cells, double full,
+                                int longest = 216);
+
 /// A camera of width x height pixels with the given horizontal field of view [rad].
 geometry::PinholeCamera picture_camera(int width, int height, double field_of_view = 0.6);
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "prehend/contact/pad_layout.h"
 #include "prehend/text/knob.h"
 
 // How a hand closes on a thing and presses, and what its pads then say: the same for the cycle that
@@ -29,6 +31,18 @@ double touched_area(const Counts& counts, int threshold, double texel_area) {
     if (static_cast<long>(count) > threshold) ++touched;
   }
   return touched * texel_area;
+}
+
+/// The same of a pad whose texels are those of `layout`. @pre counts has as many.
+template <class Counts>
+double touched_area(const Counts& counts, int threshold, const contact::PadLayout& layout) {
+  double area = 0;
+  std::size_t i = 0;
+  for (const auto count : counts) {
+    if (static_cast<long>(count) > threshold) area += layout.area(i);
+    ++i;
+  }
+  return area;
 }
 
 /// What the pads that touch feel.

@@ -119,7 +119,7 @@ HandModel parallel_hand(const GripperModel& gripper) {
     hand.model.joints.push_back(joint);
     hand.fingers.push_back({hand.model.links[place(1 + finger)].name, {1 + finger}});
     const geometry::RigidTransform X_LP = geometry::RigidTransform::Identity();
-    hand.pads.push_back({finger == 0 ? "left" : "right", 1 + finger, X_LP, gripper.pad});
+    hand.pads.push_back(flat_pad(finger == 0 ? "left" : "right", 1 + finger, X_LP, gripper.pad));
   }
   hand.actuated = {0};
   Preshape open;

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "prehend/contact/pad_layout.h"
 #include "prehend/robot/gripper_model.h"
 #include "prehend/robot/robot_model.h"
 
@@ -19,14 +21,29 @@ struct Finger {
   std::vector<int> links;  // of the model, from the palm to the tip
 };
 
-/// A tactile pad on a link. Frame P of the pad: origin in the middle of its undeformed face, z out
-/// of the face, y along the finger towards the tip (row 0 is at +y), x across the finger.
+/// A tactile pad on a link. Its cells (texels) are a grid on a flat face, a grid laid on the link's
+/// surface, or the vertices of a region of a mesh. Frame P of a grid: origin in its middle, for a
+/// flat one on its undeformed face; z out of the face, y along the finger towards the tip (row 0 is
+/// at +y), x across the finger. P of a region is the link's frame.
 struct HandPad {
   std::string name;
   int link = -1;                                                         // of the model
   geometry::RigidTransform X_LP = geometry::RigidTransform::Identity();  // in the link's frame
+  /// Foam, law and counts of a cell, and how many rows and columns its frames have: those of a
+  /// region are one row, and have no pitch (0).
   TactilePadModel model;
+  std::shared_ptr<const contact::PadLayout> layout;  // where the cells are, in P; never null
+
+  /// A pad's extent along P's y [m].
+  double length() const;
+  /// Whether a surface whose outward normal is opposite to `normal_P` (unit) presses on a cell at
+  /// p_P [m], within the grid's outline or a cell's size.
+  bool covers(const Eigen::Vector3d& p_P, const Eigen::Vector3d& normal_P) const;
 };
+
+/// The flat grid of `model`.
+HandPad flat_pad(std::string name, int link, const geometry::RigidTransform& X_LP,
+                 const TactilePadModel& model);
 
 /// A joint that follows another one until contact holds that one with more than `torque`: then the
 /// motor turns this joint alone, `rate` times as fast as it turned the other.

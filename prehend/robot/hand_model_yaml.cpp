@@ -6,8 +6,9 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/at_line.h"
 #include "prehend/robot/hand_model.h"
+#include "prehend/robot/hand_pads_yaml.h"
 #include "prehend/robot/pose_yaml.h"
-#include "prehend/robot/tactile_pad_yaml.h"
+#include "prehend/robot/yaml_entries.h"
 #include "prehend/text/yaml_map.h"
 
 namespace prehend::robot {
@@ -59,7 +60,9 @@ class HandReader {
     if (!gripper.empty()) read_gripper(map, gripper);
     if (!fingers.IsDefined()) map.fail("fingers", "is missing", "List each finger's links");
     read_fingers(fingers);
-    if (pads.IsDefined()) read_pads(pads);
+    if (pads.IsDefined()) {
+      read_hand_pads(pads, path_, path_.parent_path() / urdf_, hand_);
+    }
     if (breakaway.IsDefined()) read_breakaways(breakaway);
     if (motor.IsDefined()) read_motors(motor);
     if (tool.IsDefined()) X_PG_ = read_pose(tool, path_, "hand.tool");
@@ -101,24 +104,9 @@ class HandReader {
     return result;
   }
 
-  /// Every (name, value) of a map whose names are free, each asked for.
   template <class Visit>
   void each(const YAML::Node& node, const std::string& place, Visit visit) {
-    text::YamlMap map(node, path_, place);
-    if (node.size() == 0) {
-      throw InputError(
-          path_.string() + ":" + std::to_string(node.Mark().line + 1) + ": " + place + " is empty",
-          "Write `name: value` lines");
-    }
-    for (const auto& entry : node) {
-      const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : "";
-      if (name.empty()) {
-        throw InputError(path_.string() + ":" + std::to_string(entry.first.Mark().line + 1) + ": " +
-                             place + " has a key that is no name",
-                         "Write a word");
-      }
-      visit(map, name, entry.second);
-    }
+    for_each_entry(node, path_, place, visit);
   }
 
   void set_palm_pose(const text::YamlMap& map) {
@@ -200,46 +188,6 @@ class HandReader {
            }
            hand_.fingers.push_back(std::move(finger));
          });
-  }
-
-  void read_pads(const YAML::Node& node) {
-    each(node, "hand.pads", [&](text::YamlMap&, const std::string& name, const YAML::Node& value) {
-      const std::string place = "hand.pads." + name;
-      text::YamlMap map(value, path_, place);
-      std::string link;
-      Eigen::Vector3d center = Eigen::Vector3d::Zero(), normal = center, toward_tip = center;
-      map.read("link", link);
-      map.read("center", center);
-      map.read("normal", normal);
-      map.read("toward_tip", toward_tip);
-      HandPad pad;
-      pad.name = name;
-      const YAML::Node model = map.child("pad");
-      if (hand_.gripper) {
-        if (model.IsDefined())
-          map.fail("pad", "is the gripper's, whose file has it", "Leave it out");
-        pad.model = hand_.gripper->pad;
-      } else if (model.IsDefined()) {
-        read_tactile_pad(model, path_, place + ".pad", pad.model);
-        try {
-          validate(pad.model);
-        } catch (const std::invalid_argument& error) {
-          map.fail("pad", error.what(), "Correct that value");
-        }
-      }
-      map.finish();
-      pad.link = at_line(map, "link", [&] { return hand_.model.link_index(link); });
-      if (!(normal.norm() > 1e-9)) map.fail("normal", "has no length", "Give it, out of the face");
-      const Eigen::Vector3d z = normal.normalized();
-      const Eigen::Vector3d along = toward_tip - toward_tip.dot(z) * z;
-      if (!(along.norm() > 1e-9)) {
-        map.fail("toward_tip", "does not lie in the face", "Give a direction across the normal");
-      }
-      const Eigen::Vector3d y = along.normalized();
-      pad.X_LP.linear() << y.cross(z), y, z;
-      pad.X_LP.translation() = center;
-      hand_.pads.push_back(std::move(pad));
-    });
   }
 
   void read_breakaways(const YAML::Node& node) {

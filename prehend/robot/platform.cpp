@@ -132,7 +132,7 @@ std::optional<Eigen::Vector3d> Platform::fixed_approach(const Preshape& preshape
 void Platform::set_gripper(const GripperModel& gripper) {
   const double before = hand.gripper->max_opening / 2, after = gripper.max_opening / 2;
   hand.gripper = gripper;
-  for (HandPad& pad : hand.pads) pad.model = gripper.pad;
+  for (HandPad& pad : hand.pads) pad = flat_pad(pad.name, pad.link, pad.X_LP, gripper.pad);
   for (Preshape& preshape : hand.preshapes) {
     preshape.open[0] = preshape.open[0] == before ? after : std::min(preshape.open[0], after);
   }

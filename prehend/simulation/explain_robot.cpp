@@ -32,6 +32,20 @@ std::string shapes_text(const RobotBodies& robot, const std::vector<bool>& chose
   return all.empty() ? "no shapes" : all;
 }
 
+// "flat, 6 x 14 texels", "laid on its surface, 24 texels (7 x 4 without 4)", "of a mesh, 145
+// texels"
+std::string cells_text(const robot::HandPad& pad) {
+  const contact::PadLayout& layout = *pad.layout;
+  const std::string grid =
+      std::to_string(pad.model.rows) + " x " + std::to_string(pad.model.columns);
+  if (layout.is_flat()) return "flat, " + grid + " texels";
+  const std::size_t cells = layout.cells();
+  if (layout.rows() == 0) return "a mesh's surface, " + std::to_string(cells) + " texels";
+  if (cells == layout.size()) return "laid on its surface, " + grid + " texels";
+  return "laid on its surface, " + std::to_string(cells) + " texels (" + grid + " without " +
+         std::to_string(layout.size() - cells) + ")";
+}
+
 }  // namespace
 
 void RobotWorld::Implementation::explain_arm(Explanation& out) const {
@@ -114,8 +128,11 @@ void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
   for (const robot::HandPad& pad : hand_model.pads) {
     out.modelled.push_back(
         {"pad " + pad.name,
-         explained_text("%d x %d texels: %s; electronics %s", pad.model.rows, pad.model.columns,
-                        law_text(pad.model.law).c_str(), electronics.c_str())});
+         explained_text("on %s, %s of %.3g cm2, %g mm of foam: %s; electronics %s",
+                        hand_model.model.links[static_cast<std::size_t>(pad.link)].name.c_str(),
+                        cells_text(pad).c_str(), 1e4 * pad.layout->area(),
+                        1e3 * pad.layout->thickness(), law_text(pad.model.law).c_str(),
+                        electronics.c_str())});
   }
   out.modelled.push_back({"wrist", options.wrench ? "force and torque sensor with its errors"
                                                   : "forces and torques as they are"});

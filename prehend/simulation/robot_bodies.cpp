@@ -247,6 +247,7 @@ class Builder {
       const int body = out_.body_of_link[link];
       const RigidTransform X_BP = out_.X_BL[link] * pad.X_LP;
       out_.pads.push_back({static_cast<int>(i), body, X_BP});
+      if (!pad.layout->is_flat()) continue;
       for (RobotBodies::Part& part : out_.parts) {
         if (part.link != link) continue;
         if (part.solid) {

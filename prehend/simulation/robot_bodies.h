@@ -54,7 +54,8 @@ struct RobotBodies {
   std::vector<int> coordinate;    // of each joint of the engine, in MultibodyState
   std::vector<engines::JointMechanics> mechanics;  // of the engine's joints
   std::vector<engines::JointCoupling> couplings;
-  /// Boxes with a pad on a face begin behind its foam, `thickness` below the pad's face.
+  /// Boxes and meshes with a flat pad on a face begin behind its foam, `thickness` below the pad's
+  /// face. Below other pads they stay whole, and who meets them minds the foam (RobotTouch).
   std::vector<Part> parts;
   std::vector<Pad> pads;
   std::vector<Carried> carried;

@@ -13,7 +13,8 @@ RobotSensors::RobotSensors(const robot::HandModel& hand, const TactileOptions& t
     const int number = static_cast<int>(pads_.size());
     pad_options_.push_back(tactile.of_pad(pad.model, number));
     pads_.emplace_back(tactile, pad.model, number);
-    frames_.emplace_back(static_cast<std::size_t>(pad.model.rows * pad.model.columns), 0);
+    frames_.emplace_back(pad.layout->size(), 0);
+    layouts_.push_back(pad.layout);
   }
   age_ = tactile.period;  // the first frame is due at once
 }
@@ -38,6 +39,9 @@ bool RobotSensors::frames_due(double h) {
 
 void RobotSensors::take_frame(std::size_t pad, const std::vector<double>& forces) {
   frames_[pad] = pads_[pad].sample(forces, age_).counts;
+  for (std::size_t i = 0; i < frames_[pad].size(); ++i) {
+    if (layouts_[pad]->area(i) == 0) frames_[pad][i] = 0;  // there is no cell to be noisy
+  }
   if (pad + 1 == pads_.size()) age_ = 0;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -37,6 +38,7 @@ class RobotSensors {
   std::vector<TactileSensorOptions> pad_options_;
   std::vector<PadElectronics> pads_;
   std::vector<std::vector<std::uint16_t>> frames_;
+  std::vector<std::shared_ptr<const contact::PadLayout>> layouts_;
   std::optional<WrenchSensor> wrist_;
   double age_ = 0;  // s, of the frames
 };

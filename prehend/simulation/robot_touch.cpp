@@ -22,6 +22,8 @@ constexpr int kMostCells = 40;                // along each side
 constexpr std::size_t kMostPartContacts = 4;  // of two links of which one is a mesh
 constexpr double kFaceOn = 0.99;              // cosine: nearer to a face's normal, it is the face
 constexpr double kBeforeFoam = 0.002;         // m, over a pad's face
+constexpr double kOnFace = 2e-4;              // m: nearer to a face's mesh, it is on it
+constexpr double kOverFace = 0.95;  // cosine: nearer to its normal, it is over or below it
 
 geometry::TriangleMesh mesh_of(const EngineShape& shape) {
   switch (shape.kind) {
@@ -138,6 +140,12 @@ void keep_apart(std::vector<engines::ConvexContact>& contacts, std::size_t most)
 RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
                        std::vector<Object> objects)
     : objects_(std::move(objects)) {
+  std::vector<std::shared_ptr<const geometry::MeshQuery>> faces;
+  for (const robot::HandPad& pad : pads) {
+    faces.push_back(pad.layout->is_flat()
+                        ? nullptr
+                        : std::make_shared<geometry::MeshQuery>(*pad.layout->face()));
+  }
   const int root = robot.body_of_link[0];
   for (const RobotBodies::Part& own : robot.parts) {
     const std::size_t body = static_cast<std::size_t>(own.body);
@@ -157,6 +165,8 @@ RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPa
               sample_surface(mesh, carried && !palm ? kArmSpacing : kPointSpacing),
               {},
               {},
+              {},
+              {},
               geometry::bounds(mesh),
               nullptr};
     part.normals_S = normals_at(part.points_S, geometry::MeshQuery(mesh));
@@ -170,10 +180,22 @@ RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPa
     }
     for (const RobotBodies::Pad& pad : robot.pads) {
       if (pad.body != own.body) continue;
-      const robot::TactilePadModel& model = pads[static_cast<std::size_t>(pad.pad)].model;
-      part.foams.push_back({pad.X_BP.inverse(Eigen::Isometry) * own.X_BS,
-                            {0.5 * model.width(), 0.5 * model.length()},
-                            model.thickness});
+      const robot::HandPad& of = pads[static_cast<std::size_t>(pad.pad)];
+      const RigidTransform X_PS = pad.X_BP.inverse(Eigen::Isometry) * own.X_BS;
+      if (of.layout->is_flat()) {
+        part.foams.push_back(
+            {X_PS, {0.5 * of.model.width(), 0.5 * of.model.length()}, of.model.thickness});
+      } else {
+        part.surface_foams.push_back(
+            {X_PS, faces.at(static_cast<std::size_t>(pad.pad)), of.model.thickness});
+      }
+    }
+    part.hard_S = part.points_S;
+    for (Eigen::Vector3d& p : part.hard_S) {
+      for (const FoamOnSurface& foam : part.surface_foams) {
+        const auto place = foam.find(p, foam.thickness + kBeforeFoam);
+        if (place) p -= std::max(0.0, foam.thickness - place->below) * place->out_S;
+      }
     }
     parts_.push_back(std::move(part));
   }
@@ -184,6 +206,34 @@ bool RobotTouch::Foam::holds(const Eigen::Vector3d& p_S) const {
   const Eigen::Vector3d p_P = X_PS * p_S;
   return p_P.z() > -thickness && p_P.z() < kBeforeFoam && std::abs(p_P.x()) <= half.x() &&
          std::abs(p_P.y()) <= half.y();
+}
+
+std::optional<RobotTouch::FoamOnSurface::Place> RobotTouch::FoamOnSurface::find(
+    const Eigen::Vector3d& p_S, double reach) const {
+  const Eigen::Vector3d p_P = X_PS * p_S;
+  if (face_P->box().squaredExteriorDistance(p_P) > reach * reach) return std::nullopt;
+  const auto nearest = face_P->nearest(p_P, reach);
+  if (!nearest) return std::nullopt;
+  const geometry::TriangleMesh& mesh = face_P->mesh();
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  const Eigen::Vector3d normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                                     .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
+                                     .normalized();
+  const double below = -normal.dot(p_P - nearest->point);
+  // Beside the face's rim the way to it is not along its normal.
+  if (nearest->distance > kOnFace && std::abs(below) < kOverFace * nearest->distance) {
+    return std::nullopt;
+  }
+  return Place{below, X_PS.linear().transpose() * normal};
+}
+
+double RobotTouch::Part::hard_depth(const Eigen::Vector3d& p_S, double depth) const {
+  double hard = depth;
+  for (const FoamOnSurface& foam : surface_foams) {
+    const auto place = foam.find(p_S, depth + foam.thickness + kBeforeFoam);
+    if (place) hard = std::min(hard, place->below - foam.thickness);
+  }
+  return hard;
 }
 
 RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
@@ -313,8 +363,8 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
                        [&p_S](const Foam& foam) { return foam.holds(p_S); });
   };
   const bool thin = near_[index].has_thin_walls;
-  for (std::size_t i = 0; i < part.points_S.size(); ++i) {
-    const Eigen::Vector3d& p_S = part.points_S[i];
+  for (std::size_t i = 0; i < part.hard_S.size(); ++i) {
+    const Eigen::Vector3d& p_S = part.hard_S[i];
     const Eigen::Vector3d p_B = X_BS * p_S;
     if (!box.contains(p_B) || in_foam(p_S)) continue;
     const Eigen::Vector3d outward = X_BS.linear() * part.normals_S[i];
@@ -333,6 +383,8 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
     if (!part_B.contains(p_B)) continue;
     const Eigen::Vector3d p_S = X_SB * p_B;
     if (!part.holds(p_S, normal, depth) || in_foam(p_S)) continue;
+    depth = part.hard_depth(p_S, depth);
+    if (!(depth > 0)) continue;
     add(object.body, part.body, X_WB * p_B, X_WS.linear() * normal, depth, touches);
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "prehend/contact/shape.h"
@@ -42,12 +43,25 @@ class RobotTouch : public engines::TouchFinder {
   const std::vector<Object>& objects() const { return objects_; }
 
  private:
-  /// Of a pad: what is in it, texels feel.
+  /// Of a flat pad: what is in it, texels feel.
   struct Foam {
     geometry::RigidTransform X_PS;
     Eigen::Vector2d half = Eigen::Vector2d::Zero();  // m
     double thickness = 0;                            // m
     bool holds(const Eigen::Vector3d& p_S) const;
+  };
+  /// Of any other pad, behind which its link is not cut away: what of the link is less than
+  /// `thickness` below the pad's face is foam.
+  struct FoamOnSurface {
+    geometry::RigidTransform X_PS;
+    std::shared_ptr<const geometry::MeshQuery> face_P;
+    double thickness = 0;  // m
+    struct Place {
+      double below = 0;       // m, the face; negative: over it
+      Eigen::Vector3d out_S;  // unit, the face's normal there
+    };
+    /// Where p_S is, if it is over or below the face and no more than `reach` [m] from it.
+    std::optional<Place> find(const Eigen::Vector3d& p_S, double reach) const;
   };
   struct Part {
     int body, finger, rank;
@@ -55,15 +69,19 @@ class RobotTouch : public engines::TouchFinder {
     engines::EngineShape shape;
     geometry::RigidTransform X_BS;
     contact::Shape felt;
-    double radius;                           // m, of a ball round S's origin that holds it
-    std::vector<Eigen::Vector3d> points_S;   // m
+    double radius;                          // m, of a ball round S's origin that holds it
+    std::vector<Eigen::Vector3d> points_S;  // m, on its surface
+    std::vector<Eigen::Vector3d> hard_S;    // m, the same, those in a FoamOnSurface moved behind it
     std::vector<Eigen::Vector3d> normals_S;  // there, outward; on edges the mean of the faces'
     std::vector<Foam> foams;
+    std::vector<FoamOnSurface> surface_foams;
     Eigen::AlignedBox3d box_S;                        // m
     std::shared_ptr<const geometry::MeshQuery> mesh;  // of a mesh; `shape` and `felt` mean nothing
 
     /// Whether a point is inside, less than kDeepest deep, and the nearest face's normal.
     bool holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S, double& depth) const;
+    /// How deep a point that is `depth` [m] inside is in what is no foam [m]; at most 0: in foam.
+    double hard_depth(const Eigen::Vector3d& p_S, double depth) const;
   };
   /// Distances to an object's surface over a grid of cells: what is far is not asked, what is
   /// outside not farther than it matters.

@@ -96,12 +96,8 @@ void RobotWorld::Implementation::build() {
   scene.joints = robot.joints;
   for (engines::EngineBody& body : scene.bodies) body.collides = false;  // RobotTouch meets them
   for (const RobotBodies::Pad& pad : robot.pads) {
-    const robot::TactilePadModel& model = hand_model.pads[static_cast<std::size_t>(pad.pad)].model;
-    scene.pads.push_back(
-        {pad.body,
-         pad.X_BP,
-         {model.rows, model.columns, model.width(), model.length(), model.thickness},
-         model.law});
+    const robot::HandPad& model = hand_model.pads[static_cast<std::size_t>(pad.pad)];
+    scene.pads.push_back({pad.body, pad.X_BP, *model.layout, model.model.law});
   }
   std::vector<RobotTouch::Object> touched;
   for (Thing& thing : things) {

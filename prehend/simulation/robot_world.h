@@ -59,8 +59,8 @@ struct LinkContact {
 /// What a hand's pad feels: the points that press on its face, each on the texel below it.
 struct HandPadReading {
   std::string name;
-  int rows = 0, columns = 0;
-  std::vector<double> force;  // N, rows * columns
+  int rows = 0, columns = 0;  // a mesh's cells are one row
+  std::vector<double> force;  // N, rows * columns; of cells left out 0
   double sum = 0;             // N
   /// What its electronics show, rows * columns: of an ideal pad the present forces, else the last
   /// frame.

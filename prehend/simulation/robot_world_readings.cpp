@@ -166,9 +166,7 @@ double RobotWorld::Implementation::pad_normal_force(int body) const {
 }
 
 std::vector<double> RobotWorld::Implementation::pad_forces(std::size_t pad) const {
-  const robot::TactilePadModel& model = hand_model.pads[pad].model;
-  std::vector<double> forces(static_cast<std::size_t>(model.rows) *
-                             static_cast<std::size_t>(model.columns));
+  std::vector<double> forces(hand_model.pads[pad].layout->size());
   engines::add_pad_forces(system->pad_touches(), state.pads, static_cast<int>(pad), forces);
   return forces;
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "msgs/convert/tactile_cells.h"
+
 namespace prehend::convert {
 namespace {
 
@@ -21,7 +23,7 @@ TEST(Touch, OfThePadsThatFeelSomethingWithTheirImages) {
   one.counts[7] = 200;
   one.sum = 0.14;
   one.area = 1.2e-5;
-  one.center_P = {0.002, -0.01};
+  one.center_P = {0.002, -0.01, -0.003};
   touch.stopped = Eigen::VectorXd::LinSpaced(hand.size(), 0, 0.6);
   msgs::PredictedPercepts percepts;
   percepts.set_lifted_mass(0.4);
@@ -37,6 +39,7 @@ TEST(Touch, OfThePadsThatFeelSomethingWithTheirImages) {
   EXPECT_EQ(image.sum(), 0.14);
   EXPECT_EQ(percepts.pads(0).contact_area(), 1.2e-5);
   EXPECT_EQ(percepts.pads(0).center().y(), -0.01);
+  EXPECT_EQ(percepts.pads(0).center().z(), -0.003) << "of a curved pad";
   ASSERT_EQ(percepts.stop_position_size(), hand.size());
   EXPECT_EQ(percepts.stop_position(hand.size() - 1), 0.6);
 }
@@ -50,6 +53,40 @@ TEST(Touch, OrWhyItIsNotKnown) {
   EXPECT_EQ(percepts.not_predicted(), touch.problem);
   EXPECT_EQ(percepts.pads_size(), 0);
   EXPECT_EQ(percepts.stop_position_size(), 0);
+}
+
+// What a consumer needs for the centre of pressure: by the message alone, of a half-ball that is
+// pressed evenly it lies half a radius up (Archimedes: each slice has the same area).
+TEST(Touch, ACurvedPadsCellsTellTheCentreOfPressure) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/ball_probe.yaml");
+  const msgs::TactileCells message = cells_message(hand);
+  ASSERT_EQ(message.pads_size(), 1);
+  const msgs::PadCells& pad = message.pads(0);
+  EXPECT_EQ(pad.name(), "tip");
+  EXPECT_EQ(pad.link(), "tip");
+  EXPECT_EQ(pad.thickness(), 0.003);
+  const int cells = static_cast<int>(pad.rows() * pad.columns());
+  ASSERT_EQ(pad.area_size(), cells);
+  ASSERT_EQ(pad.position_size(), 3 * cells);
+  ASSERT_EQ(pad.normal_size(), 3 * cells);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero(), normal = centre;
+  double area = 0;
+  for (int i = 0; i < cells; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      centre[k] += pad.area(i) * pad.position(3 * i + k);
+      normal[k] += pad.area(i) * pad.normal(3 * i + k);
+    }
+    area += pad.area(i);
+  }
+  EXPECT_LT((centre / area - Eigen::Vector3d(0, 0, 0.005)).norm(), 1e-4);
+  EXPECT_GT(normal.normalized().z(), 1 - 1e-9);
+  const msgs::TactileCells barrett =
+      cells_message(robot::read_hand_model("config/robots/bh8.yaml"));
+  for (const msgs::PadCells& one : barrett.pads()) {
+    int there = 0;
+    for (const double of : one.area()) there += of > 0;
+    EXPECT_EQ(there, 24) << one.name();
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/graph/registry.h"
+#include "tests/robot/without_pads.h"
 #include "tests/system/launched.h"
 
 namespace prehend::testing {
@@ -42,15 +43,16 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper_closing_speed:=0.01"}),
               HasSubstr("'gripper_closing_speed' does not apply with platform kr5_sdh"));
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=5"}), HasSubstr("its force is planned"));
+  const std::string unfeeling =
+      "platform:=" + platform_without_pads(scratch_.path() / "robots").string();
   for (const char* parameter : {"grip_force:=5", "touch_force:=1", "touch_counts:=5"}) {
-    EXPECT_THAT(refusal({"platform:=pa10_barrett", parameter}),
-                HasSubstr("its hand has no tactile pads"));
+    EXPECT_THAT(refusal({unfeeling, parameter}), HasSubstr("its hand has no tactile pads"));
   }
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "reacts:=true", "adaptations:=1"}),
               HasSubstr("its jaws meet in the middle"));
   EXPECT_THAT(refusal({"platform:=stage_pg70", "reacts:=true", "shift_tolerance:=0.01"}),
               HasSubstr("its jaws meet in the middle"));
-  EXPECT_THAT(refusal({"platform:=pa10_barrett", "reacts:=true", "adaptations:=1"}),
+  EXPECT_THAT(refusal({unfeeling, "reacts:=true", "adaptations:=1"}),
               HasSubstr("where its motors stop is not predicted"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "reacts:=false", "adaptations:=1"}),
               HasSubstr("with reacts:=false"));

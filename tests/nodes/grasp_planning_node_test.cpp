@@ -19,6 +19,7 @@
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
 #include "prehend/surface/model.h"
+#include "tests/robot/without_pads.h"
 #include "tests/system/launched.h"
 
 namespace prehend::testing {
@@ -212,9 +213,11 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "gripper:=config/robots/pg70_dsa.yaml"}),
               HasSubstr("gripper does not apply: the platform has its own hand"));
   EXPECT_THAT(refusal({"platform:="}), HasSubstr("There is no platform ''"));
-  EXPECT_THAT(refusal({"platform:=pa10_barrett", "grip_force:=8"}),
+  const std::string unfeeling =
+      "platform:=" + platform_without_pads(scratch_.path() / "robots").string();
+  EXPECT_THAT(refusal({unfeeling, "grip_force:=8"}),
               HasSubstr("'grip_force' does not apply with the hand 'bh8': it has no tactile pads"));
-  EXPECT_THAT(refusal({"platform:=pa10_barrett", "predict_touch:=true"}),
+  EXPECT_THAT(refusal({unfeeling, "predict_touch:=true"}),
               HasSubstr("'predict_touch' does not apply with the hand 'bh8'"));
   EXPECT_THAT(refusal({"platform:=stage_pg70", "predict_touch:=true"}),
               HasSubstr("'predict_touch' does not apply with the hand 'pg70'"));

@@ -63,5 +63,26 @@ TEST(TouchSection, SaysWhyNothingWasPredictedAndThatNothingWasTouched) {
   EXPECT_THAT(page_of(Collected()), HasSubstr("Nothing was touched."));
 }
 
+// A pad that is no grid is one row of counts; where its cells are known, they are drawn there.
+TEST(TouchSection, CellsOfACurvedPadAreDrawnWhereTheyAre) {
+  Collected collected;
+  msgs::TactileFrame frame = frame_of("tip", 300);
+  frame.set_rows(1);
+  frame.set_columns(2);
+  collected.snapshots.push_back({control::Phase::kGrasp, {{"tip", frame}}});
+  const std::string row = page_of(collected);
+  EXPECT_THAT(row, HasSubstr("tip pad, end of grasp: 3.0 N"));
+  msgs::PadCells& cells = collected.cells["tip"];
+  cells.set_rows(1);
+  cells.set_columns(2);
+  for (const double x : {0.0, 0.0, 0.01, 0.0, 0.008, 0.006}) cells.add_position(x);
+  for (const double x : {0.0, 0.0, 1.0, 0.0, 0.8, 0.6}) cells.add_normal(x);
+  for (int i = 0; i < 2; ++i) cells.add_area(1e-5);
+  const std::string placed = page_of(collected);
+  EXPECT_NE(placed, row);
+  cells.add_area(1e-5);
+  EXPECT_EQ(page_of(collected), row) << "cells of another pad";
+}
+
 }  // namespace
 }  // namespace prehend::nodes

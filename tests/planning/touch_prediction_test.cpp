@@ -142,7 +142,8 @@ TEST(TouchPrediction, ATiltedTableChangesNothing) {
 }
 
 TEST(TouchPrediction, AHandWithoutPadsIsTold) {
-  const robot::HandModel hand = hand_of("bh8");
+  robot::HandModel hand = hand_of("bh8");
+  hand.pads.clear();
   const PredictedTouch touch =
       predict_touch(hand, from_above(hand, "spread_0", 0.09, 1.0), box({0.06, 0.06, 0.14}));
   EXPECT_EQ(touch.outcome, TouchOutcome::kNoPads);

@@ -159,6 +159,15 @@ TEST(Pictures, ValuesMasksAndTactileImages) {
   EXPECT_EQ(pad.at(15, 5), (Rgb{255, 255, 255}));
   EXPECT_LT(pad.at(5, 5)[0], 30);
   EXPECT_THROW(draw_tactile({0}, 1, 2, 1.0), std::invalid_argument);
+  // Two cells over one another, the upper one pressed; the gap between them is no cell.
+  const ColorImage cells = draw_cells({{{0, 0.03}, 0.01, 1}, {{0, 0}, 0.01, 0}}, 1.0, 40);
+  EXPECT_EQ(cells.width, 10);
+  EXPECT_EQ(cells.height, 40);
+  EXPECT_EQ(cells.at(4, 4), (Rgb{255, 255, 255})) << "y is up";
+  EXPECT_LT(cells.at(4, 34)[0], 30);
+  EXPECT_EQ(cells.at(4, 20), (Rgb{70, 70, 70}));
+  EXPECT_THROW(draw_cells({}, 1.0), std::invalid_argument);
+  EXPECT_THROW(draw_cells({{{0, 0}, 0, 1}}, 1.0), std::invalid_argument);
   EXPECT_THROW(encode_png(ColorImage{}), std::runtime_error);
 }
 

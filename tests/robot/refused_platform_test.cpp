@@ -10,6 +10,7 @@
 #include "prehend/robot/robot_files.h"
 #include "tests/robot/as_meshes.h"
 #include "tests/robot/robot_file.h"
+#include "tests/robot/without_pads.h"
 
 namespace prehend::robot {
 namespace {
@@ -265,7 +266,7 @@ TEST_F(NamedRobot, AFingerWithoutShapesCouldTouchNothing) {
 TEST_F(NamedRobot, AHandIsNoPlatformAndMayHaveNoPads) {
   EXPECT_THAT(error_of([&] { read_platform(folder_ / "sdh2.yaml"); }),
               HasSubstr("sdh2.yaml is a hand, and no platform"));
-  EXPECT_TRUE(read_platform(folder_ / "pa10_barrett.yaml").hand.pads.empty());
+  EXPECT_TRUE(read_platform(platform_without_pads(folder_)).hand.pads.empty());
 }
 
 TEST_F(NamedRobot, IsANameInTheFolderOrAFilesPath) {

@@ -262,6 +262,40 @@ TEST_P(EachEngine, PadsBearAStaticLoad) {
   EXPECT_NEAR(depth, weight / 84e3, tolerance * weight / 84e3 + 0.1 * tolerance * 1e-4);
 }
 
+// A plate of 0.3 kg on a rail sinks onto a fixed half-ball of foam until the integral over the cap,
+// pi R k' d^2, bears it (tests/contact/curved_pads_test.cpp).
+TEST_P(EachEngine, ARoundPadBearsAStaticLoad) {
+  constexpr double kRadius = 0.01;
+  geometry::TriangleMesh ball = geometry::make_sphere(kRadius, 128);
+  std::erase_if(ball.triangles, [&](const Eigen::Vector3i& t) {
+    return ball.vertices[t[0]].z() + ball.vertices[t[1]].z() + ball.vertices[t[2]].z() < 0;
+  });
+  EngineScene scene;
+  scene.bodies = {box(0.3, {0.05, 0.05, 0.02}, {0, 0, 0.0199}),
+                  box(1, {0.01, 0.01, 0.01}, {0, 0, -0.02})};
+  for (EngineBody& body : scene.bodies) body.friction = 1e-3;
+  scene.bodies[1].is_fixed = true;
+  EngineJoint rail;
+  rail.body = 0;
+  rail.axis_W = Eigen::Vector3d::UnitZ();
+  scene.joints = {rail};
+  EnginePad pad;
+  pad.body = 1;
+  pad.X_BP.translation().z() = 0.02;
+  pad.layout = contact::PadLayout::curved(ball, 0.003);
+  scene.pads = {pad};
+  if (!load(scene, "load")) return;
+  run(0.5);
+  const double weight = 0.3 * 9.81;
+  const double depth = kRadius + 0.01 - engine_->body(0).X_WB.translation().z();
+  const double stiffness = pad.law.stiffness / contact::kReferenceTexelArea;
+  EXPECT_NEAR(M_PI * kRadius * stiffness * depth * depth, weight, 0.03 * weight);
+  // Texels press along their normals: their sum is a little more than what they bear.
+  const double sum = total(engine_->pad_forces(0));
+  EXPECT_GT(sum, weight);
+  EXPECT_LT(sum, 1.1 * weight);
+}
+
 TEST_P(EachEngine, PadsHoldACube) {
   EngineScene scene = pressed_cube(true);
   for (EnginePad& pad : scene.pads) {

@@ -252,7 +252,7 @@ TEST_F(Plan, NamesWhatIsWrong) {
               AllOf(HasSubstr("no platform"), HasSubstr("nearest is 'kr5_sdh'")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--hand", "gripper"}),
-              AllOf(HasSubstr("no hand"), HasSubstr("bh8, pg70, sdh2")));
+              AllOf(HasSubstr("no hand"), HasSubstr("ball_probe, bh8, pg70, sdh2")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({box({0.04, 0.05, 0.1}), "--generators", "antipodel"}), HasSubstr("antipodal"));
   EXPECT_EQ(exit_code_, 1);

@@ -301,10 +301,7 @@ class FingersAdvancing {
       const RigidTransform X_PW = (X_WL * pad.X_LP).inverse();
       const Vector3d p = X_PW * contact.contact_W.point;
       const Vector3d n = X_PW.linear() * contact.contact_W.normal;
-      if (std::abs(p.x()) <= pad.model.width() / 2 && std::abs(p.y()) <= pad.model.length() / 2 &&
-          n.z() > 0.7) {
-        contact.pad = static_cast<int>(i);
-      }
+      if (pad.covers(p, n)) contact.pad = static_cast<int>(i);
     }
   }
 

@@ -83,6 +83,6 @@ class ClosingMethod {
 
 /// Of ClosingMethod, Closing and what they are given: a plug-in that was built for another one is
 /// not loaded.
-constexpr int kClosingInterface = 1;
+constexpr int kClosingInterface = 2;
 
 }  // namespace prehend::grasp

@@ -348,8 +348,7 @@ HandReach hand_reach(const HandToClose& hand, const robot::Preshape& preshape) {
   }
   reach.max_opening = std::isfinite(inner[0] - inner[1]) ? std::max(0.0, inner[0] - inner[1]) : 0;
   reach.pad_length = 0.04;
-  for (const auto& pad : model.pads)
-    reach.pad_length = std::max(reach.pad_length, pad.model.length());
+  for (const auto& pad : model.pads) reach.pad_length = std::max(reach.pad_length, pad.length());
   return reach;
 }
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "prehend/contact/pad_grid.h"
+#include "prehend/contact/pad_layout.h"
 #include "prehend/contact/texel_law.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
@@ -70,7 +70,7 @@ struct EngineJoint {
 struct EnginePad {
   int body = 0;
   geometry::RigidTransform X_BP = geometry::RigidTransform::Identity();
-  contact::PadGrid grid;
+  contact::PadLayout layout = contact::PadLayout::flat({});
   contact::TexelLaw law;
 };
 
@@ -154,6 +154,6 @@ void validate(const EngineScene& scene);
 
 // What a plug-in exports, extern "C": prehend_engine_interface() returns kEngineInterface, and
 // prehend_create_engine() a new Engine.
-constexpr int kEngineInterface = 4;
+constexpr int kEngineInterface = 5;
 
 }  // namespace prehend::simulation::engines

@@ -107,9 +107,8 @@ void GraspEngine::load(const EngineScene& scene) {
   }
   for (const EnginePad& pad : scene.pads) {
     const EngineBody& carrier = scene.bodies[pad.body];
-    contact::PadMount mount{contact::PadLayout::flat(pad.grid), mounted_law(pad, carrier, body),
-                            carrier.X_WB * pad.X_BP, joint_of_body[pad.body],
-                            Eigen::Vector3d::Zero()};
+    contact::PadMount mount{pad.layout, mounted_law(pad, carrier, body), carrier.X_WB * pad.X_BP,
+                            joint_of_body[pad.body], Eigen::Vector3d::Zero()};
     if (mount.slide >= 0) mount.direction_G = scene.joints[mount.slide].axis_W;
     model.pads.push_back(std::move(mount));
   }

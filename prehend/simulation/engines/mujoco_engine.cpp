@@ -3,6 +3,7 @@
 // A pad by PadMethod::kOwnContacts becomes one small ball for each texel, with MuJoCo's softness.
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <iomanip>
 #include <sstream>
@@ -118,8 +119,7 @@ class MujocoEngine : public Engine {
   }
 
   std::vector<double> pad_forces(int pad) const override {
-    const contact::PadGrid& grid = scene_.pads.at(pad).grid;
-    std::vector<double> forces(static_cast<std::size_t>(grid.rows) * grid.columns, 0.0);
+    std::vector<double> forces(scene_.pads.at(pad).layout.size(), 0.0);
     const int first = mj_name2id(model_, mjOBJ_GEOM, texel_name(pad, 0).c_str());
     for (int c = 0; c < data_->ncon; ++c) {
       const mjContact& contact = data_->contact[c];
@@ -295,14 +295,13 @@ class MujocoEngine : public Engine {
     for (std::size_t p = 0; p < scene_.pads.size(); ++p) {
       const EnginePad& pad = scene_.pads[p];
       if (pad.body != body) continue;
-      const double dx = pad.grid.width / pad.grid.columns, dy = pad.grid.length / pad.grid.rows;
-      const double radius = 0.4 * std::min(dx, dy);
-      for (int t = 0; t < pad.grid.rows * pad.grid.columns; ++t) {
-        const Eigen::Vector3d p_P((t % pad.grid.columns + 0.5) * dx - 0.5 * pad.grid.width,
-                                  0.5 * pad.grid.length - (t / pad.grid.columns + 0.5) * dy,
-                                  -radius);
-        xml << "<geom name=\"" << texel_name(static_cast<int>(p), t) << "\" type=\"sphere\" size=\""
-            << radius << "\" mass=\"0\" pos=\"" << text(pad.X_BP * p_P) << "\"/>";
+      const contact::PadLayout& layout = pad.layout;
+      const double radius = 0.4 * std::sqrt(layout.area() / static_cast<double>(layout.cells()));
+      for (std::size_t t = 0; t < layout.size(); ++t) {
+        const Eigen::Vector3d p_P = layout.position(t) - radius * layout.normal(t);
+        xml << "<geom name=\"" << texel_name(static_cast<int>(p), static_cast<int>(t))
+            << "\" type=\"sphere\" size=\"" << radius << "\" mass=\"0\" pos=\""
+            << text(pad.X_BP * p_P) << "\"/>";
       }
     }
   }
@@ -352,10 +351,12 @@ class MujocoEngine : public Engine {
   void write_pad_pairs(int padded, int other, double friction, std::ostringstream& xml) const {
     for (std::size_t p = 0; p < scene_.pads.size(); ++p) {
       if (scene_.pads[p].body != padded) continue;
-      const int texels = scene_.pads[p].grid.rows * scene_.pads[p].grid.columns;
-      for (int t = 0; t < texels; ++t) {
+      const contact::PadLayout& layout = scene_.pads[p].layout;
+      for (std::size_t t = 0; t < layout.size(); ++t) {
+        if (layout.area(t) == 0) continue;
         for (int k = 0; k < geom_count(other); ++k) {
-          write_pair(geom_name(other, k), texel_name(static_cast<int>(p), t), friction, xml);
+          write_pair(geom_name(other, k), texel_name(static_cast<int>(p), static_cast<int>(t)),
+                     friction, xml);
         }
       }
     }

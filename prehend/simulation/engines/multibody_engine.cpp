@@ -105,8 +105,7 @@ void MultibodyEngine::step() {
 }
 
 std::vector<double> MultibodyEngine::pad_forces(int pad) const {
-  const contact::PadGrid& grid = scene_.pads.at(pad).grid;
-  std::vector<double> forces(static_cast<std::size_t>(grid.rows) * grid.columns, 0.0);
+  std::vector<double> forces(scene_.pads.at(pad).layout.size(), 0.0);
   add_pad_forces(system_->pad_touches(), state_.pads, pad, forces);
   return forces;
 }

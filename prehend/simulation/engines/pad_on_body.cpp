@@ -36,7 +36,7 @@ PadOnBody::PadOnBody(const EngineScene& scene, int pad_index, int body_index)
       body(body_index),
       X_CP(scene.pads[pad_index].X_BP),
       X_BS(scene.bodies[body_index].X_BS),
-      layout(contact::PadLayout::flat(scene.pads[pad_index].grid)),
+      layout(scene.pads[pad_index].layout),
       reach(layout),
       shape(scene.bodies[body_index].felt ? *scene.bodies[body_index].felt
                                           : felt_shape(scene.bodies[body_index].shape)),

@@ -59,8 +59,8 @@ struct Rates {
 // Of all the pad's texels together, the stiffer of normal and tangential.
 Rates whole_pad(const EnginePad& pad) {
   const contact::TexelLaw& law = pad.law;
-  const contact::NormalResponse normal = contact::normal_response(law, pad.grid.thickness, 0);
-  const double texels = pad.grid.width * pad.grid.length / contact::kReferenceTexelArea;
+  const contact::NormalResponse normal = contact::normal_response(law, pad.layout.thickness(), 0);
+  const double texels = pad.layout.area() / contact::kReferenceTexelArea;
   return {texels * std::max(normal.stiffness, law.bristle_stiffness),
           texels * std::max(normal.damping, law.bristle_damping + law.viscous_friction)};
 }
@@ -193,8 +193,7 @@ void SubsteppedPads::set_body_wrench(int body, const Vector6& wrench_W) {
 
 std::vector<double> SubsteppedPads::pad_forces(int pad) const {
   if (touches_.empty()) return engine_->pad_forces(pad);
-  const contact::PadGrid& grid = scene_.pads.at(pad).grid;
-  std::vector<double> forces(static_cast<std::size_t>(grid.rows) * grid.columns, 0.0);
+  std::vector<double> forces(scene_.pads.at(pad).layout.size(), 0.0);
   add_pad_forces(touches_, states_, pad, forces);
   return forces;
 }
