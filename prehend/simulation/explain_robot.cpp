@@ -111,11 +111,13 @@ void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
   if (hand_model.pads.empty()) {
     out.modelled.push_back({"pads", "none: nothing is felt but at the wrist and by the motors"});
   }
-  for (const robot::HandPad& pad : hand_model.pads) {
+  for (std::size_t i = 0; i < hand_model.pads.size(); ++i) {
+    const robot::HandPad& pad = hand_model.pads[i];
+    const contact::TexelLaw law = options.tactile.law_of(pad.model, static_cast<int>(i));
     out.modelled.push_back(
         {"pad " + pad.name,
          explained_text("%d x %d texels: %s; electronics %s", pad.model.rows, pad.model.columns,
-                        law_text(pad.model.law).c_str(), electronics.c_str())});
+                        law_text(law).c_str(), electronics.c_str())});
   }
   out.modelled.push_back({"wrist", options.wrench ? "force and torque sensor with its errors"
                                                   : "forces and torques as they are"});

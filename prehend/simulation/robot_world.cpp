@@ -101,7 +101,7 @@ void RobotWorld::Implementation::build() {
         {pad.body,
          pad.X_BP,
          {model.rows, model.columns, model.width(), model.length(), model.thickness},
-         model.law});
+         options.tactile.law_of(model, pad.pad)});
   }
   std::vector<RobotTouch::Object> touched;
   for (Thing& thing : things) {
