@@ -65,6 +65,7 @@ simulation::Scene scene_of(const robot::Platform& platform, const StageCycleOpti
     const auto ideal = scene.tactile.sensor;
     scene.tactile.sensor = simulation::TactileSensorOptions::realistic();
     scene.tactile.sensor.threshold = ideal.threshold;
+    scene.tactile.foam = contact::FoamMemory::realistic();
   }
   simulation::SceneObject box;
   box.name = "box";

@@ -79,4 +79,8 @@ double CompressionCurve::stiffness(double depth) const {
          t * (t - 2 * s) * b.slope;
 }
 
+double CompressionCurve::mean_stiffness() const {
+  return knots_.back().force / knots_.back().depth;
+}
+
 }  // namespace prehend::contact

@@ -20,6 +20,7 @@ class CompressionCurve {
 
   double force(double depth) const;      // N; zero for depth <= 0
   double stiffness(double depth) const;  // N/m, the derivative; that of depth 0 below 0
+  double mean_stiffness() const;         // N/m, last sample's force over its depth
 
  private:
   struct Knot {

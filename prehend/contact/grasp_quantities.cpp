@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prehend/contact/foam.h"
 #include "prehend/contact/grasp_system.h"
 #include "prehend/contact/pad_readings.h"
 #include "prehend/contact/rotation.h"
@@ -57,6 +58,7 @@ double GraspSystem::energy(const GraspState& state) const {
              (mount.law.stiffness * depth * depth +
               mount.law.bristle_stiffness *
                   (pad.bristle_u[i] * pad.bristle_u[i] + pad.bristle_v[i] * pad.bristle_v[i]));
+      sum += mount.layout.scale[i] * foam_energy(mount.layout, mount.law, pad, i);
     }
   }
   for (std::size_t i = 0; model_.ground && i < state.ground_bristles.size(); ++i) {

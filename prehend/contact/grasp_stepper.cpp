@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "prehend/contact/foam.h"
 #include "prehend/contact/require.h"
 #include "prehend/contact/sdirk.h"
 
@@ -59,7 +60,8 @@ void GraspStepper::set_state(const GraspState& state) {
   bool fits = same(state.pads, state_.pads) && same(state.slide_position, state_.slide_position) &&
               same(state.ground_bristles, state_.ground_bristles);
   for (std::size_t k = 0; fits && k < state.pads.size(); ++k) {
-    fits = same(state.pads[k].depth, state_.pads[k].depth);
+    fits = same(state.pads[k].depth, state_.pads[k].depth) &&
+           same(state.pads[k].foam, state_.pads[k].foam);
   }
   if (!fits) throw std::invalid_argument("the state is of another model than the stepper's");
   state_ = state;
@@ -173,6 +175,10 @@ double GraspStepper::error_of(double h) {
   next_slope_ = (velocities_[2] - next_slope_) / d1;
   middle_slope_ = (velocities_[1] - velocities_[0]) / d1;
   double worst = error(velocities_[0], velocities_[1], velocities_[2]);
+  for (std::size_t k = 0; k < state_.pads.size(); ++k) {
+    const PadMount& pad = system_.model().pads[k];
+    worst = std::max(worst, foam_step_error(pad.layout, pad.law, h, state_.pads[k], next_.pads[k]));
+  }
   if (has_slope_) worst = std::max(worst, kDecayTime * error(slope_, middle_slope_, next_slope_));
   return worst;
 }

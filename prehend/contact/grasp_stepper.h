@@ -35,9 +35,10 @@ struct StepOptions {
 ///
 /// Adaptive: the local error 0.0404 h^3 |y'''| of that method, y''' by the second divided
 /// difference of the slopes at t, t + gamma h and t + h, for positions and for velocities; an error
-/// in velocity counts as what it moves within 10 ms, the time in which a grasp's modes decay.
-/// Events end a step: commands (the caller calls restart()), touch-down (the step is cut to the
-/// time to touch), impact and stick-slip (the estimate rejects the step until they are resolved).
+/// in velocity counts as what it moves within 10 ms, the time in which a grasp's modes decay. A
+/// foam that remembers adds foam_step_error(). Events end a step: commands (the caller calls
+/// restart()), touch-down (the step is cut to the time to touch), impact and stick-slip (the
+/// estimate rejects the step until they are resolved).
 class GraspStepper {
  public:
   /// @throws std::invalid_argument naming the option that is not finite and positive.

@@ -45,7 +45,7 @@ GraspState GraspSystem::initial_state() const {
   for (const SlideModel& slide : model_.slides) state.slide_position.push_back(slide.start);
   state.slide_velocity.resize(model_.slides.size(), 0.0);
   state.slide_bristle = state.slide_force = state.slide_velocity;
-  for (const PadMount& pad : model_.pads) state.pads.emplace_back(pad.layout);
+  for (const PadMount& pad : model_.pads) state.pads.emplace_back(pad.layout, pad.law);
   state.ground_bristles.resize(ground_work_.size(), Eigen::Vector3d::Zero());
   state.ground_forces.resize(ground_work_.size(), 0.0);
   return state;
@@ -238,6 +238,8 @@ void GraspSystem::implicit_euler(const GraspState& base, double h, double t_end,
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     end.pads[k].bristle_u = base.pads[k].bristle_u;
     end.pads[k].bristle_v = base.pads[k].bristle_v;
+    end.pads[k].foam = base.pads[k].foam;
+    end.pads[k].foam_due = base.pads[k].foam_due;
   }
   base_bristles_ = &base.ground_bristles;
   Guess guess = guess_from(guess_state);
@@ -288,10 +290,7 @@ void GraspSystem::finish(const GraspState& base, double h, double t_end, const G
   for (std::size_t k = 0; k < pad_work_.size(); ++k) {
     PadState& pad = end.pads[k];
     if (!pad_work_[k].near || pad_work_[k].response.pressing == 0) {
-      for (auto* values :
-           {&pad.bristle_u, &pad.bristle_v, &pad.normal_force, &pad.friction_u, &pad.friction_v}) {
-        std::fill(values->begin(), values->end(), 0.0);
-      }
+      release(model_.pads[k].layout, model_.pads[k].law, h, pad);
       continue;
     }
     advance(model_.pads[k].layout, model_.pads[k].law, h, twist_on(k, solved, base.p_WB), pad,

@@ -85,7 +85,8 @@ class GraspSystem {
 
   double body_radius() const { return body_radius_; }  // m, of a ball round B that holds the body
   geometry::RigidTransform pad_pose(const GraspState& state, int pad) const;  // X_WP
-  /// Kinetic, gravity, normal springs (linear law), bristles of pads and ground [J].
+  /// Kinetic, gravity, normal springs (linear law, and the foam's), bristles of pads and ground
+  /// [J].
   double energy(const GraspState& state) const;
   /// Sum of a pad's normal forces in the last step [N].
   double pad_force(const GraspState& state, int pad) const;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/contact/foam.h"
 #include "prehend/contact/texel.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -122,7 +123,8 @@ int RespondTexels(const PadLayout& pad, const TexelLaw& law, double h, const Vec
                   const PadState& state, PadScratch& scratch, double* sums) {
   const D d;
   const V zero = hn::Zero(d);
-  const bool tabled = law.normal_law != NormalLaw::kLinear;  // offset and damping are given
+  // Offset and damping are given.
+  const bool tabled = law.normal_law != NormalLaw::kLinear || law.memory.terms() > 0;
   const V stiffness = hn::Set(d, law.stiffness), damping = hn::Set(d, law.damping);
   const V gap_damping = hn::Set(d, h * law.stiffness);
   const V hs = hn::Set(d, h);
@@ -335,11 +337,15 @@ void fill(const double* s, PadResponse& response) {
   A.bottomRightCorner<3, 3>() += turning;
 }
 
-// The laws whose slope changes with depth, one texel at a time.
+// The laws whose slope changes with depth or with what was, one texel at a time.
 void linearise_normal(const PadLayout& pad, const TexelLaw& law, double h, const Vector6& twist,
                       const PadState& state, PadScratch& scratch) {
   std::vector<double>& rates = scratch.inverse_decay;  // free until the vector pass
   HWY_DYNAMIC_DISPATCH(Rates)(pad, state, twist, rates.data());
+  if (law.memory.terms() > 0) {
+    return linearise_foam(pad, law, h, rates.data(), state, scratch.normal_offset.data(),
+                          scratch.normal_damping.data());
+  }
   for (std::size_t i = 0; i < pad.padded_size(); ++i) {
     const double depth = state.depth[i], rate = rates[i];
     const NormalResponse normal = normal_response(law, depth + h * rate, rate);
@@ -355,7 +361,7 @@ void linearise_normal(const PadLayout& pad, const TexelLaw& law, double h, const
 
 void respond(const PadLayout& pad, const TexelLaw& law, double h, const Vector6& twist_guess,
              const PadState& state, PadScratch& scratch, PadResponse& response) {
-  if (law.normal_law != NormalLaw::kLinear) {
+  if (law.normal_law != NormalLaw::kLinear || law.memory.terms() > 0) {
     linearise_normal(pad, law, h, twist_guess, state, scratch);
   }
   double sums[Sum::kSums];
@@ -364,18 +370,43 @@ void respond(const PadLayout& pad, const TexelLaw& law, double h, const Vector6&
 }
 
 void advance(const PadLayout& pad, const TexelLaw& law, double h, const Vector6& twist,
-             PadState& state, const PadScratch& scratch) {
+             PadState& state, PadScratch& scratch) {
   HWY_DYNAMIC_DISPATCH(Advance)(pad, law, h, twist, state, scratch);
+  if (law.memory.terms() == 0) return;
+  std::vector<double>& rates = scratch.inverse_decay;  // not needed any more
+  HWY_DYNAMIC_DISPATCH(Rates)(pad, state, twist, rates.data());
+  advance_foam(pad, law, h, rates.data(), state);
+}
+
+void release(PadState& state) {
+  for (auto* values : {&state.bristle_u, &state.bristle_v, &state.normal_force, &state.friction_u,
+                       &state.friction_v}) {
+    std::fill(values->begin(), values->end(), 0.0);
+  }
+}
+
+void release(const PadLayout& pad, const TexelLaw& law, double h, PadState& state) {
+  release(state);
+  if (law.memory.terms() > 0) advance_foam(pad, law, h, nullptr, state);
 }
 
 Vector6 explicit_step(const PadLayout& pad, const TexelLaw& law, double h, const Vector6& twist,
                       PadState& state) {
   Vector6 wrench = Vector6::Zero();
+  const std::vector<double> at_rest(law.memory.terms() > 0 ? pad.padded_size() : 0, 0.0);
+  std::vector<double> offset(at_rest), slope(at_rest);
+  if (law.memory.terms() > 0) {
+    advance_foam(pad, law, h, at_rest.data(), state);
+    state.foam_due = 0;
+    linearise_foam(pad, law, 0, at_rest.data(), state, offset.data(), slope.data());
+    state.foam_due = 1;
+  }
   for (std::size_t i = 0; i < pad.size(); ++i) {
     const Eigen::Vector3d n = pad.normal(i), u = pad.first_tangent(i), v = pad.second_tangent(i);
     const Eigen::Vector3d c = pad.position(i) - state.depth[i] * n;
     const Eigen::Vector3d velocity = twist.head<3>() + Eigen::Vector3d(twist.tail<3>()).cross(c);
-    const double fn = normal_force(law, state.depth[i], -n.dot(velocity));
+    const double fn = offset.empty() ? normal_force(law, state.depth[i], -n.dot(velocity))
+                                     : std::max(0.0, offset[i] - slope[i] * n.dot(velocity));
     Eigen::Vector2d friction = Eigen::Vector2d::Zero(), bristle = Eigen::Vector2d::Zero();
     if (fn > 0) {
       const Eigen::Vector2d slip(u.dot(velocity), v.dot(velocity));

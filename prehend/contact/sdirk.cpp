@@ -28,6 +28,12 @@ void sdirk_extrapolate(const PadState& base, const PadState& first, PadState& ou
     out.bristle_u[i] = touches ? sdirk_extrapolated(base.bristle_u[i], first.bristle_u[i]) : 0.0;
     out.bristle_v[i] = touches ? sdirk_extrapolated(base.bristle_v[i], first.bristle_v[i]) : 0.0;
   }
+  sdirk_keep_foam(first, out);
+}
+
+void sdirk_keep_foam(const PadState& first, PadState& out) {
+  out.foam = first.foam;
+  out.foam_due = kSdirkExtrapolation;
 }
 
 }  // namespace prehend::contact

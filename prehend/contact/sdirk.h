@@ -31,7 +31,10 @@ struct RigidMotion {
 RigidMotion sdirk_extrapolated(const RigidMotion& base, const RigidMotion& first,
                                const Eigen::Matrix3d& inertia);
 
-/// The bristles of a pad's texels, into `out`; none where `first` ceased to touch.
+/// The bristles of a pad's texels, into `out`; none where `first` ceased to touch. And its foam.
 void sdirk_extrapolate(const PadState& base, const PadState& first, PadState& out);
+/// Of foam nothing is extrapolated: it follows the depths exactly, by way of the first stage's,
+/// over the time from there to the step's end.
+void sdirk_keep_foam(const PadState& first, PadState& out);
 
 }  // namespace prehend::contact

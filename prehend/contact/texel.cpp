@@ -24,6 +24,18 @@ void validate(const TexelLaw& law) {
           "from 0 to below 1");
   require(law.normal_law != NormalLaw::kTabulated || law.curve != nullptr, "TexelLaw::curve",
           "given for the tabulated law");
+  for (const FoamMemory::Creep& term : law.memory.creep) {
+    require_positive(term.share, "TexelLaw::creep: share");
+    require_positive(term.time, "TexelLaw::creep: time");
+  }
+  for (const FoamMemory::Hysteresis& term : law.memory.hysteresis) {
+    require_positive(term.share, "TexelLaw::hysteresis: share");
+    require_positive(term.depth, "TexelLaw::hysteresis: depth");
+  }
+  require(law.memory.terms() <= FoamMemory::kMostTerms, "TexelLaw::creep and hysteresis",
+          "8 terms at most");
+  require(law.memory.terms() == 0 || law.normal_law != NormalLaw::kHuntCrossley,
+          "TexelLaw::normal_law", "linear or tabulated for a foam with creep or hysteresis");
 }
 
 double least_passive_viscous_friction(const TexelLaw& law) {

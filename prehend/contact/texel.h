@@ -6,7 +6,8 @@
 
 /// The soft contact law of texel_law.h as pure functions of one texel: the explicit form, which
 /// serves as oracle, and the implicit step that a body solver folds into its system of equations.
-/// pad_kernel.h does the same for whole pads.
+/// pad_kernel.h does the same for whole pads, and there the foam remembers (TexelLaw::memory); here
+/// it does not.
 ///
 /// Signs: `depth` d > 0 is penetration [m], `depth_rate` its rate [m/s]; `velocity` v is the
 /// tangential velocity of the touched body relative to the texel [m/s]; friction on the touched
@@ -17,7 +18,7 @@ namespace prehend::contact {
 /// Checks the constants of `law`. @throws std::invalid_argument naming the field: NaN or infinity
 /// anywhere, a negative constant, a stiffness or Stribeck velocity that is not positive,
 /// dynamic_friction above static_friction, exponent or elastic_limit out of range, a tabulated law
-/// without its curve.
+/// without its curve, creep or hysteresis of kHuntCrossley.
 void validate(const TexelLaw& law);
 
 /// True when the law cannot create energy: sigma2 > sigma1 (mu_s - mu_d) / mu_d, or mu_s == mu_d

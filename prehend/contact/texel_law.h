@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 namespace prehend::contact {
 
@@ -15,6 +16,39 @@ enum class NormalLaw {
 enum class BristleLaw {
   kLuGre,         // dz/dt = v - sigma0 |v| / g(v) z
   kElastoPlastic  // the same times alpha(z, v): 0 below elastic_limit, hence no creep
+};
+
+/// What a foam remembers of how it was pressed, as elements in parallel to the texel's own law.
+/// Each is a linear spring of `share` times memory_stiffness(law) behind a dashpot (creep) or a dry
+/// slider (hysteresis), hence passive:
+///   dq/dt + q / time = share k dd/dt      Prony series: generalised Maxwell model (Ferry,
+///                                         "Viscoelastic Properties of Polymers", 1980, chapter 3)
+///   q = share k e, |e| <= depth           Maxwell-slip (Iwan, "A Distributed-Element Model for
+///                                         Hysteresis", Journal of Applied Mechanics 1966)
+/// The law itself is the force in the long run, without hysteresis: held at one depth a pad that
+/// was pressed at once presses with k d (1 + sum share exp(-t / time)). Loops of the sliders close
+/// (return-point memory) and lose their area.
+struct FoamMemory {
+  struct Creep {
+    double share = 0;  // of the stiffness in the long run
+    double time = 0;   // s
+    bool operator==(const Creep&) const = default;
+  };
+  struct Hysteresis {
+    double share = 0;  // of the stiffness in the long run
+    double depth = 0;  // m, compression at which the slider gives way
+    bool operator==(const Hysteresis&) const = default;
+  };
+  static constexpr int kMostTerms = 8;  // of both together
+  std::vector<Creep> creep;
+  std::vector<Hysteresis> hysteresis;
+
+  int terms() const { return static_cast<int>(creep.size() + hysteresis.size()); }
+  bool operator==(const FoamMemory&) const = default;
+
+  /// A pad's foam as estimated: 6 % creep in 10 s, loops of some per cent of the force. The soft-contact paper names hysteresis and creep of real pads without figures:
+  /// `prehend pad fit` finds those of yours.
+  static FoamMemory realistic();
 };
 
 /// Constants of one soft contact element (texel) of reference area: normal spring-damper and LuGre
@@ -38,6 +72,7 @@ struct TexelLaw {
   NormalLaw normal_law = NormalLaw::kLinear;
   double exponent = 1.5;  // n of kHuntCrossley, 1 to 4 (Hunt and Crossley 1975: 3/2 for spheres)
   std::shared_ptr<const CompressionCurve> curve;  // of kTabulated
+  FoamMemory memory;  // of kLinear and kTabulated: creep and hysteresis of the normal force
 
   BristleLaw bristle_law = BristleLaw::kLuGre;
   /// Share of the steady bristle length g / sigma0 up to which kElastoPlastic is elastic, in

@@ -162,6 +162,9 @@ std::vector<std::string> differences(const GripperModel& a, const GripperModel& 
     return pad.law.curve ? pad.law.curve->force(pad.thickness / 2) : 0;
   };
   compare("pad.law.curve at half the thickness", at_half(a.pad), at_half(b.pad));
+  if (!(a.pad.law.memory == b.pad.law.memory)) {
+    result.push_back("pad.law: creep or hysteresis of the foam");
+  }
   return result;
 }
 

@@ -12,7 +12,34 @@
 namespace prehend::robot {
 
 using contact::BristleLaw;
+using contact::FoamMemory;
 using contact::NormalLaw;
+
+namespace {
+
+// A list of maps {share, SECOND} at `key` of the map at `place`.
+template <class Term>
+std::vector<Term> terms_of(const text::YamlMap& map, const YAML::Node& list,
+                           const std::filesystem::path& file, const std::string& place,
+                           const std::string& key, const std::string& second, double Term::*share,
+                           double Term::*other) {
+  const std::string mend = "Write a list: [{share: 0.05, " + second + ": ...}]";
+  if (!list.IsSequence()) map.fail(key, "is no list", mend);
+  std::vector<Term> terms;
+  for (const YAML::Node& node : list) {
+    if (!node.IsMap() || !node["share"] || !node[second]) {
+      map.fail(key, "has an entry without share or " + second, mend);
+    }
+    text::YamlMap entry(node, file, place + "." + key);
+    Term& term = terms.emplace_back();
+    entry.read("share", term.*share);
+    entry.read(second, term.*other);
+    entry.finish();
+  }
+  return terms;
+}
+
+}  // namespace
 
 void read_texel_law(const YAML::Node& node, const std::filesystem::path& file,
                     const std::string& place, contact::TexelLaw& law) {
@@ -38,6 +65,16 @@ void read_texel_law(const YAML::Node& node, const std::filesystem::path& file,
   map.read("elastic_limit", law.elastic_limit);
   map.read("return_map", law.return_map);
   const YAML::Node curve = map.child("curve");
+  if (const YAML::Node terms = map.child("creep")) {
+    law.memory.creep =
+        terms_of<FoamMemory::Creep>(map, terms, file, place, "creep", "time",
+                                    &FoamMemory::Creep::share, &FoamMemory::Creep::time);
+  }
+  if (const YAML::Node terms = map.child("hysteresis")) {
+    law.memory.hysteresis = terms_of<FoamMemory::Hysteresis>(
+        map, terms, file, place, "hysteresis", "depth", &FoamMemory::Hysteresis::share,
+        &FoamMemory::Hysteresis::depth);
+  }
   map.finish();
   if (curve.IsDefined()) {
     std::vector<contact::CompressionCurve::Sample> samples;

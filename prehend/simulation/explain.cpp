@@ -54,6 +54,13 @@ std::string law_text(const contact::TexelLaw& law) {
   result += law.bristle_law == contact::BristleLaw::kLuGre ? "; LuGre friction"
                                                            : "; elasto-plastic LuGre friction";
   if (law.return_map) result += ", never above mu_s Fn";
+  for (const auto& term : law.memory.creep) {
+    result += explained_text("; creep of %g %% in %g s", 100 * term.share, term.time);
+  }
+  for (const auto& term : law.memory.hysteresis) {
+    result +=
+        explained_text("; hysteresis of %g %% from %g mm on", 100 * term.share, 1e3 * term.depth);
+  }
   return result;
 }
 
@@ -151,7 +158,8 @@ void explain_gripper(const Scene& scene, Explanation& out) {
   }
   out.modelled.push_back(
       {"pads", explained_text("2 x %d x %d texels: %s; electronics %s", pad.rows, pad.columns,
-                              law_text(pad.law).c_str(), scene.tactile.about().c_str())});
+                              law_text(scene.tactile.law_of(pad, 0)).c_str(),
+                              scene.tactile.about().c_str())});
   if (rules.gate_texels) {
     out.left_out.push_back({explained_text("%d rays of the pads", 2 * pad.rows * pad.columns),
                             "gate_texels", 0, "m", "none: bitwise the same",

@@ -125,13 +125,15 @@ void RobotWorld::Implementation::explain_sensors(Explanation& out) const {
   if (hand_model.pads.empty()) {
     out.modelled.push_back({"pads", "none: nothing is felt but at the wrist and by the motors"});
   }
-  for (const robot::HandPad& pad : hand_model.pads) {
+  for (std::size_t i = 0; i < hand_model.pads.size(); ++i) {
+    const robot::HandPad& pad = hand_model.pads[i];
+    const contact::TexelLaw law = options.tactile.law_of(pad.model, static_cast<int>(i));
     out.modelled.push_back(
         {"pad " + pad.name,
          explained_text("on %s, %s of %.3g cm2, %g mm of foam: %s; electronics %s",
                         hand_model.model.links[static_cast<std::size_t>(pad.link)].name.c_str(),
                         cells_text(pad).c_str(), 1e4 * pad.layout->area(),
-                        1e3 * pad.layout->thickness(), law_text(pad.model.law).c_str(),
+                        1e3 * pad.layout->thickness(), law_text(law).c_str(),
                         electronics.c_str())});
   }
   out.modelled.push_back({"wrist", options.wrench ? "force and torque sensor with its errors"

@@ -47,29 +47,73 @@ void read_sensor_parameters(const YAML::Node& node, const Path& file, TactileOpt
   map.finish();
 }
 
-void read_foam(text::YamlMap& map, TactileSensorOptions& sensor) {
+std::vector<int> read_indices(text::YamlMap& map, const std::string& key, std::vector<int> before) {
+  const YAML::Node list = map.child(key);
+  if (!list.IsDefined()) return before;
+  if (!list.IsSequence()) map.fail(key, "is no list", "Write indices: [3, 17]");
+  std::vector<int> indices;
+  for (const YAML::Node& entry : list) {
+    int index = 0;
+    if (!entry.IsScalar() || !YAML::convert<int>::decode(entry, index)) {
+      map.fail(key, "has an entry that is no whole number", "Write indices: [3, 17]");
+    }
+    indices.push_back(index);
+  }
+  return indices;
+}
+
+constexpr const char* kFoamKeys[] = {"realistic", "threshold",     "gain_spread", "pad_gain_spread",
+                                     "spread",    "low_pass_time", "latency",     "offset",
+                                     "drift",     "ageing",        "noise",       "dead",
+                                     "dead_rows", "dead_columns",  "load_cycles"};
+
+void read_foam(text::YamlMap& map, TactileOptions& tactile) {
+  TactileSensorOptions& sensor = tactile.sensor;
   bool realistic = false;
   map.read("realistic", realistic);
-  if (realistic) sensor = TactileSensorOptions::realistic();
+  if (realistic) {
+    sensor = TactileSensorOptions::realistic();
+    tactile.foam = contact::FoamMemory::realistic();
+  }
   map.read("threshold", sensor.threshold);
   map.read("gain_spread", sensor.gain_spread);
   map.read("pad_gain_spread", sensor.pad_gain_spread);
-  map.read("hysteresis", sensor.hysteresis);
-  map.read("creep", sensor.creep);
-  map.read("creep_time", sensor.creep_time);
+  map.read("spread", sensor.spread);
   map.read("low_pass_time", sensor.low_pass_time);
+  map.read("latency", sensor.latency);
+  map.read("offset", sensor.offset);
+  map.read("drift", sensor.drift);
+  map.read("ageing", sensor.ageing);
+  map.read("load_cycles", sensor.load_cycles);
   map.read("noise", sensor.noise);
-  const YAML::Node dead = map.child("dead");
-  if (!dead.IsDefined()) return;
-  if (!dead.IsSequence()) map.fail("dead", "is no list", "Write texels' indices: [3, 17]");
-  sensor.dead.clear();
-  for (const YAML::Node& texel : dead) {
-    int index = 0;
-    if (!texel.IsScalar() || !YAML::convert<int>::decode(texel, index)) {
-      map.fail("dead", "has an entry that is no whole number", "Write texels' indices: [3, 17]");
-    }
-    sensor.dead.push_back(index);
+  sensor.dead = read_indices(map, "dead", sensor.dead);
+  sensor.dead_rows = read_indices(map, "dead_rows", sensor.dead_rows);
+  sensor.dead_columns = read_indices(map, "dead_columns", sensor.dead_columns);
+}
+
+void read_calibrations(text::YamlMap& map, const YAML::Node& node, const Path& file,
+                       TactileOptions& tactile) {
+  const YAML::Node files = map.child("calibration");
+  if (!files.IsDefined()) return;
+  const std::string mend = "Write calibration: left.yaml, or a list of one file for each pad";
+  if (tactile.model) map.fail("calibration", "is of the sensor foam", "Take it out");
+  for (const char* key : {"gain_spread", "pad_gain_spread", "offset", "noise"}) {
+    if (node[key]) map.fail(key, "stands beside a calibration, which measured it", "Keep one");
   }
+  tactile.calibrations.clear();
+  const auto add = [&](const YAML::Node& entry) {
+    if (!entry.IsScalar()) map.fail("calibration", "has an entry that is no path", mend);
+    tactile.calibrations.push_back(
+        robot::read_pad_calibration(file.parent_path() / entry.Scalar()));
+  };
+  if (files.IsSequence()) {
+    for (const YAML::Node& entry : files) add(entry);
+  } else {
+    add(files);
+  }
+  if (tactile.calibrations.empty()) map.fail("calibration", "is empty", mend);
+  // Measured: what `realistic` draws is not drawn.
+  tactile.sensor.gain_spread = tactile.sensor.pad_gain_spread = tactile.sensor.offset = 0;
 }
 
 }  // namespace
@@ -112,15 +156,21 @@ void read_tactile(const YAML::Node& node, const Path& file, Scene& scene) {
   std::string name = tactile.sensor_name();
   map.read("sensor", name);
   choose_sensor(map, name, tactile);
-  for (const char* key : {"realistic", "threshold", "gain_spread", "pad_gain_spread", "hysteresis",
-                          "creep", "creep_time", "low_pass_time", "noise", "dead"}) {
+  for (const char* key : kFoamKeys) {
     if (!tactile.model || !node[key]) continue;
     map.fail(key, std::string("is of the sensor foam, not of ") + tactile.sensor_name(),
              "Take it out; what that one knows stands in `parameters`");
   }
-  read_foam(map, tactile.sensor);
+  for (const char* key : {"hysteresis", "creep", "creep_time"}) {
+    if (!node[key]) continue;
+    map.fail(key, "is no matter of the electronics: it acts on the force",
+             "Write creep: [{share: 0.06, time: 10}] or hysteresis: [{share: 0.06, depth: 0.0002}] "
+             "into the pad's law");
+  }
+  read_foam(map, tactile);
   map.read("seed", tactile.sensor.seed);
   map.read("period", tactile.period);
+  read_calibrations(map, node, file, tactile);
   const YAML::Node parameters = map.child("parameters");
   map.finish();
   if (!parameters.IsDefined()) return;

@@ -17,10 +17,13 @@ namespace prehend::simulation {
 void read_drive(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
 /// `tactile:` of either file (of a robot's pads, too): `realistic: true` begins from
-/// TactileSensorOptions::realistic(); then threshold, gain_spread, pad_gain_spread, hysteresis,
-/// creep, creep_time, low_pass_time, noise, dead (a list of texels), seed, period. `sensor: NAME`
-/// takes a plug-in's (sensors/README.md) in place of foam, whose keys but seed and period do not
-/// apply then; `parameters` are that one's.
+/// TactileSensorOptions::realistic(), and pads whose law has neither creep nor hysteresis get
+/// FoamMemory::realistic(); then threshold, gain_spread, pad_gain_spread, spread, low_pass_time,
+/// latency, offset, drift, ageing, load_cycles, noise, dead, dead_rows, dead_columns (lists), seed,
+/// period. `calibration`: files of robot::PadCalibration, one for all pads or a list with one for
+/// each, beside this file; with it go neither gain_spread, pad_gain_spread, offset nor noise.
+/// `sensor: NAME` takes a plug-in's (sensors/README.md) in place of foam, whose keys but seed and
+/// period do not apply then; `parameters` are that one's.
 void read_tactile(const YAML::Node& node, const std::filesystem::path& file, Scene& scene);
 
 /// `wrench:` of either file: WrenchSensorOptions, with bias_force and bias_torque; without the

@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prehend/contact/require.h"
+
 namespace prehend::simulation {
 
 RobotSensors::RobotSensors(const robot::HandModel& hand, const TactileOptions& tactile,
                            const std::optional<WrenchSensorOptions>& wrench)
     : tactile_(tactile) {
   if (wrench) wrist_.emplace(*wrench);
+  contact::require(
+      tactile.calibrations.size() <= 1 || tactile.calibrations.size() == hand.pads.size(),
+      "tactile.calibration", "one file, or one for each pad of the hand");
   for (const robot::HandPad& pad : hand.pads) {
     const int number = static_cast<int>(pads_.size());
     pad_options_.push_back(tactile.of_pad(pad.model, number));

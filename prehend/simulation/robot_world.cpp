@@ -97,7 +97,8 @@ void RobotWorld::Implementation::build() {
   for (engines::EngineBody& body : scene.bodies) body.collides = false;  // RobotTouch meets them
   for (const RobotBodies::Pad& pad : robot.pads) {
     const robot::HandPad& model = hand_model.pads[static_cast<std::size_t>(pad.pad)];
-    scene.pads.push_back({pad.body, pad.X_BP, *model.layout, model.model.law});
+    scene.pads.push_back(
+        {pad.body, pad.X_BP, *model.layout, options.tactile.law_of(model.model, pad.pad)});
   }
   std::vector<RobotTouch::Object> touched;
   for (Thing& thing : things) {

@@ -107,7 +107,14 @@ void validate(const Scene& scene) {
   require(scene.physics.most_iterations >= 1 && scene.physics.most_iterations <= 100,
           "physics.most_iterations", "1 to 100");
   require_positive(scene.tactile.period, "tactile.period");
-  PadElectronics{scene.tactile, scene.gripper.pad, 0};
+  TactileOptions tactile = scene.tactile;
+  if (!scene.robot.empty()) tactile.calibrations.clear();  // of its own pads
+  require(tactile.calibrations.size() <= 2, "tactile.calibration",
+          "one file, or one for each of 2 pads");
+  for (const int pad : {0, 1}) {
+    PadElectronics{tactile, scene.gripper.pad, pad};
+    if (scene.robot.empty()) contact::validate(tactile.law_of(scene.gripper.pad, pad));
+  }
   if (scene.wrench) WrenchSensor{*scene.wrench};
   validate_carrier(scene.carrier);
   validate_camera(scene.camera);

@@ -24,22 +24,32 @@ struct TactileFrameReading {
 /// From texel forces to counts. The defaults are an ideal 12-bit pad; realistic() is not.
 struct TactileSensorOptions {
   int rows = 14, columns = 6;
+  double texel_pitch = 0.0034;  // m, square
   double newton_per_count = robot::kDsaNewtonPerCount;
   int full_scale = 4095;
   int threshold = 10;          // counts
   double gain_spread = 0;      // standard deviation of the texels' gains, relative
   double pad_gain_spread = 0;  // the same from pad to pad
-  double hysteresis = 0;       // share of the force that unloading shows too much, at most
-  double creep = 0;            // share that a constant force adds in the long run
-  double creep_time = 10;      // s
-  double low_pass_time = 0;    // s, of the foam
-  double noise = 0;            // counts, standard deviation
-  std::vector<int> dead;       // texels that always say 0
+  std::vector<double> gains;   // of each texel, relative, as measured; empty: 1
+  std::vector<double> zeros;   // counts of each texel without load, as measured; empty: 0
+  /// Width of the impulse response [m]: a load on one texel is shown by its neighbours as a
+  /// Gaussian of this standard deviation. On the pad nothing of it is lost.
+  double spread = 0;
+  double low_pass_time = 0;  // s
+  double latency = 0;        // s, of a frame behind what it shows
+  double offset = 0;         // counts, standard deviation of the texels' zeros
+  double drift = 0;          // counts by which a zero wanders in an hour, standard deviation
+  double ageing = 0;         // share of its gain that a texel loses with each load cycle
+  double load_cycles = 0;    // that the texels have had already
+  double noise = 0;          // counts, standard deviation
+  std::vector<int> dead;     // texels that always say 0
+  std::vector<int> dead_rows, dead_columns;
   std::uint32_t seed = 1;
 
-  /// Foam and electronics of a used pad: 5 % gains, 20 % from pad to pad (figure 5a of the
-  /// soft-contact paper shows sums that differ clearly), 4 % hysteresis, 6 % creep, 10 ms, 3
-  /// counts.
+  /// Electronics of a used pad: 5 % gains, 20 % from pad to pad (figure 5a of the soft-contact
+  /// paper shows sums that differ clearly), 1.5 mm spread (it names "a strong spatial low-pass"),
+  /// 10 ms low pass, 2 ms latency, zeros of 2 counts that wander by 5 in an hour, noise of 3, a
+  /// millionth of the gain a cycle. Estimates: no source gives figures.
   static TactileSensorOptions realistic();
   /// Whether a frame depends on the present forces alone.
   bool is_ideal() const;
@@ -58,13 +68,22 @@ class TactileSensor {
   /// All that changes, for saving: see StateWriter.
   template <class Archive>
   void archive(Archive& archive) {
-    archive(same_size(filtered_), same_size(crept_), same_size(highest_), random_);
+    archive(same_size(filtered_), same_size(zero_), same_size(cycles_), loaded_, history_, random_);
   }
 
  private:
+  std::vector<double> spread_over_pad(const std::vector<double>& forces) const;
+  std::vector<double> delayed(double dt);
+  void count_cycle(std::size_t texel);
+
   TactileSensorOptions options_;
   std::vector<double> gain_;
-  std::vector<double> filtered_, crept_, highest_;  // N
+  std::vector<double> row_share_, column_share_;  // of a texel's load in each other row, column
+  std::vector<double> filtered_;                  // N
+  std::vector<double> zero_;                      // counts
+  std::vector<double> cycles_;                    // load cycles of each texel
+  std::vector<std::uint8_t> loaded_;              // whether one is under way
+  std::vector<double> history_;  // of frames not shown yet: age [s] and forces [N], oldest first
   std::mt19937 random_;
 };
 

@@ -13,7 +13,8 @@ using geometry::RigidTransform;
 namespace {
 
 // Frame P of a pad: z out of it, y along the finger to the tip, where row 0 is.
-contact::PadMount mount_of(const robot::GripperModel& gripper, int pad) {
+contact::PadMount mount_of(const Scene& scene, int pad) {
+  const robot::GripperModel& gripper = scene.gripper;
   const double side = pad == 0 ? 1 : -1;
   contact::PadGrid grid;
   grid.rows = gripper.pad.rows;
@@ -21,13 +22,29 @@ contact::PadMount mount_of(const robot::GripperModel& gripper, int pad) {
   grid.width = gripper.pad.width();
   grid.length = gripper.pad.length();
   grid.thickness = gripper.pad.thickness;
-  contact::PadMount mount{contact::PadLayout::flat(grid), gripper.pad.law, {}, 0, {}};
+  contact::PadMount mount{
+      contact::PadLayout::flat(grid), scene.tactile.law_of(gripper.pad, pad), {}, 0, {}};
   mount.X_GP = RigidTransform::Identity();
   mount.X_GP.linear().col(0) = Eigen::Vector3d(side, 0, 0);
   mount.X_GP.linear().col(1) = Eigen::Vector3d::UnitZ();
   mount.X_GP.linear().col(2) = Eigen::Vector3d(0, -side, 0);
   mount.direction_G = Eigen::Vector3d(0, -0.5 * side, 0);
   return mount;
+}
+
+// The right pad's x axis runs against the gripper's, as frames show it and were calibrated.
+PadElectronics electronics_of(const Scene& scene, int pad) {
+  TactileOptions tactile = scene.tactile;
+  const int columns = scene.gripper.pad.columns;
+  for (robot::PadCalibration& calibration : tactile.calibrations) {
+    for (auto* values : {&calibration.gains, &calibration.zeros}) {
+      for (auto row = values->begin(); pad == 1 && row != values->end(); row += columns) {
+        if (values->end() - row < columns) break;
+        std::reverse(row, row + columns);
+      }
+    }
+  }
+  return {tactile, scene.gripper.pad, pad};
 }
 
 }  // namespace
@@ -39,14 +56,13 @@ World::Implementation::Implementation(const Scene& scene_in)
             {},
             Carrier(scene_in.carrier),
             GripperAxis(scene_in.gripper, scene_in.drive),
-            {PadElectronics(scene_in.tactile, scene_in.gripper.pad, 0),
-             PadElectronics(scene_in.tactile, scene_in.gripper.pad, 1)},
+            {electronics_of(scene_in, 0), electronics_of(scene_in, 1)},
             {},
             0,
             {},
             {},
             scene_in.physics.adaptive ? scene_in.step : 0.0},
-      mounts{mount_of(scene_in.gripper, 0), mount_of(scene_in.gripper, 1)},
+      mounts{mount_of(scene_in, 0), mount_of(scene_in, 1)},
       reaches{contact::PadReach(mounts[0].layout), contact::PadReach(mounts[1].layout)},
       slide_model(state.gripper.slide()),
       slide_step(slide_model),
@@ -128,8 +144,9 @@ void World::Implementation::add(BodyModel model, const RigidTransform& X_WB) {
   set_body_pose(model, X_WB, body);
   state.body_ids.push_back(model.id);
   state.motion.bodies.push_back(body);
-  state.motion.touches.push_back({PadTouch(mounts[0].layout), PadTouch(mounts[1].layout)});
-  pad_work.push_back({PadWork(mounts[0].layout), PadWork(mounts[1].layout)});
+  state.motion.touches.push_back(
+      {PadTouch(mounts[0].layout, mounts[0].law), PadTouch(mounts[1].layout, mounts[1].law)});
+  pad_work.push_back({PadWork(mounts[0], model), PadWork(mounts[1], model)});
   models.push_back(std::move(model));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prehend/contact/foam.h"
 #include "prehend/simulation/world_implementation.h"
 
 namespace prehend::simulation {
@@ -36,7 +37,8 @@ void World::Implementation::exact_step(double h) {
   state.carrier.end_exact_step(h);
 }
 
-// Largest distance between two ends of a step [m], of the jaws and of bodies' points.
+// Largest distance between two ends of a step [m], of the jaws, of bodies' points and, as a depth,
+// of what the pads' foam remembers.
 double World::Implementation::difference(const Motion& a, const Motion& b) const {
   double worst = std::abs(a.slide - b.slide);
   for (std::size_t i = 0; i < models.size(); ++i) {
@@ -44,6 +46,11 @@ double World::Implementation::difference(const Motion& a, const Motion& b) const
     const BodyState &x = a.bodies[i], &y = b.bodies[i];
     worst = std::max(
         worst, (x.p_WBcm - y.p_WBcm).norm() + models[i].radius * x.q_WB.angularDistance(y.q_WB));
+    for (const std::size_t k : {0, 1}) {
+      worst =
+          std::max(worst, contact::foam_difference(mounts[k].layout, mounts[k].law,
+                                                   a.touches[i][k].texels, b.touches[i][k].texels));
+    }
   }
   return worst;
 }

@@ -27,7 +27,7 @@ inline bool is_gripper(std::uint32_t partner) { return partner > kTable && partn
 
 /// One pad's texels on one body, between two steps.
 struct PadTouch {
-  explicit PadTouch(const contact::PadLayout& layout) : texels(layout) {}
+  PadTouch(const contact::PadLayout& layout, const contact::TexelLaw& law) : texels(layout, law) {}
   contact::PadState texels;
   bool presses = false;  // false: no bristle and no force
 
@@ -36,22 +36,22 @@ struct PadTouch {
     archive(presses, same_size(texels.bristle_u), same_size(texels.bristle_v),
             same_size(texels.normal_force), same_size(texels.friction_u),
             same_size(texels.friction_v));
+    if (!texels.foam.empty()) archive(same_size(texels.foam));
   }
 };
 
 inline void clear(PadTouch& touch) {
-  if (!touch.presses) return;
-  contact::PadState& pad = touch.texels;
-  for (auto* values :
-       {&pad.bristle_u, &pad.bristle_v, &pad.normal_force, &pad.friction_u, &pad.friction_v}) {
-    std::fill(values->begin(), values->end(), 0.0);
-  }
+  if (touch.presses) contact::release(touch.texels);
   touch.presses = false;
 }
 
 /// What is used within a step for it.
 struct PadWork {
-  explicit PadWork(const contact::PadLayout& layout) : scratch(layout) {}
+  PadWork(const contact::PadMount& pad, const BodyModel& body) : law(pad.law), scratch(pad.layout) {
+    law.static_friction = body.pad_law.static_friction;
+    law.dynamic_friction = body.pad_law.dynamic_friction;
+  }
+  contact::TexelLaw law;
   contact::PadScratch scratch;
   contact::PadResponse response;
   contact::MeshHits hits;
@@ -153,6 +153,8 @@ struct World::Implementation {
   double reach_of(int i, double h) const;
   void detect(double h);
   void detect_pads(int i, double h);
+  // Ends a stage of `h` [s] in which pad `k` was not near body `i`.
+  void let_go(int i, int k, double h);
   void sort_contacts();
   // Both lists are sorted by key. Pads keep their bristles in their own frame.
   void fetch_bristles(const Eigen::Matrix3d& R_WG);

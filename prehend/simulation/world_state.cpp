@@ -44,6 +44,8 @@ std::uint64_t World::Implementation::description() const {
            law.viscous_friction, law.static_friction, law.dynamic_friction, law.stribeck_velocity,
            law.normal_law, law.exponent, law.bristle_law, law.elastic_limit, law.return_map);
     for (int i = 1; law.curve && i <= 32; ++i) writer(law.curve->force(1e-4 * i));
+    for (const auto& term : law.memory.creep) writer(term.share, term.time);
+    for (const auto& term : law.memory.hysteresis) writer(term.share, term.depth);
   };
   const PhysicsOptions& physics = scene.physics;
   writer(scene.step, scene.gravity, physics.integration, physics.velocity_tolerance,
@@ -55,7 +57,7 @@ std::uint64_t World::Implementation::description() const {
          g.force_per_current, g.friction_force, g.jaw_mass, g.finger_size, g.tip_margin,
          g.housing_size, g.pad.rows, g.pad.columns, g.pad.texel_pitch, g.pad.thickness,
          g.pad.newton_per_count, g.pad.full_scale);
-  put_law(g.pad.law);
+  for (const contact::PadMount& mount : mounts) put_law(mount.law);
   const SpindleDriveModel& d = scene.drive;
   writer(d.supply, d.resistance, d.rotor_inertia, d.torque_constant, d.gear_ratio, d.spindle_lead,
          d.static_friction, d.coulomb_friction, d.viscous_friction, d.stribeck_velocity, d.ambient,
@@ -66,8 +68,9 @@ std::uint64_t World::Implementation::description() const {
   writer(c.minimum, c.maximum, c.max_speed, c.max_acceleration, c.max_yaw_rate,
          c.max_yaw_acceleration, c.mounting_tilt);
   const TactileSensorOptions& t = scene.tactile.sensor;
-  writer(t.threshold, t.gain_spread, t.pad_gain_spread, t.hysteresis, t.creep, t.creep_time,
-         t.low_pass_time, t.noise, t.dead, t.seed, scene.tactile.period, scene.wrench.has_value());
+  writer(t.threshold, t.gain_spread, t.pad_gain_spread, t.gains, t.zeros, t.spread, t.low_pass_time,
+         t.latency, t.offset, t.drift, t.ageing, t.load_cycles, t.noise, t.dead, t.dead_rows,
+         t.dead_columns, t.seed, scene.tactile.period, scene.wrench.has_value());
   if (scene.tactile.model) {
     writer(scene.tactile.sensor_name());
     for (const auto& [name, value] : scene.tactile.parameters) writer(name, value);

@@ -53,13 +53,20 @@ void World::Implementation::detect_pads(int i, double h) {
         mounts[k].layout, reaches[k], model.felt.shape, places[k].X_PW() * X_WS, look_ahead,
         touch.texels, rules.gate_texels, rules.remember_triangles ? &work.hits : nullptr);
     if (!met) {
-      clear(touch);
+      let_go(i, k, h);
       continue;
     }
     wake(i);
     pads.push_back(
-        {i, &mounts[k], &places[k], &model.pad_law, &touch.texels, &work.scratch, &work.response});
+        {i, &mounts[k], &places[k], &work.law, &touch.texels, &work.scratch, &work.response});
   }
+}
+
+void World::Implementation::let_go(int i, int k, double h) {
+  PadTouch& touch = state.motion.touches[i][k];
+  if (!touch.presses && touch.texels.foam.empty()) return;
+  touch.presses = false;
+  contact::release(mounts[k].layout, mounts[k].law, h, touch.texels);
 }
 
 void World::Implementation::detect(double h) {
@@ -70,7 +77,7 @@ void World::Implementation::detect(double h) {
   for (int i = 0; i < count; ++i) {
     if (rules.skip_distant_pairs && !near_gripper(models[i], state.motion.bodies[i], scene.gripper,
                                                   stage_start, reach_of(i, h))) {
-      for (PadTouch& touch : state.motion.touches[i]) clear(touch);
+      for (const int k : {0, 1}) let_go(i, k, h);
       continue;
     }
     detect_gripper(models[i], state.motion.bodies[i], i, scene.gripper, stage_start,
@@ -207,7 +214,8 @@ void World::Implementation::stage(double h, double t_end, const Motion& guess) {
     integrate(h, motion.bodies[i]);
   }
   for (const PadContact& pad : pads) {
-    PadTouch& touch = motion.touches[pad.body][pad.place == &places[0] ? 0 : 1];
+    const int k = pad.place == &places[0] ? 0 : 1;
+    PadTouch& touch = motion.touches[pad.body][k];
     touch.presses = touch.presses || pad.response->pressing > 0;
     if (pad.response->pressing == 0) clear(touch);
   }
@@ -251,6 +259,9 @@ void World::Implementation::extrapolate() {
   Motion& out = state.motion;
   out = first;
   for (std::size_t i = 0; i < models.size(); ++i) {
+    for (int k : {0, 1}) {
+      contact::sdirk_keep_foam(first.touches[i][k].texels, out.touches[i][k].texels);
+    }
     if (!moves(static_cast<int>(i))) continue;
     const auto motion = [i](const Motion& m) {
       const BodyState& body = m.bodies[i];

@@ -58,6 +58,62 @@ TEST(Pads, HoldTenGramsToTenKilogramsWithoutCreep) {
   }
 }
 
+// The same on foam with creep and hysteresis; and a pad of other foam than its neighbour.
+TEST(Pads, HoldOnFoamThatRemembers) {
+  for (const auto integration :
+       {contact::Integration::kFirstOrder, contact::Integration::kSecondOrder}) {
+    for (const double mass : {0.01, 1.0, 10.0}) {
+      for (const double step : {1e-3, 1e-2}) {
+        Scene scene = grasp_scene(mass, 0.7, step);
+        scene.physics.integration = integration;
+        scene.gripper.pad.law.bristle_law = contact::BristleLaw::kElastoPlastic;
+        scene.gripper.pad.law.return_map = true;
+        scene.gripper.pad.law.memory = contact::FoamMemory::realistic();
+        scene.start_opening = 0.05;
+        World world(scene);
+        grasp_slowly(world, (1.3 * mass * 9.81 / (2 * 0.7) + 10) / 30, 1);
+        world.move_carrier(above(world, kGraspHeight + 0.05), 0.05);
+        run(world, 3);
+        const double before = world.body("box").height;
+        EXPECT_GT(before, 0.045) << mass << " " << step;
+        run(world, 5);
+        EXPECT_NEAR(world.body("box").height, before, 1e-5) << mass << " " << step;
+      }
+    }
+  }
+}
+
+// Jaws that stand where they are: pads relax, in fixed and adaptive steps alike, and each has the
+// foam that it was calibrated with.
+TEST(Pads, RelaxBetweenJawsThatStand) {
+  std::vector<double> ends;
+  for (const bool adaptive : {false, true}) {
+    Scene scene = grasp_scene(0.3);
+    scene.physics.integration = contact::Integration::kSecondOrder;
+    scene.physics.adaptive = adaptive;
+    robot::PadCalibration relaxing, elastic;
+    relaxing.newton_per_count = elastic.newton_per_count = scene.gripper.pad.newton_per_count;
+    relaxing.memory.creep = {{0.5, 1}};
+    elastic.memory.creep = {{0.5, 1e6}};
+    scene.tactile.calibrations = {relaxing, elastic};
+    World world(scene);
+    const double shut = 0.0474;
+    world.set_gripper_command(GripperMode::kPosition, shut);
+    world.advance(1);
+    const double first = world.tactile_image(PadSide::kLeft).sum;
+    EXPECT_GT(first, 5);
+    world.advance(9);
+    const double left = world.tactile_image(PadSide::kLeft).sum;
+    EXPECT_NEAR(left, world.tactile_image(PadSide::kRight).sum, 0.1 * left);
+    EXPECT_LT(left, 0.95 * first);
+    // Both springs in series: the relaxed one of k and the other one of 1.5 k.
+    const double depth = 0.048 - world.gripper().opening;
+    EXPECT_NEAR(left, 84e3 * depth / (1 + 1 / 1.5), 0.05 * left);
+    ends.push_back(left);
+  }
+  EXPECT_NEAR(ends[0], ends[1], 0.01 * ends[0]);
+}
+
 // What shaking five times by 0.1 m with 1 m/s^2 moves of a box held with a fifth more force than
 // friction needs [m], downwards; the box's height if it was lost.
 double lost_by_shaking(const robot::GripperModel& gripper, double mass) {

@@ -28,7 +28,7 @@ namespace {
 // What the keys are changed in: sensors have errors, so that the keys of these mean something.
 constexpr const char* kBase = R"(
 robot: ROBOTS/kr5_sdh.yaml
-tactile: {realistic: true}
+tactile: {realistic: true, load_cycles: 1000}
 wrench: {force_noise: 0.01, torque_noise: 0.001}
 camera: {width: 48, height: 36, fx: 40, fy: 40, cx: 24, cy: 18}
 objects:
@@ -55,9 +55,16 @@ const std::vector<Other> kOthers{
     {"tactile.threshold", "40"},
     {"tactile.gain_spread", "0.3"},
     {"tactile.pad_gain_spread", "0.3"},
-    {"tactile.hysteresis", "0.3"},
-    {"tactile.creep", "0.5"},
-    {"tactile.creep_time", "0.01"},
+    {"tactile.calibration",
+     "[long.yaml, short.yaml, long.yaml, short.yaml, long.yaml, short.yaml]"},
+    {"tactile.spread", "0.01"},
+    {"tactile.latency", "0.1"},
+    {"tactile.offset", "20"},
+    {"tactile.drift", "1000"},
+    {"tactile.ageing", "1e-4"},
+    {"tactile.load_cycles", "1e6"},
+    {"tactile.dead_rows", "[3, 4, 5, 6, 7]"},
+    {"tactile.dead_columns", "[1, 2, 3, 4]"},
     {"tactile.low_pass_time", "0.1"},
     {"tactile.noise", "20"},
     {"tactile.seed", "7"},
@@ -95,6 +102,8 @@ const std::vector<Other> kOthers{
     {"physics.law.bristle_law", "elasto_plastic", Comes::kRefusal},
     {"physics.law.elastic_limit", "0.6", Comes::kRefusal},
     {"physics.law.return_map", "true", Comes::kRefusal},
+    {"physics.law.creep", "[{share: 0.1, time: 1}]", Comes::kRefusal},
+    {"physics.law.hysteresis", "[{share: 0.1, depth: 0.0001}]", Comes::kRefusal},
     {"physics.law.curve", "[[0, 0], [0.001, 1], [0.002, 3]]", Comes::kRefusal},
     {"physics.rules.gate_texels", "false", Comes::kRefusal},
     {"physics.rules.remember_triangles", "false", Comes::kRefusal},
@@ -161,6 +170,8 @@ class RobotScene : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     write_box("solid.obj", 0.06);
     write_box("other.obj", 0.05);
+    std::ofstream(folder_ / "long.yaml") << "newton_per_count: 0.0005\n";
+    std::ofstream(folder_ / "short.yaml") << "{rows: 13, newton_per_count: 0.0005}\n";
     setenv("PREHEND_SENSORS", PREHEND_SENSOR_EXAMPLE, 1);
   }
   ~RobotScene() override {
@@ -191,6 +202,8 @@ class RobotScene : public ::testing::Test {
     if (key == "tactile.sensor" || key == "tactile.parameters") {
       top["tactile"] = YAML::Load("{sensor: dead_rows}");
     }
+    // An ideal pad does not age.
+    if (key == "tactile.realistic") top["tactile"].remove("load_cycles");
     if (!key.empty()) {
       std::vector<YAML::Node> path{top};
       std::istringstream words(key);

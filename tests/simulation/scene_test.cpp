@@ -106,7 +106,8 @@ TEST_F(SceneFile, PhysicsAndHardwareArriveInTheirFields) {
   EXPECT_DOUBLE_EQ(law.curve->force(0.001), 0.8);
   EXPECT_EQ(law.bristle_law, contact::BristleLaw::kElastoPlastic);
   EXPECT_TRUE(law.return_map);
-  EXPECT_DOUBLE_EQ(scene.tactile.sensor.creep, TactileSensorOptions::realistic().creep);
+  EXPECT_DOUBLE_EQ(scene.tactile.sensor.spread, TactileSensorOptions::realistic().spread);
+  EXPECT_EQ(scene.tactile.law_of(scene.gripper.pad, 0).memory, contact::FoamMemory::realistic());
   EXPECT_DOUBLE_EQ(scene.tactile.sensor.noise, 7);
   EXPECT_EQ(scene.tactile.sensor.dead, (std::vector<int>{3, 17}));
   EXPECT_EQ(scene.tactile.of_pad(scene.gripper.pad, 0).seed, 5u);

@@ -23,11 +23,13 @@ using testing::grasp_scene;
 using testing::run;
 using testing::trace;
 
-// Everything has a memory: noisy pads and wrist, a can felt as a cylinder, a bottle as a mesh.
+// Everything has a memory: foam, noisy pads and wrist, a can felt as a cylinder, a bottle as a
+// mesh.
 Scene rich_scene(contact::Integration integration = contact::Integration::kFirstOrder) {
   Scene scene = grasp_scene(0.5);
   scene.physics.integration = integration;
   scene.tactile.sensor = TactileSensorOptions::realistic();
+  scene.tactile.foam = contact::FoamMemory::realistic();
   scene.wrench.emplace();
   scene.wrench->force_noise = 0.1;
   for (const char* shape : {"can", "bottle"}) {

@@ -7,6 +7,7 @@
 
 #include "prehend/contact/require.h"
 #include "prehend/contact/rotation.h"
+#include "prehend/contact/sdirk.h"
 #include "prehend/simulation/engines/inertia.h"
 #include "prehend/simulation/engines/twist_rows.h"
 
@@ -134,7 +135,7 @@ MultibodyState Multibody::initial_state() const {
     state.velocities[coordinate_[j]] = joint.axis_W.dot(
         joint.kind == EngineJoint::Kind::kPrismatic ? body.velocity : body.angular_velocity);
   }
-  for (const PadOnBody& touch : pads_) state.pads.emplace_back(touch.layout);
+  for (const PadOnBody& touch : pads_) state.pads.emplace_back(touch.layout, touch.law);
   state.pad_loads.resize(pads_.size());
   complete(state);
   return state;
@@ -270,6 +271,7 @@ void Multibody::extrapolate(const MultibodyState& y0, const MultibodyState& y1, 
       out.pads[k].bristle_v[i] =
           presses ? a.bristle_v[i] + share * (b.bristle_v[i] - a.bristle_v[i]) : 0.0;
     }
+    contact::sdirk_keep_foam(b, out.pads[k]);
   }
 }
 

@@ -99,7 +99,8 @@ class Multibody {
   /// to `end`, at first guessed to have the velocities of `guess`.
   void implicit_euler(const MultibodyState& base, double h, const MultibodyState& guess,
                       MultibodyState& end);
-  /// y0 + share (y1 - y0), for the stages of Runge-Kutta steps: configurations, momenta, bristles.
+  /// y0 + share (y1 - y0), for the stages of SDIRK2 (contact/sdirk.h): configurations, momenta,
+  /// bristles. Of the pads' foam nothing is extrapolated.
   void extrapolate(const MultibodyState& y0, const MultibodyState& y1, double share,
                    MultibodyState& out) const;
 

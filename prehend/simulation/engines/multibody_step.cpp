@@ -227,6 +227,8 @@ void Multibody::add_pad(std::size_t index, const MultibodyState& base, double h,
   PadOnBody& touch = pads_[index];
   state.bristle_u = base.pads[index].bristle_u;
   state.bristle_v = base.pads[index].bristle_v;
+  state.foam = base.pads[index].foam;
+  state.foam_due = base.pads[index].foam_due;
   contact::respond(touch.layout, touch.law, h, pad_twist(index, u), state, touch.scratch,
                    touch.response);
   if (touch.response.pressing == 0) return;
@@ -283,8 +285,13 @@ void Multibody::implicit_euler(const MultibodyState& base, double h, const Multi
     touch.response.pressing = 0;
     pad_near_[k] = touch.find_depths(pad_places_[k], base.X_WB[touch.body],
                                      2 * h * (speed + h * acceleration), end.pads[k]);
-    // What was not near is released already.
-    if (!pad_near_[k] && end.pad_loads[k].is_near) release(end.pads[k]);
+    // What was not near is released already, but for what its foam has still to do.
+    const bool remembers = touch.law.memory.terms() > 0;
+    if (!pad_near_[k] && (end.pad_loads[k].is_near || remembers)) {
+      end.pads[k].foam = base.pads[k].foam;
+      end.pads[k].foam_due = base.pads[k].foam_due;
+      contact::release(touch.layout, touch.law, h, end.pads[k]);
+    }
     end.pad_loads[k] = {};
     end.pad_loads[k].is_near = pad_near_[k] != 0;
   }
@@ -363,9 +370,9 @@ void Multibody::finish(const MultibodyState& base, double h, const Eigen::Vector
   }
   for (std::size_t k = 0; k < pads_.size(); ++k) {
     if (!pad_near_[k]) continue;
-    const PadOnBody& touch = pads_[k];
+    PadOnBody& touch = pads_[k];
     if (touch.response.pressing == 0) {
-      release(end.pads[k]);
+      contact::release(touch.layout, touch.law, h, end.pads[k]);
       continue;
     }
     const Vector6 twist = pad_twist(k, u);

@@ -90,11 +90,4 @@ void add_pad_forces(const std::vector<PadOnBody>& touches,
   }
 }
 
-void release(contact::PadState& state) {
-  for (auto* values : {&state.bristle_u, &state.bristle_v, &state.normal_force, &state.friction_u,
-                       &state.friction_v}) {
-    std::fill(values->begin(), values->end(), 0.0);
-  }
-}
-
 }  // namespace prehend::simulation::engines

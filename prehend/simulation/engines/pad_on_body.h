@@ -56,13 +56,10 @@ void add_pad_forces(const std::vector<PadOnBody>& touches,
                     const std::vector<contact::PadState>& states, int pad,
                     std::vector<double>& forces);
 
-/// Forgets bristles and forces: nothing touches.
-void release(contact::PadState& state);
-
 /// The numbers of a pad's state that a step depends on, in a fixed order.
 template <class State, class Visit>
 void visit_pad_state(State& state, Visit visit) {
-  for (auto* values : {&state.bristle_u, &state.bristle_v, &state.normal_force}) {
+  for (auto* values : {&state.bristle_u, &state.bristle_v, &state.normal_force, &state.foam}) {
     for (auto& value : *values) visit(value);
   }
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "prehend/contact/foam.h"
 #include "prehend/contact/texel.h"
 #include "prehend/simulation/engines/inertia.h"
 #include "prehend/simulation/engines/pad_on_body.h"
@@ -59,7 +60,13 @@ struct Rates {
 // Of all the pad's texels together, the stiffer of normal and tangential.
 Rates whole_pad(const EnginePad& pad) {
   const contact::TexelLaw& law = pad.law;
-  const contact::NormalResponse normal = contact::normal_response(law, pad.layout.thickness(), 0);
+  contact::NormalResponse normal = contact::normal_response(law, pad.layout.thickness(), 0);
+  for (const auto& term : law.memory.creep) {
+    normal.stiffness += term.share * contact::memory_stiffness(law);
+  }
+  for (const auto& term : law.memory.hysteresis) {
+    normal.stiffness += term.share * contact::memory_stiffness(law);
+  }
   const double texels = pad.layout.area() / contact::kReferenceTexelArea;
   return {texels * std::max(normal.stiffness, law.bristle_stiffness),
           texels * std::max(normal.damping, law.bristle_damping + law.viscous_friction)};
@@ -126,7 +133,7 @@ void SubsteppedPads::load(const EngineScene& scene) {
   scene_ = scene;
   touches_ = PadOnBody::all(scene);
   for (const PadOnBody& touch : touches_) {
-    states_.emplace_back(touch.layout);
+    states_.emplace_back(touch.layout, touch.law);
     touched_[touch.body] = 1;
   }
   wrenches_.assign(count, Vector6::Zero());
@@ -163,7 +170,7 @@ void SubsteppedPads::press(double h) {
       contact::respond(touch.layout, touch.law, h, twist, state, touch.scratch, touch.response);
     }
     if (touch.response.pressing == 0) {
-      release(state);
+      contact::release(touch.layout, touch.law, h, state);
       continue;
     }
     contact::advance(touch.layout, touch.law, h, twist, state, touch.scratch);
@@ -215,7 +222,7 @@ std::vector<double> SubsteppedPads::save() const {
 
 void SubsteppedPads::restore(const std::vector<double>& state) {
   std::size_t own = touches_.empty() ? 0 : 6 * wrenches_.size();
-  for (const PadOnBody& touch : touches_) own += 3 * touch.layout.padded_size();
+  for (const PadState& pad : states_) visit_pad_state(pad, [&](const double&) { ++own; });
   if (state.size() < own) {
     throw std::invalid_argument(name() + ": the saved state is of another scene");
   }

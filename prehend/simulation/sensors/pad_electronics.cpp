@@ -48,13 +48,33 @@ std::string TactileOptions::about() const {
   return model->name() + (values.empty() ? "" : " (" + values + ")");
 }
 
+const robot::PadCalibration* TactileOptions::calibration(int number) const {
+  if (calibrations.empty()) return nullptr;
+  return &calibrations[calibrations.size() == 1 ? 0 : static_cast<std::size_t>(number)];
+}
+
+contact::TexelLaw TactileOptions::law_of(const robot::TactilePadModel& pad, int number) const {
+  const robot::PadCalibration* measured = calibration(number);
+  contact::TexelLaw law = measured ? measured->law_over(pad.law) : pad.law;
+  if (law.memory.terms() == 0) law.memory = foam;
+  return law;
+}
+
 TactileSensorOptions TactileOptions::of_pad(const robot::TactilePadModel& pad, int number) const {
   TactileSensorOptions options = sensor;
   options.rows = pad.rows;
   options.columns = pad.columns;
+  options.texel_pitch = pad.texel_pitch;
   options.newton_per_count = pad.newton_per_count;
   options.full_scale = pad.full_scale;
   options.seed += static_cast<std::uint32_t>(number);
+  if (const robot::PadCalibration* measured = calibration(number)) {
+    require_of(*measured, pad);
+    options.newton_per_count = measured->newton_per_count;
+    options.gains = measured->gains;
+    options.zeros = measured->zeros;
+    options.noise = measured->noise;
+  }
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "prehend/robot/gripper_model.h"
+#include "prehend/robot/pad_calibration.h"
 #include "prehend/simulation/sensors/pad_sensor.h"
 #include "prehend/simulation/state_bytes.h"
 #include "prehend/simulation/tactile_sensor.h"
@@ -22,15 +23,22 @@ struct TactileOptions {
   std::shared_ptr<const PadSensorModel> model;
   std::map<std::string, double> parameters;  // of `model`, those that are not its defaults
   double period = 0.01;                      // s, between frames of a sensor that is not ideal
+  contact::FoamMemory foam;  // of pads whose law has none of its own; `sensor` apart
 
   /// Whether frames depend on the present forces alone, and so may be asked for at any time. Not of
   /// a `model`: nobody knows.
-  bool is_ideal() const { return !model && sensor.is_ideal(); }
+  bool is_ideal() const { return !model && sensor.is_ideal() && calibrations.empty(); }
   /// "foam", or the model's name.
   std::string sensor_name() const;
   /// "ideal", "realistic", "dead_rows (count 2, first 3)".
   std::string about() const;
-  /// `sensor` of pad `number` of a robot.
+  /// None, one for all pads, or one for each in their order: of what was measured.
+  std::vector<robot::PadCalibration> calibrations;
+  const robot::PadCalibration* calibration(int number) const;  // of that pad; null: none
+
+  /// Law of pad `number`: its own or as calibrated, with `foam` where neither remembers.
+  contact::TexelLaw law_of(const robot::TactilePadModel& pad, int number) const;
+  /// `sensor` of pad `number` of a robot, as calibrated.
   TactileSensorOptions of_pad(const robot::TactilePadModel& pad, int number) const;
 };
 
