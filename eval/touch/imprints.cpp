@@ -1,6 +1,5 @@
 #include "eval/touch/imprints.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -8,86 +7,114 @@
 namespace prehend::eval::touch {
 namespace {
 
-constexpr double kCell = 0.001;  // m, of the grid that the cube is made of
+using Eigen::Vector2d;
+
+constexpr double kCell = 0.0005;      // m
+constexpr double kHoleDepth = 0.008;  // m, more than the pads' foam gives way
+constexpr double kArm = 0.0084;       // m, width of bars
+
+bool in_box(const Vector2d& p, double x, double y, double width, double height) {
+  return std::abs(p.x() - x) < width / 2 && std::abs(p.y() - y) < height / 2;
+}
+bool in_disc(const Vector2d& p, double y, double radius) {
+  return std::hypot(p.x(), p.y() - y) < radius;
+}
+
+bool cross(const Vector2d& p) {
+  return in_box(p, 0, 0, kArm, 0.0252) || in_box(p, 0, 0, 0.0252, kArm);
+}
+bool square(const Vector2d& p) { return in_box(p, 0, 0, 0.0168, 0.0168); }
+bool disc(const Vector2d& p) { return in_disc(p, 0, 0.0119); }
+bool triangle(const Vector2d& p) {
+  constexpr double kSide = 0.028;
+  const double height = kSide * std::sqrt(3) / 2;
+  return p.y() > -height / 3 && p.y() < 2 * height / 3 - std::abs(p.x()) * std::sqrt(3);
+}
+bool bar(const Vector2d& p) { return in_box(p, 0, 0, kArm, 0.028); }
+bool angle(const Vector2d& p) {
+  return in_box(p, -kArm, 0, kArm, 0.0252) || in_box(p, 0, -kArm, 0.0252, kArm);
+}
+bool ring(const Vector2d& p) { return in_disc(p, 0, 0.0133) && !in_disc(p, 0, 0.0056); }
+bool tee(const Vector2d& p) {
+  return in_box(p, 0, kArm, 0.0252, kArm) || in_box(p, 0, 0, kArm, 0.0252);
+}
+bool two_discs(const Vector2d& p) {
+  return in_disc(p, 0.0091, 0.0056) || in_disc(p, -0.0091, 0.0056);
+}
+bool half_disc(const Vector2d& p) { return in_disc(p, -0.0056, 0.0147) && p.y() > -0.0056; }
 
 }  // namespace
 
-const char* to_string(HoleShape shape) { return shape == HoleShape::kCross ? "cross" : "square"; }
-
-bool in_hole(HoleShape shape, double x, double z) {
-  const double a = std::abs(x), b = std::abs(z);
-  if (shape == HoleShape::kSquare) return a < 0.006 && b < 0.006;
-  return (a < 0.003 && b < 0.009) || (b < 0.003 && a < 0.009);
+const std::vector<Hole>& holes() {
+  static const std::vector<Hole> kHoles{
+      {"cross", cross},        {"square", square}, {"disc", disc},
+      {"triangle", triangle},  {"bar", bar},       {"angle", angle},
+      {"ring", ring},          {"tee", tee},       {"two discs", two_discs},
+      {"half disc", half_disc}};
+  return kHoles;
 }
 
-geometry::TriangleMesh perforated_cube(HoleShape shape, double size,
-                                       const Eigen::Vector2d& hole_center) {
-  const int cells = static_cast<int>(std::lround(size / kCell));
-  const double half = 0.5 * size, step = size / cells;
-  const auto solid = [&](int i, int k) {
-    if (i < 0 || k < 0 || i >= cells || k >= cells) return false;
-    return !in_hole(shape, (i + 0.5) * step - half - hole_center.x(),
-                    (k + 0.5) * step - half - hole_center.y());
+geometry::TriangleMesh perforated_block(const Eigen::Vector3d& size, const BlockSide& plus_y,
+                                        const BlockSide& minus_y) {
+  const int columns = static_cast<int>(std::lround(size.x() / kCell));
+  const int rows = static_cast<int>(std::lround(size.z() / kCell));
+  const Vector2d step(size.x() / columns, size.z() / rows);
+  const auto corner = [&](double i, double k) {
+    return Vector2d(i * step.x() - size.x() / 2, k * step.y() - size.z() / 2);
   };
   geometry::TriangleMesh mesh;
   std::map<std::array<int, 3>, int> known;
-  const auto vertex = [&](int i, int side, int k) {
+  const std::array<double, 4> heights{-size.y() / 2, kHoleDepth - size.y() / 2,
+                                      size.y() / 2 - kHoleDepth, size.y() / 2};
+  const auto vertex = [&](int i, int level, int k) {
     const auto [entry, is_new] =
-        known.try_emplace({i, side, k}, static_cast<int>(mesh.vertices.size()));
-    if (is_new) mesh.vertices.emplace_back(i * step - half, side * half, k * step - half);
+        known.try_emplace({i, level, k}, static_cast<int>(mesh.vertices.size()));
+    const Vector2d p = corner(i, k);
+    if (is_new) mesh.vertices.emplace_back(p.x(), heights[level], p.y());
     return entry->second;
   };
-  const auto quad = [&](int a, int b, int c, int d) {
+  const auto quad = [&](bool turned, int a, int b, int c, int d) {
+    if (turned) std::swap(b, d);
     mesh.triangles.emplace_back(a, b, c);
     mesh.triangles.emplace_back(a, c, d);
   };
-  for (int i = 0; i < cells; ++i) {
-    for (int k = 0; k < cells; ++k) {
-      if (!solid(i, k)) continue;
-      quad(vertex(i, -1, k), vertex(i + 1, -1, k), vertex(i + 1, -1, k + 1), vertex(i, -1, k + 1));
-      quad(vertex(i, 1, k), vertex(i, 1, k + 1), vertex(i + 1, 1, k + 1), vertex(i + 1, 1, k));
-      if (!solid(i - 1, k)) {
-        quad(vertex(i, -1, k), vertex(i, -1, k + 1), vertex(i, 1, k + 1), vertex(i, 1, k));
-      }
-      if (!solid(i + 1, k)) {
-        quad(vertex(i + 1, -1, k), vertex(i + 1, 1, k), vertex(i + 1, 1, k + 1),
-             vertex(i + 1, -1, k + 1));
-      }
-      if (!solid(i, k - 1)) {
-        quad(vertex(i, -1, k), vertex(i, 1, k), vertex(i + 1, 1, k), vertex(i + 1, -1, k));
-      }
-      if (!solid(i, k + 1)) {
-        quad(vertex(i, -1, k + 1), vertex(i + 1, -1, k + 1), vertex(i + 1, 1, k + 1),
-             vertex(i, 1, k + 1));
+  for (const bool plus : {false, true}) {
+    const BlockSide& side = plus ? plus_y : minus_y;
+    const int face = plus ? 3 : 0, floor = plus ? 2 : 1;
+    const auto hole = [&](int i, int k) {
+      return i >= 0 && k >= 0 && i < columns && k < rows && side.hole &&
+             side.hole->contains(corner(i + 0.5, k + 0.5) - side.center);
+    };
+    for (int i = 0; i < columns; ++i) {
+      for (int k = 0; k < rows; ++k) {
+        const int y = hole(i, k) ? floor : face;
+        quad(plus, vertex(i, y, k), vertex(i + 1, y, k), vertex(i + 1, y, k + 1),
+             vertex(i, y, k + 1));
+        if (!hole(i, k)) continue;
+        // Walls, seen from inside the hole.
+        const auto wall = [&](int i0, int k0, int i1, int k1) {
+          quad(plus, vertex(i0, face, k0), vertex(i1, face, k1), vertex(i1, floor, k1),
+               vertex(i0, floor, k0));
+        };
+        if (!hole(i, k - 1)) wall(i, k, i + 1, k);
+        if (!hole(i + 1, k)) wall(i + 1, k, i + 1, k + 1);
+        if (!hole(i, k + 1)) wall(i + 1, k + 1, i, k + 1);
+        if (!hole(i - 1, k)) wall(i, k + 1, i, k);
       }
     }
+  }
+  // The sides, as high as the block: from face to face.
+  for (int i = 0; i < columns; ++i) {
+    quad(false, vertex(i, 0, 0), vertex(i, 3, 0), vertex(i + 1, 3, 0), vertex(i + 1, 0, 0));
+    quad(false, vertex(i, 0, rows), vertex(i + 1, 0, rows), vertex(i + 1, 3, rows),
+         vertex(i, 3, rows));
+  }
+  for (int k = 0; k < rows; ++k) {
+    quad(false, vertex(0, 0, k), vertex(0, 0, k + 1), vertex(0, 3, k + 1), vertex(0, 3, k));
+    quad(false, vertex(columns, 0, k), vertex(columns, 3, k), vertex(columns, 3, k + 1),
+         vertex(columns, 0, k + 1));
   }
   return mesh;
-}
-
-HoleShape recognise(const std::vector<double>& image, int rows, int columns, double pitch,
-                    double* agreement) {
-  const double most = *std::max_element(image.begin(), image.end());
-  double best[2] = {0, 0};
-  for (const HoleShape shape : {HoleShape::kCross, HoleShape::kSquare}) {
-    for (double x = -0.5 * columns * pitch; x <= 0.5 * columns * pitch; x += 0.25 * pitch) {
-      for (double z = -0.5 * rows * pitch; z <= 0.5 * rows * pitch; z += 0.25 * pitch) {
-        int both = 0, either = 0;
-        for (int t = 0; t < rows * columns; ++t) {
-          const bool empty = image[t] < 0.2 * most;
-          const bool hole = in_hole(shape, (t % columns + 0.5 - 0.5 * columns) * pitch - x,
-                                    (0.5 * rows - t / columns - 0.5) * pitch - z);
-          both += empty && hole;
-          either += empty || hole;
-        }
-        const double share = either > 0 ? static_cast<double>(both) / either : 0;
-        double& value = best[shape == HoleShape::kCross ? 0 : 1];
-        value = std::max(value, share);
-      }
-    }
-  }
-  if (agreement) std::copy(best, best + 2, agreement);
-  return best[0] >= best[1] ? HoleShape::kCross : HoleShape::kSquare;
 }
 
 }  // namespace prehend::eval::touch

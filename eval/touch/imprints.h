@@ -3,26 +3,32 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "prehend/geometry/triangle_mesh.h"
 
+// Blocks with holes of many shapes, for recognition by touch.
 namespace prehend::eval::touch {
 
-enum class HoleShape { kCross, kSquare };
-const char* to_string(HoleShape shape);
+/// A hole in a face: whether p [m], from the hole's middle, is in it.
+struct Hole {
+  std::string name;
+  bool (*contains)(const Eigen::Vector2d& p);
+};
 
-/// A cube of `size` [m] centred at the origin with a hole along y, its middle at (x, z) =
-/// `hole_center` [m]. Cross: two bars, 6 mm wide and 18 mm long;
-/// square: 12 mm wide.
-geometry::TriangleMesh perforated_cube(HoleShape shape, double size,
-                                       const Eigen::Vector2d& hole_center);
+/// Ten shapes, 17 to 28 mm: cross, square, disc, triangle, bar, angle, ring, tee, two discs, half a
+/// disc. Pads are 20 mm wide: no press shows the larger ones whole.
+const std::vector<Hole>& holes();
 
-/// True where `shape`, centred at the origin, has its hole; x, z [m].
-bool in_hole(HoleShape shape, double x, double z);
+/// One side of a block: what hole it has, and where its middle is [m].
+struct BlockSide {
+  const Hole* hole = nullptr;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+};
 
-/// Which of the two holes a tactile image (rows * columns, row 0 at the top, square texels of
-/// `pitch` [m]) shows: that whose template, at its best place, agrees better with the texels that
-/// feel nothing. `agreement` gets the intersection over union of each, if not null.
-HoleShape recognise(const std::vector<double>& image, int rows, int columns, double pitch,
-                    double* agreement = nullptr);
+/// A block of `size` [m] centred at the origin with a hole 8 mm deep in its face at +y and one in
+/// that at -y. (x, z) on the faces; cells of 0.5 mm.
+geometry::TriangleMesh perforated_block(const Eigen::Vector3d& size, const BlockSide& plus_y,
+                                        const BlockSide& minus_y);
 
 }  // namespace prehend::eval::touch

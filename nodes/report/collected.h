@@ -11,6 +11,7 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
+#include "msgs/touch.pb.h"
 #include "prehend/control/cycle.h"
 
 namespace prehend::nodes {
@@ -30,6 +31,7 @@ struct BodyHistory {
 struct TactileSnapshot {
   control::Phase phase = control::Phase::kWaiting;
   std::map<std::string, msgs::TactileFrame> pads;
+  std::map<std::string, msgs::PadTouch> touch;  // what they mean; empty: no node says it
 };
 
 /// What went over the graph, as far as the report shows it.
@@ -49,6 +51,7 @@ struct Collected {
   bool on_prediction = false;  // what was grasped are predicted meshes, put into a simulation
   std::map<std::string, msgs::TactileFrame> pads;  // newest, by pad
   std::map<std::string, msgs::PadCells> cells;     // where they are, by pad, where the robot says
+  std::map<std::string, msgs::PadTouch> touch;     // newest, by pad
   std::vector<TactileSnapshot> snapshots;
   std::map<std::string, History> pad_sums;  // N, by pad
   std::map<std::string, History> joints;    // rad or m, of arm and hand

@@ -62,6 +62,9 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
       c.pad_sums[pad].emplace_back(time_of(m.header()), m.sum());
     });
   }
+  listen<msgs::Touch>("/touch", stream, [&c](const auto& m) {
+    for (const msgs::PadTouch& pad : m.pads()) c.touch[pad.pad()] = pad;
+  });
   if (moves == Moves::kGripper) {
     listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
       c.opening.emplace_back(time_of(m.header()), m.opening());
@@ -91,7 +94,7 @@ void Collector::on_phase(const msgs::CycleState& state) {
   double felt = 0;  // N
   for (const auto& [pad, frame] : collected_.pads) felt += frame.sum();
   if (!phases.empty() && felt > 0) {
-    collected_.snapshots.push_back({phases.back().second, collected_.pads});
+    collected_.snapshots.push_back({phases.back().second, collected_.pads, collected_.touch});
   }
   phases.emplace_back(time_of(state.header()), phase);
 }

@@ -96,6 +96,55 @@ geometry::ColorImage picture_of(const msgs::TactileFrame& frame, const std::stri
                               static_cast<int>(frame.columns()), full);
 }
 
+std::string place_text(const msgs::Vector3& p) {
+  return fmt::format("{:.1f}, {:.1f} mm", 1e3 * p.x(), 1e3 * p.y());
+}
+
+std::string normal_text(const msgs::PadTouch::Normal& normal) {
+  constexpr double kDegrees = 180 / M_PI;
+  return fmt::format("{:.1f} degrees off (+-{:.1f})",
+                     kDegrees * std::acos(std::clamp(normal.direction().z(), -1.0, 1.0)),
+                     kDegrees * normal.deviation());
+}
+
+std::string slip_text(const msgs::PadTouch& touch) {
+  if (touch.slip().basis() == msgs::PadTouch::Slip::NONE) return "?";
+  return fmt::format("{} of {} texels", touch.slip().slipping(), touch.touched());
+}
+
+// What the frames of the pictures mean, where a node says it.
+void add_meaning(report::Page& page, const Collected& collected,
+                 const std::map<std::string, std::vector<Shown>>& shown) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, frames] : shown) {
+    for (const auto& snapshot : collected.snapshots) {
+      const auto found = snapshot.touch.find(name);
+      if (found == snapshot.touch.end() || found->second.touched() == 0) continue;
+      const msgs::PadTouch& touch = found->second;
+      std::string unknown;
+      for (const std::string& reason : touch.not_determined()) {
+        unknown += (unknown.empty() ? "" : "; ") + reason;
+      }
+      rows.push_back(
+          {in_words(name), "end of " + to_string(snapshot.phase),
+           fmt::format("{:.1f} N", touch.force()), fmt::format("{:.0f} mm2", 1e6 * touch.area()),
+           place_text(touch.center()), touch.has_normal() ? normal_text(touch.normal()) : "?",
+           touch.has_curvature()
+               ? fmt::format("{:.1f}, {:.1f} 1/m (+-{:.1f})", touch.curvature().largest(),
+                             touch.curvature().smallest(), touch.curvature().deviation())
+               : "?",
+           touch.has_holding_torque() ? fmt::format("{:.0f} mN m", 1e3 * touch.holding_torque())
+                                      : "?",
+           slip_text(touch), unknown});
+    }
+  }
+  if (rows.empty()) return;
+  page.add_paragraph("What the pads' frames mean (/touch):");
+  page.add_table({"pad", "when", "force", "area", "centre of pressure", "normal", "curvature",
+                  "friction holds", "slips", "not determined"},
+                 rows);
+}
+
 }  // namespace
 
 std::string in_words(std::string name) {
@@ -129,6 +178,7 @@ void add_touch(report::Page& page, const Collected& collected) {
   }
   if (collected.snapshots.empty()) page.add_paragraph("Nothing was touched.");
   page.add_pictures(pictures, captions);
+  add_meaning(page, collected, shown);
 }
 
 }  // namespace prehend::nodes

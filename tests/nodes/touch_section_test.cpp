@@ -43,7 +43,8 @@ TEST(TouchSection, PredictedBesideFelt) {
   collected.snapshots.push_back({control::Phase::kGrasp,
                                  {{"thumb_distal", frame_of("thumb_distal", 390)},
                                   {"finger_1_distal", frame_of("finger_1_distal", 120)},
-                                  {"finger_2_distal", frame_of("finger_2_distal", 0)}}});
+                                  {"finger_2_distal", frame_of("finger_2_distal", 0)}},
+                                 {}});
   const std::string html = page_of(collected);
   const auto to_be = html.find("thumb distal pad, predicted: 4.0 N");
   const auto is = html.find("thumb distal pad, end of grasp: 3.9 N");
@@ -52,6 +53,26 @@ TEST(TouchSection, PredictedBesideFelt) {
   EXPECT_LT(to_be, is);
   EXPECT_THAT(html, HasSubstr("finger 1 distal pad, end of grasp: 1.2 N")) << "a surprise";
   EXPECT_THAT(html, Not(HasSubstr("finger 2 distal"))) << "neither felt nor predicted";
+}
+
+TEST(TouchSection, WhatTheFramesMeanStandsBesideThem) {
+  Collected collected = run_of({});
+  msgs::PadTouch touch;
+  touch.set_pad("left");
+  touch.set_touched(5);
+  touch.set_force(3.14);
+  touch.set_area(57.8e-6);
+  touch.mutable_center()->set_y(0.0042);
+  touch.set_holding_torque(0.0123);
+  touch.add_not_determined("curvature: 5 texels to fit, 6 are needed");
+  collected.snapshots.push_back(
+      {control::Phase::kLift, {{"left", frame_of("left", 300)}}, {{"left", touch}}});
+  const std::string html = page_of(collected);
+  for (const char* part : {"3.1 N", "58 mm2", "0.0, 4.2 mm", "12 mN m", "6 are needed"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  collected.snapshots.back().touch.clear();
+  EXPECT_THAT(page_of(collected), Not(HasSubstr("frames mean")));
 }
 
 TEST(TouchSection, SaysWhyNothingWasPredictedAndThatNothingWasTouched) {

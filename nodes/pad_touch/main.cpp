@@ -1,0 +1,193 @@
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "msgs/convert/pad_touch.h"
+#include "msgs/sensors.pb.h"
+#include "msgs/touch.pb.h"
+#include "nodes/gripper_source/gripper_source.h"
+#include "nodes/platform_source/platform_source.h"
+#include "prehend/graph/node_program.h"
+#include "prehend/robot/grip.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
+
+namespace {
+
+using namespace prehend;
+
+struct Settings {
+  std::string platform;  // file
+  int threshold = robot::kTouchCounts;
+  touch::PadTouchOptions touch;
+  touch::SlipOptions slip;
+};
+
+Settings declare_settings(graph::Node& node) {
+  Settings s;
+  const auto platform = node.declare_parameter<std::string>(
+      {.name = "platform",
+       .default_value = "stage_pg70",
+       .description = "the robot whose pads they are, its name (stage_pg70, kr5_sdh, ...) or file",
+       .read_only = true});
+  s.platform = robot::platform_file(nodes::declare_platforms(node), platform).string();
+  s.threshold = node.declare_parameter<int>({.name = "threshold",
+                                             .default_value = s.threshold,
+                                             .unit = "counts",
+                                             .minimum = 0,
+                                             .maximum = 65535,
+                                             .description = "a texel that says more is touched",
+                                             .read_only = true});
+  s.touch.friction = node.declare_parameter<double>(
+      {.name = "friction",
+       .default_value = 0.0,
+       .minimum = 0.0,
+       .maximum = 10.0,
+       .description = "of the pads on what they hold, for the holding torque; 0: the dynamic "
+                      "friction of the robot's file",
+       .read_only = true});
+  s.touch.fit.gain_deviation = node.declare_parameter<double>(
+      {.name = "gain_deviation",
+       .default_value = s.touch.fit.gain_deviation,
+       .minimum = 0.0,
+       .maximum = 1.0,
+       .description = "of the texels' gains from one another, relative, standard; normals and "
+                      "curvatures are as uncertain as it makes them",
+       .read_only = true});
+  s.slip.window = node.declare_parameter<double>(
+      {.name = "slip_window",
+       .default_value = s.slip.window,
+       .unit = "s",
+       .minimum = 0.005,
+       .maximum = 10.0,
+       .description = "between frames that are compared to see whether the pattern moves",
+       .read_only = true});
+  s.slip.least_slip = node.declare_parameter<double>(
+      {.name = "least_slip",
+       .default_value = s.slip.least_slip,
+       .unit = "m",
+       .minimum = 1e-6,
+       .maximum = 0.1,
+       .description = "motion of the pattern in that time from which on it slips",
+       .read_only = true});
+  return s;
+}
+
+/// The meaning of every frame, all pads of one instant in one message.
+class TouchStage {
+ public:
+  TouchStage(graph::Node& node, const Settings& settings, robot::Platform platform,
+             nodes::GripperSource& gripper)
+      : node_(node),
+        settings_(settings),
+        platform_(std::move(platform)),
+        gripper_(gripper),
+        publisher_(node.advertise<msgs::Touch>("/touch", graph::QoS::queue(50))) {
+    const bool on_stage = platform_.hand_port == robot::HandPort::kGripper;
+    for (const robot::HandPad& pad : platform_.hand.pads) {
+      pads_.emplace(pad.name, Pad{pad.model, on_stage && pad.name == "right", {}, {}});
+    }
+    for (const auto& [name, pad] : pads_) {
+      subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
+          "/tactile/" + name, graph::QoS::queue(50),
+          [this, name = name](const graph::Received<msgs::TactileFrame>& frame) {
+            take(name, *frame);
+          }));
+    }
+    if (pads_.empty()) {
+      node.report(graph::Health::kWarning,
+                  "the hand of " + platform_.name + " has no tactile pads: /touch stays empty");
+    }
+  }
+
+ private:
+  struct Pad {
+    robot::TactilePadModel model;
+    bool mirrored = false;
+    std::string made_for;  // what of the frames the watch was made for
+    std::optional<touch::SlipWatch> watch;
+  };
+
+  void take(const std::string& name, const msgs::TactileFrame& frame) {
+    const std::int64_t stamp = frame.header().stamp();
+    if (stamp != gathered_.header().stamp() || has(name)) publish();
+    gathered_.mutable_header()->set_stamp(stamp);
+    gathered_.mutable_header()->set_frame_id("pads");
+    msgs::PadTouch* out = gathered_.add_pads();
+    out->set_pad(name);
+    const std::string problem = node_.shield("pad " + name, [&] { *out = meaning(name, frame); });
+    if (!problem.empty()) out->add_not_determined("everything: " + problem);
+    if (gathered_.pads_size() == static_cast<int>(pads_.size())) publish();
+  }
+
+  bool has(const std::string& name) const {
+    for (const msgs::PadTouch& pad : gathered_.pads()) {
+      if (pad.pad() == name) return true;
+    }
+    return false;
+  }
+
+  void publish() {
+    if (gathered_.pads_size() == 0) return;
+    publisher_.publish(std::move(gathered_));
+    gathered_ = {};
+  }
+
+  msgs::PadTouch meaning(const std::string& name, const msgs::TactileFrame& frame) {
+    Pad& pad = pads_.at(name);
+    prepare(frame, &pad);
+    const std::vector<double> counts = convert::counts_of(frame);
+    msgs::PadTouch message =
+        convert::to_message(name, pad_touch(pad.watch->pad(), counts, settings_.touch));
+    const int columns = static_cast<int>(frame.columns());
+    convert::add_slip(pad.watch->update(graph::seconds(frame.header().stamp()), counts), columns,
+                      &message);
+    return message;
+  }
+
+  // Frames say how many texels there are, and may say it anew: another device, another calibration.
+  void prepare(const msgs::TactileFrame& frame, Pad* pad) {
+    const auto said = gripper_.model();
+    const robot::TactilePadModel& model = said ? said->pad : pad->model;
+    const std::string wanted =
+        fmt::format("{} {} {} {} {} {} {} {}", frame.rows(), frame.columns(),
+                    frame.intensity_size(), frame.texel_width(), frame.texel_height(),
+                    frame.full_scale(), frame.newton_per_count(), said ? said->name : "");
+    if (pad->watch && pad->made_for == wanted) return;
+    touch::FeltPad felt = convert::felt_pad(frame, model, pad->mirrored);
+    felt.threshold = settings_.threshold;
+    pad->watch.emplace(std::move(felt), settings_.slip);
+    pad->made_for = wanted;
+  }
+
+  graph::Node& node_;
+  Settings settings_;
+  robot::Platform platform_;
+  nodes::GripperSource& gripper_;
+  std::map<std::string, Pad> pads_;
+  msgs::Touch gathered_;  // of the instant under way
+  graph::Publisher<msgs::Touch> publisher_;
+  std::vector<graph::Subscription> subscriptions_;  // last: they end before the rest goes
+};
+
+void run(graph::Node& node) {
+  const Settings settings = declare_settings(node);
+  nodes::GripperSource gripper(node);
+  robot::Platform platform = robot::read_platform(settings.platform);
+  if (platform.hand_port == robot::HandPort::kGripper) gripper.listen();
+  const TouchStage stage(node, settings, std::move(platform), gripper);
+  node.spin();
+}
+
+const prehend::graph::RegisteredNodeProgram registered(
+    {"pad_touch",
+     "Says what the frames of tactile pads mean. Takes /tactile/PAD of every pad of the platform's "
+     "hand, simulated or real; publishes /touch: contact area, normal force, centre of pressure, "
+     "contact normal, curvature, the torque that friction holds, and which texels slip, each with "
+     "how far it is known, or why it is not."},
+    run);
+
+}  // namespace
