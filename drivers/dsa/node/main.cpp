@@ -13,6 +13,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/gripper_model.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -60,6 +61,20 @@ std::vector<Pad> declare_pads(graph::Node& node) {
        .description =
            "calibration: force of a texel for one count; that of the simulated pads, estimated",
        .read_only = true});
+  const auto calibrations = node.declare_parameter<std::vector<std::string>>(
+      {.name = "calibration",
+       .description = "files that `prehend pad fit` wrote, one for each pad; in place of "
+                      "newton_per_count",
+       .read_only = true});
+  if (!calibrations.empty() && calibrations.size() != names.size()) {
+    throw geometry::InputError(
+        fmt::format("{} calibrations for {} pads", calibrations.size(), names.size()),
+        "Give one file a pad, e.g. calibration:=\"[left.yaml, right.yaml]\"");
+  }
+  if (!calibrations.empty() && newton_per_count != robot::kDsaNewtonPerCount) {
+    throw geometry::InputError("newton_per_count stands beside calibrations, which measured it",
+                               "Keep one of the two");
+  }
   if (names.size() != matrices.size()) {
     throw geometry::InputError(
         fmt::format("{} pads but {} matrices", names.size(), matrices.size()),
@@ -75,9 +90,12 @@ std::vector<Pad> declare_pads(graph::Node& node) {
   }
   std::vector<Pad> pads;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    pads.push_back({names[i], static_cast<std::size_t>(std::lround(matrices[i])),
-                    holds(flipped_rows, names[i]), holds(flipped_columns, names[i]),
-                    newton_per_count});
+    pads.push_back(
+        {names[i], static_cast<std::size_t>(std::lround(matrices[i])),
+         holds(flipped_rows, names[i]), holds(flipped_columns, names[i]), newton_per_count,
+         calibrations.empty()
+             ? std::nullopt
+             : std::optional(robot::read_pad_calibration(text::tree_file(calibrations[i])))});
   }
   return pads;
 }

@@ -50,6 +50,30 @@ TEST(DsaPads, HasUnitsAndASum) {
   EXPECT_NEAR(message.sum(), 0.5 * (6 + 7 + 8 + 9 + 10 + 11), 1e-12);
 }
 
+TEST(DsaPads, CorrectsByItsCalibration) {
+  robot::PadCalibration calibration;
+  calibration.rows = 3;
+  calibration.columns = 2;
+  calibration.newton_per_count = 0.25;
+  calibration.gains = {2, 1, 0.5, 0, 1, 1};
+  calibration.zeros = {0, 0, 2, 0, 20, 0};
+  Pad pad{"left", 1};
+  pad.calibration = calibration;
+  EXPECT_EQ(counts(pad), (std::vector<std::uint32_t>{3, 7, 12, 0, 0, 11}));
+  const auto message = pad_message(pad, counting(), kMatrices, 5);
+  EXPECT_EQ(message.newton_per_count(), 0.25);
+  EXPECT_NEAR(message.sum(), 0.25 * (3 + 7 + 12 + 11), 1e-12);
+  // It is of the pad as published: turned, the same texel has the same gain.
+  pad.flip_rows = pad.flip_columns = true;
+  EXPECT_EQ(counts(pad), (std::vector<std::uint32_t>{6, 10, 14, 0, 0, 6}));
+  Frame full = counting();
+  full.texels[6] = kFullScale;
+  pad.flip_rows = pad.flip_columns = false;
+  EXPECT_EQ(pad_message(pad, full, kMatrices, 0).intensity(0), kFullScale) << "stays full";
+  pad.calibration->rows = 4;
+  EXPECT_THROW(pad_message(pad, counting(), kMatrices, 0), std::invalid_argument);
+}
+
 TEST(DsaPads, RefusesMatricesThatAreNotThere) {
   EXPECT_THROW(pad_message({"left", 2}, counting(), kMatrices, 0), std::invalid_argument);
   Frame cut = counting();
