@@ -1,6 +1,8 @@
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -76,6 +78,8 @@ Settings declare_settings(graph::Node& node) {
   return s;
 }
 
+constexpr std::size_t kMostWaiting = 8;  // instants
+
 /// The meaning of every frame, all pads of one instant in one message.
 class TouchStage {
  public:
@@ -111,29 +115,34 @@ class TouchStage {
     std::optional<touch::SlipWatch> watch;
   };
 
+  // Topics come in no common order: an instant waits for all pads that are heard of, but not for
+  // those that have fallen silent.
   void take(const std::string& name, const msgs::TactileFrame& frame) {
+    msgs::PadTouch touch;
+    touch.set_pad(name);
+    const std::string problem = node_.shield("pad " + name, [&] { touch = meaning(name, frame); });
+    if (!problem.empty()) touch.add_not_determined("everything: " + problem);
+    heard_.insert(name);
     const std::int64_t stamp = frame.header().stamp();
-    if (stamp != gathered_.header().stamp() || has(name)) publish();
-    gathered_.mutable_header()->set_stamp(stamp);
-    gathered_.mutable_header()->set_frame_id("pads");
-    msgs::PadTouch* out = gathered_.add_pads();
-    out->set_pad(name);
-    const std::string problem = node_.shield("pad " + name, [&] { *out = meaning(name, frame); });
-    if (!problem.empty()) out->add_not_determined("everything: " + problem);
-    if (gathered_.pads_size() == static_cast<int>(pads_.size())) publish();
-  }
-
-  bool has(const std::string& name) const {
-    for (const msgs::PadTouch& pad : gathered_.pads()) {
-      if (pad.pad() == name) return true;
+    msgs::Touch& instant = waiting_[stamp];
+    instant.mutable_header()->set_stamp(stamp);
+    instant.mutable_header()->set_frame_id("pads");
+    *instant.add_pads() = std::move(touch);
+    if (stamp <= published_ || instant.pads_size() >= static_cast<int>(heard_.size())) {
+      publish_until(stamp);
+    } else if (waiting_.size() > kMostWaiting) {
+      heard_.clear();
+      for (const msgs::PadTouch& pad : waiting_.rbegin()->second.pads()) heard_.insert(pad.pad());
+      publish_until(waiting_.begin()->first);
     }
-    return false;
   }
 
-  void publish() {
-    if (gathered_.pads_size() == 0) return;
-    publisher_.publish(std::move(gathered_));
-    gathered_ = {};
+  void publish_until(std::int64_t stamp) {
+    while (!waiting_.empty() && waiting_.begin()->first <= stamp) {
+      publisher_.publish(std::move(waiting_.begin()->second));
+      waiting_.erase(waiting_.begin());
+    }
+    published_ = stamp;
   }
 
   msgs::PadTouch meaning(const std::string& name, const msgs::TactileFrame& frame) {
@@ -168,7 +177,9 @@ class TouchStage {
   robot::Platform platform_;
   nodes::GripperSource& gripper_;
   std::map<std::string, Pad> pads_;
-  msgs::Touch gathered_;  // of the instant under way
+  std::map<std::int64_t, msgs::Touch> waiting_;  // by stamp [ns], for their other pads
+  std::set<std::string> heard_;                  // pads that are heard of
+  std::int64_t published_ = std::numeric_limits<std::int64_t>::min();  // ns
   graph::Publisher<msgs::Touch> publisher_;
   std::vector<graph::Subscription> subscriptions_;  // last: they end before the rest goes
 };

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "msgs/convert/pad_touch.h"
 #include "msgs/joints.pb.h"
 #include "msgs/sensors.pb.h"
@@ -29,6 +31,7 @@ struct Settings {
   std::string platform;  // file
   touch::RecogniseBy by = touch::RecogniseBy::kGrasp;
   std::string memory;
+  std::vector<std::string> pads;  // empty: all
   int threshold = robot::kTouchCounts;
   double least_force = 1;   // N
   double stale_time = 0.5;  // s
@@ -54,6 +57,11 @@ Settings declare_settings(graph::Node& node) {
       {.name = "memory",
        .description = "file of what was taught: read at the start where it is there, written by "
                       "/touch_recognition/save; empty: none",
+       .read_only = true});
+  s.pads = node.declare_parameter<std::vector<std::string>>(
+      {.name = "pads",
+       .description = "pads that count; empty: all. By imprint those that touch the same face, "
+                      "e.g. [left]: the other one has another face before it",
        .read_only = true});
   s.threshold = node.declare_parameter<int>({.name = "threshold",
                                              .default_value = s.threshold,
@@ -94,6 +102,7 @@ class TouchRecognition {
       throw geometry::InputError("The hand of " + platform_.name + " has no tactile pads",
                                  "Name a platform with pads, e.g. stage_pg70 or kr5_sdh");
     }
+    for (const std::string& name : settings.pads) check_pad(name);
     if (!settings.memory.empty() && std::filesystem::exists(settings.memory)) {
       memory_ = touch::TouchMemory::load(settings.memory, settings.by);
       node.log_info("{} things are known from {}", memory_.things().size(), settings.memory);
@@ -103,6 +112,19 @@ class TouchRecognition {
   }
 
  private:
+  void check_pad(const std::string& name) const {
+    std::vector<std::string> known;
+    for (const robot::HandPad& pad : platform_.hand.pads) known.push_back(pad.name);
+    if (std::ranges::find(known, name) != known.end()) return;
+    throw geometry::InputError(
+        fmt::format("'{}' is no pad of {}", name, platform_.name),
+        fmt::format("The parameter pads may name {}", fmt::join(known, ", ")));
+  }
+
+  bool matters(const std::string& pad) const {
+    return settings_.pads.empty() || std::ranges::find(settings_.pads, pad) != settings_.pads.end();
+  }
+
   void listen() {
     const bool on_stage = platform_.hand_port == robot::HandPort::kGripper;
     for (const robot::HandPad& pad : platform_.hand.pads) {
@@ -213,6 +235,7 @@ class TouchRecognition {
     pads.reserve(platform_.hand.pads.size());
     const auto said = gripper_.model();
     for (const robot::HandPad& pad : platform_.hand.pads) {
+      if (!matters(pad.name)) continue;
       const auto found = frames_.find(pad.name);
       if (found == frames_.end()) {
         throw std::runtime_error("nobody has published /tactile/" + pad.name + " yet");
