@@ -30,7 +30,7 @@ TexelLaw foam_law(const FoamMemory& memory, double damping = 0) {
 }
 
 // A pad under a flat face that moves along its normal as prescribed.
-struct Pressed {
+struct PressedTexel {
   PadLayout pad = PadLayout::flat({});
   TexelLaw law;
   PadState state;
@@ -38,7 +38,7 @@ struct Pressed {
   PadResponse response;
   double depth = 0, work = 0, force = 0;  // m, N m and N of one texel
 
-  explicit Pressed(const TexelLaw& law_in) : law(law_in), state(pad, law_in) {}
+  explicit PressedTexel(const TexelLaw& law_in) : law(law_in), state(pad, law_in) {}
 
   // One step to `to` [m]; returns a texel's force [N].
   double press(double h, double to) {
@@ -63,7 +63,7 @@ struct Pressed {
 TEST(Foam, RelaxesAsItsPronySeries) {
   const FoamMemory memory{{{0.3, 0.05}, {0.5, 2}, {0.1, 1e-7}, {0.2, 1e7}}, {}};
   for (const double h : {1e-4, 1e-2, 0.7}) {
-    Pressed pressed(foam_law(memory));
+    PressedTexel pressed(foam_law(memory));
     const double depth = 1e-3, stiffness = 1000;
     pressed.press(1e-15, depth);
     for (int i = 1; i <= 20; ++i) {
@@ -77,7 +77,7 @@ TEST(Foam, RelaxesAsItsPronySeries) {
 TEST(Foam, FollowsARampExactlyForAnyStep) {
   const double share = 0.4, time = 0.1, speed = 1e-3;
   for (const double h : {1e-3, 0.05, 1.0}) {
-    Pressed pressed(foam_law({{{share, time}}, {}}));
+    PressedTexel pressed(foam_law({{{share, time}}, {}}));
     double force = 0;
     const int steps = static_cast<int>(std::lround(1 / h));
     for (int i = 1; i <= steps; ++i) force = pressed.press(h, speed * h * i);
@@ -107,7 +107,7 @@ TEST(Foam, CreepsUnderAHeldForce) {
 // back with the same time constant; nothing is felt meanwhile, and a face meets it where it stands.
 TEST(Foam, ComesBackWithoutForceAndIsMetWhereItStands) {
   const double share = 0.5, time = 1, depth = 1e-3, h = 0.01;
-  Pressed pressed(foam_law({{{share, time}}, {}}));
+  PressedTexel pressed(foam_law({{{share, time}}, {}}));
   pressed.press(1e-9, depth);
   for (int i = 0; i < 40; ++i) pressed.press(1, depth);
   pressed.press(1e-12, -1e-3);
@@ -117,8 +117,8 @@ TEST(Foam, ComesBackWithoutForceAndIsMetWhereItStands) {
     EXPECT_NEAR(pressed.state.foam[10], expected, 1e-5 * depth);
   }
   const double stands = pressed.state.foam[10];
-  EXPECT_EQ(Pressed(pressed).press(1e-9, 0.99 * stands), 0);
-  EXPECT_GT(Pressed(pressed).press(1e-9, 1.01 * stands), 0);
+  EXPECT_EQ(PressedTexel(pressed).press(1e-9, 0.99 * stands), 0);
+  EXPECT_GT(PressedTexel(pressed).press(1e-9, 1.01 * stands), 0);
   // release() is the same with nothing near; in the end it is as new.
   PadState released = pressed.state;
   release(pressed.pad, pressed.law, h, released);
@@ -131,7 +131,7 @@ TEST(Foam, ComesBackWithoutForceAndIsMetWhereItStands) {
 // Each slider gives way at f = share k depth: a loop over the range R loses 2 f (R - 2 depth).
 TEST(Foam, LoopsEncloseTheAreaOfTheirSliders) {
   const FoamMemory memory{{}, {{0.1, 1e-4}, {0.2, 3e-4}}};
-  Pressed pressed(foam_law(memory));
+  PressedTexel pressed(foam_law(memory));
   pressed.ramp(2.5e-3, 250);
   const double top = pressed.force, down = pressed.ramp(1e-3, 150), bottom = pressed.force;
   const double up = pressed.ramp(2.5e-3, 150);
@@ -147,7 +147,7 @@ TEST(Foam, LoopsEncloseTheAreaOfTheirSliders) {
 
 TEST(Foam, InnerLoopsCloseAndLoseEnergy) {
   const FoamMemory memory{{}, {{0.1, 1e-4}, {0.2, 3e-4}}};
-  Pressed pressed(foam_law(memory));
+  PressedTexel pressed(foam_law(memory));
   pressed.ramp(2.5e-3, 250);
   const double top = pressed.force;
   pressed.ramp(1.0e-3, 150);
@@ -175,7 +175,7 @@ TEST(Foam, NoWayGivesEnergy) {
       return sum;
     };
     for (int way = 0; way < 50; ++way) {
-      Pressed pressed(law);
+      PressedTexel pressed(law);
       double work = 0;  // with the force of each step's end, as steps do it
       for (int i = 0; i < 100; ++i) {
         const double to = depth(random), from = pressed.depth;
@@ -315,7 +315,7 @@ TEST(Foam, ExplicitStepsAreTheOracle) {
 TEST(Foam, OneTexelIsAsThePadsTexels) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> depth(-5e-4, 2e-3), step(1e-4, 0.1);
-  Pressed pressed(foam_law(FoamMemory::realistic(), 10));
+  PressedTexel pressed(foam_law(FoamMemory::realistic(), 10));
   FoamTexel texel(pressed.law);
   for (int i = 0; i < 500; ++i) {
     const double h = step(random), to = depth(random);
