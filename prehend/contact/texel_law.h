@@ -46,8 +46,9 @@ struct FoamMemory {
   int terms() const { return static_cast<int>(creep.size() + hysteresis.size()); }
   bool operator==(const FoamMemory&) const = default;
 
-  /// A pad's foam as estimated: 6 % creep in 10 s, loops of some per cent of the force. The soft-contact paper names hysteresis and creep of real pads without figures:
-  /// `prehend pad fit` finds those of yours.
+  /// A pad's foam as estimated: 6 % creep in 10 s, loops of some per cent of the force. The
+  /// soft-contact paper names hysteresis and creep of real pads without figures: `prehend pad fit`
+  /// finds those of yours.
   static FoamMemory realistic();
 };
 
