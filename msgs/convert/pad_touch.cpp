@@ -26,8 +26,7 @@ char slip_character(touch::TexelSlip slip) {
 
 }  // namespace
 
-touch::FeltPad felt_pad(const msgs::TactileFrame& frame, const robot::TactilePadModel& model,
-                        bool mirrored) {
+touch::FeltPad felt_pad(const msgs::TactileFrame& frame, const robot::HandPad& of, bool mirrored) {
   const std::uint64_t texels = std::uint64_t{frame.rows()} * frame.columns();
   if (texels == 0 || static_cast<std::uint64_t>(frame.intensity_size()) != texels) {
     throw std::invalid_argument("a tactile frame of " + std::to_string(frame.rows()) + " x " +
@@ -39,13 +38,21 @@ touch::FeltPad felt_pad(const msgs::TactileFrame& frame, const robot::TactilePad
     throw std::invalid_argument(
         "a tactile frame must say newton_per_count and full_scale, both above 0");
   }
+  if (!of.layout->is_flat()) {
+    if (texels != of.layout->size()) {
+      throw std::invalid_argument("a tactile frame of " + std::to_string(texels) +
+                                  " counts is none of pad '" + of.name + "', which has " +
+                                  std::to_string(of.layout->size()) + " cells");
+    }
+    return {*of.layout, of.model.law, npc, static_cast<int>(frame.full_scale())};
+  }
   contact::PadGrid grid;
   grid.rows = static_cast<int>(frame.rows());
   grid.columns = static_cast<int>(frame.columns());
   grid.width = frame.columns() * frame.texel_width();
   grid.length = frame.rows() * frame.texel_height();
-  grid.thickness = model.thickness;
-  touch::FeltPad pad = touch::felt_pad(grid, model, mirrored);
+  grid.thickness = of.model.thickness;
+  touch::FeltPad pad = touch::felt_pad(grid, of.model, mirrored);
   pad.newton_per_count = npc;
   pad.full_scale = static_cast<int>(frame.full_scale());
   return pad;

@@ -10,39 +10,20 @@
 #include "msgs/convert/pad_touch.h"
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
-#include "nodes/gripper_source/gripper_source.h"
-#include "nodes/platform_source/platform_source.h"
+#include "nodes/hand_pads/hand_pads.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/robot/grip.h"
-#include "prehend/robot/platform.h"
-#include "prehend/robot/robot_files.h"
 
 namespace {
 
 using namespace prehend;
 
 struct Settings {
-  std::string platform;  // file
-  int threshold = robot::kTouchCounts;
   touch::PadTouchOptions touch;
   touch::SlipOptions slip;
 };
 
 Settings declare_settings(graph::Node& node) {
   Settings s;
-  const auto platform = node.declare_parameter<std::string>(
-      {.name = "platform",
-       .default_value = "stage_pg70",
-       .description = "the robot whose pads they are, its name (stage_pg70, kr5_sdh, ...) or file",
-       .read_only = true});
-  s.platform = robot::platform_file(nodes::declare_platforms(node), platform).string();
-  s.threshold = node.declare_parameter<int>({.name = "threshold",
-                                             .default_value = s.threshold,
-                                             .unit = "counts",
-                                             .minimum = 0,
-                                             .maximum = 65535,
-                                             .description = "a texel that says more is touched",
-                                             .read_only = true});
   s.touch.friction = node.declare_parameter<double>(
       {.name = "friction",
        .default_value = 0.0,
@@ -83,17 +64,13 @@ constexpr std::size_t kMostWaiting = 8;  // instants
 /// The meaning of every frame, all pads of one instant in one message.
 class TouchStage {
  public:
-  TouchStage(graph::Node& node, const Settings& settings, robot::Platform platform,
-             nodes::GripperSource& gripper)
+  TouchStage(graph::Node& node, const Settings& settings, const nodes::HandPads& hand)
       : node_(node),
         settings_(settings),
-        platform_(std::move(platform)),
-        gripper_(gripper),
+        hand_(hand),
         publisher_(node.advertise<msgs::Touch>("/touch", graph::QoS::queue(50))) {
-    const bool on_stage = platform_.hand_port == robot::HandPort::kGripper;
-    for (const robot::HandPad& pad : platform_.hand.pads) {
-      pads_.emplace(pad.name, Pad{pad.model, on_stage && pad.name == "right", {}, {}});
-    }
+    const robot::Platform& platform = hand.platform();
+    for (const robot::HandPad& pad : platform.hand.pads) pads_.emplace(pad.name, Pad{pad, {}, {}});
     for (const auto& [name, pad] : pads_) {
       subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
           "/tactile/" + name, graph::QoS::queue(50),
@@ -103,15 +80,14 @@ class TouchStage {
     }
     if (pads_.empty()) {
       node.report(graph::Health::kWarning,
-                  "the hand of " + platform_.name + " has no tactile pads: /touch stays empty");
+                  "the hand of " + platform.name + " has no tactile pads: /touch stays empty");
     }
   }
 
  private:
   struct Pad {
-    robot::TactilePadModel model;
-    bool mirrored = false;
-    std::string made_for;  // what of the frames the watch was made for
+    const robot::HandPad& of;  // the platform's
+    std::string made_for;      // what of the frames the watch was made for
     std::optional<touch::SlipWatch> watch;
   };
 
@@ -159,23 +135,18 @@ class TouchStage {
 
   // Frames say how many texels there are, and may say it anew: another device, another calibration.
   void prepare(const msgs::TactileFrame& frame, Pad* pad) {
-    const auto said = gripper_.model();
-    const robot::TactilePadModel& model = said ? said->pad : pad->model;
     const std::string wanted =
         fmt::format("{} {} {} {} {} {} {} {}", frame.rows(), frame.columns(),
                     frame.intensity_size(), frame.texel_width(), frame.texel_height(),
-                    frame.full_scale(), frame.newton_per_count(), said ? said->name : "");
+                    frame.full_scale(), frame.newton_per_count(), hand_.said_by());
     if (pad->watch && pad->made_for == wanted) return;
-    touch::FeltPad felt = convert::felt_pad(frame, model, pad->mirrored);
-    felt.threshold = settings_.threshold;
-    pad->watch.emplace(std::move(felt), settings_.slip);
+    pad->watch.emplace(hand_.felt(pad->of, frame), settings_.slip);
     pad->made_for = wanted;
   }
 
   graph::Node& node_;
   Settings settings_;
-  robot::Platform platform_;
-  nodes::GripperSource& gripper_;
+  const nodes::HandPads& hand_;
   std::map<std::string, Pad> pads_;
   std::map<std::int64_t, msgs::Touch> waiting_;  // by stamp [ns], for their other pads
   std::set<std::string> heard_;                  // pads that are heard of
@@ -186,10 +157,8 @@ class TouchStage {
 
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
-  nodes::GripperSource gripper(node);
-  robot::Platform platform = robot::read_platform(settings.platform);
-  if (platform.hand_port == robot::HandPort::kGripper) gripper.listen();
-  const TouchStage stage(node, settings, std::move(platform), gripper);
+  const nodes::HandPads hand(node);
+  const TouchStage stage(node, settings, hand);
   node.spin();
 }
 

@@ -14,13 +14,9 @@
 #include "msgs/joints.pb.h"
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
-#include "nodes/gripper_source/gripper_source.h"
-#include "nodes/platform_source/platform_source.h"
+#include "nodes/hand_pads/hand_pads.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
-#include "prehend/robot/grip.h"
-#include "prehend/robot/platform.h"
-#include "prehend/robot/robot_files.h"
 #include "prehend/touch/touch_memory.h"
 
 namespace {
@@ -28,23 +24,15 @@ namespace {
 using namespace prehend;
 
 struct Settings {
-  std::string platform;  // file
   touch::RecogniseBy by = touch::RecogniseBy::kGrasp;
   std::string memory;
   std::vector<std::string> pads;  // empty: all
-  int threshold = robot::kTouchCounts;
-  double least_force = 1;   // N
-  double stale_time = 0.5;  // s
+  double least_force = 1;         // N
+  double stale_time = 0.5;        // s
 };
 
 Settings declare_settings(graph::Node& node) {
   Settings s;
-  const auto platform = node.declare_parameter<std::string>(
-      {.name = "platform",
-       .default_value = "stage_pg70",
-       .description = "the robot whose pads feel, its name (stage_pg70, kr5_sdh, ...) or file",
-       .read_only = true});
-  s.platform = robot::platform_file(nodes::declare_platforms(node), platform).string();
   const auto by = node.declare_parameter<std::string>(
       {.name = "by",
        .default_value = "grasp",
@@ -63,13 +51,6 @@ Settings declare_settings(graph::Node& node) {
        .description = "pads that count; empty: all. By imprint those that touch the same face, "
                       "e.g. [left]: the other one has another face before it",
        .read_only = true});
-  s.threshold = node.declare_parameter<int>({.name = "threshold",
-                                             .default_value = s.threshold,
-                                             .unit = "counts",
-                                             .minimum = 0,
-                                             .maximum = 65535,
-                                             .description = "a texel that says more is touched",
-                                             .read_only = true});
   s.least_force = node.declare_parameter<double>({.name = "least_force",
                                                   .default_value = s.least_force,
                                                   .unit = "N",
@@ -90,12 +71,11 @@ Settings declare_settings(graph::Node& node) {
 
 class TouchRecognition {
  public:
-  TouchRecognition(graph::Node& node, const Settings& settings, robot::Platform platform,
-                   nodes::GripperSource& gripper)
+  TouchRecognition(graph::Node& node, const Settings& settings, const nodes::HandPads& hand)
       : node_(node),
         settings_(settings),
-        platform_(std::move(platform)),
-        gripper_(gripper),
+        hand_(hand),
+        platform_(hand.platform()),
         memory_(settings.by),
         answers_(node.advertise<msgs::TouchAnswer>("/recognised", graph::QoS::latched(1))) {
     if (platform_.hand.pads.empty()) {
@@ -126,14 +106,12 @@ class TouchRecognition {
   }
 
   void listen() {
-    const bool on_stage = platform_.hand_port == robot::HandPort::kGripper;
     for (const robot::HandPad& pad : platform_.hand.pads) {
       subscriptions_.push_back(node_.subscribe<msgs::TactileFrame>(
           "/tactile/" + pad.name, graph::QoS::queue(1),
           [this, name = pad.name](const auto& frame) { frames_[name] = *frame; }));
-      if (on_stage && pad.name == "right") mirrored_ = pad.name;
     }
-    if (on_stage) {
+    if (hand_.is_gripper()) {
       subscriptions_.push_back(
           node_.subscribe<msgs::GripperState>("/gripper/state", graph::QoS::queue(1),
                                               [this](const auto& state) { opening_ = *state; }));
@@ -233,7 +211,6 @@ class TouchRecognition {
     std::vector<touch::FeltPad> pads;
     std::vector<touch::FeltFrame> frames;
     pads.reserve(platform_.hand.pads.size());
-    const auto said = gripper_.model();
     for (const robot::HandPad& pad : platform_.hand.pads) {
       if (!matters(pad.name)) continue;
       const auto found = frames_.find(pad.name);
@@ -241,9 +218,7 @@ class TouchRecognition {
         throw std::runtime_error("nobody has published /tactile/" + pad.name + " yet");
       }
       check_age(found->second, "/tactile/" + pad.name);
-      pads.push_back(
-          convert::felt_pad(found->second, said ? said->pad : pad.model, pad.name == mirrored_));
-      pads.back().threshold = settings_.threshold;
+      pads.push_back(hand_.felt(pad, found->second));
       std::vector<double> counts = convert::counts_of(found->second);
       double force = 0;  // N
       for (const double count : counts) force += count * pads.back().newton_per_count;
@@ -253,7 +228,7 @@ class TouchRecognition {
   }
 
   Eigen::VectorXd posture() const {
-    if (platform_.hand_port == robot::HandPort::kGripper) {
+    if (hand_.is_gripper()) {
       if (!opening_) throw std::runtime_error("nobody has published /gripper/state yet");
       check_age(*opening_, "/gripper/state");
       return Eigen::VectorXd::Constant(1, opening_->opening());
@@ -277,10 +252,9 @@ class TouchRecognition {
 
   graph::Node& node_;
   Settings settings_;
-  robot::Platform platform_;
-  nodes::GripperSource& gripper_;
+  const nodes::HandPads& hand_;
+  const robot::Platform& platform_;
   touch::TouchMemory memory_;
-  std::string mirrored_;  // pad whose frames are
   std::map<std::string, msgs::TactileFrame> frames_;
   std::optional<msgs::GripperState> opening_;
   std::optional<msgs::JointState> joints_;
@@ -292,10 +266,8 @@ class TouchRecognition {
 
 void run(graph::Node& node) {
   const Settings settings = declare_settings(node);
-  nodes::GripperSource gripper(node);
-  robot::Platform platform = robot::read_platform(settings.platform);
-  if (platform.hand_port == robot::HandPort::kGripper) gripper.listen();
-  const TouchRecognition recognition(node, settings, std::move(platform), gripper);
+  const nodes::HandPads hand(node);
+  const TouchRecognition recognition(node, settings, hand);
   node.spin();
 }
 

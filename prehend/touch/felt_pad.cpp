@@ -38,6 +38,7 @@ FeltTexels felt_texels(const FeltPad& pad, const std::vector<double>& counts) {
   FeltTexels felt{std::vector<Texel>(counts.size(), Texel::kFree),
                   std::vector<double>(counts.size(), 0.0)};
   for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (!(pad.layout.scale[i] > 0)) continue;  // a place of a grid where the surface has no cell
     if (!std::isfinite(counts[i]) || counts[i] < 0) {
       felt.state[i] = Texel::kUnreadable;
     } else if (counts[i] > pad.threshold) {
