@@ -7,6 +7,7 @@
 #include "prehend/simulation/contact_detection.h"
 #include "prehend/simulation/engines/convex_contact.h"
 #include "prehend/simulation/engines/pad_on_body.h"
+#include "prehend/simulation/mesh_surface.h"
 
 namespace prehend::simulation {
 namespace {
@@ -17,101 +18,10 @@ using engines::Vector6;
 using geometry::RigidTransform;
 
 constexpr double kLookAhead = 1e-4;           // m, looked ahead beyond what speeds say
-constexpr double kCell = 0.005;               // m, of the grid of what is near
-constexpr int kMostCells = 40;                // along each side
 constexpr std::size_t kMostPartContacts = 4;  // of two links of which one is a mesh
-constexpr double kFaceOn = 0.99;              // cosine: nearer to a face's normal, it is the face
 constexpr double kBeforeFoam = 0.002;         // m, over a pad's face
 constexpr double kOnFace = 2e-4;              // m: nearer to a face's mesh, it is on it
 constexpr double kOverFace = 0.95;  // cosine: nearer to its normal, it is over or below it
-
-geometry::TriangleMesh mesh_of(const EngineShape& shape) {
-  switch (shape.kind) {
-    case EngineShape::Kind::kBox:
-      return geometry::make_box(shape.size);
-    case EngineShape::Kind::kSphere:
-      return geometry::make_sphere(shape.radius, 24);
-    case EngineShape::Kind::kCylinder:
-    case EngineShape::Kind::kCapsule:
-      return geometry::make_revolution(
-          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 24);
-    case EngineShape::Kind::kConvexPieces:
-      break;  // links have primitives and meshes
-  }
-  return {};
-}
-
-/// How deep a point is within a mesh's surface [m], negative outside, and the normal of the nearest
-/// face; false when it is farther from the surface than `reach`.
-bool mesh_depth(const geometry::MeshQuery& query, const Eigen::Vector3d& p, double reach,
-                Eigen::Vector3d& normal, double& depth) {
-  const auto nearest = query.nearest(p, reach);
-  if (!nearest) return false;
-  const geometry::TriangleMesh& mesh = query.mesh();
-  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
-  normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-               .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-               .normalized();
-  const double along = normal.dot(p - nearest->point);
-  // Beside an edge or a corner one of its faces does not tell the side.
-  const bool beside_edge = std::abs(along) < kFaceOn * nearest->distance;
-  const bool inside = beside_edge ? query.contains(p) : along < 0;
-  depth = inside ? nearest->distance : -nearest->distance;
-  return true;
-}
-
-// Means of the normals of the faces that meet at each point of the mesh's surface; zero where these
-// have no area.
-std::vector<Eigen::Vector3d> normals_at(const std::vector<Eigen::Vector3d>& points,
-                                        const geometry::MeshQuery& query) {
-  constexpr double kOnFace = 1e-6;  // m
-  const geometry::TriangleMesh& mesh = query.mesh();
-  const auto normal_of = [&mesh](const Eigen::Vector3i& t) -> Eigen::Vector3d {
-    return (mesh.vertices[t[1]] - mesh.vertices[t[0]])
-        .cross(mesh.vertices[t[2]] - mesh.vertices[t[0]])
-        .normalized();
-  };
-  // Corners are found among few faces only; of many, the nearest one says enough.
-  constexpr std::size_t kFewFaces = 200;
-  std::vector<Eigen::Vector3d> normals;
-  for (const Eigen::Vector3d& p : points) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3i& t : mesh.triangles) {
-      if (mesh.triangles.size() > kFewFaces) break;
-      const Eigen::Vector3d n = normal_of(t);
-      const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
-                            &c = mesh.vertices[t[2]];
-      const auto beyond = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-        return n.dot((to - from).cross(p - from)) < -kOnFace * (to - from).norm();
-      };
-      if (std::abs(n.dot(p - a)) > kOnFace || beyond(a, b) || beyond(b, c) || beyond(c, a))
-        continue;
-      // Two triangles of one face count once.
-      if (sum.isZero(0) || sum.normalized().dot(n) < kFaceOn) sum += n;
-    }
-    if (sum.norm() < 1e-3) {
-      const auto nearest = query.nearest(p);
-      if (nearest) sum = normal_of(mesh.triangles[static_cast<std::size_t>(nearest->triangle)]);
-    }
-    normals.push_back(sum.stableNormalized());
-  }
-  return normals;
-}
-
-/// Whether more than a few points of its surface have the other side of a wall behind them.
-bool has_thin_walls(const BodyModel& model) {
-  constexpr double kFewPoints = 0.05, kOff = 1e-6;  // share; m
-  const std::vector<Eigen::Vector3d> normals = normals_at(model.surface_points, *model.query);
-  std::size_t thin = 0;
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (normals[i].isZero(0)) continue;
-    const Eigen::Vector3d inward = -normals[i];
-    const auto other_side = model.query->cast_ray(model.surface_points[i] + kOff * inward, inward,
-                                                  RobotTouch::kThinWall);
-    thin += other_side && other_side->normal.dot(inward) > 0;
-  }
-  return static_cast<double>(thin) > kFewPoints * static_cast<double>(normals.size());
-}
 
 /// Leaves the deepest and those farthest from what is left already: as many as primitives have, so
 /// that links do not become stiffer with the number of points on them.
@@ -133,6 +43,22 @@ void keep_apart(std::vector<engines::ConvexContact>& contacts, std::size_t most)
     std::swap(apart[kept], apart[static_cast<std::size_t>(farthest)]);
   }
   contacts.resize(most);
+}
+
+geometry::TriangleMesh mesh_of(const EngineShape& shape) {
+  switch (shape.kind) {
+    case EngineShape::Kind::kBox:
+      return geometry::make_box(shape.size);
+    case EngineShape::Kind::kSphere:
+      return geometry::make_sphere(shape.radius, 24);
+    case EngineShape::Kind::kCylinder:
+    case EngineShape::Kind::kCapsule:
+      return geometry::make_revolution(
+          {{shape.radius, -0.5 * shape.length}, {shape.radius, 0.5 * shape.length}}, 24);
+    case EngineShape::Kind::kConvexPieces:
+      break;  // links have primitives and meshes
+  }
+  return {};
 }
 
 }  // namespace
@@ -169,7 +95,7 @@ RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPa
               {},
               geometry::bounds(mesh),
               nullptr};
-    part.normals_S = normals_at(part.points_S, geometry::MeshQuery(mesh));
+    part.normals_S = normals_at(part.points_S, mesh);
     if (own.solid) {
       part.mesh = std::make_shared<geometry::MeshQuery>(mesh);
       for (const Eigen::Vector3d& p : mesh.vertices) part.radius = std::max(part.radius, p.norm());
@@ -199,7 +125,7 @@ RobotTouch::RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPa
     }
     parts_.push_back(std::move(part));
   }
-  for (const Object& object : objects_) near_.push_back(make_near(object.model));
+  for (const Object& object : objects_) surfaces_.emplace_back(object.model);
 }
 
 bool RobotTouch::Foam::holds(const Eigen::Vector3d& p_S) const {
@@ -236,90 +162,15 @@ double RobotTouch::Part::hard_depth(const Eigen::Vector3d& p_S, double depth) co
   return hard;
 }
 
-RobotTouch::Near RobotTouch::make_near(const BodyModel& model) {
-  Near near;
-  if (model.felt.shape.kind() != contact::Shape::Kind::kMesh) return near;
-  near.has_thin_walls = has_thin_walls(model);
-  near.box = model.box;
-  near.side = std::max(kCell, model.box.sizes().maxCoeff() / kMostCells);
-  near.box.min().array() -= 1.5 * near.side;
-  near.box.max().array() += 1.5 * near.side;
-  near.cells = (near.box.sizes() / near.side).array().ceil().cast<int>();
-  near.clearance.assign(static_cast<std::size_t>(near.cells.prod()), 0);
-  // Points are asked for within a millimetre or two of the surface, or inside.
-  const double reach = 0.5 * std::sqrt(3.0) * near.side + 0.003;
-  std::size_t k = 0;
-  for (int z = 0; z < near.cells.z(); ++z) {
-    for (int y = 0; y < near.cells.y(); ++y) {
-      for (int x = 0; x < near.cells.x(); ++x, ++k) {
-        const Eigen::Vector3d center =
-            near.box.min() + near.side * (Eigen::Vector3d(x, y, z).array() + 0.5).matrix();
-        if (model.box.contains(center) && model.query->contains(center)) continue;
-        const auto nearest = model.query->nearest(center, reach);
-        // A little less, as floats round.
-        near.clearance[k] = static_cast<float>((nearest ? nearest->distance : reach) * (1 - 1e-6));
-      }
-    }
-  }
-  return near;
-}
-
-double RobotTouch::Near::outside_by(const Eigen::Vector3d& p_B) const {
-  const Eigen::Vector3d cell = (p_B - box.min()) / side;
-  if (!(cell.minCoeff() >= 0)) return kDeepest;
-  const Eigen::Vector3i i = cell.cast<int>();
-  if ((i.array() >= cells.array()).any()) return kDeepest;
-  const double clear = static_cast<double>(
-      clearance[static_cast<std::size_t>(i.x() + cells.x() * (i.y() + cells.y() * i.z()))]);
-  // On the way from the cell's middle the surface is not crossed.
-  const double way = side * (cell - i.cast<double>() - Eigen::Vector3d::Constant(0.5)).norm();
-  return std::max(0.0, clear - way);
-}
-
-bool RobotTouch::surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B,
-                         double margin, Eigen::Vector3d& normal_B, double& depth) const {
-  const FeltShape& felt = object.model.felt;
-  if (felt.shape.kind() != contact::Shape::Kind::kMesh) {
-    depth = felt.shape.depth_inside(felt.X_BS.inverse(Eigen::Isometry) * p_B, normal_B);
-    normal_B = felt.X_BS.linear() * normal_B;
-    return depth > 0 && depth < kDeepest;
-  }
-  const double outside = near.outside_by(p_B);
-  if (outside > margin) return false;
-  const double reach = outside > 0 ? margin : kDeepest;
-  if (!mesh_depth(*object.model.query, p_B, reach, normal_B, depth)) return false;
-  return depth > -margin;
-}
-
-bool RobotTouch::wall_within(const Object& object, const Eigen::Vector3d& p_B,
-                             const Eigen::Vector3d& outward_B, Eigen::Vector3d& normal_B,
-                             double& depth) {
-  constexpr double kOff = 1e-7;  // m, past a face that was met
-  const Eigen::Vector3d inward = -outward_B;
-  double way = 0;
-  bool found = false;
-  while (way < kThinWall) {
-    const auto hit = object.model.query->cast_ray(p_B + way * inward, inward, kThinWall - way);
-    if (!hit) break;
-    way += hit->distance + kOff;
-    const double along = hit->normal.dot(inward);
-    if (along <= 0) continue;  // into a wall
-    found = true;
-    normal_B = hit->normal;
-    depth = way * along;
-  }
-  return found;
-}
-
 bool RobotTouch::Part::holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S,
                              double& depth) const {
   if (!box_S.contains(p_S)) return false;
   if (!mesh) {
     depth = felt.depth_inside(p_S, normal_S);
-  } else if (!mesh_depth(*mesh, p_S, kDeepest, normal_S, depth)) {
+  } else if (!mesh_depth(*mesh, p_S, ObjectSurface::kDeepest, normal_S, depth)) {
     return false;
   }
-  return depth > 0 && depth < kDeepest;
+  return depth > 0 && depth < ObjectSurface::kDeepest;
 }
 
 void RobotTouch::add(int a, int b, const Eigen::Vector3d& p_W, const Eigen::Vector3d& n_W,
@@ -362,20 +213,12 @@ void RobotTouch::find_part_object(const Part& part, std::size_t index, double ma
     return std::any_of(part.foams.begin(), part.foams.end(),
                        [&p_S](const Foam& foam) { return foam.holds(p_S); });
   };
-  const bool thin = near_[index].has_thin_walls;
   for (std::size_t i = 0; i < part.hard_S.size(); ++i) {
-    const Eigen::Vector3d& p_S = part.hard_S[i];
-    const Eigen::Vector3d p_B = X_BS * p_S;
-    if (!box.contains(p_B) || in_foam(p_S)) continue;
-    const Eigen::Vector3d outward = X_BS.linear() * part.normals_S[i];
-    bool met = surface(object, near_[index], p_B, margin, normal, depth);
-    // The far side of a wall, from within it or beyond it.
-    if (thin && !outward.isZero(0) && near_[index].outside_by(p_B) < kThinWall &&
-        (!met || normal.dot(outward) > 0)) {
-      met = wall_within(object, p_B, outward, normal, depth);
-    }
+    const Eigen::Vector3d p_B = X_BS * part.hard_S[i];
+    if (!box.contains(p_B) || in_foam(part.hard_S[i])) continue;
+    const auto met = surfaces_[index].met_by(p_B, X_BS.linear() * part.normals_S[i], margin);
     if (!met) continue;
-    add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * normal), depth, touches);
+    add(object.body, part.body, X_WB * p_B, -(X_WB.linear() * met->normal), met->depth, touches);
   }
   const RigidTransform X_SB = X_BS.inverse(Eigen::Isometry);
   const Eigen::AlignedBox3d part_B = transformed_box(X_BS, part.box_S);
@@ -418,17 +261,16 @@ void RobotTouch::find_objects(std::size_t a, std::size_t b, std::vector<TouchPoi
            .intersects(transformed_box(X_WB, objects_[b].model.box))) {
     return;
   }
-  Eigen::Vector3d normal;
-  double depth = 0;
   const auto points_in = [&](std::size_t of, const RigidTransform& X_WOf, std::size_t in,
                              const RigidTransform& X_WIn, double sign) {
     const RigidTransform X_InOf = X_WIn.inverse(Eigen::Isometry) * X_WOf;
     for (const Eigen::Vector3d& p : objects_[of].model.surface_points) {
       const Eigen::Vector3d p_In = X_InOf * p;
       if (!objects_[in].model.box.contains(p_In)) continue;
-      if (!surface(objects_[in], near_[in], p_In, 0, normal, depth)) continue;
-      add(objects_[a].body, objects_[b].body, X_WIn * p_In, sign * (X_WIn.linear() * normal), depth,
-          touches);
+      const auto met = surfaces_[in].at(p_In, 0);
+      if (!met) continue;
+      add(objects_[a].body, objects_[b].body, X_WIn * p_In, sign * (X_WIn.linear() * met->normal),
+          met->depth, touches);
     }
   };
   points_in(a, X_WA, b, X_WB, 1);

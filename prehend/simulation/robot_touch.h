@@ -7,6 +7,7 @@
 #include "prehend/contact/shape.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/simulation/engines/multibody.h"
+#include "prehend/simulation/object_surface.h"
 #include "prehend/simulation/rigid_body.h"
 #include "prehend/simulation/robot_bodies.h"
 
@@ -16,10 +17,8 @@ namespace prehend::simulation {
 /// meshes; objects are met as what they are (box, ball, can) or as their meshes: points on the
 /// parts, a few millimetres apart, against the object's surface, and points of the object's surface
 /// against the parts. Fingers meet one another as primitives, or where one of them is a mesh by
-/// points of each in the other. So meshes need not be convex. Where an object's walls are thinner
-/// than kThinWall, a point of a part belongs to the side that the part has come from, which its
-/// inward normal tells, not to the nearest one. What lies before a tactile pad's foam
-/// is left to its texels (engines::EnginePad).
+/// points of each in the other. So meshes need not be convex. What lies before a tactile
+/// pad's foam is left to its texels (engines::EnginePad).
 class RobotTouch : public engines::TouchFinder {
  public:
   struct Object {
@@ -30,8 +29,6 @@ class RobotTouch : public engines::TouchFinder {
 
   static constexpr double kPointSpacing = 0.004;  // m, on fingers
   static constexpr double kArmSpacing = 0.015;    // m, between points on the arm
-  static constexpr double kDeepest = 0.01;        // m, deeper the nearest face is a guess
-  static constexpr double kThinWall = 0.005;      // m
 
   /// @param pads of the hand, whose order RobotBodies::Pad means.
   RobotTouch(const RobotBodies& robot, const std::vector<robot::HandPad>& pads,
@@ -78,32 +75,12 @@ class RobotTouch : public engines::TouchFinder {
     Eigen::AlignedBox3d box_S;                        // m
     std::shared_ptr<const geometry::MeshQuery> mesh;  // of a mesh; `shape` and `felt` mean nothing
 
-    /// Whether a point is inside, less than kDeepest deep, and the nearest face's normal.
+    /// Whether a point is inside, less than ObjectSurface::kDeepest deep, and the nearest face's
+    /// normal.
     bool holds(const Eigen::Vector3d& p_S, Eigen::Vector3d& normal_S, double& depth) const;
     /// How deep a point that is `depth` [m] inside is in what is no foam [m]; at most 0: in foam.
     double hard_depth(const Eigen::Vector3d& p_S, double depth) const;
   };
-  /// Distances to an object's surface over a grid of cells: what is far is not asked, what is
-  /// outside not farther than it matters.
-  struct Near {
-    Eigen::AlignedBox3d box;  // m, in B
-    Eigen::Vector3i cells = Eigen::Vector3i::Zero();
-    double side = 0;  // m
-    bool has_thin_walls = false;
-    std::vector<float> clearance;  // m, of each cell's middle from the surface, 0 inside; at most
-                                   // what is asked for
-    /// p_B is outside, this far from the surface at least [m]; 0 when it may be inside.
-    double outside_by(const Eigen::Vector3d& p_B) const;
-  };
-
-  static Near make_near(const BodyModel& model);
-  /// Of a point p_B of a part with the outward normal `outward_B`: the wall that is within the part
-  /// behind it, by the side from which the part has come. False: there is none.
-  static bool wall_within(const Object& object, const Eigen::Vector3d& p_B,
-                          const Eigen::Vector3d& outward_B, Eigen::Vector3d& normal_B,
-                          double& depth);
-  bool surface(const Object& object, const Near& near, const Eigen::Vector3d& p_B, double margin,
-               Eigen::Vector3d& normal_B, double& depth) const;
   void find_part_object(const Part& part, std::size_t object, double margin,
                         std::vector<engines::TouchPoint>& touches);
   void find_table(int body, const std::vector<Eigen::Vector3d>& points,
@@ -117,7 +94,7 @@ class RobotTouch : public engines::TouchFinder {
 
   std::vector<Part> parts_;
   std::vector<Object> objects_;
-  std::vector<Near> near_;
+  std::vector<ObjectSurface> surfaces_;  // of objects_
   // Of the call under way.
   const engines::MultibodyState* base_ = nullptr;
   std::vector<double> speed_;  // m/s, of each body's surface at most
