@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -89,7 +90,7 @@ class Planner {
   std::vector<Listed> evaluated(const std::vector<Tried>& tried, std::size_t order);
   std::vector<Listed> best_of(std::vector<Listed> listed);
   std::vector<Listed> ranked(const std::vector<Tried>& tried, std::size_t order);
-  void assess_surface(Grasp* grasp) const;
+  std::optional<Refusal> assess_surface(ClosedGrasp* closed) const;
   void assess_robustness(std::vector<Listed>* best) const;
   bool is_robust(const std::vector<Listed>& best) const;
   std::string problem(int candidates) const;
@@ -187,25 +188,41 @@ std::vector<Listed> Planner::evaluated(const std::vector<Tried>& tried, std::siz
 }
 
 // How much of the contact is on surface that was seen, and that is there: by force where it is
-// known.
-void Planner::assess_surface(Grasp* grasp) const {
+// known. A finger knows where its side is if it stands on a good part that was seen: an object that
+// all fingers know so is as wide as the prediction says, and is refused if that does not fit.
+std::optional<Refusal> Planner::assess_surface(ClosedGrasp* closed) const {
+  constexpr double kGoodPart = 0.25;
+  Grasp& grasp = closed->grasp;
   double sum = 0, guessed = 0, there = 0;
-  for (const GraspContact& contact : grasp->contacts) {
+  struct Finger {
+    double sum = 0, seen = 0;
+  };
+  std::map<int, Finger> fingers;
+  for (const GraspContact& contact : grasp.contacts) {
     const auto trust = surface_trust(object_, on_object_->query_W, contact.contact_W.point);
     if (!trust) continue;
     const double weight = contact.force > 0 ? contact.force : 1;
     sum += weight;
     guessed += trust->unseen * weight;
     there += trust->there * weight;
+    Finger& finger = fingers[contact.finger];
+    finger.sum += weight;
+    finger.seen += (1 - trust->unseen) * weight;
   }
-  if (sum <= 0) return;
-  grasp->guessed_contact = std::min(1.0, guessed / sum);
-  grasp->score *= 1 - options_.guessed_weight * (1 - std::min(1.0, there / sum));
-  if (grasp->guessed_contact > 0.005) {
+  if (sum <= 0) return std::nullopt;
+  if (closed->too_wide && std::all_of(fingers.begin(), fingers.end(), [](const auto& one) {
+        return one.second.seen >= kGoodPart * one.second.sum;
+      })) {
+    return Refusal{Reason::kTooWide, closed->too_wide};
+  }
+  grasp.guessed_contact = std::min(1.0, guessed / sum);
+  grasp.score *= 1 - options_.guessed_weight * (1 - std::min(1.0, there / sum));
+  if (grasp.guessed_contact > 0.005) {
     add_remark(fmt::format("{:.0f} % of the contact is on surface that nobody saw",
-                           100 * grasp->guessed_contact),
-               &grasp->remark);
+                           100 * grasp.guessed_contact),
+               &grasp.remark);
   }
+  return std::nullopt;
 }
 
 // The best `largest_count` by their true scores. As these take longest, only the best by the scores
@@ -244,10 +261,13 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
       Listed& one = listed[i];
       if (refined == next.size() || next[refined] != i) {
         ledger_.reject(Reason::kSame, one.grasp().generator);
-      } else if (const auto& refusal = refusals[refined++]) {
-        ledger_.reject(refusal->reason, one.grasp().generator, refusal->miss);
+        continue;
+      }
+      const auto refused = refusals[refined] ? refusals[refined] : assess_surface(&one.closed);
+      ++refined;
+      if (refused) {
+        ledger_.reject(refused->reason, one.grasp().generator, refused->miss);
       } else {
-        assess_surface(&one.grasp());
         kept.insert(std::upper_bound(kept.begin(), kept.end(), one.grasp().score, std::greater<>()),
                     one.grasp().score);
         best.push_back(std::move(one));

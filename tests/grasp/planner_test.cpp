@@ -210,6 +210,27 @@ TEST(PlanGrasps, ALittleTooWideIsListedWithARemarkAndNotRobust) {
                   .grasps.empty());
 }
 
+TEST(PlanGrasps, ALittleTooWideIsRefusedWhereBothSidesWereSeen) {
+  auto object = object_at(geometry::make_box({0.12, 0.068, 0.1}), {0.4, 0, 0.05});
+  const std::size_t vertices = object.mesh_W.vertices.size();
+  object.vertex_confidence.assign(vertices, 1.0f);
+  object.vertex_origin.assign(vertices, surface::SurfaceOrigin::kSeen);
+  const auto known = plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), {});
+  EXPECT_TRUE(known.grasps.empty());
+  std::string nearest_miss;
+  for (const auto& one : known.rejections) {
+    if (one.reason == Reason::kTooWide) nearest_miss = one.nearest_miss;
+  }
+  EXPECT_EQ(nearest_miss, "68.0 mm > 66.0 mm");
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (object.mesh_W.vertices[v].y() > 0) {
+      object.vertex_origin[v] = surface::SurfaceOrigin::kPredicted;
+    }
+  }
+  const auto guessed = plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), {});
+  EXPECT_FALSE(guessed.grasps.empty()) << guessed.problem;
+}
+
 TEST(PlanGrasps, GuessedSurfaceIsPenalisedAndSaidSo) {
   auto object = object_at(geometry::make_box({0.04, 0.05, 0.05}), {0.4, 0, 0.025});
   // What is beyond x = 0.4 was not seen and is thought to be there with one in two.

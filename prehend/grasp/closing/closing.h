@@ -18,6 +18,9 @@ namespace prehend::grasp {
 struct ClosedGrasp {
   Grasp grasp;
   std::shared_ptr<const void> kept;
+  // Of an object that is wider by the prediction than what fits into the open hand, closed on in
+  // case the prediction is wrong: its width, and what fits.
+  std::optional<Miss> too_wide;
 };
 
 /// What a hand is closed on, and how. All of it outlives the closing.
@@ -83,6 +86,6 @@ class ClosingMethod {
 
 /// Of ClosingMethod, Closing and what they are given: a plug-in that was built for another one is
 /// not loaded.
-constexpr int kClosingInterface = 2;
+constexpr int kClosingInterface = 3;
 
 }  // namespace prehend::grasp

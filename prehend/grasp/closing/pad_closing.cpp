@@ -314,8 +314,8 @@ std::optional<Refusal> PadClosing::evaluate(const Candidate& sampled,
   kept->clearance =
       scene_.table_clearance(swept_hand(gripper_, opening, grasp.pregrasp_distance), grasp.X_WG);
   grasp.score = score(grasp, *kept);
-  const double excess = section_width - room();
-  if (excess > 0) {
+  if (section_width > room()) {
+    closed->too_wide = Miss{Quantity::kLength, section_width, room()};
     const auto [width, fits] = text::told_apart(section_width * 1e3, room() * 1e3, 1);
     grasp.remark = fmt::format(
         "{} mm wide by the prediction where {} mm would fit: tried in case it is narrower", width,
