@@ -1,7 +1,11 @@
 #include "msgs/convert/touch.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include "msgs/convert/pad_touch.h"
 #include "msgs/convert/tactile_cells.h"
 
 namespace prehend::convert {
@@ -86,6 +90,60 @@ TEST(Touch, ACurvedPadsCellsTellTheCentreOfPressure) {
     int there = 0;
     for (const double of : one.area()) there += of > 0;
     EXPECT_EQ(there, 24) << one.name();
+  }
+}
+
+// The half-ball pressed 1 mm into a plane from several sides: the plane's normal, and that it is
+// flat, are felt from the frame alone.
+TEST(PadTouch, AHalfBallFeelsThePlaneThatItIsPressedOn) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/ball_probe.yaml");
+  const robot::HandPad& pad = hand.pads.at(0);
+  const contact::PadLayout& layout = *pad.layout;
+  msgs::TactileFrame frame;
+  frame.set_rows(1);
+  frame.set_columns(static_cast<std::uint32_t>(layout.size()));
+  frame.set_newton_per_count(1e-6);
+  frame.set_full_scale(100'000'000);
+  for (const Eigen::Vector3d& from :
+       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.4, -0.3, 1), Eigen::Vector3d(-1, 0.2, 0.7)}) {
+    const Eigen::Vector3d direction = from.normalized();
+    double highest = 0;
+    for (std::size_t i = 0; i < layout.size(); ++i) {
+      if (layout.scale[i] <= 0) continue;
+      highest = std::max(highest, direction.dot(layout.position(i)));
+    }
+    frame.clear_intensity();
+    for (std::size_t i = 0; i < layout.size(); ++i) {
+      // A spring along the texel's normal, and the plane across it.
+      const double along = direction.dot(layout.normal(i));
+      const double over = direction.dot(layout.position(i)) - (highest - 0.001);
+      const double depth = along > 0.1 ? std::max(0.0, over / along) : 0.0;
+      frame.add_intensity(static_cast<std::uint32_t>(
+          std::round(layout.scale[i] * pad.model.law.stiffness * depth / 1e-6)));
+    }
+    const touch::FeltPad felt = felt_pad(frame, pad, false);
+    const touch::PadTouch touch = touch::pad_touch(felt, counts_of(frame));
+    ASSERT_TRUE(touch.center && touch.normal && touch.curvature) << direction.transpose();
+    EXPECT_GT(touch.normal->direction.dot(direction), std::cos(0.05)) << direction.transpose();
+    EXPECT_NEAR(touch.curvature->largest, 0, 5) << "1/m; the ball's is 50";
+    EXPECT_NEAR(touch.curvature->smallest, 0, 5);
+  }
+}
+
+TEST(PadTouch, ACurvedPadsFrameHasACountForEachCell) {
+  const robot::HandModel hand = robot::read_hand_model("config/robots/ball_probe.yaml");
+  msgs::TactileFrame frame;
+  frame.set_rows(14);
+  frame.set_columns(6);
+  frame.set_newton_per_count(1e-3);
+  frame.set_full_scale(4095);
+  for (int i = 0; i < 84; ++i) frame.add_intensity(0);
+  try {
+    felt_pad(frame, hand.pads.at(0), false);
+    FAIL() << "84 counts are not one for each cell";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("84 counts is none of pad 'tip'"), std::string::npos)
+        << e.what();
   }
 }
 
