@@ -26,6 +26,7 @@ using geometry::RigidTransform;
 constexpr int kMinClusterVoxels = 3;    // smaller ones are noise
 constexpr int kLeastObjectPoints = 30;  // of an object: fewer have no shape
 constexpr double kSliver = 0.005;       // m: what shows less for its height is a rim of a thing
+constexpr double kThread = 0.0015;      // m: what shows less for its length is strewn points
 constexpr int kLeastTold = 30;          // points of a dropped cluster that is worth a word
 
 void check_options(const SegmentationOptions& o) {
@@ -244,11 +245,12 @@ class ObjectFinder {
     const double height = height_of(cloud_C_, members, table_);
     if (members.size() < kLeastObjectPoints) {
       drop(std::move(members), words("fewer than %.0f points have no shape", kLeastObjectPoints));
-    } else if (const double least_area = std::max(options_.min_area, kSliver * height);
+    } else if (const double least_area =
+                   std::max({options_.min_area, kSliver * height, kThread * length_of(members)});
                area < least_area) {
       const auto [seen, least] = text::told_apart(1e4 * area, 1e4 * least_area, 1);
       drop(std::move(members), seen + " cm^2 of it are seen, less than " + least +
-                                   " cm^2 (min_area, and 5 mm for its height)");
+                                   " cm^2 (min_area, 5 mm for its height, 1.5 mm for its length)");
     } else if (const double least = least_object_height(members); height < least) {
       const auto [high, enough] = text::told_apart(1e3 * height, 1e3 * least, 1);
       drop(std::move(members), high + " mm high, less than " + enough +
@@ -257,6 +259,12 @@ class ObjectFinder {
     } else {
       found_.objects.push_back(std::move(members));
     }
+  }
+
+  double length_of(const std::vector<int>& members) const {
+    Eigen::AlignedBox3f box;
+    for (const int i : members) box.extend(cloud_C_.points[i]);
+    return static_cast<double>(box.diagonal().norm());
   }
 
   // What the table's noise reaches may look like a thing.

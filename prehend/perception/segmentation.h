@@ -37,7 +37,8 @@ struct SegmentationOptions {
   double leaf_size = 0.005;         // m, voxels that are clustered; 0 clusters every point
   int pixel_reach = 4;     // kOrganized: pixels without a point that do not separate, 1..20
   double min_area = 5e-5;  // m^2 that is seen of the smallest object; of a high one 5 mm
-                           // times its height: less is a rim behind something
+                           // times its height: less is a rim behind something; of a long one
+                           // 1.5 mm times its length: less is strewn along another one's edge
   double min_object_height = 0.006;  // m, lower clusters are dropped (paper), and those under 2.5
                                      // times min_height
   double hull_margin = 0.02;         // m, the table's outline is widened by this much

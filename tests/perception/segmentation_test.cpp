@@ -1,5 +1,7 @@
 #include "prehend/perception/segmentation.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -125,6 +127,28 @@ TEST(Segment, UnorganizedCloudGivesMasksWithoutHoles) {
   ASSERT_EQ(scene.objects.size(), 3U);
   EXPECT_GT(box_overlap(scene.objects[0].mask, owner, 2), 0.85);
   EXPECT_EQ(scene.depth.width, view.camera.width);
+}
+
+// Stereo strews points along the edges of things: a line of them is no thing, a rod there is.
+TEST(Segment, PointsStrewnAlongALineAreNoObject) {
+  SyntheticView view;
+  view.camera = {960, 720, 900, 900, 479.5, 359.5};
+  view.boxes = {table_top(), standing_box(-0.1, 0.1, {0.1, 0.1, 0.15}),
+                standing_box(0.05, -0.1, {0.15, 0.005, 0.012})};
+  const geometry::PointCloud whole = render(view);
+  ASSERT_EQ(segment(whole, view.camera, view.X_WC).objects.size(), 2U);
+  geometry::DepthImage depth;
+  const geometry::Image<int> owner = testing::owners(view, depth);
+  geometry::PointCloud strewn = whole;
+  for (std::size_t i = 0; i < strewn.size(); ++i) {
+    const int u = static_cast<int>(i) % strewn.width, v = static_cast<int>(i) / strewn.width;
+    if (owner.data[i] == 2 && (u % 4 != 0 || v % 4 != 0)) {
+      strewn.points[i].setConstant(std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  const SegmentedScene scene = segment(strewn, view.camera, view.X_WC);
+  EXPECT_EQ(scene.objects.size(), 1U);
+  EXPECT_THAT(scene.dropped, ::testing::Contains(::testing::HasSubstr("1.5 mm for its length")));
 }
 
 // Nothing vanishes in silence.
