@@ -68,6 +68,13 @@ class Planner {
   }
 
   GraspPlan plan();
+  /// Whether candidates of plan() were refused for the load alone.
+  bool was_too_heavy() const {
+    return ledger_.count(Reason::kTooHeavy) + ledger_.count(Reason::kTooWeak) > 0;
+  }
+  double seconds() const {  // since the start
+    return std::chrono::duration<double>(steady_clock::now() - start_).count();
+  }
 
  private:
   // On the heap, as the closing refers to the rest.
@@ -81,10 +88,7 @@ class Planner {
         {on_shape->solid, on_shape->query_W, table_, obstacles, hand_, reachability_, options_});
     return on_shape;
   }
-  bool time_is_up() const {
-    return options_.budget > 0 &&
-           std::chrono::duration<double>(steady_clock::now() - start_).count() > options_.budget;
-  }
+  bool time_is_up() const { return options_.budget > 0 && seconds() > options_.budget; }
   std::vector<Tried> given() const;
   std::vector<Tried> candidates(const std::vector<std::string>& generators) const;
   std::vector<Listed> evaluated(const std::vector<Tried>& tried, std::size_t order);
@@ -387,7 +391,23 @@ GraspPlan plan_grasps(const surface::ObjectModel& object, const geometry::Plane&
                       const Obstacles& obstacles, const HandToClose& hand,
                       const Reachability& reachability, const PlannerOptions& options) {
   options.validate();
-  return Planner(object, table, obstacles, hand, reachability, options).plan();
+  Planner planner(object, table, obstacles, hand, reachability, options);
+  GraspPlan plan = planner.plan();
+  if (!plan.grasps.empty() || !planner.was_too_heavy() || options.hollow_share >= 1) return plan;
+  PlannerOptions lighter = options;
+  lighter.density *= options.hollow_share;
+  if (options.budget > 0) {
+    lighter.budget = options.budget - planner.seconds();
+    if (lighter.budget <= 0) return plan;
+  }
+  GraspPlan light = Planner(object, table, obstacles, hand, reachability, lighter).plan();
+  if (light.grasps.empty()) return plan;
+  for (Grasp& grasp : light.grasps) {
+    add_remark(fmt::format("too heavy with {:.0f} kg/m^3: planned with {:.0f}", options.density,
+                           lighter.density),
+               &grasp.remark);
+  }
+  return light;
 }
 
 GraspPlan plan_grasps(const surface::ObjectModel& object, const geometry::Plane& table,

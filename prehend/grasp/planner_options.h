@@ -107,6 +107,9 @@ struct PlannerOptions {
                          // as if they never held; 0: all
   int cone_edges = 8;    // >= 3, of the linearised friction cones
   double density = 800;  // kg/m^3, > 0, assumed of the unknown object
+  /// Part of `density` that is assumed of an object with which the hand could hold nothing: cartons
+  /// and vessels are mostly air. 1: none is.
+  double hollow_share = 0.375;      // 0..1, > 0
   double safety_factor = 2.5;       // >= 1, of the grasp force against slipping, or of the motors'
                                     // limits against what the load needs
   double lift_acceleration = 1.0;   // m/s^2, >= 0, upwards on top of gravity
@@ -133,6 +136,9 @@ struct PlannerOptions {
   static void knobs(Self& self, Visit&& visit) {
     using text::Knob;
     visit(Knob{"density", self.density, "kg/m^3", 1, 1e6, "assumed of the objects"});
+    visit(Knob{"hollow_share", self.hollow_share, "", 0.01, 1,
+               "of the density, assumed of an object that would be too heavy for the hand: cartons "
+               "and vessels are mostly air; 1: none is"});
     visit(Knob{"safety_factor", self.safety_factor, "", 1, 100,
                "of the grasp force against slipping, or of the motors' limits against the load"});
     visit(Knob{"lift_acceleration", self.lift_acceleration, "m/s^2", 0, 100,

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
@@ -282,6 +283,33 @@ TEST(PlanGrasps, TooHeavySaysHowHeavy) {
                                   geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
   EXPECT_TRUE(result.grasps.empty());
   EXPECT_NE(result.problem.find("too heavy"), std::string::npos) << result.problem;
+}
+
+TEST(PlanGrasps, WhatWouldBeTooHeavyMayBeHollow) {
+  const auto carton = object_at(geometry::make_box({0.05, 0.05, 0.2}), {0, 0, 0.1});
+  const auto planned = [&](double density, double hollow_share) {
+    PlannerOptions options;
+    options.density = density;
+    options.hollow_share = hollow_share;
+    return plan_grasps(carton, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
+  };
+  constexpr double kDense = 8000;
+  EXPECT_TRUE(planned(kDense, 1).grasps.empty());
+  const auto hollow = planned(kDense, 0.25);
+  ASSERT_FALSE(hollow.grasps.empty()) << hollow.problem;
+  const auto light = planned(0.25 * kDense, 1);
+  ASSERT_EQ(hollow.grasps.size(), light.grasps.size());
+  for (std::size_t i = 0; i < hollow.grasps.size(); ++i) {
+    EXPECT_EQ(hollow.grasps[i].score, light.grasps[i].score);
+    EXPECT_THAT(hollow.grasps[i].remark,
+                ::testing::HasSubstr("too heavy with 8000 kg/m^3: planned with 2000"));
+  }
+  EXPECT_THAT(light.grasps.front().remark, ::testing::Not(::testing::HasSubstr("too heavy")));
+  // What can be held as it is stays as it was.
+  const auto held = planned(0.25 * kDense, 0.25);
+  ASSERT_EQ(held.grasps.size(), light.grasps.size());
+  EXPECT_EQ(held.grasps.front().remark, light.grasps.front().remark);
+  EXPECT_THROW(planned(kDense, 0), std::invalid_argument);
 }
 
 TEST(PlanGrasps, CrumbIsOutOfTheFingertipsReach) {
