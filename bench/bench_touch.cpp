@@ -1,6 +1,7 @@
 // Soft contact: texels, steps, the whole work cycle on a box and on a mesh of 100,000 triangles,
 // and MuJoCo's pad of 168 contacts in the same run. Times are of the processor, one core.
 
+#include <cmath>
 #include <ctime>
 #include <map>
 #include <optional>
@@ -147,17 +148,47 @@ BENCHMARK(BM_WorkCycle)
                    {100, 300, 1000}})
     ->Unit(benchmark::kMillisecond);
 
-// simulation::World closes, presses, lifts, holds 5 s, puts down, opens and goes: 18 s. Returns the
-// box's places at the phases' ends at which the carrier stands.
-std::vector<Eigen::Vector3d> world_cycle(const simulation::Scene& scene, double& spent) {
+// What the node simulation reads for its messages after each slice.
+void read_all(const simulation::World& world) {
+  benchmark::DoNotOptimize(world.gripper());
+  benchmark::DoNotOptimize(world.carrier());
+  benchmark::DoNotOptimize(world.wrist_wrench());
+  for (const auto side : {simulation::PadSide::kLeft, simulation::PadSide::kRight}) {
+    benchmark::DoNotOptimize(world.tactile_image(side));
+  }
+  for (std::size_t i = 0; i < world.body_count(); ++i) benchmark::DoNotOptimize(world.body(i));
+}
+
+struct WorldCycle {
+  double spent = 0;                        // s, of the processor
+  std::vector<Eigen::Vector3d> places;     // m, of the box at the phases' ends
+  std::vector<Eigen::Vector4d> in_slices;  // m, of the box in the gripper, and the opening
+};
+
+// simulation::World closes, presses, lifts, holds 5 s, puts down, opens and goes: 18 s, in slices
+// of `slice` [s] after which all is read; 0: in one piece from command to command. What is in the
+// gripper is noted until it opens: round-off then decides which pad lets go first.
+WorldCycle world_cycle(const simulation::Scene& scene, double slice) {
   simulation::World world(scene);
-  std::vector<Eigen::Vector3d> places;
+  WorldCycle cycle;
+  bool holds = true;
   const auto at = [&](double height) { return scene.carrier.gripper_pose({0, 0, height}, 0); };
+  const auto note = [&] {
+    Eigen::Vector4d here;
+    here << world.carrier().X_WG.inverse() * world.body("box").X_WB.translation(),
+        world.gripper().opening;
+    cycle.in_slices.push_back(here);
+  };
   const auto advance = [&](double seconds) {
     const std::clock_t begin = std::clock();
-    world.advance(seconds);
-    spent += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    places.emplace_back(world.body("box").X_WB.translation());
+    if (slice <= 0) world.advance(seconds);
+    for (int i = slice > 0 ? static_cast<int>(std::lround(seconds / slice)) : 0; i > 0; --i) {
+      world.advance(slice);
+      read_all(world);
+      if (holds) note();
+    }
+    cycle.spent += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    cycle.places.emplace_back(world.body("box").X_WB.translation());
   };
   world.set_gripper_command(simulation::GripperMode::kVelocity, -0.01, 0.4);
   advance(1.5);
@@ -168,15 +199,22 @@ std::vector<Eigen::Vector3d> world_cycle(const simulation::Scene& scene, double&
   advance(5);
   world.move_carrier(at(0.0705), 0.05);
   advance(3);
+  holds = false;
   world.set_gripper_command(simulation::GripperMode::kPosition, 0.069);
   advance(2);
   world.move_carrier(at(0.3), 0.1);
   advance(3);
-  return places;
+  return cycle;
 }
 
-// Argument: 0 steps of 1 ms, first order; 1 second order; 2 adaptive, 10 um.
-void BM_WorldCycle(benchmark::State& state) {
+template <class Vector>
+double largest_difference(const std::vector<Vector>& a, const std::vector<Vector>& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) worst = std::max(worst, (a.at(i) - b[i]).norm());
+  return worst;
+}
+
+simulation::Scene world_cycle_scene() {
   simulation::Scene scene;
   scene.start_opening = 0.06;
   scene.carrier.start = {0, 0, 0.07};
@@ -185,29 +223,61 @@ void BM_WorldCycle(benchmark::State& state) {
   box.name = "box";
   box.size = {0.07, 0.048, 0.1};
   scene.objects.push_back(box);
+  return scene;
+}
+
+void run_world_cycle(const simulation::Scene& scene, double slice, benchmark::State& state) {
+  double spent = 0, simulated = 0;
+  WorldCycle cycle;
+  for (auto _ : state) {
+    cycle = world_cycle(scene, slice);
+    spent += cycle.spent;
+    simulated += 18;
+  }
+  static const WorldCycle fine = [] {
+    simulation::Scene finest = world_cycle_scene();
+    finest.step = 5e-5;
+    finest.physics.integration = Integration::kSecondOrder;
+    return world_cycle(finest, 0.01);
+  }();
+  state.counters["real_time_factor"] = simulated / spent;
+  state.counters["error_um"] =
+      1e6 * (slice > 0 ? largest_difference(cycle.in_slices, fine.in_slices)
+                       : largest_difference(cycle.places, fine.places));
+}
+
+// Argument: 0 steps of 1 ms, first order; 1 second order; 2 adaptive, 10 um.
+void BM_WorldCycle(benchmark::State& state) {
+  simulation::Scene scene = world_cycle_scene();
   scene.physics.integration =
       state.range(0) == 1 ? Integration::kSecondOrder : Integration::kFirstOrder;
   scene.physics.adaptive = state.range(0) == 2;
-  double spent = 0, simulated = 0;
-  std::vector<Eigen::Vector3d> places;
-  for (auto _ : state) {
-    places = world_cycle(scene, spent);
-    simulated += 18;
-  }
-  scene.step = 1e-4;
-  scene.physics.adaptive = false;
-  scene.physics.integration = Integration::kSecondOrder;
-  double other = 0, worst = 0;
-  const std::vector<Eigen::Vector3d> fine = world_cycle(scene, other);
-  for (std::size_t i = 0; i < fine.size(); ++i) {
-    worst = std::max(worst, (places[i] - fine[i]).norm());
-  }
-  state.counters["real_time_factor"] = simulated / spent;
-  state.counters["error_um"] = 1e6 * worst;
+  run_world_cycle(scene, 0, state);
   constexpr const char* kNames[] = {"1 ms, first order", "1 ms, second order", "adaptive, 10 um"};
   state.SetLabel(std::string("World, ") + kNames[state.range(0)]);
 }
 BENCHMARK(BM_WorldCycle)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+
+// The same in slices of 10 ms with all readings, as the node simulation does it; the error is that
+// of any slice until the gripper opens. Arguments: as above; of fixed steps us, of adaptive ones a
+// hundredth of a micrometre.
+void BM_WorldSlices(benchmark::State& state) {
+  simulation::Scene scene = world_cycle_scene();
+  scene.physics.integration =
+      state.range(0) == 1 ? Integration::kSecondOrder : Integration::kFirstOrder;
+  scene.physics.adaptive = state.range(0) == 2;
+  const auto value = static_cast<double>(state.range(1));
+  if (scene.physics.adaptive) {
+    scene.physics.tolerance = 1e-8 * value;
+  } else {
+    scene.step = 1e-6 * value;
+  }
+  run_world_cycle(scene, 0.01, state);
+}
+BENCHMARK(BM_WorldSlices)
+    ->ArgsProduct({{0, 1}, {1000, 500, 200, 100}})
+    ->ArgsProduct({{2}, {10000, 1000, 100, 10}})
+    ->Unit(benchmark::kMillisecond);
 
 // The same held cube on MuJoCo, each texel a contact; and ours in turn with it.
 void BM_HeldStepBesideMujoco(benchmark::State& state) {

@@ -84,6 +84,31 @@ TEST(Adaptive, AgreesWithFineSteps) {
   }
 }
 
+// Jaws that stand against a box with little current get more, and press on: they speed up from a
+// stand, however long the steps were in which they were blocked. (Jaws a ramp ahead are 0.12 mm.)
+TEST(Adaptive, PressesOnAsFineStepsDo) {
+  const auto press = [](const Scene& scene) {
+    World world(scene);
+    world.set_gripper_command(GripperMode::kVelocity, -0.01, 0.4);
+    world.advance(1.5);
+    world.set_gripper_command(GripperMode::kCurrent, -1.0);
+    std::vector<double> openings;
+    for (int i = 0; i < 10; ++i) {
+      world.advance(0.01);
+      openings.push_back(world.gripper().opening);
+    }
+    return openings;
+  };
+  const std::vector<double> fine = press(fine_scene(0.3));
+  EXPECT_GT(fine.front() - fine.back(), 2e-4) << "it presses on";
+  for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
+    const std::vector<double> adaptive = press(adaptive_scene(0.3, tolerance));
+    for (std::size_t i = 0; i < fine.size(); ++i) {
+      EXPECT_NEAR(adaptive[i], fine[i], 2e-5) << tolerance << " m, slice " << i;
+    }
+  }
+}
+
 // A motor at a voltage speeds up within milliseconds, brakes at its stop, and is reversed there.
 TEST(Adaptive, FollowsAVoltage) {
   const auto run = [](const Scene& scene) {
