@@ -22,9 +22,9 @@ struct Recognised {
 };
 
 /// By how many standard deviations presses may fit worse than a face's own. This and the defaults
-/// of ImprintOptions are what eval_shape_choice finds best on shapes that are used for nothing
-/// else.
-inline constexpr double kImprintPatience = 3.2;
+/// of ImprintOptions' blur and contrast are what eval_shape_choice finds best, on shapes, pads and
+/// presses that are used for nothing else.
+inline constexpr double kImprintPatience = 3.6;
 
 /// Recognises by their imprints the faces that it was taught, and refuses others.
 ///
