@@ -20,7 +20,10 @@ namespace {
 using namespace prehend;
 using namespace prehend::eval::touch;
 
-constexpr int kTogether = 3;      // grasps of a question
+constexpr int kTogether = 3;  // grasps of a question
+// Of pads and grasps: others than GraspMemory's constants were chosen on.
+constexpr std::uint32_t kReportedSeed = 51;
+const std::string kRefused = "refused";
 constexpr int kTries = 20;        // for a grasp
 constexpr double kAside = 0.006;  // m, of the gripper across the object's middle, at most
 
@@ -70,8 +73,8 @@ Findings object_recognition(const ExperimentOptions& options, report::Page& page
   }
   for (const bool realistic : {false, true}) {
     const std::string pads = realistic ? "realistic" : "ideal";
-    Presser presser({.force = 12, .realistic = realistic, .held = true});
-    std::mt19937 random(realistic ? 4 : 3);
+    Presser presser({.force = 12, .realistic = realistic, .held = true, .seed = kReportedSeed});
+    std::mt19937 random(kReportedSeed + (realistic ? 1 : 0));
     touch::GraspMemory memory;
     std::map<std::string, std::vector<Eigen::VectorXd>> asked;
     std::string left_out;
@@ -82,8 +85,10 @@ Findings object_recognition(const ExperimentOptions& options, report::Page& page
         left_out += (left_out.empty() ? "" : ", ") + object.name;
         continue;
       }
-      memory.teach(object.name, {grasps.begin(), grasps.begin() + taught});
-      asked[object.name] = {grasps.begin() + taught, grasps.end()};
+      // A household object and a scan may have one name.
+      const std::string name = asked.contains(object.name) ? object.name + " (scan)" : object.name;
+      memory.teach(name, {grasps.begin(), grasps.begin() + taught});
+      asked[name] = {grasps.begin() + taught, grasps.end()};
     }
     for (const int together : {1, kTogether}) {
       std::vector<Row> rows;
@@ -94,7 +99,7 @@ Findings object_recognition(const ExperimentOptions& options, report::Page& page
         for (std::size_t i = 0; i + together <= grasps.size(); i += together) {
           const auto begin = grasps.begin() + static_cast<std::ptrdiff_t>(i);
           const auto answer = memory.ask({begin, begin + together});
-          const std::string said = answer.candidates.front().name;
+          const std::string said = answer.name.empty() ? kRefused : answer.name;
           refused += answer.name.empty() ? 1 : 0;
           said == name ? ++own : ++wrong[said];
           ++all;

@@ -43,7 +43,54 @@ bool two_discs(const Vector2d& p) {
 }
 bool half_disc(const Vector2d& p) { return in_disc(p, -0.0056, 0.0147) && p.y() > -0.0056; }
 
+bool hexagon(const Vector2d& p) {
+  constexpr double kApothem = 0.011;
+  const double x = std::abs(p.x()), y = std::abs(p.y());
+  return y < kApothem && x * std::sqrt(3) / 2 + y / 2 < kApothem;
+}
+bool ellipse(const Vector2d& p) { return std::hypot(p.x() / 0.0084, p.y() / 0.014) < 1; }
+bool rectangle(const Vector2d& p) { return in_box(p, 0, 0, 0.014, 0.0235); }
+bool zed(const Vector2d& p) {
+  return in_box(p, -kArm / 2, kArm, 2 * kArm, kArm) || in_box(p, 0, 0, kArm, 3 * kArm) ||
+         in_box(p, kArm / 2, -kArm, 2 * kArm, kArm);
+}
+bool channel(const Vector2d& p) {
+  return in_box(p, 0, -kArm, 0.0252, kArm) || in_box(p, -kArm, 0, kArm, 0.0252) ||
+         in_box(p, kArm, 0, kArm, 0.0252);
+}
+bool aitch(const Vector2d& p) {
+  return in_box(p, 0, 0, 0.0252, kArm) || in_box(p, -kArm, 0, kArm, 0.0252) ||
+         in_box(p, kArm, 0, kArm, 0.0252);
+}
+bool star(const Vector2d& p) {  // of three points
+  const double turn = std::atan2(p.y(), p.x());
+  return p.norm() < 0.0095 + 0.0045 * std::cos(3 * turn);
+}
+bool three_discs(const Vector2d& p) {
+  constexpr double kOut = 0.0085;
+  const auto near = [&](double x, double y) { return std::hypot(p.x() - x, p.y() - y) < 0.0056; };
+  return near(0, kOut) || near(kOut * std::sqrt(3) / 2, -kOut / 2) ||
+         near(-kOut * std::sqrt(3) / 2, -kOut / 2);
+}
+bool quarter_disc(const Vector2d& p) {
+  const Vector2d q = p + Vector2d::Constant(0.0085);
+  return q.x() > 0 && q.y() > 0 && q.norm() < 0.021;
+}
+bool chevron(const Vector2d& p) {
+  const double y = p.y() + std::abs(p.x());
+  return std::abs(p.x()) < 0.0126 && y > 0 && y < 0.0119;
+}
+
 }  // namespace
+
+const std::vector<Hole>& holes_to_choose_on() {
+  static const std::vector<Hole> kHoles{
+      {"hexagon", hexagon}, {"ellipse", ellipse},         {"rectangle", rectangle},
+      {"zed", zed},         {"channel", channel},         {"aitch", aitch},
+      {"star", star},       {"three discs", three_discs}, {"quarter disc", quarter_disc},
+      {"chevron", chevron}};
+  return kHoles;
+}
 
 const std::vector<Hole>& holes() {
   static const std::vector<Hole> kHoles{

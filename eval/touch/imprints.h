@@ -19,6 +19,9 @@ struct Hole {
 /// Ten shapes, 17 to 28 mm: cross, square, disc, triangle, bar, angle, ring, tee, two discs, half a
 /// disc. Pads are 20 mm wide: no press shows the larger ones whole.
 const std::vector<Hole>& holes();
+/// Ten others of like sizes, on which a recogniser's choices are made: hexagon, ellipse, rectangle,
+/// zed, channel, aitch, star, three discs, quarter of a disc, chevron.
+const std::vector<Hole>& holes_to_choose_on();
 
 /// One side of a block: what hole it has, and where its middle is [m].
 struct BlockSide {

@@ -20,7 +20,7 @@ Presser::Presser(const PressOptions& options)
     : options_(options),
       gripper_(robot::read_gripper_model(text::tree_file("config/robots/pg70_dsa.yaml"))),
       pad_(prehend::touch::felt_pad(gripper_.pad)) {
-  for (const std::uint32_t seed : {1u, 2u}) {
+  for (const std::uint32_t seed : {options.seed, options.seed + 1}) {
     simulation::TactileSensorOptions sensor = options.realistic
                                                   ? simulation::TactileSensorOptions::realistic()
                                                   : simulation::TactileSensorOptions{};

@@ -20,6 +20,7 @@ struct PressOptions {
   double mass = 0.3;            // kg
   double step = 1e-3;           // s
   double opening_noise = 5e-5;  // m, standard deviation, of realistic pads' grippers
+  std::uint32_t seed = 1;       // of the pads: this one and the next
 };
 
 struct Pressed {

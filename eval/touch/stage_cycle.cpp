@@ -22,7 +22,6 @@ constexpr double kBoxMass = 0.3;                   // kg
 constexpr double kRaise = 0.1;                     // m
 constexpr double kAboveGrasp = 0.12;               // m, where the approach begins
 constexpr double kStageSpeed = 0.1;                // m/s, mean, of the stage
-constexpr double kStiction = 15;                   // N
 constexpr double kNearlyNone = 1e-3;               // N, of friction
 constexpr double kJumpTime = 0.0201;               // s
 constexpr double kSettledShare = 0.02;             // of the force
@@ -56,8 +55,8 @@ simulation::Scene scene_of(const robot::Platform& platform, const StageCycleOpti
   if (!options.stuck_drive) scene.gripper.friction_force = kNearlyNone;
   scene.drive = simulation::drive_of(scene.gripper, simulation::pg70_drive());
   if (options.stuck_drive) {
-    scene.drive.static_friction += kStiction;
-    scene.drive.coulomb_friction += kStiction;
+    scene.drive.static_friction += kHiddenStiction;
+    scene.drive.coulomb_friction += kHiddenStiction;
   } else {
     scene.drive.static_friction = scene.drive.coulomb_friction = scene.drive.viscous_friction = 0;
   }

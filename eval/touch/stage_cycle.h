@@ -11,13 +11,15 @@
 // pads' electronics, and the world.
 namespace prehend::eval::touch {
 
+inline constexpr double kHiddenStiction = 15;  // N, that a stuck drive's controller does not know
+
 struct StageCycleOptions {
   double coverage = 1;          // share of the pads' length that is on the box, in (0, 1]
   double grip_force = 12;       // N, > 0, that the pads are to feel, their mean
   double stiffness = 0;         // N/m, of a texel; 0: the pads' own
   bool realistic_pads = false;  // TactileSensorOptions and FoamMemory::realistic()
-  /// The drive sticks by 15 N more than its controller believes, and its thread's friction grows
-  /// with the load; otherwise it has no friction.
+  /// The drive sticks by kHiddenStiction more than its controller believes, and its thread's
+  /// friction grows with the load; otherwise it has no friction.
   bool stuck_drive = false;
 };
 

@@ -21,8 +21,8 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-void write_head(const std::string& title, std::ostream& out, int height = 360) {
-  out << "set terminal svg size 900," << height
+void write_head(const std::string& title, std::ostream& out, int height = 360, int width = 900) {
+  out << "set terminal svg size " << width << ',' << height
       << " dynamic noenhanced font 'DejaVu Sans,11' background "
          "'#ffffff'\n"
       << "set output 'chart.svg'\n"
@@ -32,7 +32,8 @@ void write_head(const std::string& title, std::ostream& out, int height = 360) {
 
 void write_line_script(const LineChart& chart, const std::filesystem::path& folder,
                        std::ostream& out) {
-  write_head(chart.title, out);
+  constexpr int kHeight = 360;  // pixels
+  write_head(chart.title, out, kHeight, chart.width);
   out << "set xlabel " << quoted(chart.x_label) << "\nset ylabel " << quoted(chart.y_label) << '\n';
   int tag = 1;
   for (const auto& marker : chart.markers) {

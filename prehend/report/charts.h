@@ -25,6 +25,7 @@ struct LineChart {
   std::string y_label;
   std::vector<Series> series;
   std::vector<Marker> markers;
+  int width = 900;  // pixels, of which the letters have 11
 };
 
 /// One bar of each series beside the others for each category.

@@ -38,6 +38,7 @@ th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:b
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
 .answer{background:#fdf3d3;color:#6b4e00}
 .chart svg{max-width:100%;height:auto}
+.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:24px}
 )";
 
 }  // namespace
@@ -91,6 +92,11 @@ void Page::add_table(const std::vector<std::string>& header,
     add_row(row, "td");
   }
   body_ += "</table>\n";
+}
+
+void Page::add_columns(const Page& left, const Page& right) {
+  body_ += "<div class=\"columns\"><div>\n" + left.body_ + "</div><div>\n" + right.body_ +
+           "</div></div>\n";
 }
 
 std::string Page::html() const {

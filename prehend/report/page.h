@@ -27,6 +27,8 @@ class Page {
   /// `rows` have as many cells as `header`.
   void add_table(const std::vector<std::string>& header,
                  const std::vector<std::vector<std::string>>& rows);
+  /// What is on two pages, side by side; below one another where there is no room.
+  void add_columns(const Page& left, const Page& right);
 
   /// The whole page.
   std::string html() const;

@@ -15,10 +15,26 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-constexpr int kRefined = 6;      // of the coarse search's best
-constexpr double kLeast = 0.02;  // likelihood: one texel that is wrong refuses nothing
-constexpr double kLever = 0.01;  // m, at which turning counts as shifting
-constexpr int kRounds = 3;       // of halving the steps
+constexpr std::size_t kRefined = 6;  // of the coarse search's best
+constexpr double kLeast = 0.02;      // likelihood: one texel that is wrong refuses nothing
+constexpr double kLever = 0.01;      // m, at which turning counts as shifting
+constexpr int kRounds = 3;           // of halving the steps
+// Shares of a pressed texel's pressure, round half of it: what foam spreads to a texel that is free
+// is about the first at most, what it leaves on one that is pressed is more than the second.
+constexpr double kFree = 0.2, kPressed = 0.7;
+
+// The pressure of texels that are pressed whole: the median of those above half of it.
+double whole_pressure(std::vector<double> pressures) {
+  constexpr int kTimes = 4;  // it settles soon
+  double whole = 0;
+  for (int round = 0; round < kTimes; ++round) {
+    std::erase_if(pressures, [&](double pressure) { return pressure <= whole / 2; });
+    const auto middle = pressures.begin() + static_cast<std::ptrdiff_t>(pressures.size() / 2);
+    std::nth_element(pressures.begin(), middle, pressures.end());
+    whole = *middle;
+  }
+  return whole;
+}
 
 Vector2d middle_of_free(const Imprint& press) {
   Vector2d sum = Vector2d::Zero();
@@ -38,14 +54,13 @@ std::optional<Imprint> imprint_of(const FeltPad& pad, const FeltTexels& felt, in
     if (felt.force[i] > 0) pressures.push_back(felt.force[i] / pad.layout.area(i));
   }
   if (static_cast<int>(pressures.size()) < std::max(1, least_touched)) return std::nullopt;
-  const auto middle = pressures.begin() + static_cast<std::ptrdiff_t>(pressures.size() / 2);
-  std::nth_element(pressures.begin(), middle, pressures.end());
-  const double half = *middle / 2;
+  const double whole = whole_pressure(std::move(pressures));
   Imprint imprint;
   for (std::size_t i = 0; i < felt.force.size(); ++i) {
     if (felt.state[i] == Texel::kUnreadable) continue;
     imprint.places.emplace_back(pad.layout.x[i], pad.layout.y[i]);
-    imprint.pressed.push_back(std::min(1.0, felt.force[i] / pad.layout.area(i) / half));
+    const double share = felt.force[i] / pad.layout.area(i) / whole;
+    imprint.pressed.push_back(std::clamp((share - kFree) / (kPressed - kFree), 0.0, 1.0));
   }
   return imprint;
 }
@@ -58,6 +73,7 @@ LearnedImprint::LearnedImprint(const std::vector<Imprint>& presses, const Imprin
               options.half_size / options.cell <= 500,
           "cell and half_size must be positive, at most 500 cells from the middle");
   require(positive(options.blur), "blur must be positive");
+  require(positive(options.contrast), "contrast must be positive");
   require(positive(options.doubt), "doubt must be positive");
   require(positive(options.search_step), "search_step must be positive");
   require(std::isfinite(options.farthest_shift) && options.farthest_shift >= 0,
@@ -144,8 +160,10 @@ void LearnedImprint::build(const std::vector<Imprint>& presses,
   if_pressed_.resize(count);
   if_free_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    map_[i] = std::clamp((map_[i] + options_.doubt / 2) / (weight_[i] + options_.doubt), kLeast,
-                         1 - kLeast);
+    const double pressed = map_[i] + options_.doubt / 2;
+    const double free = weight_[i] + options_.doubt - pressed;
+    const double likelihood = 1 / (1 + std::pow(std::max(0.0, free) / pressed, options_.contrast));
+    map_[i] = std::clamp(likelihood, kLeast, 1 - kLeast);
     if_pressed_[i] = static_cast<float>(-std::log(map_[i]));
     if_free_[i] = static_cast<float>(-std::log(1 - map_[i]));
   }
@@ -215,23 +233,29 @@ LearnedImprint::Found LearnedImprint::best(const Imprint& press) const {
   high = high.cwiseMin(Vector2d::Constant(far));
   const double step = options_.search_step;
   const int turns = static_cast<int>(std::ceil(2 * std::numbers::pi * kLever / step));
-  std::vector<Found> found;
+  std::vector<Found> found;  // the best turns, the best first
   for (int k = 0; k < turns; ++k) {
-    Found of_turn{std::numeric_limits<double>::infinity(), {}};
+    const bool full = found.size() == kRefined;
+    Found of_turn{full ? found.back().cost : std::numeric_limits<double>::infinity(), {}};
+    bool better = false;
     for (double x = low.x(); x <= high.x() + step / 2; x += step) {
       for (double y = low.y(); y <= high.y() + step / 2; y += step) {
         const ImprintPlacement placement{2 * std::numbers::pi * k / turns, {x, y}};
         const double value = cost(press, placement, of_turn.cost);
-        if (value < of_turn.cost) of_turn = {value, placement};
+        if (value >= of_turn.cost) continue;
+        of_turn = {value, placement};
+        better = true;
       }
     }
-    found.push_back(of_turn);
+    if (!better) continue;
+    if (full) found.pop_back();
+    found.insert(std::upper_bound(found.begin(), found.end(), of_turn,
+                                  [](const Found& a, const Found& b) { return a.cost < b.cost; }),
+                 of_turn);
   }
-  std::sort(found.begin(), found.end(),
-            [](const Found& a, const Found& b) { return a.cost < b.cost; });
   Found best{std::numeric_limits<double>::infinity(), {}};
-  for (std::size_t i = 0; i < std::min<std::size_t>(kRefined, found.size()); ++i) {
-    const Found one = refined(press, found[i]);
+  for (const Found& turn : found) {
+    const Found one = refined(press, turn);
     if (one.cost < best.cost) best = one;
   }
   return best;

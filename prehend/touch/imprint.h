@@ -13,9 +13,13 @@ namespace prehend::touch {
 /// are pressed.
 struct Imprint {
   std::vector<Eigen::Vector2d> places;  // m, in the pad's plane
-  std::vector<double> pressed;          // 0 to 1: of half the median pressure of the touched ones
+  std::vector<double> pressed;          // 0 to 1: from less than what foam spreads to what presses
 };
 
+/// A texel counts as pressed by its share of the pressure of those that are pressed whole (the
+/// median of those above half of it): 0 up to a share of 0.2, 1 from 0.7 on. So foam that spreads
+/// a quarter of a texel's load to its neighbours leaves the same imprint as one that spreads
+/// nothing, and its spread need not be known.
 /// Texels that cannot be read are left out. Nothing where fewer than `least_touched` texels touch.
 std::optional<Imprint> imprint_of(const FeltPad& pad, const FeltTexels& felt,
                                   int least_touched = 4);
@@ -40,12 +44,15 @@ struct ImprintFit {
 struct ImprintOptions {
   double cell = 1e-3;       // m, > 0, of the learned map
   double half_size = 0.04;  // m, > 0, from its middle to its sides
-  double blur = 1.3e-3;     // m, > 0, standard deviation of what a texel tells of its surroundings
-  double doubt = 0.15;      // > 0, weight, in texels, of knowing nothing: pressed as often as not
+  double blur = 1.4e-3;     // m, > 0, standard deviation of what a texel tells of its surroundings
+  /// > 0, exponent of the odds that a place presses, as the texels about it say. Places press or do
+  /// not: above 1, the blurred map is taken for the shape's outline that it is a picture of.
+  double contrast = 2.5;
+  double doubt = 0.15;  // > 0, weight, in texels, of knowing nothing: pressed as often as not
   double farthest_shift =
       0.02;  // m, >= 0, of the middle of the learned imprint from the pad's middle
   double search_step = 1.7e-3;  // m, > 0, of the first, coarse search, and of turns at 10 mm
-  int starts = 4;               // >= 1, presses that are tried as the first
+  int starts = 6;               // >= 1, presses that are tried as the first
   int sweeps = 2;               // >= 1, of laying the presses over one another again
 };
 
@@ -58,7 +65,7 @@ class LearnedImprint {
   /// @throws std::invalid_argument without presses, or naming the option that is out of range.
   explicit LearnedImprint(const std::vector<Imprint>& presses, const ImprintOptions& options = {});
 
-  /// A press at its best placement. Cost: about 3 ms.
+  /// A press at its best placement. Cost: about 2 ms.
   ImprintFit fit(const Imprint& press) const;
 
   /// Its own presses, each on the map of the others; of one press alone, none.

@@ -42,6 +42,10 @@ void ImprintMemory::teach(const std::string& name, const std::vector<Imprint>& p
   faces_.insert_or_assign(name, LearnedImprint(presses, options_));
 }
 
+void ImprintMemory::teach(const std::string& name, LearnedImprint face) {
+  faces_.insert_or_assign(name, std::move(face));
+}
+
 bool ImprintMemory::forget(const std::string& name) { return faces_.erase(name) > 0; }
 
 double ImprintMemory::spread() const {
@@ -55,13 +59,29 @@ double ImprintMemory::spread() const {
 }
 
 Recognised ImprintMemory::ask(const std::vector<Imprint>& presses) const {
+  std::vector<Fits> all;
+  for (const Imprint& press : presses) all.push_back(fits(press));
+  return judge(all);
+}
+
+ImprintMemory::Fits ImprintMemory::fits(const Imprint& press) const {
+  Fits fits;
+  for (const auto& [name, face] : faces_) fits.emplace(name, face.fit(press));
+  return fits;
+}
+
+Recognised ImprintMemory::judge(const std::vector<Fits>& presses) const {
   if (presses.empty()) throw std::invalid_argument("ImprintMemory: asked without a press");
   const double spread_of_all = spread();
   std::vector<std::pair<double, Candidate>> found;  // by the sum of misfits
   for (const auto& [name, face] : faces_) {
     double misfit = 0, excess = 0;
-    for (const Imprint& press : presses) {
-      const ImprintFit fit = face.fit(press);
+    for (const Fits& press : presses) {
+      const auto of_face = press.find(name);
+      if (of_face == press.end()) {
+        throw std::invalid_argument("ImprintMemory: no fit of a press on '" + name + "'");
+      }
+      const ImprintFit& fit = of_face->second;
       misfit += fit.misfit;
       excess += fit.excess() / static_cast<double>(presses.size());
     }

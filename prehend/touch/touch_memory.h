@@ -38,7 +38,8 @@ class TouchMemory {
   /// False when it was not known.
   bool forget(const std::string& name);
   /// Learns first what was taught since the last question: by imprint, a face of 12 presses takes
-  /// about 2 s. @throws std::invalid_argument without presses, or for one in which nothing touched.
+  /// about 0.5 s. @throws std::invalid_argument without presses, or for one in which nothing
+  /// touched.
   Recognised ask(const std::vector<RememberedPress>& presses);
 
   const std::map<std::string, std::vector<RememberedPress>>& things() const { return things_; }

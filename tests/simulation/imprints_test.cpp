@@ -1,7 +1,10 @@
 #include "eval/touch/imprints.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "eval/touch/imprint_trials.h"
 #include "eval/touch/pressing.h"
 
 namespace prehend::eval::touch {
@@ -9,21 +12,60 @@ namespace {
 
 TEST(Imprints, PerforatedBlocksAreClosedSolids) {
   const Eigen::Vector3d size(0.04, 0.03, 0.036);
-  for (std::size_t i = 0; i < holes().size(); ++i) {
-    const Hole& other = holes()[(i + 3) % holes().size()];
+  std::vector<Hole> all = holes();
+  all.insert(all.end(), holes_to_choose_on().begin(), holes_to_choose_on().end());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Hole &hole = all[i], &other = all[(i + 3) % all.size()];
     const geometry::TriangleMesh mesh =
-        perforated_block(size, {&holes()[i], {0.002, 0.001}}, {&other, {-0.003, 0}});
+        perforated_block(size, {&hole, {0.002, 0.001}}, {&other, {-0.003, 0}});
     EXPECT_TRUE(geometry::find_defects(mesh).watertight())
-        << holes()[i].name << ": " << geometry::find_defects(mesh).to_string();
+        << hole.name << ": " << geometry::find_defects(mesh).to_string();
     double area = 0;  // of both holes
     for (double x = -0.02; x < 0.02; x += 1e-4) {
       for (double y = -0.02; y < 0.02; y += 1e-4) {
-        area += 1e-8 * (holes()[i].contains({x, y}) + other.contains({x, y}));
+        area += 1e-8 * (hole.contains({x, y}) + other.contains({x, y}));
       }
     }
     const double volume = size.prod() - 0.008 * area;
-    EXPECT_NEAR(geometry::mass_properties(mesh).volume, volume, 0.01 * volume) << holes()[i].name;
+    EXPECT_NEAR(geometry::mass_properties(mesh).volume, volume, 0.01 * volume) << hole.name;
   }
+}
+
+// What is reported must not be what was chosen on: other shapes, other pads, other presses.
+TEST(Imprints, ChoicesAndReportsShareNothing) {
+  constexpr double kCell = 1e-3;  // m
+  for (const Hole& reported : holes()) {
+    for (const Hole& choosing : holes_to_choose_on()) {
+      EXPECT_NE(reported.name, choosing.name);
+      int differ = 0;
+      for (double x = -0.02; x < 0.02; x += kCell) {
+        for (double y = -0.02; y < 0.02; y += kCell) {
+          differ += reported.contains({x, y}) != choosing.contains({x, y});
+        }
+      }
+      EXPECT_GT(differ, 20) << "mm^2: " << reported.name << ", " << choosing.name;
+    }
+  }
+  for (const std::uint32_t reported : kReportedSeeds) {
+    for (const std::uint32_t choosing : kChoosingSeeds) {
+      EXPECT_GE(std::max(reported, choosing) - std::min(reported, choosing), 2u)
+          << "a pair of pads has two seeds";
+    }
+  }
+}
+
+// A few presses of a few shapes, from block to answer; eval_shape_recognition does all.
+TEST(Imprints, RealisticPadsTellShapesAndRefuseOthers) {
+  const std::vector<Hole> few{holes()[0], holes()[1], holes()[4], holes()[6]};
+  const BlockPresses presses = press_blocks(few, true, kReportedSeeds[0], 8);
+  EXPECT_GT(presses.least_difference, 1) << "the two sides' frames, over noise";
+  prehend::touch::ImprintMemory memory;
+  for (int k = 0; k < 3; ++k) memory.teach(few[k].name, presses.of.at(few[k].name).taught);
+  int right = 0;
+  for (const auto& [shown, answer] : ask_all(memory, fits_of(presses, memory), 4)) {
+    right += answer.name == (shown == few[3].name ? "" : shown);
+  }
+  EXPECT_GE(right, 7) << "of 8";
 }
 
 TEST(Imprints, ThePadsFeelTheHoles) {
