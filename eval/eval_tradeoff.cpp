@@ -1,7 +1,6 @@
 // Speed against accuracy: sweeps a stage's knobs where the truth is known, keeps the front, and
 // chooses from it.
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -20,6 +19,7 @@
 #include "eval/shape_tradeoff.h"
 #include "eval/text_files.h"
 #include "eval/touch/tradeoff.h"
+#include "eval/touch/tradeoff_page.h"
 #include "prehend/fidelity/front.h"
 #include "prehend/fidelity/plan_settings.h"
 #include "prehend/fidelity/shape_settings.h"
@@ -41,14 +41,6 @@ struct Options {
   std::string tolerance;
   bool quick = false;
 };
-
-std::string knobs_text(const fidelity::Setting& setting) {
-  std::string text;
-  for (const auto& [name, value] : setting.knobs) {
-    text += (text.empty() ? "" : ", ") + name + " " + value;
-  }
-  return text;
-}
 
 std::string processor() {
   std::ifstream stream("/proc/cpuinfo");
@@ -90,7 +82,7 @@ int choose(const Options& options,
         "Within the budget " + error_text(chosen, front) + " can be reached", chosen);
   }
   understand(chosen);
-  std::printf("%s\n%.4g ms, %s (%s; %s)\n", knobs_text(chosen).c_str(), 1e3 * chosen.seconds,
+  std::printf("%s\n%.4g ms, %s (%s; %s)\n", to_string(chosen).c_str(), 1e3 * chosen.seconds,
               error_text(chosen, front).c_str(), front.error_name.c_str(), front.machine.c_str());
   return EXIT_SUCCESS;
 }
@@ -104,13 +96,13 @@ void write_page(const Options& options, const eval::ShapeTradeoff& tradeoff,
   for (const eval::Measured& m : tradeoff.shape) {
     all.points.emplace_back(1e3 * m.setting.seconds, 1e3 * m.setting.error);
     csv += fmt::format("{:.3f},{:.4f},{},{},\"{}\"\n", 1e3 * m.setting.seconds,
-                       1e3 * m.setting.error, m.failed, m.objects, knobs_text(m.setting));
+                       1e3 * m.setting.error, m.failed, m.objects, to_string(m.setting));
   }
   std::vector<std::vector<std::string>> rows;
   for (const fidelity::Setting& s : front.settings) {
     best.points.emplace_back(1e3 * s.seconds, 1e3 * s.error);
     rows.push_back({fmt::format("{:.1f}", 1e3 * s.seconds), fmt::format("{:.2f}", 1e3 * s.error),
-                    knobs_text(s)});
+                    to_string(s)});
   }
   chart.series = {all, best};
   const std::string svg = report::draw_line_chart(chart);
@@ -121,7 +113,7 @@ void write_page(const Options& options, const eval::ShapeTradeoff& tradeoff,
   page.add_heading("Stereo matching");
   std::vector<std::vector<std::string>> stereo;
   for (const eval::Measured& m : tradeoff.stereo) {
-    stereo.push_back({knobs_text(m.setting), fmt::format("{:.0f}", 1e3 * m.setting.seconds),
+    stereo.push_back({to_string(m.setting), fmt::format("{:.0f}", 1e3 * m.setting.seconds),
                       fmt::format("{:.2f}", 1e3 * m.setting.error),
                       fmt::format("{} of {}", m.failed, m.objects)});
   }
@@ -167,11 +159,11 @@ int sweep_shape(const Options& options) {
   fidelity::write_front(file, front);
   write_page(options, tradeoff, front);
   for (const fidelity::Setting& s : front.settings) {
-    std::printf("%8.1f ms %6.2f mm  %s\n", 1e3 * s.seconds, 1e3 * s.error, knobs_text(s).c_str());
+    std::printf("%8.1f ms %6.2f mm  %s\n", 1e3 * s.seconds, 1e3 * s.error, to_string(s).c_str());
   }
   for (const eval::Measured& m : tradeoff.stereo) {
     std::printf("%8.0f ms %6.2f mm  %s\n", 1e3 * m.setting.seconds, 1e3 * m.setting.error,
-                knobs_text(m.setting).c_str());
+                to_string(m.setting).c_str());
   }
   std::printf("%s\n%s\n", file.c_str(), (options.out / "index.html").c_str());
   return EXIT_SUCCESS;
@@ -196,9 +188,9 @@ int sweep_plan(const Options& options) {
   for (const eval::MeasuredPlan& m : measured) {
     all.points.emplace_back(1e3 * m.setting.seconds, 100 * m.setting.error);
     rows.push_back({fmt::format("{:.0f}", 1e3 * m.setting.seconds), std::to_string(m.first),
-                    std::to_string(m.within_three), knobs_text(m.setting)});
+                    std::to_string(m.within_three), to_string(m.setting)});
     csv += fmt::format("{:.1f},{},{},{},\"{}\"\n", 1e3 * m.setting.seconds, m.first, m.within_three,
-                       m.views, knobs_text(m.setting));
+                       m.views, to_string(m.setting));
   }
   for (const fidelity::Setting& s : front.settings) {
     best.points.emplace_back(1e3 * s.seconds, 100 * s.error);
@@ -218,70 +210,18 @@ int sweep_plan(const Options& options) {
   return EXIT_SUCCESS;
 }
 
-// All settings and the front of one table, on axes of powers of ten.
-std::string draw(const std::string& title, const std::vector<fidelity::Setting>& all,
-                 const fidelity::Front& front) {
-  report::LineChart chart{
-      title, "log10 of processor time [ms] for a simulated second", "log10 of error [um]", {}, {}};
-  report::Series tried{"settings", {}, {}, false}, best{"front", {}, {}, true};
-  const auto point = [](const fidelity::Setting& s) {
-    // Errors below a picometre are rounding.
-    return std::pair(std::log10(1e3 * s.seconds), std::log10(1e6 * std::max(s.error, 1e-12)));
-  };
-  for (const fidelity::Setting& s : all) tried.points.push_back(point(s));
-  for (const fidelity::Setting& s : front.settings) best.points.push_back(point(s));
-  chart.series = {tried, best};
-  return report::draw_line_chart(chart);
-}
-
-void add_touch(const Options& options, const std::string& name, const std::string& title,
-               const std::vector<fidelity::Setting>& all, const fidelity::Front& front,
-               const fs::path& file, report::Page& page) {
-  fidelity::write_front(file, front);
-  const std::string svg = draw(title, all, front);
-  eval::write_text(options.out / (name + ".svg"), svg);
-  std::string csv = "milliseconds_per_second,error_um,knobs\n";
-  std::vector<std::vector<std::string>> rows;
-  for (const fidelity::Setting& s : all) {
-    const std::string time = fmt::format("{:.4g}", 1e3 * s.seconds),
-                      error = fmt::format("{:.4g}", 1e6 * s.error);
-    csv += time + "," + error + ",\"" + knobs_text(s) + "\"\n";
-    rows.push_back({time, fmt::format("{:.3g}", 1 / s.seconds), error, knobs_text(s)});
-  }
-  eval::write_text(options.out / (name + ".csv"), csv);
-  page.add_heading(title);
-  page.add_paragraph("Error: " + front.error_name + ".");
-  page.add_chart(svg, "Every setting that was tried, and those that nothing beats");
-  page.add_table({"time [ms/s]", "times real time", "error [um]", "setting"}, rows);
-  std::printf("%s\n", file.c_str());
-  for (const fidelity::Setting& s : front.settings) {
-    std::printf("%9.3f ms/s %10.4f um  %s\n", 1e3 * s.seconds, 1e6 * s.error,
-                knobs_text(s).c_str());
-  }
-}
-
 int sweep_touch(const Options& options) {
-  const eval::touch::TouchTradeoff tradeoff =
-      eval::touch::measure_touch_tradeoff(eval::touch::swept_cycle_settings(options.quick),
-                                          eval::touch::swept_engine_settings(options.quick),
-                                          options.quick ? 1 : 3, [](const std::string& text) {
-                                            std::printf("%s\n", text.c_str());
-                                            std::fflush(stdout);
-                                          });
-  const std::string machine = processor() + ", processor time";
+  const eval::touch::TouchTradeoff tradeoff = eval::touch::measure_touch_tradeoff(
+      eval::touch::touch_sweep(options.quick), [](const std::string& text) {
+        std::printf("%s\n", text.c_str());
+        std::fflush(stdout);
+      });
   // A quick look is no measurement to choose from later.
-  const fs::path folder = options.quick ? options.out : options.front.parent_path();
-  const fs::path file = options.quick ? options.out / "touch.yaml" : options.front;
+  const fs::path fronts = options.quick ? options.out : options.front.parent_path();
   fs::create_directories(options.out);
-  report::Page page("Speed against accuracy of soft contact");
-  page.add_paragraph("Measured on: " + machine + ".");
-  add_touch(options, "touch", "Work cycles", tradeoff.cycle,
-            eval::touch::cycle_front(tradeoff, machine), file, page);
-  add_touch(options, "touch_engines", "Engines: a held, shaken cube", tradeoff.engines,
-            eval::touch::engine_front(tradeoff, machine), folder / "touch_engines.yaml", page);
-  for (const std::string& reason : tradeoff.left_out) page.add_paragraph("Left out: " + reason);
-  page.write(options.out / "index.html");
-  std::printf("%s\n", (options.out / "index.html").c_str());
+  eval::touch::write_touch_tradeoff(tradeoff, processor() + ", processor time", fronts,
+                                    options.out);
+  std::printf("%s\n%s\n", fronts.c_str(), (options.out / "index.html").c_str());
   return EXIT_SUCCESS;
 }
 
@@ -303,8 +243,13 @@ constexpr Subject kSubjects[] = {
        grasp::PlannerOptions planner;
        fidelity::apply_plan_setting(setting, &planner);
      }},
-    {"touch", "soft pads; times are of each simulated second", "1ms", "10um", sweep_touch,
-     [](const fidelity::Setting& setting) { (void)fidelity::touch_options(setting); }}};
+    {"touch",
+     "what soft pads feel; times are of each simulated second, the error is a share of the largest "
+     "sum of a pad",
+     "2ms", "0.01", sweep_touch, [](const fidelity::Setting& setting) {
+       simulation::Scene scene;
+       fidelity::apply_touch_setting(setting, &scene);
+     }}};
 
 }  // namespace
 

@@ -82,17 +82,24 @@ void press_and_load(Engine& engine, const HoldTest& test, double t, double shake
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> shaken_hold(Engine& engine, const HoldTest& test) {
+FeltRun shaken_hold(Engine& engine, const HoldTest& test) {
   constexpr double kShake = 0.1, kPeriod = 0.01;
   const long steps = std::lround(kShakenDuration / test.step);
   const long each = std::max(1L, std::lround(kPeriod / test.step));
-  std::vector<Eigen::Vector3d> path;
+  const contact::PadGrid grid;
+  FeltRun felt;
   for (long i = 0; i < steps; ++i) {
     press_and_load(engine, test, static_cast<double>(i) * test.step, kShake);
     engine.step();
-    if ((i + 1) % each == 0) path.push_back(engine.body(0).X_WB.translation());
+    if ((i + 1) % each != 0) continue;
+    felt.path.push_back(engine.body(0).X_WB.translation());
+    if (!test.pads) continue;
+    felt.frames.emplace_back();
+    for (const int pad : {0, 1}) {
+      felt.frames.back().push_back({grid.rows, grid.columns, engine.pad_forces(pad)});
+    }
   }
-  return path;
+  return felt;
 }
 
 HoldResult run_hold(Engine& engine, const HoldTest& test) {

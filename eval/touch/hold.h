@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "eval/touch/felt.h"
 #include "prehend/simulation/engines/engine.h"
+#include "prehend/simulation/robot_world.h"
 
 namespace prehend::eval::touch {
 
@@ -45,11 +47,14 @@ struct HandHold {
 };
 /// @throws geometry::InputError for a file that cannot be read.
 HandHold run_hand_hold(const std::string& hand, const HoldTest& test);
+/// Its world, the hand open over the box in its first preshape, and how it closes.
+simulation::RobotWorld hand_over_box(const robot::HandModel& hand, double mass, double step);
+simulation::HandCommand closing_on_box(const robot::HandModel& hand);
 
 /// Advances a loaded hold_scene for kShakenDuration: pressed and loaded as above, then shaken
 /// between 1 and 1.5 s by forces of 0.1 m g at 5 Hz along x and at 7 Hz along z. The cube's centre
-/// [m] every 10 ms, of which the step must be a part.
+/// and, with pads, what they feel every 10 ms, of which the step must be a part.
 constexpr double kShakenDuration = 2;  // s
-std::vector<Eigen::Vector3d> shaken_hold(simulation::engines::Engine& engine, const HoldTest& test);
+FeltRun shaken_hold(simulation::engines::Engine& engine, const HoldTest& test);
 
 }  // namespace prehend::eval::touch

@@ -27,7 +27,25 @@ RigidTransform above(const robot::HandModel& hand, const robot::Preshape& presha
   return X_WG * (hand.X_HP * preshape.X_PG).inverse();
 }
 
-simulation::HandCommand closing(const robot::HandModel& hand, const robot::Preshape& preshape) {
+double pressing(const RobotWorld& world) {  // N, sum over the links and their pads
+  double sum = 0;
+  for (const simulation::LinkContact& contact : world.link_contacts()) sum += contact.normal_force;
+  return sum;
+}
+
+}  // namespace
+
+RobotWorld hand_over_box(const robot::HandModel& hand, double mass, double step) {
+  const robot::Preshape& preshape = hand.preshapes.front();
+  simulation::RobotWorldOptions options;
+  options.step = step;
+  RobotWorld world(hand, above(hand, preshape, {0, 0, kGraspHeight}), preshape.name, options);
+  world.add_object("box", simulation::make_standing_box(kBox), mass, false, kFriction);
+  return world;
+}
+
+simulation::HandCommand closing_on_box(const robot::HandModel& hand) {
+  const robot::Preshape& preshape = hand.preshapes.front();
   simulation::HandCommand command;
   command.position = preshape.open;
   for (int i = 0; i < hand.size(); ++i) {
@@ -41,27 +59,15 @@ simulation::HandCommand closing(const robot::HandModel& hand, const robot::Presh
   return command;
 }
 
-double pressing(const RobotWorld& world) {  // N, sum over the links and their pads
-  double sum = 0;
-  for (const simulation::LinkContact& contact : world.link_contacts()) sum += contact.normal_force;
-  return sum;
-}
-
-}  // namespace
-
 HandHold run_hand_hold(const std::string& hand_name, const HoldTest& test) {
   const robot::HandModel hand =
       robot::read_hand_model(text::tree_file("config/robots/" + hand_name + ".yaml"));
-  const robot::Preshape& preshape = hand.preshapes.front();
-  simulation::RobotWorldOptions options;
-  options.step = test.step;
-  RobotWorld world(hand, above(hand, preshape, {0, 0, kGraspHeight}), preshape.name, options);
-  world.add_object("box", simulation::make_standing_box(kBox), test.mass, false, kFriction);
+  RobotWorld world = hand_over_box(hand, test.mass, test.step);
   const auto advance = [&world](double seconds) {
     for (long i = std::lround(seconds / world.options().step); i > 0; --i) world.step();
   };
   const auto height = [&world] { return world.body("box").height; };
-  world.move_hand(closing(hand, preshape));
+  world.move_hand(closing_on_box(hand));
   advance(3);
   HandHold result;
   result.bears = std::min(hand.friction, kFriction) * pressing(world) / geometry::kGravity;

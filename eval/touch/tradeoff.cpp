@@ -1,16 +1,16 @@
 #include "eval/touch/tradeoff.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "eval/processor_time.h"
+#include "eval/touch/felt_cycles.h"
 #include "eval/touch/hold.h"
 #include "prehend/fidelity/touch_settings.h"
 #include "prehend/simulation/engines/registry.h"
-#include "prehend/simulation/work_cycle.h"
 
 namespace prehend::eval::touch {
 namespace {
@@ -18,105 +18,136 @@ namespace {
 using fidelity::Setting;
 using simulation::engines::EngineRegistry;
 
-const std::vector<double> kMasses{0.1, 0.3, 1};      // kg
-const std::vector<double> kCoverages{0.52, 0.6, 1};  // of the pad, in the cycle of each
-constexpr double kLost = 0.005;                      // m off
-constexpr double kSamplePeriod = 0.1;                // s, of the cycle
-constexpr double kNone = std::numeric_limits<double>::infinity();
+const std::vector<double> kMasses{0.1, 0.3, 1};  // kg, of what the hand and the engines hold
+constexpr const char* kHand = "sdh2";
 
-std::string described(const Setting& setting) {
-  std::string text;
-  for (const auto& [name, value] : setting.knobs) text += name + " " + value + "  ";
-  return text;
-}
-
-simulation::WorkCycleOptions cycle_of(std::size_t index, const fidelity::TouchOptions& touch) {
-  const double mass = kMasses[index];
-  simulation::WorkCycleOptions options;
-  options.grasp.mass = mass;
-  options.grasp.law.viscous_friction = 0.1;
-  options.grasp.law.bristle_law = contact::BristleLaw::kElastoPlastic;
-  options.grasp.law.return_map = true;
-  options.grasp.pad = touch.pad;
-  options.coverage = kCoverages[index];
-  options.grip_force = 12 * std::max(1.0, mass / 0.3);
-  options.step = touch.step;
-  options.solve = touch.solve;
-  return options;
-}
-
-// Fills in time and error; false and the reason when the setting cannot do it.
-class CycleScene {
+// Runs of several scenes beside their references.
+class Comparison {
  public:
-  explicit CycleScene(double reference_step) {
-    fidelity::TouchOptions fine;
-    fine.step.integration = contact::Integration::kSecondOrder;
-    fine.step.step = reference_step;
-    for (std::size_t i = 0; i < kMasses.size(); ++i) {
-      references_.push_back(sampled(cycle_of(i, fine)));
+  Comparison(MeasuredTouch* measured, int repetitions)
+      : measured_(*measured), repetitions_(repetitions) {
+    measured_.setting.seconds = 0;
+  }
+
+  /// Runs one more scene of `scenes` by `run`. False when it diverges.
+  bool add(const std::function<CycleRun()>& run, const FeltRun& reference, const FeltRun* own,
+           int scenes) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < repetitions_; ++k) {
+      const CycleRun done = run();
+      least = std::min(least, done.seconds);
+      if (k > 0) continue;
+      const FeltError error = felt_error(done.felt, reference);
+      measured_.error = worst(measured_.error, error);
+      if (own) {
+        measured_.own = worst(measured_.own.value_or(FeltError{}), felt_error(done.felt, *own));
+      }
+      if (!error.is_finite()) return false;
+    }
+    measured_.setting.seconds += least / scenes;
+    return true;
+  }
+
+ private:
+  MeasuredTouch& measured_;
+  int repetitions_;
+};
+
+// Fill in times and errors; false and the reason when the setting cannot do it.
+class CycleScenes {
+ public:
+  explicit CycleScenes(const TouchSweep& sweep) : repetitions_(sweep.repetitions) {
+    Setting fine;
+    fine.knobs = {{"integration", "second_order"},
+                  {"step", fmt::format("{}", sweep.reference_step)}};
+    for (int i = 0; i < kCycleObjects; ++i) {
+      references_.push_back(run_gripper_cycle(scene_of(fine, i)).felt);
     }
   }
 
-  bool measure(Setting& setting, int repetitions, std::string& reason) const {
-    const fidelity::TouchOptions touch = fidelity::touch_options(setting);
-    setting.error = setting.seconds = 0;
-    for (std::size_t i = 0; i < kMasses.size(); ++i) {
-      const simulation::WorkCycleOptions options = cycle_of(i, touch);
-      const double error = largest_difference(sampled(options), references_[i]);
-      if (!std::isfinite(error)) {
-        reason = fmt::format("diverges at {} kg", kMasses[i]);
+  bool measure(MeasuredTouch& measured, std::string& reason) const {
+    Comparison comparison(&measured, repetitions_);
+    for (int i = 0; i < kCycleObjects; ++i) {
+      const simulation::Scene scene = scene_of(measured.setting, i);
+      if (!comparison.add([&] { return run_gripper_cycle(scene); },
+                          references_[static_cast<std::size_t>(i)], nullptr, kCycleObjects)) {
+        reason = std::string("diverges with a ") + kCycleNames.at(static_cast<std::size_t>(i));
         return false;
       }
-      setting.error = std::max(setting.error, error);
-      // Without samples, which end steps.
-      double least = kNone;
-      for (int k = 0; k < repetitions; ++k) {
-        const simulation::WorkCycleResult result = run_work_cycle(options);
-        least = std::min(least, result.cpu_time / result.duration);
-      }
-      setting.seconds += least / static_cast<double>(kMasses.size());
     }
     return true;
   }
 
  private:
-  static simulation::WorkCycleResult sampled(simulation::WorkCycleOptions options) {
-    options.sample_period = kSamplePeriod;
-    return run_work_cycle(options);
+  // Rows and columns are no knobs of a front.
+  static simulation::Scene scene_of(const Setting& setting, int object) {
+    std::map<std::string, int> grid{{"rows", 14}, {"columns", 6}};
+    Setting steps;
+    for (const auto& [knob, value] : setting.knobs) {
+      if (grid.count(knob) > 0) {
+        grid[knob] = std::stoi(value);
+      } else {
+        steps.knobs.emplace_back(knob, value);
+      }
+    }
+    simulation::Scene scene = cycle_scene(object, grid["rows"], grid["columns"]);
+    fidelity::apply_touch_setting(steps, &scene);
+    return scene;
   }
 
-  std::vector<simulation::WorkCycleResult> references_;
+  int repetitions_;
+  std::vector<FeltRun> references_;
+};
+
+class HandScenes {
+ public:
+  explicit HandScenes(const TouchSweep& sweep) : repetitions_(sweep.repetitions) {
+    for (const double mass : kMasses) {
+      references_.push_back(run_hand_cycle(kHand, mass, sweep.reference_step).felt);
+    }
+  }
+
+  bool measure(MeasuredTouch& measured, std::string& reason) const {
+    const double step = fidelity::touch_hand_step(measured.setting);
+    Comparison comparison(&measured, repetitions_);
+    for (std::size_t i = 0; i < kMasses.size(); ++i) {
+      if (!comparison.add([&] { return run_hand_cycle(kHand, kMasses[i], step); }, references_[i],
+                          nullptr, static_cast<int>(kMasses.size()))) {
+        reason = fmt::format("diverges at {} kg", kMasses[i]);
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  int repetitions_;
+  std::vector<FeltRun> references_;
 };
 
 class EngineScenes {
  public:
-  explicit EngineScenes(double reference_step) {
+  explicit EngineScenes(const TouchSweep& sweep)
+      : repetitions_(sweep.repetitions), own_step_(sweep.own_finest_step) {
     fidelity::EngineChoice fine;
     fine.solver = "second_order";
-    fine.step = reference_step;
-    for (const double mass : kMasses) references_.push_back(run(fine, mass).path);
+    fine.step = sweep.reference_step;
+    for (const double mass : kMasses) references_.push_back(run(fine, mass).felt);
   }
 
-  bool measure(Setting& setting, int repetitions, std::string& reason) const {
-    const fidelity::EngineChoice choice = fidelity::engine_choice(setting);
-    setting.error = setting.seconds = 0;
+  bool measure(MeasuredTouch& measured, std::string& reason) {
+    const fidelity::EngineChoice choice = fidelity::engine_choice(measured.setting);
+    measured.feels = choice.pads;
+    Comparison comparison(&measured, repetitions_);
     try {
       for (std::size_t i = 0; i < kMasses.size(); ++i) {
-        double least = kNone;
-        for (int k = 0; k < repetitions; ++k) {
-          const Run done = run(choice, kMasses[i]);
-          least = std::min(least, done.seconds);
-          if (k > 0) continue;
-          for (std::size_t s = 0; s < done.path.size(); ++s) {
-            const double error = (done.path[s] - references_[i][s]).norm();
-            if (!std::isfinite(error)) {
-              reason = fmt::format("diverges at {} kg", kMasses[i]);
-              return false;
-            }
-            setting.error = std::max(setting.error, error);
-          }
+        FeltRun reference = references_[i];
+        if (!choice.pads) reference.frames.clear();
+        if (!comparison.add([&] { return run(choice, kMasses[i]); }, reference,
+                            &own_reference(choice, kMasses[i]), static_cast<int>(kMasses.size()))) {
+          reason = fmt::format("diverges at {} kg", kMasses[i]);
+          return false;
         }
-        setting.seconds += least / static_cast<double>(kMasses.size());
       }
     } catch (const simulation::engines::UnsupportedScene& refusal) {
       reason = refusal.what();
@@ -126,12 +157,7 @@ class EngineScenes {
   }
 
  private:
-  struct Run {
-    std::vector<Eigen::Vector3d> path;  // m, of the cube
-    double seconds = 0;                 // of processor for each simulated second
-  };
-
-  Run run(const fidelity::EngineChoice& choice, double mass) const {
+  CycleRun run(const fidelity::EngineChoice& choice, double mass) const {
     HoldTest test;
     test.mass = mass;
     test.step = choice.step;
@@ -140,153 +166,70 @@ class EngineScenes {
     const auto engine = registry_.create(choice.engine);
     engine->load(hold_scene(test));
     const double begin = processor_time();
-    Run done;
-    done.path = shaken_hold(*engine, test);
+    CycleRun done;
+    done.felt = shaken_hold(*engine, test);
     done.seconds = (processor_time() - begin) / kShakenDuration;
     return done;
   }
 
+  const FeltRun& own_reference(fidelity::EngineChoice choice, double mass) {
+    const std::string name =
+        fmt::format("{} {} {} {}", choice.engine, choice.solver, choice.pads, mass);
+    const auto found = own_.find(name);
+    if (found != own_.end()) return found->second;
+    choice.step = own_step_;
+    return own_.emplace(name, run(choice, mass).felt).first->second;
+  }
+
   EngineRegistry registry_;
-  std::vector<std::vector<Eigen::Vector3d>> references_;
+  int repetitions_;
+  double own_step_;
+  std::vector<FeltRun> references_;
+  std::map<std::string, FeltRun> own_;
 };
 
+std::string in_words(const FeltError& error, bool feels) {
+  const std::string motion = fmt::format("{:11.4f} um", 1e6 * error.motion);
+  return feels ? fmt::format("{:9.4f} % image {:9.4f} % sum {:9.4f} % largest ", 100 * error.image,
+                             100 * error.sum, 100 * error.largest) +
+                     motion
+               : motion;
+}
+
 template <class Scene>
-std::vector<Setting> measure_all(const Scene& scene, const std::vector<Setting>& settings,
-                                 int repetitions, std::vector<std::string>& left_out,
-                                 const std::function<void(const std::string&)>& progress) {
-  std::vector<Setting> measured;
-  for (Setting setting : settings) {
+std::vector<MeasuredTouch> measure_all(Scene scenes, const std::vector<Setting>& settings,
+                                       std::vector<std::string>& left_out,
+                                       const std::function<void(const std::string&)>& progress) {
+  std::vector<MeasuredTouch> all;
+  for (const Setting& setting : settings) {
+    MeasuredTouch measured;
+    measured.setting = setting;
     std::string reason;
-    if (!scene.measure(setting, repetitions, reason)) {
-      left_out.push_back(described(setting) + ": " + reason);
+    if (!scenes.measure(measured, reason)) {
+      left_out.push_back(to_string(setting) + ": " + reason);
       progress(left_out.back());
       continue;
     }
-    progress(fmt::format("{:9.3f} ms/s {:11.4f} um  {}", 1e3 * setting.seconds, 1e6 * setting.error,
-                         described(setting)));
-    measured.push_back(setting);
+    progress(fmt::format("{:9.3f} ms/s {}{}  {}", 1e3 * measured.setting.seconds,
+                         in_words(measured.error, measured.feels),
+                         measured.own ? "; own " + in_words(*measured.own, measured.feels) : "",
+                         to_string(setting)));
+    all.push_back(std::move(measured));
   }
-  return measured;
+  return all;
 }
 
 }  // namespace
 
-std::vector<Setting> swept_cycle_settings(bool quick) {
-  using Texels = std::pair<const char*, const char*>;
-  const std::vector<Texels> texels = quick
-                                         ? std::vector<Texels>{{"7", "3"}, {"14", "6"}}
-                                         : std::vector<Texels>{{"4", "2"}, {"7", "3"}, {"14", "6"}};
-  const std::vector<const char*> steps =
-      quick ? std::vector<const char*>{"0.02", "0.005"}
-            : std::vector<const char*>{"0.02", "0.01", "0.005", "0.002", "0.001", "0.0005"};
-  const std::vector<const char*> tolerances =
-      quick ? std::vector<const char*>{"1e-06"}
-            : std::vector<const char*>{"1e-05", "1e-06", "1e-07", "1e-08"};
-  const std::vector<const char*> iterations =
-      quick ? std::vector<const char*>{"6"} : std::vector<const char*>{"1", "2", "6"};
-  std::vector<Setting> settings;
-  const auto add = [&](const char* integration, const char* knob, const char* value,
-                       const char* most, const Texels& grid) {
-    Setting setting;
-    setting.knobs = {{"integration", integration},
-                     {knob, value},
-                     {"iterations", most},
-                     {"rows", grid.first},
-                     {"columns", grid.second}};
-    settings.push_back(setting);
-  };
-  for (const Texels& grid : texels) {
-    for (const char* most : iterations) {
-      for (const char* integration : {"first_order", "second_order"}) {
-        for (const char* step : steps) add(integration, "step", step, most, grid);
-      }
-      for (const char* tolerance : tolerances) {
-        add("adaptive", "tolerance", tolerance, most, grid);
-      }
-    }
-  }
-  // The paper's; above 0.12 ms it is unstable, as the sweep shows.
-  if (!quick) {
-    for (const char* step : {"0.0002", "0.00005"}) {
-      add("explicit", "step", step, "6", {"14", "6"});
-    }
-  }
-  return settings;
-}
-
-std::vector<Setting> swept_engine_settings(bool quick) {
-  const std::vector<const char*> steps =
-      quick ? std::vector<const char*>{"0.01"}
-            : std::vector<const char*>{"0.01", "0.005", "0.002", "0.001", "0.0005"};
-  const EngineRegistry registry;
-  std::vector<Setting> settings;
-  for (const std::string& engine : registry.names()) {
-    const std::vector<std::string> solvers = registry.create(engine)->solvers();
-    for (const std::string& solver : solvers) {
-      for (const char* pads : {"yes", "no"}) {
-        // With pads in sub-steps the contact solver has nothing to do: one will do.
-        const bool idle = pads == std::string("yes") && engine != "native";
-        if (idle && (quick || solver != solvers.front())) continue;
-        for (const char* step : steps) {
-          Setting setting;
-          setting.knobs = {{"engine", engine}, {"solver", solver}, {"pads", pads}, {"step", step}};
-          settings.push_back(setting);
-        }
-      }
-    }
-  }
-  return settings;
-}
-
-TouchTradeoff measure_touch_tradeoff(const std::vector<Setting>& cycle,
-                                     const std::vector<Setting>& engines, int repetitions,
-                                     const std::function<void(const std::string&)>& progress,
-                                     double reference_step) {
+TouchTradeoff measure_touch_tradeoff(const TouchSweep& sweep,
+                                     const std::function<void(const std::string&)>& progress) {
   TouchTradeoff tradeoff;
-  tradeoff.cycle =
-      measure_all(CycleScene(reference_step), cycle, repetitions, tradeoff.left_out, progress);
-  tradeoff.engines =
-      measure_all(EngineScenes(reference_step), engines, repetitions, tradeoff.left_out, progress);
+  const CycleScenes cycles(sweep);
+  tradeoff.cycle = measure_all(cycles, sweep.cycle, tradeoff.left_out, progress);
+  tradeoff.texels = measure_all(cycles, sweep.texels, tradeoff.left_out, progress);
+  tradeoff.hand = measure_all(HandScenes(sweep), sweep.hand, tradeoff.left_out, progress);
+  tradeoff.engines = measure_all(EngineScenes(sweep), sweep.engines, tradeoff.left_out, progress);
   return tradeoff;
-}
-
-namespace {
-
-// The front without settings that lose the object, and without what is slower and hardly more
-// accurate: less than 1 % is no gain.
-std::vector<Setting> front_settings(const std::vector<Setting>& measured) {
-  std::vector<Setting> kept;
-  for (Setting& setting : fidelity::pareto_front(measured)) {
-    if (setting.error > kLost) continue;
-    if (kept.empty() || setting.error < 0.99 * kept.back().error) {
-      kept.push_back(std::move(setting));
-    }
-  }
-  return kept;
-}
-
-}  // namespace
-
-fidelity::Front cycle_front(const TouchTradeoff& tradeoff, const std::string& machine) {
-  fidelity::Front front;
-  front.subject = "touch";
-  front.error_name =
-      "largest distance of the box in work cycles from a finer run's; milliseconds are of each "
-      "simulated second";
-  front.machine = machine;
-  front.settings = front_settings(tradeoff.cycle);
-  return front;
-}
-
-fidelity::Front engine_front(const TouchTradeoff& tradeoff, const std::string& machine) {
-  fidelity::Front front;
-  front.subject = "touch_engines";
-  front.error_name =
-      "largest distance of a held, shaken cube from a finer run's with pads; milliseconds are of "
-      "each simulated second";
-  front.machine = machine;
-  front.settings = front_settings(tradeoff.engines);
-  return front;
 }
 
 }  // namespace prehend::eval::touch

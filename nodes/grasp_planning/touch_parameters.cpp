@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "nodes/touch_fidelity/touch_fidelity.h"
+#include "prehend/fidelity/touch_settings.h"
+
 namespace prehend::nodes {
 
 double declare_grip_force(graph::Node& node) {
@@ -28,13 +31,21 @@ void refuse_touch_parameters(const graph::Node& node, const robot::Platform& pla
         fmt::format("parameter '{}' does not apply with the hand '{}': {}; leave it out", name,
                     hand.name, why));
   };
+  // The launch files give both, 0 where nothing is asked for.
+  const auto refuse_choice = [&](const char* why) {
+    for (const char* name : {"touch_budget", "touch_tolerance"}) {
+      if (node.parameter<double>(name) > 0) refuse(name, why);
+    }
+  };
   if (hand.pads.empty()) {
     refuse("grip_force", "it has no tactile pads");
     refuse("predict_touch", "it has no tactile pads");
+    refuse_choice("it has no tactile pads");
   }
   if (hand.gripper) refuse("grip_force", "its force is planned");
   if (platform.hand_port == robot::HandPort::kGripper) {
     refuse("predict_touch", "what its pads feel is what its grasps are planned by");
+    refuse_choice("what its pads feel is what its grasps are planned by, without a simulation");
   }
 }
 
@@ -45,8 +56,24 @@ std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node)
        .description = "close the hand in simulation, for the grasps that get a "
                       "motion, to tell what its pads should feel",
        .read_only = true});
-  if (!predict) return std::nullopt;
-  return planning::TouchPredictionOptions();
+  const fidelity::TouchRequest request =
+      declare_touch_request(node, "touch_", "the hand that closes in simulation");
+  if (!predict) {
+    if (request.is_asked()) {
+      throw std::invalid_argument(
+          "touch_budget and touch_tolerance do not apply with predict_touch:=false; leave them "
+          "out");
+    }
+    return std::nullopt;
+  }
+  planning::TouchPredictionOptions options;
+  if (request.is_asked()) {
+    const fidelity::ChosenTouch chosen =
+        fidelity::choose_touch(request, fidelity::TouchWorld::kRobotWorld);
+    options.world.step = fidelity::touch_hand_step(chosen.setting);
+    node.log_info("steps of predicted touch chosen: {}", chosen.text);
+  }
+  return options;
 }
 
 void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {

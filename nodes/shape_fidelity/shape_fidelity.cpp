@@ -9,17 +9,12 @@ namespace prehend::nodes {
 namespace {
 
 ChosenShape choose(const std::string& file, double budget, double tolerance) {
-  if (budget > 0 && tolerance > 0) {
-    throw geometry::InputError("Parameters budget and tolerance are both given",
-                               "Give one of them; the front answers with the other");
-  }
   if (file.empty()) {
     throw geometry::InputError("Parameter front is empty, but a budget or tolerance is given",
                                "Name a front like config/fidelity/shape.yaml");
   }
   const fidelity::Front front = fidelity::read_front(file);
-  const fidelity::Setting& setting = budget > 0 ? fidelity::within_budget(front, budget)
-                                                : fidelity::within_tolerance(front, tolerance);
+  const fidelity::Setting& setting = fidelity::choose(front, budget, tolerance);
   ChosenShape chosen;
   chosen.options = fidelity::shape_options(setting);
   chosen.choice.set_knobs(fidelity::to_string(setting));

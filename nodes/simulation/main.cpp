@@ -15,6 +15,7 @@
 #include "nodes/simulation/robot_runner.h"
 #include "nodes/simulation/sensor_messages.h"
 #include "nodes/simulation/simulated_robot.h"
+#include "nodes/touch_fidelity/touch_fidelity.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/clock_control.h"
 #include "prehend/graph/node_program.h"
@@ -36,6 +37,7 @@ struct Settings {
   double camera_period = 0;
   int noise_seed = -1;
   simulation::RenderOptions render;
+  fidelity::TouchRequest touch;
 };
 
 Settings declare_settings(graph::Node& node) {
@@ -101,6 +103,7 @@ Settings declare_settings(graph::Node& node) {
                                                   .maximum = 64,
                                                   .description = "threads that render",
                                                   .read_only = true});
+  s.touch = nodes::declare_touch_request(node, "", "the world");
   return s;
 }
 
@@ -269,6 +272,15 @@ void run(graph::Node& node) {
     scene.camera.seed = static_cast<std::uint32_t>(settings.noise_seed);
   }
 
+  const robot::Platform platform =
+      robot::read_platform(scene.robot.empty() ? settings.stage : scene.robot.string());
+  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
+  const bool on_stage = platform.hand_port == robot::HandPort::kGripper;
+  if (settings.touch.is_asked()) {
+    node.log_info("steps chosen: {}",
+                  fidelity::choose_touch(settings.touch, platform, &scene).text);
+  }
+
   graph::ClockPacerOptions clock;
   clock.speed = speed;
   clock.paused = settings.paused;
@@ -279,10 +291,7 @@ void run(graph::Node& node) {
     node.set_parameter("speed", fmt::format("{}", value));
   });
   node.log_info("scene {}: {} objects", settings.scene, scene.objects.size());
-  const robot::Platform platform =
-      robot::read_platform(scene.robot.empty() ? settings.stage : scene.robot.string());
-  for (const std::string& remark : platform.model.remarks) node.log_warning("{}", remark);
-  if (platform.hand_port == robot::HandPort::kGripper) {
+  if (on_stage) {
     run_stage(node, settings, scene, platform, pacer);
   } else {
     run_arm(node, settings, scene, platform, pacer);

@@ -28,10 +28,13 @@ void check_not_empty(const Front& front) {
   }
 }
 
+std::string error_text(double error, const std::string& unit) {
+  return unit == "m" ? fmt::format("{:.4g} mm", 1e3 * error)
+                     : fmt::format("{:.4g} {}", error, unit);
+}
+
 std::string described(const Setting& setting, const std::string& unit) {
-  const bool length = unit == "m";
-  return fmt::format("{:.4g} ms, {:.4g} {}", 1e3 * setting.seconds,
-                     length ? 1e3 * setting.error : setting.error, length ? "mm" : unit);
+  return fmt::format("{:.4g} ms, {}", 1e3 * setting.seconds, error_text(setting.error, unit));
 }
 
 double number_of(const YAML::Node& node, const char* key, const std::filesystem::path& file) {
@@ -108,16 +111,25 @@ const Setting& within_tolerance(const Front& front, double error) {
       std::min_element(front.settings.begin(), front.settings.end(),
                        [](const Setting& a, const Setting& b) { return a.error < b.error; });
   throw UnreachableError(
-      fmt::format("No setting of '{}' has an error of at most {:.4g} {}", front.subject, error,
-                  front.error_unit),
+      fmt::format("No setting of '{}' has an error of at most {}", front.subject,
+                  error_text(error, front.error_unit)),
       "Allow as much as the most accurate one: " + described(*closest, front.error_unit), *closest);
+}
+
+const Setting& choose(const Front& front, double budget, double tolerance) {
+  if (budget > 0 && tolerance > 0) {
+    throw InputError("Of the front '" + front.subject + "' budget and tolerance are both given",
+                     "Give one of them; the front answers with the other");
+  }
+  return budget > 0 ? within_budget(front, budget) : within_tolerance(front, tolerance);
 }
 
 Front read_front(const std::filesystem::path& file) {
   YAML::Node root;
   try {
     root = text::load_strict_yaml(file.string());
-    check_keys(root, {"subject", "error_name", "error_unit", "machine", "settings"}, file);
+    check_keys(root, {"subject", "error_name", "error_unit", "other_errors", "machine", "settings"},
+               file);
     Front front;
     for (const auto& [key, value] :
          {std::pair{"subject", &front.subject}, std::pair{"error_name", &front.error_name},
@@ -125,14 +137,28 @@ Front read_front(const std::filesystem::path& file) {
       if (!root[key]) fail(file, std::string("has no key '") + key + "'");
       *value = root[key].as<std::string>();
     }
+    if (const YAML::Node others = root["other_errors"]) {
+      if (!others.IsMap()) fail(file, "has 'other_errors' that are no map of names and meanings");
+      for (const auto& other : others) {
+        front.other_errors.emplace_back(other.first.as<std::string>(),
+                                        other.second.as<std::string>());
+      }
+    }
     if (!root["settings"] || !root["settings"].IsSequence() || root["settings"].size() == 0) {
       fail(file, "has no list 'settings'");
     }
     for (const YAML::Node& node : root["settings"]) {
-      check_keys(node, {"milliseconds", "error", "knobs"}, file);
+      check_keys(node, {"milliseconds", "error", "other_errors", "knobs"}, file);
       Setting setting;
       setting.seconds = number_of(node, "milliseconds", file) / 1000;
       setting.error = number_of(node, "error", file);
+      const YAML::Node others = node["other_errors"];
+      if ((others ? others.size() : 0) != front.other_errors.size()) {
+        fail(file, "has a setting whose 'other_errors' are not those that the front names");
+      }
+      for (const auto& [name, meaning] : front.other_errors) {
+        setting.other_errors.emplace_back(name, number_of(others, name.c_str(), file));
+      }
       if (!node["knobs"] || !node["knobs"].IsMap()) fail(file, "has a setting without 'knobs'");
       for (const auto& knob : node["knobs"]) {
         setting.knobs.emplace_back(knob.first.as<std::string>(), knob.second.as<std::string>());
@@ -155,11 +181,17 @@ Front read_front(const std::filesystem::path& file) {
 
 void write_front(const std::filesystem::path& file, const Front& front) {
   YAML::Emitter out;
-  out << YAML::Comment("Measured by build/bin/eval_tradeoff " + front.subject + "; fastest first.")
-      << YAML::BeginMap;
+  out << YAML::Comment("Measured by build/bin/eval_tradeoff; fastest first.") << YAML::BeginMap;
   out << YAML::Key << "subject" << YAML::Value << front.subject;
   out << YAML::Key << "error_name" << YAML::Value << front.error_name;
   out << YAML::Key << "error_unit" << YAML::Value << front.error_unit;
+  if (!front.other_errors.empty()) {
+    out << YAML::Key << "other_errors" << YAML::Value << YAML::BeginMap;
+    for (const auto& [name, meaning] : front.other_errors) {
+      out << YAML::Key << name << YAML::Value << meaning;
+    }
+    out << YAML::EndMap;
+  }
   out << YAML::Key << "machine" << YAML::Value << front.machine;
   out << YAML::Key << "settings" << YAML::Value << YAML::BeginSeq;
   for (const Setting& setting : front.settings) {
@@ -167,6 +199,13 @@ void write_front(const std::filesystem::path& file, const Front& front) {
     out << YAML::Key << "milliseconds" << YAML::Value
         << fmt::format("{:.6g}", 1e3 * setting.seconds);
     out << YAML::Key << "error" << YAML::Value << fmt::format("{:.6g}", setting.error);
+    if (!setting.other_errors.empty()) {
+      out << YAML::Key << "other_errors" << YAML::Value << YAML::Flow << YAML::BeginMap;
+      for (const auto& [name, error] : setting.other_errors) {
+        out << YAML::Key << name << YAML::Value << fmt::format("{:.4g}", error);
+      }
+      out << YAML::EndMap;
+    }
     out << YAML::Key << "knobs" << YAML::Value << YAML::Flow << YAML::BeginMap;
     for (const auto& [name, value] : setting.knobs)
       out << YAML::Key << name << YAML::Value << value;

@@ -14,7 +14,9 @@ namespace prehend::fidelity {
 struct Setting {
   std::vector<std::pair<std::string, std::string>> knobs;  // name, value; in a fixed order
   double seconds = 0;  // that it took on the machine it was measured on, one thread
-  double error = 0;    // mean, in the front's unit
+  double error = 0;    // in the front's unit
+  /// What else was measured; the names are those of Front::other_errors, in their order.
+  std::vector<std::pair<std::string, double>> other_errors{};
 };
 
 /// The settings of which none is both slower and less accurate than another, fastest first: error
@@ -23,6 +25,9 @@ struct Front {
   std::string subject;     // e.g. "shape"
   std::string error_name;  // what `error` measures, e.g. "mean distance of the truth to the mesh"
   std::string error_unit = "m";
+  /// Name and meaning, with its unit, of what each setting says beside `error` and nothing is
+  /// chosen by, e.g. "motion", "largest distance of the object [m]".
+  std::vector<std::pair<std::string, std::string>> other_errors;
   std::string machine;  // on which it was measured, and how
   std::vector<Setting> settings;
 };
@@ -53,6 +58,11 @@ const Setting& within_budget(const Front& front, double seconds);
 /// The fastest setting whose error is at most `error` [the front's unit].
 /// @throws UnreachableError naming the most accurate, std::invalid_argument as within_budget.
 const Setting& within_tolerance(const Front& front, double error);
+
+/// As within_budget() or within_tolerance(): exactly one of them is above 0.
+/// @throws UnreachableError as they do, geometry::InputError when both are above 0,
+/// std::invalid_argument when none is.
+const Setting& choose(const Front& front, double budget, double tolerance);
 
 /// Reads what write_front() wrote. @throws geometry::InputError naming file and key: missing or
 /// foreign file, missing or unknown key, a number that is none, settings that are no front.

@@ -1,7 +1,5 @@
 #include "prehend/fidelity/touch_settings.h"
 
-#include <stdexcept>
-
 #include "prehend/fidelity/knobs.h"
 
 namespace prehend::fidelity {
@@ -23,30 +21,38 @@ int count(const std::string& knob, const std::string& value, int most) {
 
 }  // namespace
 
-TouchOptions touch_options(const Setting& setting) {
-  TouchOptions options;
+void apply_touch_setting(const Setting& setting, simulation::Scene* scene) {
+  simulation::PhysicsOptions& physics = scene->physics;
   for (const auto& [knob, value] : setting.knobs) {
     if (knob == "integration") {
-      try {
-        options.step.integration = contact::integration_from_name(value);
-      } catch (const std::invalid_argument&) {
+      physics.adaptive = value == "adaptive";
+      if (value == "first_order") {
+        physics.integration = contact::Integration::kFirstOrder;
+      } else if (value == "second_order") {
+        physics.integration = contact::Integration::kSecondOrder;
+      } else if (!physics.adaptive) {
         refuse_knob(kTouchSubject, knob, value);
       }
     } else if (knob == "step") {
-      options.step.step = positive(knob, value);
+      scene->step = positive(knob, value);
     } else if (knob == "tolerance") {
-      options.step.tolerance = positive(knob, value);
+      physics.tolerance = positive(knob, value);
     } else if (knob == "iterations") {
-      options.solve.most_iterations = count(knob, value, 100);
-    } else if (knob == "rows") {
-      options.pad.rows = count(knob, value, 1000);
-    } else if (knob == "columns") {
-      options.pad.columns = count(knob, value, 1000);
+      physics.most_iterations = count(knob, value, 100);
     } else {
       unknown_knob(kTouchSubject, knob);
     }
   }
-  return options;
+}
+
+double touch_hand_step(const Setting& setting) {
+  double step = 0;
+  for (const auto& [knob, value] : setting.knobs) {
+    if (knob != "step") unknown_knob(kTouchSubject, knob);
+    step = positive(knob, value);
+  }
+  if (step == 0) refuse_knob(kTouchSubject, "step", "");
+  return step;
 }
 
 EngineChoice engine_choice(const Setting& setting) {

@@ -2,28 +2,24 @@
 
 #include <string>
 
-#include "prehend/contact/grasp_stepper.h"
-#include "prehend/contact/pad_grid.h"
 #include "prehend/fidelity/front.h"
+#include "prehend/simulation/scene.h"
 
 namespace prehend::fidelity {
 
-/// How soft pads are simulated.
-struct TouchOptions {
-  contact::StepOptions step;
-  contact::SolveOptions solve;
-  contact::PadGrid pad;
-};
-
-/// The options of a setting of the front "touch". Knobs (all optional; absent: the library's
-/// default):
-///   integration   explicit | first_order | second_order | adaptive
-///   step          s, above 0
-///   tolerance     m, above 0; of adaptive steps
+/// Sets how `scene` is simulated as a setting of the front "touch" chooses it; all else stays. What
+/// pads show keeps its rows and columns: they are the pad's, no knob. Knobs (all optional; absent:
+/// as it is):
+///   integration   first_order | second_order | adaptive
+///   step          s, above 0 and below 1
+///   tolerance     m, the same; of adaptive steps
 ///   iterations    at most so many linearisations a step, 1 to 100
-///   rows, columns of texels on a pad of unchanged size and stiffness, 1 to 1000
 /// @throws geometry::InputError naming a knob that is unknown or has a value it cannot have.
-TouchOptions touch_options(const Setting& setting);
+void apply_touch_setting(const Setting& setting, simulation::Scene* scene);
+
+/// The step [s] of a setting of the front "touch_hand", which has this one knob: robots of arm and
+/// hand, and hands alone (simulation::RobotWorld). @throws as apply_touch_setting, and without it.
+double touch_hand_step(const Setting& setting);
 
 /// A physics engine, by what simulation::engines::EngineScene calls it.
 struct EngineChoice {
@@ -33,7 +29,7 @@ struct EngineChoice {
 };
 
 /// The choice of a setting of the front "touch_engines". Knobs: engine, solver, pads (yes | no),
-/// step [s]. @throws as touch_options.
+/// step [s]. @throws as apply_touch_setting.
 EngineChoice engine_choice(const Setting& setting);
 
 }  // namespace prehend::fidelity

@@ -401,7 +401,9 @@ GraspPlan plan_grasps(const surface::ObjectModel& object, const geometry::Plane&
     if (lighter.budget <= 0) return plan;
   }
   GraspPlan light = Planner(object, table, obstacles, hand, reachability, lighter).plan();
-  if (light.grasps.empty()) return plan;
+  // What holds in no disturbed trial even so is not worth the doubt.
+  const bool is_tried = options.uncertainty.samples > 0;
+  if (light.grasps.empty() || (is_tried && light.grasps.front().robustness <= 0)) return plan;
   for (Grasp& grasp : light.grasps) {
     add_remark(fmt::format("too heavy with {:.0f} kg/m^3: planned with {:.0f}", options.density,
                            lighter.density),

@@ -28,7 +28,9 @@ Front three() {
   front.subject = "shape";
   front.error_name = "mean deviation";
   front.machine = "a test";
+  front.other_errors = {{"worst", "largest deviation [m]"}};
   front.settings = {setting(5, 4), setting(20, 3), setting(90, 2.5)};
+  for (Setting& one : front.settings) one.other_errors = {{"worst", 4 * one.error}};
   return front;
 }
 
@@ -84,6 +86,13 @@ TEST(Choice, NamesTheNearestWhenThereIsNone) {
   EXPECT_THROW(within_tolerance(three(), 0), std::invalid_argument);
 }
 
+TEST(Choice, IsByOneOfTheTwo) {
+  EXPECT_EQ(choose(three(), 0.020, 0).error, 0.003);
+  EXPECT_EQ(choose(three(), 0, 0.003).seconds, 0.020);
+  EXPECT_THROW(choose(three(), 0.020, 0.003), InputError);
+  EXPECT_THROW(choose(three(), 0, 0), std::invalid_argument);
+}
+
 class FrontFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -105,6 +114,8 @@ TEST_F(FrontFile, ComesBackAsItWasWritten) {
   EXPECT_DOUBLE_EQ(back.settings[1].seconds, 0.02);
   EXPECT_DOUBLE_EQ(back.settings[2].error, 0.0025);
   EXPECT_EQ(back.settings[0].knobs, three().settings[0].knobs);
+  EXPECT_EQ(back.other_errors, three().other_errors);
+  EXPECT_EQ(back.settings[2].other_errors, three().settings[2].other_errors);
   EXPECT_THROW(write_front(folder_ / "no" / "x.yaml", three()), InputError);
 }
 
@@ -120,7 +131,11 @@ TEST_F(FrontFile, BadFilesAreRefused) {
         head + first + "speed: 3\n",
         head + "settings:\n  - {milliseconds: x, error: 1, knobs: {}}\n",
         head + "settings:\n  - {milliseconds: 1, error: .nan, knobs: {}}\n",
-        head + first + "  - {milliseconds: 6, error: 0.2, knobs: {a: b}}\n"}) {
+        head + first + "  - {milliseconds: 6, error: 0.2, knobs: {a: b}}\n",
+        head + "other_errors: 3\n" + first, head + "other_errors: {worst: in m}\n" + first,
+        head + "settings:\n  - {milliseconds: 5, error: 1, other_errors: {x: 1}, knobs: {}}\n",
+        head + "other_errors: {worst: in m}\n" +
+            "settings:\n  - {milliseconds: 5, error: 1, other_errors: {x: 1}, knobs: {}}\n"}) {
     std::ofstream(file) << text;
     EXPECT_THROW(read_front(file), InputError) << text;
   }
@@ -199,39 +214,6 @@ TEST(PlanSettings, TheBudgetChoosesAndEndsPlanning) {
   EXPECT_THROW(apply_plan_budget(front, -1, &options), std::invalid_argument);
 }
 
-TEST(TouchSettings, SetTheOptionsTheyName) {
-  const TouchOptions options = touch_options({{{"integration", "adaptive"},
-                                               {"step", "0.002"},
-                                               {"tolerance", "1e-06"},
-                                               {"iterations", "2"},
-                                               {"rows", "7"},
-                                               {"columns", "3"}},
-                                              0,
-                                              0});
-  EXPECT_EQ(options.step.integration, contact::Integration::kAdaptive);
-  EXPECT_EQ(options.step.step, 0.002);
-  EXPECT_EQ(options.step.tolerance, 1e-6);
-  EXPECT_EQ(options.solve.most_iterations, 2);
-  EXPECT_EQ(options.pad.rows, 7);
-  EXPECT_EQ(options.pad.columns, 3);
-  for (const auto& [knob, value] :
-       {std::pair{"integration", "third"}, std::pair{"step", "0"}, std::pair{"step", "nan"},
-        std::pair{"step", "-1"}, std::pair{"tolerance", "big"}, std::pair{"iterations", "0"},
-        std::pair{"iterations", "2.5"}, std::pair{"rows", "100000"}, std::pair{"colour", "red"}}) {
-    EXPECT_THROW(touch_options({{{knob, value}}, 0, 0}), InputError) << knob << value;
-  }
-  const EngineChoice choice = engine_choice(
-      {{{"engine", "ode"}, {"solver", "step"}, {"pads", "no"}, {"step", "0.01"}}, 0, 0});
-  EXPECT_EQ(choice.engine, "ode");
-  EXPECT_EQ(choice.solver, "step");
-  EXPECT_FALSE(choice.pads);
-  EXPECT_EQ(choice.step, 0.01);
-  for (const auto& [knob, value] : {std::pair{"engine", ""}, std::pair{"pads", "some"},
-                                    std::pair{"step", "1e9"}, std::pair{"texels", "3"}}) {
-    EXPECT_THROW(engine_choice({{{knob, value}}, 0, 0}), InputError) << knob << value;
-  }
-}
-
 // The shipped fronts can be read and every setting of them is understood.
 TEST(ShippedFronts, AreWhole) {
   const Front front = read_front("config/fidelity/shape.yaml");
@@ -243,8 +225,12 @@ TEST(ShippedFronts, AreWhole) {
   for (const Setting& one : plan.settings) EXPECT_NO_THROW(apply_plan_setting(one, &planner));
   const Front touch = read_front("config/fidelity/touch.yaml");
   EXPECT_EQ(touch.subject, "touch");
-  for (const Setting& one : touch.settings) EXPECT_NO_THROW(touch_options(one));
-  EXPECT_LT(within_tolerance(touch, 1e-5).seconds, 1.0 / 200) << "faster than 200 times real time";
+  simulation::Scene scene;
+  for (const Setting& one : touch.settings) EXPECT_NO_THROW(apply_touch_setting(one, &scene));
+  EXPECT_LT(within_tolerance(touch, 0.03).seconds, 1.0 / 50) << "faster than 50 times real time";
+  const Front hand = read_front("config/fidelity/touch_hand.yaml");
+  EXPECT_EQ(hand.subject, "touch_hand");
+  for (const Setting& one : hand.settings) EXPECT_GT(touch_hand_step(one), 0);
   const Front engines = read_front("config/fidelity/touch_engines.yaml");
   EXPECT_EQ(engines.subject, "touch_engines");
   for (const Setting& one : engines.settings) EXPECT_NO_THROW(engine_choice(one));

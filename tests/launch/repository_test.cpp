@@ -64,6 +64,41 @@ TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   EXPECT_THAT(check("density: [1, 2]"), HasSubstr("of type number"));
 }
 
+// Both reach the world; what predicts touch is asked apart.
+TEST(LaunchFilesOfTheRepository, TouchIsChosenForTheWorldAndForItsPrediction) {
+  const ScratchDirectory scratch;
+  int calls = 0;
+  const auto dry_run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"launch", "--dry-run"});
+    ChildProgram program("prehend", words, scratch.path(std::to_string(++calls)));
+    EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
+    return program.output();
+  };
+  // The lines of one node.
+  const auto of_node = [](const std::string& graph, const std::string& node) {
+    const std::size_t begin = graph.find("- node: " + node);
+    EXPECT_NE(begin, std::string::npos) << node;
+    return graph.substr(begin, graph.find("- node: ", begin + 1) - begin);
+  };
+  const std::vector<std::vector<std::string>> files{
+      {"launch/demo.yaml"},
+      {"launch/replay.yaml", "bag:=a.mcap"},
+      {"launch/replay_cloud.yaml", "cloud:=a.pcd"},
+      {"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png", "calibration:=K.txt"},
+      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd"}};
+  for (std::vector<std::string> words : files) {
+    words.insert(words.end(),
+                 {"platform:=kr5_sdh", "touch_tolerance:=0.31", "predicted_touch_budget:=0.32"});
+    const std::string graph = dry_run(words);
+    EXPECT_THAT(of_node(graph, "simulation"),
+                AllOf(HasSubstr("\n      tolerance: 0.31\n"), HasSubstr("\n      budget: 0\n")))
+        << words[0];
+    EXPECT_THAT(of_node(graph, "grasp_planning"),
+                AllOf(HasSubstr("touch_budget: 0.32\n"), HasSubstr("touch_tolerance: 0\n")))
+        << words[0];
+  }
+}
+
 // With all devices real nothing is simulated, so the launch says what is missing.
 TEST(LaunchFilesOfTheRepository, BringupTakesCalibrationsAndSaysWhatIsMissing) {
   const ScratchDirectory scratch;

@@ -2,6 +2,7 @@
 // problem. Once one exception lost all other objects of the view.
 
 #include <chrono>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -199,6 +200,20 @@ TEST_F(GraspPlanningNode, TouchIsNotPredictedWhereNobodyAsksForIt) {
   }
 }
 
+// The step of predicted touch is that of the front's setting, and is said.
+TEST_F(GraspPlanningNode, TheFrontChoosesTheStepsOfPredictedTouch) {
+  const std::string front = (scratch_.path() / "front.yaml").string();
+  std::ofstream(front) << "subject: touch_hand\nerror_name: e\nerror_unit: of the largest sum\n"
+                          "machine: a test\nsettings:\n"
+                          "  - {milliseconds: 3, error: 0.04, knobs: {step: 0.008}}\n"
+                          "  - {milliseconds: 9, error: 0.02, knobs: {step: 0.003}}\n";
+  start({"platform:=kr5_sdh", "home:=side", "motions:=1", "touch_front:=" + front,
+         "touch_tolerance:=0.03"});
+  EXPECT_TRUE(planning_->wait_for_output(
+      "steps of predicted touch chosen: step 0.003: 9 ms of processor", seconds(20)))
+      << planning_->output();
+}
+
 // What means nothing beside the other parameters was ignored.
 TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
   const auto refusal = [this](const std::vector<std::string>& parameters) {
@@ -221,6 +236,14 @@ TEST_F(GraspPlanningNode, WhatDoesNotApplyIsRefused) {
               HasSubstr("'predict_touch' does not apply with the hand 'bh8'"));
   EXPECT_THAT(refusal({"platform:=stage_pg70", "predict_touch:=true"}),
               HasSubstr("'predict_touch' does not apply with the hand 'pg70'"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "touch_tolerance:=0.5"}),
+              HasSubstr("'touch_tolerance' does not apply with the hand 'pg70'"));
+  EXPECT_THAT(refusal({unfeeling, "touch_budget:=1"}),
+              HasSubstr("'touch_budget' does not apply with the hand 'bh8': it has no tactile"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "predict_touch:=false", "touch_budget:=1"}),
+              HasSubstr("do not apply with predict_touch:=false"));
+  EXPECT_THAT(refusal({"platform:=kr5_sdh", "touch_tolerance:=1e-9"}),
+              HasSubstr("Allow as much as the most accurate one"));
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=8"}), HasSubstr("its force is planned"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "path_planner:=rrt_conect"}),
               AllOf(HasSubstr("ompl_bitrrt"), HasSubstr("the nearest is rrt_connect")));

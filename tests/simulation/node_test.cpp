@@ -261,20 +261,74 @@ TEST_F(RigidPads, OfferNoTouch) {
   EXPECT_EQ(frames, 0);
 }
 
-TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeTwo) {
+// Steps of 3 ms, three of which are nearest to the 10 ms between readings.
+class ChosenSteps : public SimulationNode {
+ protected:
+  void SetUp() override {
+    front_ = std::filesystem::temp_directory_path() /
+             ("prehend_front_" + std::to_string(getpid()) + ".yaml");
+    std::ofstream(front_) << "subject: touch\nerror_name: e\nerror_unit: of the largest sum\n"
+                             "machine: a test\nsettings:\n"
+                             "  - {milliseconds: 1, error: 0.2, knobs: {step: 0.008}}\n"
+                             "  - {milliseconds: 3, error: 0.02, knobs: {step: 0.003}}\n";
+    start({"--param", "front:=" + front_, "--param", "tolerance:=0.05"});
+  }
+  void TearDown() override {
+    SimulationNode::TearDown();
+    std::filesystem::remove(front_);
+  }
+  std::string front_;
+};
+
+TEST_F(ChosenSteps, AreThoseOfTheFrontsSettingAndPadsKeepTheirSize) {
+  std::vector<msgs::TactileFrame> frames;
+  const auto subscription = node_->subscribe<msgs::TactileFrame>(
+      "/tactile/left", QoS::queue(100), [&](const graph::Received<msgs::TactileFrame>& m) {
+        const std::lock_guard lock(mutex_);
+        frames.push_back(*m);
+      });
+  ASSERT_TRUE(wait_until([&] { return frames.size() > 3; }));
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 1; i < 4; ++i) {
+    const std::int64_t between = frames[i].header().stamp() - frames[i - 1].header().stamp();
+    EXPECT_GT(between, 0);
+    EXPECT_EQ(between % 9'000'000, 0) << between;
+  }
+  EXPECT_EQ(frames[0].rows(), 14u);
+  EXPECT_EQ(frames[0].columns(), 6u);
+}
+
+// The node's exit code and what it said.
+std::pair<int, std::string> start_of_simulation(const std::vector<std::string>& parameters) {
   const graph::Registry registry({.endpoint = "tcp://127.0.0.1:*"});
   const std::string output = std::filesystem::temp_directory_path() /
                              ("prehend_simulation_bad_" + std::to_string(getpid()) + ".log");
-  const pid_t pid = start_simulation(
-      {"--registry", registry.endpoint(), "--param", "scene:=config/robots/pg70_dsa.yaml"}, output);
-  EXPECT_EQ(exit_code(pid), 2);
-  FILE* file = fopen(output.c_str(), "r");
-  ASSERT_NE(file, nullptr);
-  char text[4096];
-  const std::size_t length = fread(text, 1, sizeof text, file);
-  fclose(file);
+  std::vector<std::string> arguments{"--registry", registry.endpoint()};
+  for (const std::string& parameter : parameters) {
+    arguments.insert(arguments.end(), {"--param", parameter});
+  }
+  const int code = exit_code(start_simulation(arguments, output));
+  std::ifstream file(output);
+  const std::string said((std::istreambuf_iterator<char>(file)), {});
   std::filesystem::remove(output);
-  const std::string message(text, length);
+  return {code, said};
+}
+
+TEST(SimulationNodeStart, AToleranceThatNoSettingKeepsIsRefused) {
+  const auto refused = [](const std::vector<std::string>& parameters, const std::string& part) {
+    const auto [code, said] = start_of_simulation(parameters);
+    EXPECT_EQ(code, 2) << said;
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  };
+  refused({"tolerance:=1e-9"}, "Allow as much as the most accurate one");
+  refused({"budget:=1e-6", "robot:=kr5_sdh"}, "No setting of 'touch_hand' takes at most");
+  refused({"budget:=1", "tolerance:=0.5"}, "budget and tolerance are both given");
+  refused({"front:=config/fidelity/touch.yaml"}, "given without budget or tolerance");
+}
+
+TEST(SimulationNodeStart, BadSceneIsOneClearErrorAndExitCodeTwo) {
+  const auto [code, message] = start_of_simulation({"scene:=config/robots/pg70_dsa.yaml"});
+  EXPECT_EQ(code, 2);
   EXPECT_NE(message.find("config/robots/pg70_dsa.yaml:3: unknown key 'name'"), std::string::npos)
       << message;
 }

@@ -74,6 +74,27 @@ TEST_F(Explain, PrintsJsonForPrograms) {
   }
 }
 
+// What a launch file's touch_tolerance and touch_budget choose can be seen before.
+TEST_F(Explain, SaysWhichStepsABudgetOrToleranceChooses) {
+  std::string output = run({"config/scenes/demo.yaml", "--tolerance", "0.5"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(output, AllOf(HasSubstr("steps chosen"), HasSubstr("ms of processor for a simulated"),
+                            HasSubstr("pads' images"), HasSubstr("fidelity/touch.yaml")));
+  output = run({"config/scenes/demo.yaml", "--platform", "kr5_sdh", "--budget", "1s", "--json"});
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_THAT(output, HasSubstr("fidelity/touch_hand.yaml"));
+  const auto refused = [&](std::vector<std::string> words, const std::string& part) {
+    words.insert(words.begin(), "config/scenes/demo.yaml");
+    EXPECT_THAT(run(words), HasSubstr(part));
+    EXPECT_EQ(exit_code_, 1);
+  };
+  refused({"--tolerance", "1e-9"}, "Allow as much as the most accurate one");
+  refused({"--budget", "1us"}, "Allow as much as the fastest one");
+  refused({"--budget", "1s", "--tolerance", "0.5"}, "budget and tolerance are both given");
+  refused({"--front", "config/fidelity/touch.yaml"}, "without --budget or --tolerance");
+  refused({"--tolerance", "0.5", "--front", "config/fidelity/shape.yaml"}, "is of 'shape'");
+}
+
 TEST_F(Explain, ABadSceneIsOneClearError) {
   const auto refused = [&](const std::string& file, const std::string& part) {
     const std::string output = run({file});

@@ -1,4 +1,5 @@
-// scene_explain SCENE [--platform NAME] [--json]: what `prehend explain` becomes; see there.
+// scene_explain SCENE [--platform NAME] [--budget TIME | --tolerance SHARE] [--front FILE]
+// [--json]: what `prehend explain` becomes; see there.
 
 #include <cstdio>
 #include <exception>
@@ -8,8 +9,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "prehend/fidelity/touch_choice.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/simulation/explain.h"
+#include "prehend/text/quantities.h"
 #include "prehend/text/tree_file.h"
 #include "tools/json.h"
 #include "tools/table.h"
@@ -61,14 +64,37 @@ void print_text(const std::string& scene, const Explanation& explanation) {
   for (const std::string& remark : explanation.remarks) std::printf("%s\n", remark.c_str());
 }
 
+// Lets a budget or tolerance choose how the scene is simulated, as the node does, and adds what was
+// chosen to the explanation.
+Explanation explain_chosen(simulation::Scene scene, const fidelity::TouchRequest& request) {
+  if (!request.is_asked()) {
+    if (!request.front.empty()) {
+      throw geometry::InputError("--front is given without --budget or --tolerance",
+                                 "Give one of them to choose by, or leave the front out");
+    }
+    return simulation::explain(scene);
+  }
+  const robot::Platform platform =
+      robot::read_platform(scene.robot.empty() ? text::tree_file("config/robots/stage_pg70.yaml")
+                                               : scene.robot.string());
+  const fidelity::ChosenTouch chosen = fidelity::choose_touch(request, platform, &scene);
+  Explanation explanation = simulation::explain(scene);
+  explanation.modelled.insert(explanation.modelled.begin(), {"steps chosen", chosen.text});
+  return explanation;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Says what of a scene the simulation models"};
-  std::string scene, platform;
+  std::string scene, platform, budget;
+  fidelity::TouchRequest touch;
   bool json = false;
   app.add_option("scene", scene)->required();
   app.add_option("--platform", platform);
+  app.add_option("--budget", budget);
+  app.add_option("--tolerance", touch.tolerance)->check(CLI::PositiveNumber);
+  app.add_option("--front", touch.front);
   app.add_flag("--json", json);
   CLI11_PARSE(app, argc, argv);
   try {
@@ -77,7 +103,8 @@ int main(int argc, char** argv) {
     if (!platform.empty() && platform != "stage_pg70") {
       robot = robot::platform_file(text::tree_file("config/robots"), platform);
     }
-    const Explanation explanation = simulation::explain(simulation::read_scene(scene, robot));
+    if (!budget.empty()) touch.budget = text::parse_seconds(budget);
+    const Explanation explanation = explain_chosen(simulation::read_scene(scene, robot), touch);
     if (json) {
       print_json(scene, explanation);
     } else {
