@@ -16,6 +16,7 @@
 #include "prehend/motion/segment.h"
 #include "prehend/robot/closing_way.h"
 #include "prehend/robot/grip.h"
+#include "prehend/touch/hand_touch.h"
 
 namespace prehend::control {
 
@@ -110,6 +111,7 @@ struct ArmPercepts {
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
   std::vector<PadPercept> pads = {};  // that have spoken; ages at `time`
+  std::vector<touch::PadFrame> frames = {};  // of the same pads
   double joints_age = 0;              // s, at `time`; 0: read in the same instant
   double wrist_age = 0;               // s
   std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one

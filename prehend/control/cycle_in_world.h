@@ -50,10 +50,11 @@ class CycleInWorld {
   CycleWorld& world_;
   CycleInWorldOptions options_;
   ArmCycle cycle_;
-  int steps_;                       // of the world in a period
-  long count_ = 0;                  // periods
-  std::vector<PadPercept> frames_;  // of the pads, the last
-  double frame_time_ = 0;           // s
+  int steps_;                     // of the world in a period
+  long count_ = 0;                // periods
+  std::vector<PadPercept> pads_;  // as in the last frames
+  std::vector<touch::PadFrame> frames_;
+  double frame_time_ = 0;  // s
 };
 
 }  // namespace prehend::control
