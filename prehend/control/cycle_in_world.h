@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "prehend/control/arm_cycle.h"
@@ -31,6 +32,9 @@ class CycleInWorld {
   /// @pre the world outlives it. @throws std::invalid_argument for options out of range.
   CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
                const CycleInWorldOptions& run = {});
+
+  /// As ArmCycle::judge_grips().
+  void judge_grips(GripJudge judge) { cycle_.judge_grips(std::move(judge)); }
 
   /// The world goes on by a period, the cycle makes a step.
   void step();
