@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "eval/case_choice.h"
@@ -17,6 +18,7 @@
 #include "eval/grasp/stability_report.h"
 #include "eval/grasp/stability_trials.h"
 #include "eval/text_files.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
 
 namespace {
@@ -24,18 +26,37 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
-constexpr int kGrasps = 1000, kQuickGrasps = 90;
+// A grasp of the PG70 takes a quarter of the time that one of fingers takes.
+const std::vector<int> kGrasps{640, 280, 100}, kQuickGrasps{60, 20, 10};
 
 struct Options {
   fs::path out = "out/grasp_stability";
   fs::path json, fit, meshes;
   std::vector<std::string> groups;
-  std::vector<std::string> platforms{"pa10_barrett", "kr5_sdh", "stage_pg70"};
+  std::vector<std::string> platforms{"stage_pg70", "kr5_sdh", "pa10_barrett"};
   fs::path robots = "config/robots";
-  int grasps = 0;
+  std::vector<int> grasps;
   std::uint64_t seed = 1;
   bool quick = false;
 };
+
+// That gives the same again.
+std::string command_of(const Options& options) {
+  std::string command = "build/bin/eval_grasp_stability";
+  if (options.quick) command += " --quick";
+  if (options.platforms != Options().platforms) {
+    command += fmt::format(" --platform {}", fmt::join(options.platforms, " "));
+  }
+  if (!options.groups.empty()) {
+    command += fmt::format(" --groups {}", fmt::join(options.groups, " "));
+  }
+  if (!options.meshes.empty()) command += " --meshes " + options.meshes.string();
+  if (!options.grasps.empty()) {
+    command += fmt::format(" --grasps {}", fmt::join(options.grasps, " "));
+  }
+  if (options.seed != 1) command += fmt::format(" --seed {}", options.seed);
+  return command;
+}
 
 int run(const Options& options) {
   std::vector<fs::path> platforms;
@@ -49,15 +70,19 @@ int run(const Options& options) {
     objects = std::move(some);
   }
   eval::StabilityTrialOptions trials;
-  trials.grasps = options.grasps > 0 ? options.grasps : (options.quick ? kQuickGrasps : kGrasps);
+  trials.grasps = options.grasps;
+  if (trials.grasps.empty()) trials.grasps = options.quick ? kQuickGrasps : kGrasps;
+  const bool one_for_all = options.grasps.empty() || options.grasps.size() == 1;
+  if (one_for_all) trials.grasps.resize(platforms.size(), trials.grasps.back());
+  if (trials.grasps.size() != platforms.size()) {
+    throw geometry::InputError(fmt::format("--grasps has {} numbers for {} platforms",
+                                           trials.grasps.size(), platforms.size()),
+                               "Write one for all, or one for each platform");
+  }
   trials.seed = options.seed;
   const auto all = eval::run_stability_trials(platforms, objects, trials, [](const auto& said) {
     std::fprintf(stderr, "%s\n", said.c_str());
   });
-  std::string command = "build/bin/eval_grasp_stability";
-  if (options.quick) command += " --quick";
-  if (options.grasps > 0) command += fmt::format(" --grasps {}", options.grasps);
-  if (options.seed != 1) command += fmt::format(" --seed {}", options.seed);
   const eval::StabilityFindings findings = eval::stability_findings(all);
   std::printf("%s", eval::stability_text(findings).c_str());
   if (!options.json.empty()) eval::write_text(options.json, eval::stability_json(findings));
@@ -65,7 +90,7 @@ int run(const Options& options) {
   std::printf("\n%s\n", (options.out / "index.html").c_str());
   if (!options.fit.empty()) {
     eval::fitted_stability(all).save(options.fit,
-                                     "Made by " + command +
+                                     "Made by " + command_of(options) +
                                          " --fit FILE; there measured on objects that were not "
                                          "learned:\n" +
                                          eval::stability_text(findings));
@@ -101,13 +126,15 @@ int main(int argc, char** argv) {
   app.add_option("--groups", options.groups, "of objects; default: household and scanned");
   app.add_option("--meshes", options.meshes, "folder of meshes to grasp in place of them")
       ->check(CLI::ExistingDirectory);
-  app.add_option(
-         "--grasps", options.grasps,
-         fmt::format("that close on something, of all platforms together (default {})", kGrasps))
-      ->check(CLI::Range(6, 1000000));
+  app.add_option("--grasps", options.grasps,
+                 fmt::format("that close on something, of each platform (default {}); one number: "
+                             "of each as many",
+                             fmt::join(kGrasps, " ")))
+      ->check(CLI::Range(1, 1000000));
   app.add_option("--seed", options.seed, "of how grasps are spoilt and of the pads' electronics")
       ->capture_default_str();
   app.add_flag("--quick", options.quick,
-               fmt::format("{} grasps of every third object, for a first look", kQuickGrasps));
+               fmt::format("{} grasps of every third object, for a first look",
+                           fmt::join(kQuickGrasps, " and ")));
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -12,6 +12,8 @@
 #include <ceres/gradient_problem.h>
 #include <ceres/gradient_problem_solver.h>
 
+#include "eval/case_result.h"
+
 namespace prehend::eval {
 namespace {
 

@@ -27,7 +27,7 @@ using motion::SegmentKind;
 
 constexpr int kPlans = 3;     // grasps with a motion, of each object
 constexpr int kTries = 3;     // trials for each grasp that is to close
-constexpr int kPatience = 5;  // trials, with objects that no pad meets
+constexpr int kPatience = 4;  // trials, with objects that no pad meets
 const std::string kHome = "grasp";
 constexpr double kLeastRaised = 0.02;  // m, of what was lifted
 
@@ -205,6 +205,7 @@ std::vector<control::ArmGrasp> planned_grasps(const planning::PlatformPlanner& p
   planning::PlatformPlanOptions options(platform.hand);
   options.grasps.threads = 1;
   options.motions = kPlans;
+  options.arm.pick.budget = 0;  // of wall time: plans would not be repeatable
   const planning::PlatformPlan plan = planner.plan(belief_of(truth.mesh_W, {}).object, {}, {}, {},
                                                    platform.home("home").arm, options);
   std::vector<control::ArmGrasp> grasps;
@@ -226,7 +227,6 @@ std::vector<StabilityTrial> run_stability_trials(
     truths.push_back({geometry::transformed(*set.mesh_B, X_WB), mass, {}});
   }
   std::vector<StabilityTrial> trials;
-  int left = options.grasps;
   for (std::size_t p = 0; p < platforms.size(); ++p) {
     const planning::PlatformPlanner planner(in_reach(robot::read_platform(platforms[p])));
     StabilityRun run(planner.platform());
@@ -236,11 +236,11 @@ std::vector<StabilityTrial> run_stability_trials(
       PlannedObject object{&objects[i], truths[i], planned_grasps(planner, truths[i])};
       if (!object.grasps.empty()) planned.push_back(std::move(object));
     }
-    int here = share_of(left, platforms.size() - p);
-    left -= here;
+    int here = options.grasps.at(p);
+    const int most = 2 * share_of(here, std::max<std::size_t>(1, planned.size()));
     for (std::size_t i = 0; i < planned.size(); ++i) {
       std::mt19937 random(static_cast<std::uint32_t>(options.seed * 1000003 + p * 1009 + i));
-      const int wanted = share_of(here, planned.size() - i);
+      const int wanted = std::min(most, share_of(here, planned.size() - i));
       int counted = 0;
       for (int tries = 0; counted < wanted && tries < kTries * wanted; ++tries) {
         if (counted == 0 && tries == kPatience) break;
@@ -256,7 +256,6 @@ std::vector<StabilityTrial> run_stability_trials(
       progress(fmt::format("{}: {} of {} objects, {} trials", planner.platform().name, i + 1,
                            planned.size(), trials.size()));
     }
-    left += here;
   }
   return trials;
 }

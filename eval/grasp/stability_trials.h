@@ -43,7 +43,7 @@ inline constexpr double kAsked = 0.01;      // m, as control::kAskedWhenRisen
 inline constexpr double kMostSlide = 0.01;  // m
 
 struct StabilityTrialOptions {
-  int grasps = 1000;  // that close and feel something, of all platforms together
+  std::vector<int> grasps;  // that close and feel something, of each platform
   std::uint64_t seed = 1;
   bool realistic = true;  // of each platform's grasps every second one is felt by realistic pads
 };
