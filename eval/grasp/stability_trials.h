@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/data_sets.h"
+#include "prehend/control/grip_judge.h"
 #include "prehend/touch/grasp_stability.h"
 
 // Grasps that a platform's cycle executes on objects that are not quite where and what they were
@@ -39,8 +40,8 @@ struct StabilityTrial {
   bool counts() const { return !closed.contacts.empty(); }
 };
 
-inline constexpr double kAsked = 0.01;      // m, as control::kAskedWhenRisen
-inline constexpr double kMostSlide = 0.01;  // m
+inline constexpr double kAsked = control::kAskedWhenRisen;  // m
+inline constexpr double kMostSlide = 0.01;                  // m
 
 struct StabilityTrialOptions {
   std::vector<int> grasps;  // that close and feel something, of each platform
