@@ -13,13 +13,6 @@
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
-namespace {
-
-// kg, of a household thing of that volume [m^3].
-double household_mass(double volume) { return std::clamp(400 * volume, 0.02, 0.6); }
-
-}  // namespace
-
 std::vector<PlannerSetting> compared_settings() {
   std::vector<PlannerSetting> settings;
   for (const PlannedOn on : {PlannedOn::kPredicted, PlannedOn::kTruth, PlannedOn::kDelaunay}) {

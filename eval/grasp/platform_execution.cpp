@@ -1,6 +1,7 @@
 #include "eval/grasp/platform_execution.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,7 +42,9 @@ PlatformExecution::PlatformExecution(const robot::Platform& platform, const std:
       truth_(truth),
       world_(world_under_test(platform, home, truth)),
       cycle_(world_->robot(), cycle_options(reacts)),
-      start_(world_->object()) {}
+      start_(world_->object()) {
+  if (auto judge = control::GripJudge::of(platform)) cycle_.judge_grips(std::move(*judge));
+}
 
 void PlatformExecution::run(
     const planning::PlatformPlan& plan,

@@ -28,7 +28,11 @@ struct TrueObject {
   double mass = 0;  // kg
   /// What it stands on, leans on, is hidden by. They do not move.
   std::vector<geometry::TriangleMesh> others_W;
+  double friction = 0.7;  // dynamic, as simulation::SceneObject's
 };
+
+/// Of a household thing of that volume [m^3], in kg.
+double household_mass(double volume);
 
 /// What grasps are planned on.
 struct Belief {

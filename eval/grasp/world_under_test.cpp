@@ -15,15 +15,17 @@ constexpr double kWristNoise = 0.1;  // N, of the FT 300
 
 const std::string kThing = "object";
 
-simulation::Scene noisy_scene() {
+simulation::Scene noisy_scene(const simulation::TactileOptions& tactile) {
   simulation::Scene scene;
+  scene.tactile = tactile;
   scene.wrench.emplace();
   scene.wrench->force_noise = kWristNoise;
   return scene;
 }
 
-simulation::Scene stage_scene(const robot::Platform& platform, const std::string& home) {
-  simulation::Scene scene = noisy_scene();
+simulation::Scene stage_scene(const robot::Platform& platform, const std::string& home,
+                              const simulation::TactileOptions& tactile) {
+  simulation::Scene scene = noisy_scene(tactile);
   scene.gripper = *platform.hand.gripper;
   scene.start_opening = scene.gripper.max_opening;
   scene.carrier = simulation::carrier_of(platform, home);
@@ -32,7 +34,7 @@ simulation::Scene stage_scene(const robot::Platform& platform, const std::string
 
 template <class World>
 void add_bodies(const TrueObject& truth, World* world) {
-  world->add_object(kThing, truth.mesh_W, truth.mass);
+  world->add_object(kThing, truth.mesh_W, truth.mass, false, truth.friction);
   for (const geometry::TriangleMesh& other_W : truth.others_W) {
     world->add_object("other " + std::to_string(world->body_count()), other_W, truth.mass, true);
   }
@@ -40,8 +42,9 @@ void add_bodies(const TrueObject& truth, World* world) {
 
 class ArmUnderTest : public WorldUnderTest {
  public:
-  ArmUnderTest(const robot::Platform& platform, const std::string& home, const TrueObject& truth)
-      : world_(platform, noisy_scene(), home), robot_(world_) {
+  ArmUnderTest(const robot::Platform& platform, const std::string& home, const TrueObject& truth,
+               const simulation::TactileOptions& tactile)
+      : world_(platform, noisy_scene(tactile), home), robot_(world_) {
     add_bodies(truth, &world_);
   }
   control::CycleWorld& robot() override { return robot_; }
@@ -58,8 +61,9 @@ class ArmUnderTest : public WorldUnderTest {
 
 class StageUnderTest : public WorldUnderTest {
  public:
-  StageUnderTest(const robot::Platform& platform, const std::string& home, const TrueObject& truth)
-      : world_(stage_scene(platform, home)), robot_(world_, platform, home) {
+  StageUnderTest(const robot::Platform& platform, const std::string& home, const TrueObject& truth,
+                 const simulation::TactileOptions& tactile)
+      : world_(stage_scene(platform, home, tactile)), robot_(world_, platform, home) {
     add_bodies(truth, &world_);
   }
   control::CycleWorld& robot() override { return robot_; }
@@ -77,11 +81,12 @@ class StageUnderTest : public WorldUnderTest {
 }  // namespace
 
 std::unique_ptr<WorldUnderTest> world_under_test(const robot::Platform& platform,
-                                                 const std::string& home, const TrueObject& truth) {
+                                                 const std::string& home, const TrueObject& truth,
+                                                 const simulation::TactileOptions& tactile) {
   if (platform.hand_port == robot::HandPort::kGripper) {
-    return std::make_unique<StageUnderTest>(platform, home, truth);
+    return std::make_unique<StageUnderTest>(platform, home, truth, tactile);
   }
-  return std::make_unique<ArmUnderTest>(platform, home, truth);
+  return std::make_unique<ArmUnderTest>(platform, home, truth, tactile);
 }
 
 }  // namespace prehend::eval

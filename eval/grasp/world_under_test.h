@@ -6,6 +6,7 @@
 #include "eval/grasp/trial_setup.h"
 #include "prehend/control/cycle_world.h"
 #include "prehend/robot/platform.h"
+#include "prehend/simulation/sensors/pad_electronics.h"
 
 namespace prehend::eval {
 
@@ -19,7 +20,7 @@ struct ObjectReading {
 
 /// A platform at one of its homes, the object of a trial, and what else is there, simulated as the
 /// node simulation does: by World and its stage where a gripper's drive moves the hand, else by
-/// RobotWorld. The wrist has the noise of an FT 300; pads are ideal.
+/// RobotWorld. The wrist has the noise of an FT 300.
 class WorldUnderTest {
  public:
   virtual ~WorldUnderTest() = default;
@@ -27,8 +28,10 @@ class WorldUnderTest {
   virtual ObjectReading object() const = 0;
 };
 
+/// @param tactile the pads' electronics, ideal by default.
 /// @throws as the world's constructor and its add_object().
 std::unique_ptr<WorldUnderTest> world_under_test(const robot::Platform& platform,
-                                                 const std::string& home, const TrueObject& truth);
+                                                 const std::string& home, const TrueObject& truth,
+                                                 const simulation::TactileOptions& tactile = {});
 
 }  // namespace prehend::eval

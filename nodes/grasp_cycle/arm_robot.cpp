@@ -9,6 +9,7 @@
 
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/pad_touch.h"
 #include "prehend/graph/knob_parameters.h"
 
 namespace prehend::nodes {
@@ -88,7 +89,8 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   refuse(names, "its hand is moved by its joints, not through /gripper");
   if (platform.hand.gripper) refuse({"grip_force"}, "its force is planned");
   if (platform.hand.pads.empty()) {
-    refuse({"grip_force", "touch_force", "touch_counts"}, "its hand has no tactile pads");
+    refuse({"grip_force", "touch_force", "touch_counts", "minimum_stability"},
+           "its hand has no tactile pads");
   }
 }
 
@@ -111,6 +113,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
     hand_ = std::make_unique<HandActions>(node);
   }
   cycle_.emplace(options.cycle, arm_, *hand_);
+  if (auto judge = control::GripJudge::of(platform)) cycle_->judge_grips(std::move(*judge));
   subscriptions_.push_back(node.subscribe<msgs::JointState>(
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
   subscriptions_.push_back(
@@ -120,7 +123,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
         wrist_stamp_ = message->header().stamp();
       }));
   for (const robot::HandPad& pad : platform.hand.pads) {
-    layouts_.emplace(pad.name, pad.layout);
+    hand_pads_.emplace(pad.name, pad);
     subscriptions_.push_back(node.subscribe<msgs::TactileFrame>(
         "/tactile/" + pad.name, QoS::latest(),
         [this, name = pad.name](const auto& message) { pads_[name] = message.shared(); }));
@@ -159,6 +162,29 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
   return destination(*target.grasps.front());
 }
 
+std::shared_ptr<const touch::FeltPad> ArmRobot::felt_pad(const std::string& name,
+                                                         const msgs::TactileFrame& frame) const {
+  const auto said = gripper_.model();
+  std::string wanted =
+      fmt::format("{} {} {} {} {} {} {} {}", frame.rows(), frame.columns(), frame.intensity_size(),
+                  frame.texel_width(), frame.texel_height(), frame.full_scale(),
+                  frame.newton_per_count(), said ? said->name : "");
+  Felt& felt = felt_[name];
+  if (felt.made_for == wanted) return felt.pad;
+  felt = {std::move(wanted), nullptr};
+  robot::HandPad sent = hand_pads_.at(name);
+  if (said) sent.model = said->pad;
+  try {
+    // The frames of a stage's gripper have the gripper's x from left to right on both its pads.
+    felt.pad = std::make_shared<const touch::FeltPad>(
+        convert::felt_pad(frame, sent, has_gripper() && name == "right"));
+  } catch (const std::invalid_argument& error) {
+    node_.report(graph::Health::kWarning,
+                 fmt::format("nothing is foretold by pad {}: {}", name, error.what()));
+  }
+  return felt.pad;
+}
+
 control::ArmPercepts ArmRobot::percepts() const {
   control::ArmPercepts percepts;
   percepts.time = graph::seconds(node_.clock().now());
@@ -170,7 +196,7 @@ control::ArmPercepts ArmRobot::percepts() const {
   percepts.wrist_force = wrist_force_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
-    const contact::PadLayout& layout = *layouts_.at(name);
+    const contact::PadLayout& layout = *hand_pads_.at(name).layout;
     const auto& counts = frame->intensity();
     // A real pad may be another one than the robot's file says.
     const bool same = static_cast<std::size_t>(counts.size()) == layout.size();
@@ -179,6 +205,9 @@ control::ArmPercepts ArmRobot::percepts() const {
                                                    frame->texel_width() * frame->texel_height());
     percepts.pads.push_back(
         {frame->sum(), area, percepts.time - graph::seconds(frame->header().stamp()), name});
+    if (auto felt = felt_pad(name, *frame)) {
+      percepts.frames.push_back({name, std::move(felt), convert::counts_of(*frame)});
+    }
   }
   if (gripper_state_) {
     percepts.gripper = {gripper_state_->opening(), gripper_state_->blocked(),

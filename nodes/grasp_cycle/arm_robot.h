@@ -69,6 +69,9 @@ class ArmRobot {
  private:
   bool has_gripper() const { return pad_gripper_ != nullptr; }
   control::ArmPercepts percepts() const;
+  /// The pad that sent `frame`; null when it can be none of the hand's.
+  std::shared_ptr<const touch::FeltPad> felt_pad(const std::string& name,
+                                                 const msgs::TactileFrame& frame) const;
 
   graph::Node& node_;
   const GripperSource& gripper_;
@@ -83,8 +86,14 @@ class ArmRobot {
   std::optional<Eigen::Vector3d> wrist_force_;  // N
   std::int64_t wrist_stamp_ = 0;                // ns
   int touch_counts_;
-  std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;     // that have spoken
-  std::map<std::string, std::shared_ptr<const contact::PadLayout>> layouts_;  // of all pads
+  std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;  // that have spoken
+  std::map<std::string, robot::HandPad> hand_pads_;                        // all, by name
+  /// As their frames are, and what of the frames they were made for.
+  struct Felt {
+    std::string made_for;
+    std::shared_ptr<const touch::FeltPad> pad;
+  };
+  mutable std::map<std::string, Felt> felt_;
   std::vector<control::ArmGrasp> prepared_;
 };
 

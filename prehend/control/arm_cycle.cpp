@@ -50,7 +50,7 @@ ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
 bool ArmCycle::moves_hand() const {
   return step_ == Step::kOpen || step_ == Step::kGather || step_ == Step::kFeel ||
          step_ == Step::kLoosen || step_ == Step::kClose || step_ == Step::kPress ||
-         step_ == Step::kRelease || step_ == Step::kLoosenHold;
+         step_ == Step::kHarder || step_ == Step::kRelease || step_ == Step::kLoosenHold;
 }
 
 bool ArmCycle::waits() const {
@@ -69,6 +69,8 @@ void ArmCycle::enter(Step step, const std::string& detail) {
 }
 
 void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
+  text::Require{"ArmCycleOptions."}(options_.minimum_stability == 0 || judge_.has_value(),
+                                    "minimum_stability needs a judge of grips");
   grasps_ = std::move(grasps);
   detail_ = "waiting for percepts";
   start_task(poses_of(grasps_), problem);
@@ -124,6 +126,8 @@ void ArmCycle::prepare_attempt() {
   opened_less_ = false;
   adapted_ = 0;
   shifted_.clear();
+  stability_.reset();
+  pressed_harder_ = false;
   holding_.begin();
 }
 
@@ -262,8 +266,8 @@ void ArmCycle::press() {
 
 void ArmCycle::after_pressing() {
   if (hand_.feels_its_grip()) {
-    compare_touch();
-    return ended(Outcome::kDone);
+    if (!pressed_harder_) compare_touch();
+    return judge_grip();
   }
   if (spent() < robot::kPressTime) return;
   const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
@@ -309,7 +313,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (const std::string fault = hand_.fault(); !fault.empty()) return abort(fault);
   if (waits_for_plan()) return step_look();
   if (stop_when_lost()) return;
-  if (watch_held()) return;
+  if (watch_held() || judge_lift()) return;
   MotionStatus status = motion_status();
   if (step_ == Step::kApproach && status == MotionStatus::kMoving && hand_.touches()) {
     arm_.stop();
@@ -390,15 +394,17 @@ void ArmCycle::advance(MotionStatus status) {
       return after_closing(status);
     case Step::kPress:
       return after_pressing();
+    case Step::kHarder:
+      return enter(Step::kSettle, "pressing");
     case Step::kSettle:
       if (spent() < options_.settle_time) return;
-      compare_touch();
+      if (!pressed_harder_) compare_touch();
       if (const auto now = closure()) {
         const double sent = grasp().hand.closure(grasp().hand.at(options_.overrun));
         holding_.grip(now, sent - *now);
         gripped_ = *now;
       }
-      return ended(Outcome::kDone);
+      return judge_grip();
     case Step::kLift:
       holding_.begin_weighing();
       return enter(Step::kCheck, "weighing what is held");

@@ -9,6 +9,7 @@
 
 #include "prehend/control/balance.h"
 #include "prehend/control/cycle.h"
+#include "prehend/control/grip_judge.h"
 #include "prehend/control/holding.h"
 #include "prehend/control/input_watch.h"
 #include "prehend/control/joint_trajectory.h"
@@ -16,6 +17,7 @@
 #include "prehend/motion/segment.h"
 #include "prehend/robot/closing_way.h"
 #include "prehend/robot/grip.h"
+#include "prehend/touch/grasp_stability.h"
 
 namespace prehend::control {
 
@@ -87,6 +89,9 @@ class HandPort {
   virtual bool touches() const { return false; }    // something, while the arm approaches
   /// After a closing that ended in contact: to the force of the grasp; motion() is of it then.
   virtual void press() {}
+  /// After press(): to so many times the force, and no more than it can; motion() is of it then.
+  /// False: it does not.
+  virtual bool press_harder(double /*factor*/) { return false; }
   virtual double opening() const { return 0; }  // m, now
   /// Why what was gripped is not held any more, in words; empty: it is. @param rests on something
   virtual std::string lost(bool /*rests*/) const { return {}; }
@@ -109,9 +114,10 @@ struct ArmPercepts {
   std::vector<double> positions;  // rad, of arm and hand
   /// N, of contact on the hand, with what it holds, in a frame that moves with the hand.
   std::optional<Eigen::Vector3d> wrist_force;
-  std::vector<PadPercept> pads = {};  // that have spoken; ages at `time`
-  double joints_age = 0;              // s, at `time`; 0: read in the same instant
-  double wrist_age = 0;               // s
+  std::vector<PadPercept> pads = {};         // that have spoken; ages at `time`
+  std::vector<touch::PadFrame> frames = {};  // of the same pads
+  double joints_age = 0;                     // s, at `time`; 0: read in the same instant
+  double wrist_age = 0;                      // s
   std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one
 };
 
@@ -130,6 +136,7 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   double shift_tolerance = 0.006;  // m
   int adaptations = 2;
   double small_opening = 0.25;  // rad
+  double minimum_stability = 0;
   HoldingOptions holding;
 
   /// See text/knob.h.
@@ -160,6 +167,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
         Knob{"small_opening", self.small_opening, "rad", 0.01, 3.2,
              "that fingers open from where they gripped, when the hand has opened all the way and "
              "takes along what it has put down: it is put back, and left so"});
+    visit(
+        Knob{"minimum_stability", self.minimum_stability, "", 0, 1,
+             "probability that the lift holds, by what the pads feel when the hand has closed and "
+             "again when it has risen by 10 mm, below which it presses harder where that helps, "
+             "else lets go and looks again; 0: it is said and changes nothing"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -175,6 +187,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 ///
 /// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
 /// the pads that touch feel it; what pads do not say is not compared.
+///
+/// Where pads feel and a judge was given (judge_grips()), what they feel tells how likely the lift
+/// will hold: said in the result, and below `minimum_stability` the hand presses harder where the
+/// judge thinks that this helps and it can, else the attempt fails before it lifts, or, when it has
+/// risen by kAskedWhenRisen, before it rises further.
 ///
 /// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
 /// beside its prediction, tell by where they were stopped how far it is beside
@@ -201,7 +218,11 @@ class ArmCycle : public Cycle {
   /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
   ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand);
 
+  /// From now on it says how likely lifts hold. @pre not started
+  void judge_grips(GripJudge judge) { judge_ = std::move(judge); }
+
   /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
+  /// @throws std::invalid_argument for a minimum_stability without a judge of grips.
   void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
@@ -222,6 +243,7 @@ class ArmCycle : public Cycle {
     kShift,
     kClose,
     kPress,
+    kHarder,
     kSettle,
     kLift,
     kCheck,
@@ -271,6 +293,12 @@ class ArmCycle : public Cycle {
   void after_pressing();
   double wanted_force() const;  // N, per pad; 0: none
   void compare_touch();
+  /// It has gripped: asks the judge; presses harder, fails, or ends the grasp.
+  void judge_grip();
+  bool press_harder();
+  /// Fails when the judge says while lifting that it will not hold; true then.
+  bool judge_lift();
+  std::string foretold() const;  // in words, for the result; empty: nothing
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
@@ -309,6 +337,9 @@ class ArmCycle : public Cycle {
   ArmPort& arm_;
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
+  std::optional<GripJudge> judge_;
+  std::optional<double> stability_;  // that the lift holds, as judged last
+  bool pressed_harder_ = false;      // in this attempt
   Step step_ = Step::kWait;
   double wait_time_ = 0;                    // s
   double share_ = 1;                        // of the greatest effort, that the motors press with

@@ -140,7 +140,8 @@ void ArmCycle::check() {
     add_surprise(SurpriseKind::kLiftedWeight, grasp().lifted_mass * geometry::kGravity,
                  *holding_.weight(), "carries what it weighs");
   }
-  achieved(fmt::format("{}: lifted and held ({})", described(grasp(), grasp_index()), held.why));
+  achieved(fmt::format("{}: lifted and held ({}{})", described(grasp(), grasp_index()), held.why,
+                       foretold()));
   ended(Outcome::kDone);
 }
 
@@ -173,9 +174,9 @@ void ArmCycle::verify() {
     return ended(Outcome::kFailed,
                  name + ": what was to be put down did not leave the hand: " + empty.why);
   }
-  achieved(fmt::format("{}: lifted{}, held all the way, put down{}; {}", name,
+  achieved(fmt::format("{}: lifted{}, held all the way{}, put down{}; {}", name,
                        holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
-                       is_at_place() ? "" : " where it stood", empty.why));
+                       foretold(), is_at_place() ? "" : " where it stood", empty.why));
   ended(Outcome::kDone);
 }
 

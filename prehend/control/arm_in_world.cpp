@@ -1,6 +1,5 @@
 #include "prehend/control/arm_in_world.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "prehend/simulation/hand_request.h"
@@ -41,7 +40,11 @@ std::vector<double> WorldHand::positions() {
 
 void WorldHand::stop() { world_.stop_hand(); }
 
-ArmInWorld::ArmInWorld(simulation::RobotWorld& world) : world_(world), arm_(*this), hand_(world) {}
+ArmInWorld::ArmInWorld(simulation::RobotWorld& world) : world_(world), arm_(*this), hand_(world) {
+  for (const robot::HandPad& pad : world.hand_model().pads) {
+    felt_.emplace(pad.name, touch::felt_pad_of(pad));
+  }
+}
 
 void ArmInWorld::follow(const simulation::TrajectoryRequest& request, double contact_force) {
   try {
@@ -62,11 +65,10 @@ ArmPercepts ArmInWorld::percepts(int touch_counts) {
   }
   percepts.wrist_force = world_.wrist_wrench().force;
   for (const simulation::HandPadReading& pad : world_.pads()) {
-    const auto& pads = world_.hand_model().pads;
-    const auto model = std::find_if(pads.begin(), pads.end(),
-                                    [&](const auto& one) { return one.name == pad.name; });
+    const auto& felt = felt_.at(pad.name);
     percepts.pads.push_back(
-        {pad.sum, robot::touched_area(pad.counts, touch_counts, *model->layout), 0, pad.name});
+        {pad.sum, robot::touched_area(pad.counts, touch_counts, felt->layout), 0, pad.name});
+    percepts.frames.push_back({pad.name, felt, {pad.counts.begin(), pad.counts.end()}});
   }
   return percepts;
 }

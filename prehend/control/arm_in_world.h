@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,7 @@ class ArmInWorld : public CycleWorld, private DrivenArm {
   simulation::RobotWorld& world_;
   WorldArm arm_;
   WorldHand hand_;
+  std::map<std::string, std::shared_ptr<const touch::FeltPad>> felt_;  // pads, by name
 };
 
 }  // namespace prehend::control

@@ -21,10 +21,12 @@ CycleInWorld::CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
 ArmPercepts CycleInWorld::feel() {
   ArmPercepts percepts = world_.percepts(options_.touch_counts);
   if (count_++ % 2 == 0) {
-    frames_ = percepts.pads;
+    pads_ = percepts.pads;
+    frames_ = percepts.frames;
     frame_time_ = percepts.time;
   }
-  percepts.pads = frames_;
+  percepts.pads = pads_;
+  percepts.frames = frames_;
   for (PadPercept& pad : percepts.pads) pad.age = percepts.time - frame_time_;
   return percepts;
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "prehend/control/arm_cycle.h"
@@ -32,6 +33,9 @@ class CycleInWorld {
   CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
                const CycleInWorldOptions& run = {});
 
+  /// As ArmCycle::judge_grips().
+  void judge_grips(GripJudge judge) { cycle_.judge_grips(std::move(judge)); }
+
   /// The world goes on by a period, the cycle makes a step.
   void step();
 
@@ -50,10 +54,11 @@ class CycleInWorld {
   CycleWorld& world_;
   CycleInWorldOptions options_;
   ArmCycle cycle_;
-  int steps_;                       // of the world in a period
-  long count_ = 0;                  // periods
-  std::vector<PadPercept> frames_;  // of the pads, the last
-  double frame_time_ = 0;           // s
+  int steps_;                     // of the world in a period
+  long count_ = 0;                // periods
+  std::vector<PadPercept> pads_;  // as in the last frames
+  std::vector<touch::PadFrame> frames_;
+  double frame_time_ = 0;  // s
 };
 
 }  // namespace prehend::control

@@ -85,6 +85,16 @@ void PadGripper::press() {
   status_ = MotionStatus::kMoving;
 }
 
+bool PadGripper::press_harder(double factor) {
+  const double most =
+      options_.force.largest_current * gripper_.force_per_current - gripper_.friction_force;
+  const double force = std::min(factor * force_, most);
+  if (!(force > force_)) return false;
+  force_ = force;
+  press();
+  return true;
+}
+
 void PadGripper::step(const ArmPercepts& percepts) {
   now_ = percepts.time;
   percept_ = percepts.gripper;

@@ -97,6 +97,7 @@ class PadGripper : public HandPort {
   bool feels_its_grip() const override { return true; }
   void prepare(const ArmGrasp& grasp) override;
   void press() override;
+  bool press_harder(double factor) override;
   void step(const ArmPercepts& percepts) override;
   std::vector<InputAge> inputs() const override;
   std::string fault() const override;

@@ -45,7 +45,9 @@ StageInWorld::StageInWorld(simulation::World& world, const robot::Platform& plat
       stage_(platform, home),
       arm_(*this),
       drive_(world),
-      hand_(world.scene().gripper, gripper, drive_) {}
+      hand_(world.scene().gripper, gripper, drive_),
+      left_(std::make_shared<touch::FeltPad>(touch::felt_pad(world.scene().gripper.pad))),
+      right_(std::make_shared<touch::FeltPad>(touch::felt_pad(world.scene().gripper.pad, true))) {}
 
 void StageInWorld::advance(int steps) {
   for (std::int64_t left = steps; left > 0;) left -= stage_.advance(world_, left);
@@ -61,13 +63,6 @@ void StageInWorld::follow(const simulation::TrajectoryRequest& request, double c
   }
 }
 
-PadPercept StageInWorld::pad(simulation::PadSide side, int touch_counts) const {
-  const simulation::TactileImage image = world_.tactile_image(side);
-  const double pitch = world_.scene().gripper.pad.texel_pitch;
-  return {image.sum, robot::touched_area(image.counts, touch_counts, pitch * pitch), 0,
-          side == simulation::PadSide::kLeft ? "left" : "right"};
-}
-
 ArmPercepts StageInWorld::percepts(int touch_counts) {
   ArmPercepts percepts;
   percepts.time = world_.time();
@@ -77,8 +72,15 @@ ArmPercepts StageInWorld::percepts(int touch_counts) {
     percepts.names.push_back(joint.name);
   }
   percepts.wrist_force = world_.wrist_wrench().force;
-  percepts.pads = {pad(simulation::PadSide::kLeft, touch_counts),
-                   pad(simulation::PadSide::kRight, touch_counts)};
+  for (const auto side : {simulation::PadSide::kLeft, simulation::PadSide::kRight}) {
+    const bool left = side == simulation::PadSide::kLeft;
+    const auto& felt = left ? left_ : right_;
+    const simulation::TactileImage image = world_.tactile_image(side);
+    const std::string name = left ? "left" : "right";
+    percepts.pads.push_back(
+        {image.sum, robot::touched_area(image.counts, touch_counts, felt->layout), 0, name});
+    percepts.frames.push_back({name, felt, {image.counts.begin(), image.counts.end()}});
+  }
   const simulation::GripperReading gripper = world_.gripper();
   percepts.gripper = {gripper.opening, gripper.blocked, 0, 0};
   return percepts;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -51,13 +52,13 @@ class StageInWorld : public CycleWorld, private DrivenArm {
   const simulation::ArmDrive& drive() const override { return stage_.drive(); }
   bool at_rest() const override { return !world_.carrier().moving; }
   bool stopped_by_contact() const override { return stage_.stopped_by_contact(); }
-  PadPercept pad(simulation::PadSide side, int touch_counts) const;
 
   simulation::World& world_;
   simulation::StageArm stage_;
   WorldArm arm_;
   WorldGripper drive_;
   PadGripper hand_;
+  std::shared_ptr<const touch::FeltPad> left_, right_;
 };
 
 }  // namespace prehend::control
