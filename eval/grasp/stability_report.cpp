@@ -77,7 +77,11 @@ StabilityFindings stability_findings(const std::vector<StabilityTrial>& trials) 
     for (const bool each : {false, true}) {
       const std::vector<double> said = crossed_probabilities(known, kFolds, each);
       const auto score = [&](const std::string& hand, const std::string& pads) {
-        StabilityScore result{to_string(moment), hand, pads, each ? "each" : "one"};
+        StabilityScore result;
+        result.moment = to_string(moment);
+        result.hand = hand;
+        result.pads = pads;
+        result.model = each ? "each" : "one";
         std::vector<Answer> answers;
         std::vector<std::string> objects;
         for (std::size_t k = 0; k < known.size(); ++k) {
