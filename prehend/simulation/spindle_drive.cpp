@@ -152,18 +152,12 @@ void SpindleDrive::lead(double h, double position, double velocity, double limit
     speed_reference_ = velocity;
     begins_ = false;
   }
-  // Anti-windup: a slide that lags by more than the limit's deflection is blocked, and the
-  // reference is as fast as it is, however long the step: when the block gives way, or the limit,
-  // it speeds up from there.
+  // Anti-windup: a slide that lags by more than the limit's deflection is blocked. The reference
+  // leads by no more, nor at the step's end: so it is as fast as what is blocked, however long the
+  // steps, and speeds up from there when the block gives way, or the limit.
   const double most_lead = 1.2 * limit / model_.servo_stiffness;
-  const double ahead = reference_ - position;
-  const double way = mode_ == ControlMode::kPosition ? target_ - reference_ : target_;
-  if (std::abs(ahead) >= most_lead * (1 - 1e-12) && ahead * way > 0) {
-    reference_ = position + std::copysign(most_lead, ahead);
-    speed_reference_ = velocity;
-    return;
-  }
   reference_ = std::clamp(reference_, position - most_lead, position + most_lead);
+  const double ahead = reference_ - position;
   const double speed = most_speed_ > 0 ? std::min(most_speed_, model_.max_speed) : model_.max_speed;
   if (mode_ == ControlMode::kPosition) {
     speed_reference_ = next_trapezoid_speed(target_ - reference_, speed_reference_, speed, a, h);
@@ -171,6 +165,8 @@ void SpindleDrive::lead(double h, double position, double velocity, double limit
     const double wanted = std::clamp(target_, -speed, speed);
     speed_reference_ += std::clamp(wanted - speed_reference_, -a * h, a * h);
   }
+  speed_reference_ = std::clamp(speed_reference_, velocity - std::max(0.0, most_lead + ahead) / h,
+                                velocity + std::max(0.0, most_lead - ahead) / h);
 }
 
 contact::SlideCommand SpindleDrive::drive(double h, double position, double velocity) {
