@@ -161,13 +161,13 @@ void read_all(const simulation::World& world) {
 
 struct WorldCycle {
   double spent = 0;                        // s, of the processor
-  std::vector<Eigen::Vector3d> places;     // m, of the box at the phases' ends
+  std::vector<Eigen::Vector3d> places;     // m, of the box at the phases' ends, while it is held
   std::vector<Eigen::Vector4d> in_slices;  // m, of the box in the gripper, and the opening
 };
 
 // simulation::World closes, presses, lifts, holds 5 s, puts down, opens and goes: 18 s, in slices
-// of `slice` [s] after which all is read; 0: in one piece from command to command. What is in the
-// gripper is noted until it opens: round-off then decides which pad lets go first.
+// of `slice` [s] after which all is read; 0: in one piece from command to command. The box is noted
+// until the gripper opens: round-off then decides which pad lets go first.
 WorldCycle world_cycle(const simulation::Scene& scene, double slice) {
   simulation::World world(scene);
   WorldCycle cycle;
@@ -188,7 +188,7 @@ WorldCycle world_cycle(const simulation::Scene& scene, double slice) {
       if (holds) note();
     }
     cycle.spent += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    cycle.places.emplace_back(world.body("box").X_WB.translation());
+    if (holds) cycle.places.emplace_back(world.body("box").X_WB.translation());
   };
   world.set_gripper_command(simulation::GripperMode::kVelocity, -0.01, 0.4);
   advance(1.5);
