@@ -61,7 +61,7 @@ struct Grasp {
 };
 
 struct GraspPlan : PlanAnswer {
-  std::vector<Grasp> grasps;          // best first
+  std::vector<Grasp> grasps;  // best first; after all others what is too wide by the prediction
   std::vector<Rejection> rejections;  // where the other candidates fell, by reason and generator
   int candidates = 0;  // = grasps + all rejections (those ranked below the last are one reason)
 };

@@ -33,6 +33,7 @@ struct Listed {
   std::size_t order = 0;  // of the candidate
   Grasp& grasp() { return closed.grasp; }
   const Grasp& grasp() const { return closed.grasp; }
+  bool is_too_wide() const { return closed.too_wide.has_value(); }
 };
 
 /// A shape that the object has, or may have, and the hand that closes on it.
@@ -42,7 +43,10 @@ struct OnShape {
   std::unique_ptr<Closing> closing;
 };
 
+// What is too wide by the prediction comes after all that fits: before it is tried its score may be
+// the best of all, but nothing of it is robust.
 bool better(const Listed& a, const Listed& b) {
+  if (a.is_too_wide() != b.is_too_wide()) return b.is_too_wide();
   const double of_a = a.grasp().score, of_b = b.grasp().score;
   return of_a != of_b ? of_a > of_b : a.order < b.order;
 }
@@ -238,8 +242,8 @@ std::vector<Listed> Planner::best_of(std::vector<Listed> listed) {
   std::vector<Listed> best;
   std::vector<double> kept;  // scores of the best so far, best first
   const auto is_enough = [&](const Listed& next) {
-    return kept.size() >= largest &&
-           (!closing_->bounds_score() || kept[largest - 1] >= next.grasp().score);
+    return kept.size() >= largest && (!closing_->bounds_score() || next.is_too_wide() ||
+                                      kept[largest - 1] >= next.grasp().score);
   };
   const auto is_same = [&](const Listed& a, const Listed& b) {
     return closing_->same(a.grasp(), b.grasp());

@@ -1,6 +1,8 @@
 // What is not certain of an object: where it is, what of it was seen, how wide and heavy it is.
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -71,6 +73,31 @@ TEST(PlanGrasps, ALittleTooWideIsListedWithARemarkAndNotRobust) {
   options.pads.width_tolerance = 0;
   EXPECT_TRUE(plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options)
                   .grasps.empty());
+}
+
+// Regression: a bottle that was predicted wider than the jaws open had no grasp at its neck, as the
+// list was full of what was too wide, with better scores before it was tried.
+TEST(PlanGrasps, WhatFitsIsListedBeforeWhatIsALittleTooWide) {
+  geometry::TriangleMesh bottle =
+      object_at(geometry::make_box({0.12, 0.068, 0.1}), {0, 0, 0.05}).mesh_W;
+  const auto neck = object_at(geometry::make_box({0.03, 0.03, 0.07}), {0, 0, 0.13}).mesh_W;
+  const int body = static_cast<int>(bottle.vertices.size());
+  bottle.vertices.insert(bottle.vertices.end(), neck.vertices.begin(), neck.vertices.end());
+  for (const Eigen::Vector3i& t : neck.triangles) bottle.triangles.push_back(t.array() + body);
+  const auto object = object_at(bottle, {0.4, 0, 0});
+  PlannerOptions options;
+  const auto is_too_wide = [](const Grasp& grasp) {
+    return grasp.remark.find("wide by the prediction") != std::string::npos;
+  };
+  const auto all = plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
+  ASSERT_FALSE(all.grasps.empty()) << all.problem;
+  EXPECT_TRUE(std::is_partitioned(all.grasps.begin(), all.grasps.end(), std::not_fn(is_too_wide)));
+  const auto fits = std::count_if(all.grasps.begin(), all.grasps.end(), std::not_fn(is_too_wide));
+  ASSERT_GT(fits, 2);
+  options.largest_count = 3;
+  const auto few = plan_grasps(object, geometry::Plane{}, {}, kPlannerGripper, carrier(), options);
+  ASSERT_EQ(few.grasps.size(), 3u);
+  EXPECT_TRUE(std::none_of(few.grasps.begin(), few.grasps.end(), is_too_wide));
 }
 
 TEST(PlanGrasps, ALittleTooWideIsRefusedWhereBothSidesWereSeen) {
