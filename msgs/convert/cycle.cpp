@@ -104,6 +104,11 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   // A parallel gripper that is turned by half is the same: its preshape tells nothing.
   const bool parallel = grasp.pregrasp_opening() > 0;
   result.pose = {from_message(grasp.x_wg()), parallel ? "" : grasp.preshape()};
+  result.approach_length = grasp.pregrasp_distance();
+  if (!std::isfinite(result.approach_length) || result.approach_length < 0) {
+    throw geometry::InputError("A grasp whose pregrasp distance is no length",
+                               "Look for the fault in the node that published it");
+  }
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(from_message(segment.kind()), from_message(segment.trajectory()));
   }

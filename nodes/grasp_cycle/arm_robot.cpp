@@ -35,7 +35,8 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
        .default_value = options.reacts,
        .description =
            "stop the approach where the hand touches, and put the fingers round what they feel; a "
-           "gripper that regulates its grip lets go there and looks again; false: open loop",
+           "gripper that regulates its grip closes there where its pads are beside the object by "
+           "then, else it lets go and looks again; false: open loop",
        .read_only = true});
   const graph::DeclareKnobs declare{node};
   control::ArmCycleOptions::knobs(options, declare);
@@ -70,7 +71,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   const std::vector<std::string> adapting{"adaptations", "shift_tolerance"};
   if (platform.hand.gripper) refuse(adapting, "its jaws meet in the middle");
   if (platform.hand.pads.empty()) refuse(adapting, "where its motors stop is not predicted");
-  if (!node.parameter<bool>("reacts")) refuse(adapting, "with reacts:=false nothing is felt");
+  if (!node.parameter<bool>("reacts")) {
+    refuse(adapting, "with reacts:=false nothing is felt");
+    refuse({"largest_shortfall"}, "with reacts:=false jaws that touch something let go");
+  }
   std::vector<std::string> names;
   if (has_gripper) {
     robot::GripOptions fingers;
@@ -86,6 +90,7 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   }
   control::PadGripperOptions gripper;
   control::PadGripperOptions::knobs(gripper, text::ListKnobs{kOfGripper, &names});
+  names.push_back("largest_shortfall");
   refuse(names, "its hand is moved by its joints, not through /gripper");
   if (platform.hand.gripper) refuse({"grip_force"}, "its force is planned");
   if (platform.hand.pads.empty()) {

@@ -297,10 +297,10 @@ MotionStatus ArmCycle::motion_status() {
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
-  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve ||
-                       step_ == Step::kPutBack || step_ == Step::kShift || step_ == Step::kLower ||
-                       (step_ == Step::kRaise && lowered_.has_value()) ||
-                       (kind && segment(*kind) != nullptr);
+  const bool planned =
+      step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
+      step_ == Step::kShift || step_ == Step::kBackOff || step_ == Step::kLower ||
+      (step_ == Step::kRaise && lowered_.has_value()) || (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
 
@@ -381,6 +381,8 @@ void ArmCycle::advance(MotionStatus status) {
     }
     case Step::kApproach:
       return after_approach(status);
+    case Step::kBackOff:
+      return ended(Outcome::kDone);
     case Step::kFeel:
       if (!adapt(true)) ended(Outcome::kDone);
       return;

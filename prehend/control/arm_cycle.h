@@ -26,6 +26,7 @@ struct ArmGrasp {
   GraspPose pose;
   /// In the order in which they are run; some may lack.
   std::vector<std::pair<motion::SegmentKind, JointTrajectory>> segments;
+  double approach_length = 0;  // m, of the straight way of the segment kApproach; 0: not known
   std::vector<std::string> hand_joints;
   robot::ClosingWay hand;  // of hand_joints
   double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
@@ -122,18 +123,21 @@ struct ArmPercepts {
 };
 
 struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
-  /// The arm stops where the hand touches while it approaches (UJI's platform), and fingers that
-  /// close on something beside its prediction put the hand in its middle and close again, where the
-  /// plan has ArmGrasp::shifts; otherwise the plan is executed without looking (KTH's: open loop).
+  /// The arm stops where the hand touches while it approaches (UJI's platform), jaws whose pads are
+  /// beside the object by then go back a little and close there (`largest_shortfall`), and fingers
+  /// that close on something beside its prediction put the hand in its middle and close again,
+  /// where the plan has ArmGrasp::shifts; otherwise the plan is executed without looking (KTH's:
+  /// open loop).
   bool reacts = false;
   double contact_force = 5;     // N
   double collision_force = 60;  // N
   double opening_speed = 0.6;
-  double rest_time = 0.2;          // s
-  double check_time = 0.4;         // s
-  double motion_timeout = 60;      // s
-  double largest_detour = 0.5;     // rad
-  double shift_tolerance = 0.006;  // m
+  double rest_time = 0.2;            // s
+  double check_time = 0.4;           // s
+  double motion_timeout = 60;        // s
+  double largest_detour = 0.5;       // rad
+  double largest_shortfall = 0.012;  // m
+  double shift_tolerance = 0.006;    // m
   int adaptations = 2;
   double small_opening = 0.25;  // rad
   double minimum_stability = 0;
@@ -157,6 +161,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"motion_timeout", self.motion_timeout, "s", 1, 3600, "of each motion"});
     visit(Knob{"largest_detour", self.largest_detour, "rad", 0.001, 3.2,
                "that a path may begin away from where the arm stands"});
+    visit(
+        Knob{"largest_shortfall", self.largest_shortfall, "m", 0, 0.1,
+             "with reacts, of a gripper that regulates its grip: jaws that touch something on the "
+             "approach no farther than this before its end go back a little and close there; 0: "
+             "they let go"});
     visit(Knob{"shift_tolerance", self.shift_tolerance, "m", 0.0005, 0.1,
                "with reacts: a thing that the fingers feel this much beside its prediction is not "
                "in the hand's middle"});
@@ -182,8 +191,10 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// lowers, what is held is watched (Holding): by its weight where nothing else bears it, which is
 /// all but the end of lowering, and by the fingers all the time.
 ///
-/// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight,
-/// and lets go where it touches something on the approach.
+/// A hand that feels its grip (HandPort) decides by its pads and its opening instead of the weight.
+/// Where it touches something on the approach it lets go; with `reacts` and near the approach's end
+/// (`largest_shortfall`), where its pads are beside the object already, it goes back from what is
+/// under its jaws and closes there.
 ///
 /// Of others, where the plan says a force and pads speak, the motors press harder until the mean of
 /// the pads that touch feel it; what pads do not say is not compared.
@@ -237,6 +248,7 @@ class ArmCycle : public Cycle {
     kReach,
     kRest,
     kApproach,
+    kBackOff,
     kGather,
     kFeel,
     kLoosen,
@@ -313,6 +325,9 @@ class ArmCycle : public Cycle {
   bool watch_held();
   void check();
   void verify();
+  /// Goes back a little from what the jaws touch near the end of the approach; false: it is too far
+  /// from there.
+  bool back_off();
   /// Feels where the thing is on which the approach has ended early; false: it does not adapt.
   bool feel();
   /// Lets go to shift the hand, as the fingers were stopped beside the prediction; false: it stays.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "prehend/control/arm_cycle.h"
 
 namespace prehend::control {
@@ -12,6 +14,7 @@ constexpr double kLeastWay = 0.01;     // of a path, that is gone back
 constexpr double kRelief = 0.25;       // of the way down's time: some 2 cm of 15
 constexpr double kSmallRelief = 0.17;  // the same: some 5 mm
 constexpr int kMostReliefs = 6;        // of fingers that open
+constexpr double kBackOff = 0.003;     // m, from what the jaws touch: they are to slide past it
 
 }  // namespace
 
@@ -25,6 +28,21 @@ void ArmCycle::clear_view() {
   if (above.off > kOnPath) return look_now();
   clears_ = true;
   go_back();
+}
+
+bool ArmCycle::back_off() {
+  const JointTrajectory* approach = segment(motion::SegmentKind::kApproach);
+  const double length = grasp().approach_length;
+  if (!options_.reacts || approach == nullptr || !(length > 0)) return false;
+  const double gone = nearest_on(*approach, percepts_.names, percepts_.positions).share;
+  const double came = way_gone(*approach, gone) * length;
+  if (!(came > 0) || length - came > options_.largest_shortfall) return false;
+  const JointTrajectory back = reversed(part_of(*approach, gone));
+  enter(Step::kBackOff,
+        fmt::format("going back from what it touches, {:.0f} mm before the end of the approach",
+                    1e3 * (length - came)));
+  follow(part_of(back, std::max(time_of_way(back, kBackOff / came), kLeastWay)), 0, false);
+  return true;
 }
 
 bool ArmCycle::presses() const {

@@ -48,10 +48,13 @@ void ArmCycle::after_approach(MotionStatus status) {
     return ended(touches ? Outcome::kDone : Outcome::kNothing, touches ? "" : "nothing was met");
   }
   if (touches && hand_.feels_its_grip()) {
-    // What stands in a jaw's way is not between the jaws.
-    add_surprise(
-        {SurpriseKind::kTouchedTooEarly, 0, felt_contact(0), 0, true, "lets go and looks again"});
-    return fail("touched something on the approach");
+    // What stands in a jaw's way is not between the jaws, but the object may be by now.
+    const double felt = felt_contact(0);
+    const bool closes = back_off();
+    add_surprise({SurpriseKind::kTouchedTooEarly, 0, felt, 0, true,
+                  closes ? "goes back a little and closes there" : "lets go and looks again"});
+    if (!closes) fail("touched something on the approach");
+    return;
   }
   if (touches) {
     const bool adapts = feel();

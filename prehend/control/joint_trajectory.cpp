@@ -80,6 +80,41 @@ std::vector<double> offsets(const JointTrajectory& path, const std::vector<std::
   return offsets;
 }
 
+// Rising from 0 to 1 over the points; all 1 of what does not rise.
+std::vector<double> shares(std::vector<double> rising) {
+  const double most = rising.empty() ? 0 : rising.back();
+  for (double& value : rising) value = most > 0 ? value / most : 1;
+  return rising;
+}
+
+std::vector<double> times_of(const JointTrajectory& path) {
+  std::vector<double> times;
+  for (const JointTrajectory::Point& point : path.points) times.push_back(point.time);
+  return shares(std::move(times));
+}
+
+std::vector<double> ways_of(const JointTrajectory& path) {
+  std::vector<double> ways;
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    double square = 0;
+    for (std::size_t k = 0; i > 0 && k < path.joints.size(); ++k) {
+      const double step = path.points[i].position.at(k) - path.points[i - 1].position.at(k);
+      square += step * step;
+    }
+    ways.push_back((i > 0 ? ways.back() : 0) + std::sqrt(square));
+  }
+  return shares(std::move(ways));
+}
+
+// Of what rises with `x`, where that is `at`.
+double interpolated(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  const auto after = std::lower_bound(x.begin(), x.end(), at);
+  if (after == x.end()) return 1;
+  const auto i = static_cast<std::size_t>(after - x.begin());
+  if (i == 0) return y.front();
+  return y[i - 1] + (y[i] - y[i - 1]) * (at - x[i - 1]) / (x[i] - x[i - 1]);
+}
+
 }  // namespace
 
 JointTrajectory reversed(const JointTrajectory& path) {
@@ -146,6 +181,14 @@ PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::strin
   take(path.points.front(), path.points.front());
   for (std::size_t i = 1; i < path.points.size(); ++i) take(path.points[i - 1], path.points[i]);
   return nearest;
+}
+
+double way_gone(const JointTrajectory& path, double share_of_time) {
+  return interpolated(times_of(path), ways_of(path), share_of_time);
+}
+
+double time_of_way(const JointTrajectory& path, double share_of_way) {
+  return interpolated(ways_of(path), times_of(path), share_of_way);
 }
 
 JointTrajectory joined(JointTrajectory path, const std::vector<std::string>& names,

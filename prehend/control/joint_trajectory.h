@@ -34,6 +34,13 @@ struct PlaceOnPath {
 PlaceOnPath nearest_on(const JointTrajectory& path, const std::vector<std::string>& names,
                        const std::vector<double>& positions);
 
+/// The share of its way, joint space's lengths between its points, that the path has gone by a
+/// share of its time, and the share of its time by which it has gone a share of its way; all 0
+/// to 1. Of a short straight way of the tool it is that way's share, too. A path without a way has
+/// gone it at once.
+double way_gone(const JointTrajectory& path, double share_of_time);
+double time_of_way(const JointTrajectory& path, double share_of_way);
+
 /// `path` from where the arm stands: what its first point is off by fades out (smoothly, 6s^5 -
 /// 15s^4 + 10s^3) along the way, which takes longer where it would ask a joint for more speed or
 /// acceleration than planned (and more than 0.5 rad/s, 2.5 rad/s^2). For an arm that contact

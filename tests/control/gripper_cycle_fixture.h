@@ -231,6 +231,7 @@ inline ArmGrasp grasp_at(double x, const Eigen::Vector3d& move = {0, 0.15, 0}) {
   const Eigen::Vector3d at(x, 0, 0.04), up(0, 0, 0.15), back(0, 0, 0.08);
   add(SegmentKind::kReach, at + back, 0.25);
   add(SegmentKind::kApproach, at, 0.08);
+  grasp.approach_length = 0.08;
   add(SegmentKind::kLift, at + up, 0.1);
   add(SegmentKind::kCarry, at + up + move, 0.25);
   add(SegmentKind::kPlace, at + move, 0.08);

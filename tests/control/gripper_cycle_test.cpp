@@ -121,6 +121,46 @@ TEST_F(GripperCycleTest, EarlyTouchBacksOff) {
   EXPECT_GT(world.height(), 0.12);
 }
 
+// Once it let go wherever a jaw touched something, though its pads were beside the object already.
+TEST_F(GripperCycleTest, EarlyTouchNearTheEndGoesBackALittleAndCloses) {
+  world.obstacle_height = 0.045;  // 5 mm before the end
+  double lowest = 1, gripped = 0;
+  run(1, [&] {
+    lowest = std::min(lowest, world.height());
+    if (cycle.phase() == Phase::kGrasp) gripped = world.height();
+  });
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().attempts, 1);
+  ASSERT_NE(surprise(SurpriseKind::kTouchedTooEarly), nullptr);
+  EXPECT_EQ(surprise(SurpriseKind::kTouchedTooEarly)->reaction,
+            "goes back a little and closes there");
+  EXPECT_NEAR(gripped, 0.048, 0.002);
+  EXPECT_GT(gripped, world.obstacle_height);
+}
+
+TEST_F(GripperCycleTest, EarlyTouchNearTheEndLetsGoWhereThatIsAsked) {
+  for (const bool reacts : {true, false}) {
+    FakeWorld other;
+    FakeDrive jaws(other);
+    FakeStage stage(other);
+    PadGripper gripper(robot::GripperModel{}, {}, jaws);
+    ArmCycleOptions options = reacting();
+    options.reacts = reacts;
+    if (reacts) options.largest_shortfall = 0;
+    ArmCycle letting_go(options, stage, gripper);
+    other.obstacle_height = 0.045;
+    letting_go.start({grasp_at(0)});
+    for (int i = 0; i < 20000 && !letting_go.finished(); ++i) {
+      letting_go.step(other.percepts());
+      other.advance();
+    }
+    EXPECT_FALSE(letting_go.result().success());
+    EXPECT_NE(letting_go.result().reason.find("touched something on the approach"),
+              std::string::npos)
+        << letting_go.result().reason;
+  }
+}
+
 // Once it went on to where it was to go before it came back, or refused to.
 TEST_F(GripperCycleTest, GoesBackAsFarAsItCame) {
   world.obstacle_height = 0.35;

@@ -45,6 +45,28 @@ TEST(NearestOnPath, IsOnItsLinesOrBesideThem) {
   EXPECT_THROW(nearest_on({}, {"a"}, {1}), std::invalid_argument);
 }
 
+TEST(WayOfPath, IsItsLengthsShare) {
+  const JointTrajectory corner{{"a", "b"},
+                               {{0, {0, 0}, {}, {}}, {2, {1, 0}, {}, {}}, {4, {1, 3}, {}, {}}}};
+  EXPECT_NEAR(way_gone(corner, 0.25), 0.125, 1e-12);
+  EXPECT_NEAR(way_gone(corner, 0.75), 0.625, 1e-12);
+  EXPECT_NEAR(time_of_way(corner, 0.125), 0.25, 1e-12);
+  EXPECT_NEAR(time_of_way(corner, 0.625), 0.75, 1e-12);
+  for (const double end : {0.0, 1.0}) {
+    EXPECT_EQ(way_gone(corner, end), end);
+    EXPECT_EQ(time_of_way(corner, end), end);
+  }
+  const JointTrajectory smooth = quick_path();
+  for (int i = 1; i < 20; ++i) {
+    const double s = i / 20.0, way = s * s * s * (10 + s * (6 * s - 15));
+    EXPECT_NEAR(way_gone(smooth, s), way, 1e-12);
+    EXPECT_NEAR(time_of_way(smooth, way), s, 1e-12);
+  }
+  const JointTrajectory still{{"a"}, {{0, {1}, {}, {}}, {2, {1}, {}, {}}}};
+  EXPECT_EQ(way_gone(still, 0.5), 1);
+  EXPECT_EQ(time_of_way(still, 0.5), 0);
+}
+
 TEST(JoinedPath, FromWhereThePlanBeginsIsThePlan) {
   const JointTrajectory path = quick_path(), same = joined(path, {"b", "a"}, {1, 0}, 0.5);
   for (std::size_t i = 0; i < path.points.size(); ++i) {

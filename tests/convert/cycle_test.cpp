@@ -34,8 +34,10 @@ TEST(ArmGrasps, TakesRatesAndLimitsOfThePlan) {
   for (int i = 0; i < 2; ++i) grasp.add_least_position(-1);
   for (int i = 0; i < 2; ++i) grasp.add_largest_position(1);
   grasp.set_robustness(0.9);
+  grasp.set_pregrasp_distance(0.08);
   ASSERT_TRUE(has_arm_motion(grasp));
   const control::ArmGrasp made = arm_grasp_from_message(grasp);
+  EXPECT_EQ(made.approach_length, 0.08);
   EXPECT_TRUE(made.hand.at(0.2).isApprox(Eigen::Vector2d(0.9, 0.3)));
   EXPECT_TRUE(made.hand.at(2).isApprox(Eigen::Vector2d(1, 0.3)));
   EXPECT_EQ(control::described(made, 3),
@@ -120,6 +122,11 @@ TEST(ArmGrasps, RefusesWhatDoesNotBelongTogether) {
   grasp = arm_grasp();
   grasp.set_closed_position(0, std::nan(""));
   EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
+  for (const double length : {-0.08, std::nan("")}) {
+    grasp = arm_grasp();
+    grasp.set_pregrasp_distance(length);
+    EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError);
+  }
   grasp = arm_grasp();
   grasp.mutable_predicted()->add_stop_position(0.9);
   EXPECT_THROW(arm_grasp_from_message(grasp), geometry::InputError) << "of one joint of two";

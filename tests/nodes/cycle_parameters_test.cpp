@@ -56,6 +56,10 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
               HasSubstr("where its motors stop is not predicted"));
   EXPECT_THAT(refusal({"platform:=kr5_sdh", "reacts:=false", "adaptations:=1"}),
               HasSubstr("with reacts:=false"));
+  EXPECT_THAT(refusal({"platform:=stage_pg70", "reacts:=false", "largest_shortfall:=0.01"}),
+              HasSubstr("'largest_shortfall' does not apply with platform stage_pg70"));
+  EXPECT_THAT(refusal({"platform:=kr5_pg70", "reacts:=true", "largest_shortfall:=0.01"}),
+              HasSubstr("'largest_shortfall' does not apply with platform kr5_pg70"));
 }
 
 TEST_F(CycleParameters, AreRefusedOutOfTheirRange) {
