@@ -179,17 +179,23 @@ bool CycleNode::waits_for_robot() {
 Target CycleNode::target_in(const View& view, int object) const {
   return choose_target(
       view, object, [this](const msgs::Grasp& g) { return robot_->lacks(g); },
-      [this](const msgs::GraspPlan& plan) { return is_settled(plan); });
+      [this](const msgs::GraspPlan& plan) { return is_settled(plan); },
+      [this](const msgs::GraspPlan& plan) { return is_among(failed_W_, plan); });
+}
+
+bool CycleNode::is_among(const std::vector<Eigen::Vector3d>& centroids_W,
+                         const msgs::GraspPlan& plan) {
+  const Eigen::Vector3d p_W = convert::from_message(plan.centroid());
+  return std::any_of(
+      centroids_W.begin(), centroids_W.end(),
+      [&p_W](const Eigen::Vector3d& other_W) { return (p_W - other_W).norm() < kSameObject; });
 }
 
 // With a task of all objects: it is at its place, or was given up.
 bool CycleNode::is_settled(const msgs::GraspPlan& plan) const {
   if (!task_.all_objects) return false;
-  const Eigen::Vector3d p_W = convert::from_message(plan.centroid());
-  return task_.is_placed(p_W.head<2>()) ||
-         std::any_of(given_up_W_.begin(), given_up_W_.end(), [&p_W](const Eigen::Vector3d& other) {
-           return (p_W - other).norm() < kSameObject;
-         });
+  return task_.is_placed(convert::from_message(plan.centroid()).head<2>()) ||
+         is_among(given_up_W_, plan);
 }
 
 void CycleNode::start(const View& view) {
@@ -226,6 +232,7 @@ void CycleNode::begin() {
   surprises_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
+  failed_W_.clear();
   robot_->start();
   running_ = true;
 }
@@ -250,6 +257,12 @@ void CycleNode::look_again(double since) {
     // of predicted objects keeps them.
     int object = any || object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
     if (predicted_.wanted() && !any) object = static_cast<int>(target_);
+    // Of any object another one is tried first. A task of all comes to these after it.
+    if (object < 0 && !any && !task_.all_objects) {
+      const int failed = nearest_object(*view, centroid_W_);
+      failed_W_.push_back(
+          convert::from_message(view->plans.at(static_cast<std::uint32_t>(failed))->centroid()));
+    }
     const Target target = target_in(*view, object);
     if (target.grasps.empty()) {
       return robot_->take_nothing(grasp::in_words(target));

@@ -33,6 +33,8 @@ class CycleNode {
   bool waits_for_robot();
   Target target_in(const View& view, int object) const;
   bool is_settled(const msgs::GraspPlan& plan) const;
+  static bool is_among(const std::vector<Eigen::Vector3d>& centroids_W,
+                       const msgs::GraspPlan& plan);
   void start(const View& view);
   void begin();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
@@ -63,8 +65,9 @@ class CycleNode {
   std::uint32_t target_ = 0;
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   std::vector<Eigen::Vector3d> given_up_W_;               // m, where objects were given up
-  bool armed_ = true;                                     // waits for plans to start on
-  bool preparing_ = false;  // objects are being put into the simulation
+  std::vector<Eigen::Vector3d> failed_W_;  // m, where objects lie on which an attempt has failed
+  bool armed_ = true;                      // waits for plans to start on
+  bool preparing_ = false;                 // objects are being put into the simulation
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;

@@ -36,16 +36,17 @@ std::vector<const msgs::Grasp*> executable_grasps(const msgs::GraspPlan& plan, c
 }
 
 // The best grasp's score, less for a prediction that is not sure or contradicts what was seen. What
-// was only partly in view comes after everything else, by a negative value.
-double promise(const View& view, const msgs::GraspPlan& plan) {
+// was only partly in view, and what comes last, come after everything else, by a negative value.
+double promise(const View& view, const msgs::GraspPlan& plan, const OfObject& comes_last) {
+  const double last = comes_last && comes_last(plan) ? 1 : 0;
   const double score = plan.grasps(0).score();
   const auto found = view.models.find(plan.id());
-  if (found == view.models.end()) return score;
+  if (found == view.models.end()) return score - last;
   const auto& model = *found->second;
   const double sure = std::clamp(model.confidence(), kLeastConfidence, 1.0);
   const double weighted = score * sure / (1 + std::max(0.0, model.vote()));
   const bool in_part = model.touches_image_border() || model.occluded_share() > kMostOccluded;
-  return in_part ? weighted - 1 : weighted;
+  return (in_part ? weighted - 1 : weighted) - last;
 }
 
 // "object 0: too wide; object 1: too heavy": the answer for all. Where an object could not be
@@ -102,8 +103,8 @@ const View* ViewCollector::newest_ready(std::chrono::steady_clock::time_point no
   return nullptr;
 }
 
-Target choose_target(const View& whole, int object, const Lacks& lacks,
-                     const LeavesOut& leaves_out) {
+Target choose_target(const View& whole, int object, const Lacks& lacks, const OfObject& leaves_out,
+                     const OfObject& comes_last) {
   Target target;
   View left = whole;
   if (object < 0 && leaves_out) {
@@ -130,7 +131,9 @@ Target choose_target(const View& whole, int object, const Lacks& lacks,
   } else {
     for (const auto& [id, plan] : view.plans) {
       if (!can_be_grasped(*plan)) continue;
-      if (!best || promise(view, *plan) > promise(view, *best)) best = plan.get();
+      if (!best || promise(view, *plan, comes_last) > promise(view, *best, comes_last)) {
+        best = plan.get();
+      }
     }
   }
   if (best && can_be_grasped(*best)) {

@@ -59,16 +59,16 @@ struct Target : grasp::PlanAnswer {
 /// What a grasp lacks to be executed, in words; empty: nothing.
 using Lacks = std::function<std::string(const msgs::Grasp&)>;
 
-/// Whether an object is to be left alone.
-using LeavesOut = std::function<bool(const msgs::GraspPlan&)>;
+/// Whether an object is to be left alone, or to be taken after all others.
+using OfObject = std::function<bool(const msgs::GraspPlan&)>;
 
 /// The object whose best grasp promises most, score / (1 + vote), or the one with id `object` when
 /// that is >= 0; of its grasps those before the first that lacks something. Objects cut by the
-/// image's border are taken last. When it has no grasp, the problem tells why; of several objects,
-/// each one's. Objects that `leaves_out` says are not taken unless asked for. The target refers to
-/// the view's plans.
+/// image's border and those that `comes_last` says are taken last. When it has no grasp, the
+/// problem tells why; of several objects, each one's. Objects that `leaves_out` says are not taken
+/// unless asked for. The target refers to the view's plans.
 Target choose_target(const View& view, int object, const Lacks& lacks,
-                     const LeavesOut& leaves_out = nullptr);
+                     const OfObject& leaves_out = nullptr, const OfObject& comes_last = nullptr);
 
 /// The id of the planned object whose centroid is nearest to `p_W` [m]: ids are of one view. -1
 /// without plans.

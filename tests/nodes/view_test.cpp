@@ -106,6 +106,18 @@ TEST(ChooseTarget, WeighsTheScoreByHowWellTheShapeExplainsTheView) {
   EXPECT_EQ(choose_target(view, -1, kAnything).id, 0u);  // 1 was only partly in view
 }
 
+// Once a ball that the jaws could not get round was tried three times, beside a can.
+TEST(ChooseTarget, TakesLastWhatComesLast) {
+  View view;
+  view.plans = {{0, plan(0, 0.5)}, {1, plan(1, 0.02)}};
+  view.models = {{0, model(0, 0.1)}, {1, model(1, 0.1)}};
+  const auto first = [](const msgs::GraspPlan& one) { return one.id() == 0; };
+  EXPECT_EQ(choose_target(view, -1, kAnything, nullptr, first).id, 1u);
+  EXPECT_EQ(choose_target(view, 0, kAnything, nullptr, first).id, 0u);  // asked for by name
+  view.plans.erase(1);
+  EXPECT_EQ(choose_target(view, -1, kAnything, nullptr, first).id, 0u);
+}
+
 TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   View view;
   view.plans = {{0, plan(0, 0)}, {3, plan(3, 0)}};
