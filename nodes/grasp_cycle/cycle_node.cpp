@@ -53,8 +53,9 @@ CycleNode::CycleNode(graph::Node& node)
       object_(node.declare_parameter<int>({.name = "object",
                                            .default_value = -1,
                                            .minimum = -1,
-                                           .description = "id of the object to grasp, -1: the one "
-                                                          "with the best grasp",
+                                           .description =
+                                               "id of the object to grasp, -1: the one with the "
+                                               "best grasp, and another one after a failed attempt",
                                            .read_only = true})),
       exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
       ungraspable_is_ok_(
