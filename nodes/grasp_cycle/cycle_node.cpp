@@ -50,13 +50,14 @@ control::SharedCycleOptions declare_shared_options(graph::Node& node) {
 
 CycleNode::CycleNode(graph::Node& node)
     : node_(node),
-      object_(node.declare_parameter<int>({.name = "object",
-                                           .default_value = -1,
-                                           .minimum = -1,
-                                           .description =
-                                               "id of the object to grasp, -1: the one with the "
-                                               "best grasp, and another one after a failed attempt",
-                                           .read_only = true})),
+      object_(node.declare_parameter<int>(
+          {.name = "object",
+           .default_value = -1,
+           .minimum = -1,
+           .description =
+               "id of the object to grasp, -1: the one with the best grasp, and another one "
+               "after an attempt that failed as the hand met it too early",
+           .read_only = true})),
       exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
       ungraspable_is_ok_(
           declare_flag(node, "ungraspable_is_ok", "exit code 0 when nothing can be grasped")),
@@ -230,12 +231,22 @@ void CycleNode::start(const View& view) {
 }
 
 void CycleNode::begin() {
-  surprises_sent_ = 0;
+  surprises_sent_ = surprises_before_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
   robot_->start();
   running_ = true;
+}
+
+bool CycleNode::met_unpredicted() {
+  const auto& all = robot_->cycle().surprises();
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(surprises_before_);
+  surprises_before_ = all.size();
+  // On the way down to a place it is the weight that is predicted.
+  return std::any_of(first, all.end(), [](const control::Surprise& one) {
+    return one.kind == control::SurpriseKind::kTouchedTooEarly && one.predicted == 0;
+  });
 }
 
 void CycleNode::look_again(double since) {
@@ -258,8 +269,9 @@ void CycleNode::look_again(double since) {
     // of predicted objects keeps them.
     int object = any || object_ < 0 ? -1 : nearest_object(*view, centroid_W_);
     if (predicted_.wanted() && !any) object = static_cast<int>(target_);
-    // Of any object another one is tried first. A task of all comes to these after it.
-    if (object < 0 && !any && !task_.all_objects) {
+    // Of any object another one is tried first than what is not as it was predicted, and would
+    // be predicted like that again. A task of all comes to these after it.
+    if (met_unpredicted() && object < 0 && !any && !task_.all_objects) {
       const int failed = nearest_object(*view, centroid_W_);
       failed_W_.push_back(
           convert::from_message(view->plans.at(static_cast<std::uint32_t>(failed))->centroid()));

@@ -37,6 +37,8 @@ class CycleNode {
                        const msgs::GraspPlan& plan);
   void start(const View& view);
   void begin();
+  /// The hand has touched something on an approach since this was asked last.
+  bool met_unpredicted();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();
@@ -65,12 +67,13 @@ class CycleNode {
   std::uint32_t target_ = 0;
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   std::vector<Eigen::Vector3d> given_up_W_;               // m, where objects were given up
-  std::vector<Eigen::Vector3d> failed_W_;  // m, where objects lie on which an attempt has failed
+  std::vector<Eigen::Vector3d> failed_W_;  // m, where objects lie that were met too early
   bool armed_ = true;                      // waits for plans to start on
   bool preparing_ = false;                 // objects are being put into the simulation
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
+  std::size_t surprises_before_ = 0;  // the present attempt
   std::optional<std::chrono::steady_clock::time_point> robot_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
   int exit_code_ = 0;
