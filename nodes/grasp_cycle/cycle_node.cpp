@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -239,16 +240,6 @@ void CycleNode::begin() {
   running_ = true;
 }
 
-bool CycleNode::met_unpredicted() {
-  const auto& all = robot_->cycle().surprises();
-  const auto first = all.begin() + static_cast<std::ptrdiff_t>(surprises_before_);
-  surprises_before_ = all.size();
-  // On the way down to a place it is the weight that is predicted.
-  return std::any_of(first, all.end(), [](const control::Surprise& one) {
-    return one.kind == control::SurpriseKind::kTouchedTooEarly && one.predicted == 0;
-  });
-}
-
 void CycleNode::look_again(double since) {
   if (predicted_.wanted()) {
     if (const std::string problem = predicted_.look(since); !problem.empty()) {
@@ -271,7 +262,10 @@ void CycleNode::look_again(double since) {
     if (predicted_.wanted() && !any) object = static_cast<int>(target_);
     // Of any object another one is tried first than what is not as it was predicted, and would
     // be predicted like that again. A task of all comes to these after it.
-    if (met_unpredicted() && object < 0 && !any && !task_.all_objects) {
+    const std::span surprises(robot_->cycle().surprises());
+    const bool met = met_too_early(surprises.subspan(surprises_before_));
+    surprises_before_ = surprises.size();
+    if (met && object < 0 && !any && !task_.all_objects) {
       const int failed = nearest_object(*view, centroid_W_);
       failed_W_.push_back(
           convert::from_message(view->plans.at(static_cast<std::uint32_t>(failed))->centroid()));

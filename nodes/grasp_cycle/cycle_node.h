@@ -37,8 +37,6 @@ class CycleNode {
                        const msgs::GraspPlan& plan);
   void start(const View& view);
   void begin();
-  /// The hand has touched something on an approach since this was asked last.
-  bool met_unpredicted();
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();

@@ -148,6 +148,14 @@ Target choose_target(const View& whole, int object, const Lacks& lacks, const Of
   return target;
 }
 
+bool met_too_early(std::span<const control::Surprise> of_attempt) {
+  // On the way down to a place it is the weight that is predicted.
+  return std::any_of(of_attempt.begin(), of_attempt.end(), [](const control::Surprise& one) {
+    return one.kind == control::SurpriseKind::kTouchedTooEarly && one.surprising &&
+           one.predicted == 0;
+  });
+}
+
 int nearest_object(const View& view, const Eigen::Vector3d& p_W) {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
+#include "prehend/control/surprise.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/grasp/plan_outcome.h"
 
@@ -69,6 +71,10 @@ using OfObject = std::function<bool(const msgs::GraspPlan&)>;
 /// unless asked for. The target refers to the view's plans.
 Target choose_target(const View& view, int object, const Lacks& lacks,
                      const OfObject& leaves_out = nullptr, const OfObject& comes_last = nullptr);
+
+/// Whether the hand has met something on an approach where nothing was predicted, by the surprises
+/// of an attempt: an object that is of another shape would be predicted like that again.
+bool met_too_early(std::span<const control::Surprise> of_attempt);
 
 /// The id of the planned object whose centroid is nearest to `p_W` [m]: ids are of one view. -1
 /// without plans.

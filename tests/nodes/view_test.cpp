@@ -118,6 +118,17 @@ TEST(ChooseTarget, TakesLastWhatComesLast) {
   EXPECT_EQ(choose_target(view, -1, kAnything, nullptr, first).id, 0u);
 }
 
+TEST(MetTooEarly, IsOnAnApproachNotWhereItIsPutDown) {
+  using control::SurpriseKind;
+  using Surprises = std::vector<control::Surprise>;
+  const control::Surprise approach{SurpriseKind::kTouchedTooEarly, 0, 20, 0, true, ""};
+  const control::Surprise place{SurpriseKind::kTouchedTooEarly, 2, 20, 0, true, ""};
+  const control::Surprise slipped{SurpriseKind::kHeldAfterLift, 1, 0, 0, true, ""};
+  EXPECT_FALSE(met_too_early({}));
+  EXPECT_FALSE(met_too_early(Surprises{place, slipped}));
+  EXPECT_TRUE(met_too_early(Surprises{approach, slipped}));
+}
+
 TEST(ChooseTarget, SaysWhyNothingCanBeGrasped) {
   View view;
   view.plans = {{0, plan(0, 0)}, {3, plan(3, 0)}};
