@@ -176,6 +176,19 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   return result;
 }
 
+std::vector<Eigen::Vector3d> vertex_normals(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3d> normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices[t.x()];
+    const Eigen::Vector3d twice = (mesh.vertices[t.y()] - a).cross(mesh.vertices[t.z()] - a);
+    for (const int i : t) normals[i] += twice;
+  }
+  for (Eigen::Vector3d& normal : normals) {
+    if (normal.norm() > 0) normal.normalize();
+  }
+  return normals;
+}
+
 double surface_area(const TriangleMesh& mesh) {
   double area = 0;
   for (const auto& t : mesh.triangles) {

@@ -49,6 +49,9 @@ MeshDefects find_defects(const TriangleMesh& mesh);
 /// out. @pre mesh is closed for the result to mean anything.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
+/// One per vertex: the mean of its triangles' normals by their areas, unit; 0 without an area.
+std::vector<Eigen::Vector3d> vertex_normals(const TriangleMesh& mesh);
+
 /// Sum of the triangles' areas [m^2].
 double surface_area(const TriangleMesh& mesh);
 

@@ -76,6 +76,9 @@ struct CompletionOptions {
   /// most.
   int alternatives = 0;
   double alternative_vote = 0.1;  // >= 0
+  /// Hand back too what the other methods (fallbacks.h) make of it, those that put no more of their
+  /// points where the camera looked through than `max_contradicted`.
+  bool other_methods = false;
 };
 
 /// The method as published: equation (3) alone, 7 orientations x 5 shifts about one eigenvector,

@@ -1,9 +1,11 @@
 #include "prehend/shape/symmetry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -45,6 +47,7 @@ class Completion {
         best.alternatives.push_back(completed_by(fine, other, found.planes));
       }
     }
+    if (options_.other_methods) add_other_methods(best, fine, chosen);
     best.hypotheses = std::move(found.tried);
     best.hypotheses.insert(best.hypotheses.begin(), best.symmetry);
     for (const Candidate& plane : found.planes) best.planes.push_back(plane.hypothesis);
@@ -73,11 +76,7 @@ class Completion {
 
   CompletedShape completed_by(const Ballot& fine, Candidate best,
                               const std::vector<Candidate>& planes) {
-    shape_ = {};
-    shape_.cloud_W.points = view_.cloud_W.points;
-    shape_.cloud_W.colors = view_.cloud_W.colors;
-    shape_.viewpoint_W = view_.X_WC.translation();
-    start_with_seen(shape_.cloud_W.size());
+    begin_shape();
     if (options_.refine) best = centered(fine, best);
     set_evidence(fine, best, planes);
     if (acceptable(fine, best, options_.max_contradicted)) {
@@ -87,6 +86,47 @@ class Completion {
     }
     set_confidence();
     return std::move(shape_);
+  }
+
+  /// What the fall-backs make of it, but for the one that completed it.
+  void add_other_methods(CompletedShape& best, const Ballot& fine, const Candidate& chosen) {
+    for (const auto& [make, name] : kFallbacks) {
+      const std::optional<Fallback> fallback = make(fallback_input());
+      if (!fallback || fallback->method == best.method ||
+          fallback->contradicted > options_.max_contradicted) {
+        continue;
+      }
+      begin_shape();
+      set_evidence(fine, chosen, {});
+      use(*fallback);
+      set_confidence();
+      best.alternatives.push_back(std::move(shape_));
+    }
+    if (best.method == CompletionMethod::kMirror) add_mirrored_down(best, fine, chosen);
+  }
+
+  /// What lies on its side is mostly as round below as above: the plane's completion mirrored at
+  /// the level half way up as well.
+  void add_mirrored_down(CompletedShape& best, const Ballot& fine, const Candidate& chosen) {
+    double top = 0;  // m, over the table
+    for (const Eigen::Vector3d& p_T : voting_.points_T) top = std::max(top, p_T.z());
+    std::vector<Candidate> down(1);
+    down.front().plane.tilt = std::numbers::pi / 2;
+    down.front().plane.shift = 0.5 * top - voting_.center_T.z();
+    fine.vote(down);
+    SymmetryHypothesis level = down.front().hypothesis;
+    level.vote = fine.contradiction(level) + options_.support_weight * (1 - fine.support(level));
+    if (!acceptable(fine, down.front(), options_.max_contradicted)) return;
+    begin_shape();
+    set_evidence(fine, chosen, {});
+    shape_.symmetry = best.symmetry;
+    shape_.symmetry.vote = std::max(shape_.symmetry.vote, level.vote);
+    shape_.mirrored_viewpoint_W = best.mirrored_viewpoint_W;
+    shape_.second_symmetry = level;
+    append_mirrored(shape_.symmetry, false);
+    append_mirrored(level, true);
+    set_confidence();
+    best.alternatives.push_back(std::move(shape_));
   }
 
   std::vector<Candidate> alternatives(const Ballot& fine, const Candidate& chosen,
@@ -245,10 +285,25 @@ class Completion {
     return true;
   }
 
-  void start_with_seen(std::size_t count) {
+  /// `shape_` is what was seen.
+  void begin_shape() {
+    shape_ = {};
+    shape_.cloud_W.points = view_.cloud_W.points;
+    shape_.cloud_W.colors = view_.cloud_W.colors;
+    shape_.viewpoint_W = view_.X_WC.translation();
+    const std::size_t count = shape_.cloud_W.size();
     shape_.origin.assign(count, PointOrigin::kSeen);
     shape_.support.assign(count, PointSupport::kSeen);
     behind_.assign(count, 0.f);
+  }
+
+  FallbackInput fallback_input() const {
+    return {voting_,
+            map_,
+            view_.camera,
+            X_CW_ * voting_.X_WT,
+            options_.depth_tolerance,
+            0.015 * voting_.extent};
   }
 
   /// Completes without `refused`, the best plane, unless the view speaks against every other way at
@@ -260,13 +315,9 @@ class Completion {
                   "mirror: the view speaks against %.0f %% of the best plane's points, for %.0f %%",
                   100 * refused.hypothesis.contradicted, 100 * refused.hypothesis.coincident);
     shape_.refused = text;
-    const geometry::RigidTransform X_CT = X_CW_ * voting_.X_WT;
-    const FallbackInput input{
-        voting_, map_, view_.camera, X_CT, options_.depth_tolerance, 0.015 * voting_.extent};
     std::vector<Fallback> no_worse;
-    for (const auto& [make, name] :
-         {std::pair{&revolved, "rotation"}, {&extruded, "extrusion"}, {&hulled, "convex hull"}}) {
-      std::optional<Fallback> fallback = make(input);
+    for (const auto& [make, name] : kFallbacks) {
+      std::optional<Fallback> fallback = make(fallback_input());
       if (!fallback) {
         std::snprintf(text, sizeof text, "; %s: the seen points do not tell one", name);
       } else {
@@ -357,6 +408,9 @@ class Completion {
   }
 
   static constexpr double kGoodFallbackScore = 0.25;
+  static constexpr std::array kFallbacks{std::pair{&revolved, "rotation"},
+                                         std::pair{&extruded, "extrusion"},
+                                         std::pair{&hulled, "convex hull"}};
 
   const ObjectView& view_;
   const CompletionOptions& options_;

@@ -323,7 +323,7 @@ void cut_at_plane(ScalarGrid& field, const geometry::Plane& plane, float level) 
 
 PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
                             const std::optional<geometry::Plane>& table,
-                            const FastPoissonOptions& options, const shape::SeenSpace* seen_space,
+                            const FastPoissonOptions& options, const EmptySpace& empty,
                             std::span<const geometry::Plane> bounds) {
   check(options);
   const std::vector<int> order = canonical_order(cloud.points, cloud.normals);
@@ -360,11 +360,10 @@ PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
     const double height = bound.signed_distance(lattice.to_world({0, 0, 0}));
     cut_at_plane(field, {normal_F, -height / lattice.spacing}, level);
   }
-  if (seen_space) {
-    const geometry::RigidTransform X_CW = seen_space->X_WC.inverse();
-    Eigen::Affine3d X_C_nodes = X_CW * lattice.X_WF * Eigen::Translation3d(lattice.origin_F);
-    X_C_nodes.scale(lattice.spacing);
-    cut_at_empty_space(field, *seen_space, X_C_nodes, level, kCutSlope);
+  if (!empty.seen.empty() || empty.swept) {
+    Eigen::Affine3d X_W_nodes = lattice.X_WF * Eigen::Translation3d(lattice.origin_F);
+    X_W_nodes.scale(lattice.spacing);
+    cut_at_empty_space(field, empty, X_W_nodes, level, kCutSlope);
   }
 
   PoissonSurface surface;

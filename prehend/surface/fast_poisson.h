@@ -7,7 +7,7 @@
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/triangle_mesh.h"
-#include "prehend/shape/seen_space.h"
+#include "prehend/surface/empty_space.h"
 
 namespace prehend::surface {
 
@@ -53,14 +53,13 @@ struct PoissonSurface {
 /// Everything is done in a frame of the cloud (z along the `table`'s normal if given, x along the
 /// longest extent), in grid units, so a rigid motion of cloud and table moves the mesh, as far as
 /// the cloud's single precision and nearly equal extents let it. The order of the points does not
-/// matter, not to the last bit. With a `table`, what is under it is outside; with a `seen_space`,
-/// what lies in empty space (empty_space.h); and what lies under one of the `bounds`.
+/// matter, not to the last bit. With a `table`, what is under it is outside, and so is what lies in
+/// `empty` space or under one of the `bounds`.
 /// @throws std::invalid_argument naming an option out of range.
 /// @pre cloud has finite points that do not all coincide, and as many finite normals.
 PoissonSurface fast_poisson(const geometry::PointCloud& cloud,
                             const std::optional<geometry::Plane>& table,
-                            const FastPoissonOptions& options = {},
-                            const shape::SeenSpace* seen_space = nullptr,
+                            const FastPoissonOptions& options = {}, const EmptySpace& empty = {},
                             std::span<const geometry::Plane> bounds = {});
 
 /// The part of `surface` all of whose triangles' vertices have at least `least_density` points per

@@ -24,20 +24,25 @@ geometry::TriangleMesh solid_parts(const geometry::TriangleMesh& mesh, double le
   }
   // About a point near the mesh, so that a mesh far from the origin loses no digits.
   const Eigen::Vector3d reference = mesh.vertices[mesh.triangles.front()[0]];
-  std::vector<double> volume(mesh.vertices.size(), 0);
+  std::vector<double> volume(mesh.vertices.size(), 0), area(mesh.vertices.size(), 0);
   for (const Eigen::Vector3i& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices[t.x()] - reference;
     const Eigen::Vector3d b = mesh.vertices[t.y()] - reference;
     const Eigen::Vector3d c = mesh.vertices[t.z()] - reference;
     volume[root(t.x())] += a.dot(b.cross(c)) / 6;
+    area[root(t.x())] += (b - a).cross(c - a).norm() / 2;
   }
   const double largest = *std::max_element(volume.begin(), volume.end());
+  const double widest = *std::max_element(area.begin(), area.end());
+  const auto stays = [&](int part) {
+    return volume[part] > 0 &&
+           (volume[part] >= least_share * largest || area[part] >= 2 * least_share * widest);
+  };
 
   geometry::TriangleMesh parts;
   std::vector<int> renumbered(mesh.vertices.size(), -1);
   for (const Eigen::Vector3i& t : mesh.triangles) {
-    const double of_part = volume[root(t.x())];
-    if (!(of_part > 0) || of_part < least_share * largest) continue;
+    if (!stays(root(t.x()))) continue;
     Eigen::Vector3i triangle;
     for (int corner = 0; corner < 3; ++corner) {
       int& index = renumbered[t(corner)];

@@ -7,17 +7,15 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/surface/closing.h"
 #include "prehend/surface/deviation.h"
 #include "prehend/surface/point_order.h"
+#include "prehend/surface/shape_cloud.h"
 #include "prehend/surface/solid_hull.h"
 #include "prehend/surface/vertex_origin.h"
-#include "prehend/surface/vessel.h"
 
 namespace prehend::surface {
 namespace {
 
-constexpr double kPointsAcross = 90;         // of the closing and of what a point stands for
 constexpr std::size_t kMostMeasured = 4000;  // seen points
 
 class Stopwatch {
@@ -32,13 +30,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-/// Longest side of the cloud's bounds [m].
-double cloud_extent(const geometry::PointCloud& cloud) {
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& p : cloud.points) box.extend(p);
-  return box.sizes().maxCoeff();
-}
 
 /// Up to about kMostMeasured seen points, the same for any order of the shape's.
 std::vector<Eigen::Vector3d> seen_sample(const shape::CompletedShape& shape) {
@@ -70,48 +61,20 @@ std::optional<geometry::TriangleMesh> standing_hull(const shape::CompletedShape&
   return solid_hull(points, kMostVertices);
 }
 
-/// Whether there may be nothing between front and back; the other methods make sides themselves.
-bool is_mirrored(shape::CompletionMethod method) {
-  return method == shape::CompletionMethod::kMirror ||
-         method == shape::CompletionMethod::kRefusedMirror;
-}
-
-/// The points of both sides of a vessel's wall.
-geometry::PointCloud vessel_cloud(const shape::CompletedShape& shape,
-                                  const geometry::Plane& table_W, const ModelOptions& options,
-                                  double spacing) {
-  constexpr double kNodesOfWall = 1.8;  // of the surface's grid, about one spacing apart
-  OrientedCloudOptions apart = options.cloud;
-  apart.separate_origins = true;
-  std::vector<bool> seen;
-  geometry::PointCloud cloud = oriented_cloud(shape, apart, &seen);
-  if (const auto basin = find_basin(cloud, table_W, spacing)) {
-    add_vessel_walls(cloud, seen, *basin, spacing, kNodesOfWall * spacing);
-  }
-  return cloud;
-}
-
-/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct(), of a
-/// shape or of one of its alternatives; `whole`, the shape, knows where nothing can be.
-/// `normals_seconds` is filled when given. @throws geometry::InputError as reconstruct() does.
+/// shape_cloud(), reconstruct(), of a shape or of one of its alternatives; `whole`, the shape,
+/// knows where nothing can be. `normals_seconds` is filled when given. @throws geometry::InputError
+/// as reconstruct() does.
 geometry::TriangleMesh surface_of(const shape::CompletedShape& shape,
                                   const geometry::Plane& table_W,
                                   const shape::CompletedShape& whole, const ModelOptions& options,
                                   double* normals_seconds = nullptr) {
   Stopwatch stopwatch;
-  geometry::PointCloud cloud = oriented_cloud(shape, options.cloud);
-  const double spacing = cloud_extent(cloud) / kPointsAcross;
-  if (options.hollow_vessels && find_basin(cloud, table_W, spacing)) {
-    cloud = vessel_cloud(shape, table_W, options, spacing);
-  } else if (options.close_sides && is_mirrored(shape.method)) {
-    const geometry::PointCloud sides = side_points(shape, table_W, spacing);
-    cloud.points.insert(cloud.points.end(), sides.points.begin(), sides.points.end());
-    cloud.normals.insert(cloud.normals.end(), sides.normals.begin(), sides.normals.end());
-  }
+  const ShapeCloud points = shape_cloud(shape, table_W, options.points());
   if (normals_seconds) *normals_seconds = stopwatch.lap();
   const bool cut = options.keep_out_of_empty_space && !whole.seen_space.empty_until.empty();
-  return reconstruct(cloud, table_W, options.surface, cut ? &whole.seen_space : nullptr,
-                     whole.bounds_W);
+  EmptySpace empty;
+  if (cut) empty.seen = {&whole.seen_space};
+  return reconstruct(points.cloud_W, table_W, options.surface, empty, whole.bounds_W);
 }
 
 /// The surface, or what stands in for it; `substitute` says what and why.
@@ -164,8 +127,7 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
-  VertexBasis basis =
-      vertex_basis(model.mesh_W, shape, cloud_extent(shape.cloud_W) / kPointsAcross);
+  VertexBasis basis = vertex_basis(model.mesh_W, shape, spacing_of(shape.cloud_W));
   model.vertex_origin = std::move(basis.origin);
   model.vertex_confidence = std::move(basis.confidence);
   model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);

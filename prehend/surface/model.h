@@ -3,19 +3,21 @@
 #include "prehend/geometry/plane.h"
 #include "prehend/shape/completed_shape.h"
 #include "prehend/surface/convex_pieces.h"
-#include "prehend/surface/normals.h"
 #include "prehend/surface/object_model.h"
 #include "prehend/surface/reconstruct.h"
+#include "prehend/surface/shape_cloud.h"
 
 namespace prehend::surface {
 
 struct ModelOptions {
   OrientedCloudOptions cloud;
-  bool close_sides = true;              // see closing.h
-  bool hollow_vessels = true;           // see vessel.h: their sides are not closed, they have walls
+  bool close_sides = true;              // see shape_cloud.h
+  bool hollow_vessels = true;           // the same
   bool keep_out_of_empty_space = true;  // see empty_space.h
   SurfaceOptions surface;
   ConvexPiecesOptions convex_pieces;
+
+  ShapeCloudOptions points() const { return {cloud, close_sides, hollow_vessels}; }
 };
 
 /// Seconds each step took, in one thread.
@@ -28,7 +30,7 @@ struct ModelTimes {
 };
 
 /// The watertight mesh of a completed shape that stands on `table_W` (normal towards the object):
-/// oriented_cloud(), the walls of a vessel or closed sides where asked for, reconstruct().
+/// shape_cloud(), reconstruct().
 /// `normals_seconds` is filled when given. @throws geometry::InputError when the shape has too few
 /// points or gives no such mesh.
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,

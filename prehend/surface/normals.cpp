@@ -340,13 +340,13 @@ Points smoothed(const Points& points, double spacing) {
 struct ThinnedPoints {
   Points points;
   std::vector<Eigen::Vector3d> viewpoints;
-  std::vector<bool> seen;
+  std::vector<shape::PointOrigin> origins;
 };
 
 /// Appends the inliers of `thinned` with their normals. One search serves the filter and the
 /// planes.
 void append_oriented(const ThinnedPoints& thinned, const OrientedCloudOptions& options,
-                     geometry::PointCloud& cloud, std::vector<bool>& seen) {
+                     geometry::PointCloud& cloud, std::vector<shape::PointOrigin>& origins) {
   const Points& points = thinned.points;
   const int count = options.normals.neighbors + 1;
   const int searched =
@@ -359,14 +359,15 @@ void append_oriented(const ThinnedPoints& thinned, const OrientedCloudOptions& o
     const Eigen::Vector3d normal = plane_normal(points, nearest, i, count, kept);
     cloud.points.push_back(points[i]);
     cloud.normals.push_back(towards(normal, points[i], thinned.viewpoints[i]));
-    seen.push_back(thinned.seen[i]);
+    origins.push_back(thinned.origins[i]);
   }
 }
 
 }  // namespace
 
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
-                                    const OrientedCloudOptions& options, std::vector<bool>* seen) {
+                                    const OrientedCloudOptions& options,
+                                    std::vector<shape::PointOrigin>* origins) {
   if (!(options.spacing >= 0) || !std::isfinite(options.spacing)) {
     throw std::invalid_argument("OrientedCloudOptions.spacing must be >= 0");
   }
@@ -386,7 +387,7 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
   }
 
   geometry::PointCloud cloud;
-  std::vector<bool> is_seen;
+  std::vector<shape::PointOrigin> origin_of;
   ThinnedPoints thinned;
   for (const auto origin :
        {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored,
@@ -399,18 +400,18 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
     if (options.smooth) of_origin = smoothed(of_origin, spacing);
     thinned.points.insert(thinned.points.end(), of_origin.begin(), of_origin.end());
     thinned.viewpoints.resize(thinned.points.size(), shape.viewpoint_of(origin));
-    thinned.seen.resize(thinned.points.size(), origin == shape::PointOrigin::kSeen);
+    thinned.origins.resize(thinned.points.size(), origin);
     const bool enough = thinned.points.size() > static_cast<std::size_t>(options.normals.neighbors);
     if (options.separate_origins && enough) {
-      append_oriented(thinned, options, cloud, is_seen);
+      append_oriented(thinned, options, cloud, origin_of);
       thinned = {};
     }
   }
   if (!options.separate_origins) {
     check_enough(thinned.points.size(), options.normals.neighbors);
-    append_oriented(thinned, options, cloud, is_seen);
+    append_oriented(thinned, options, cloud, origin_of);
   }
-  if (seen) *seen = std::move(is_seen);
+  if (origins) *origins = std::move(origin_of);
   return cloud;
 }
 

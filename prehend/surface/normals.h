@@ -54,10 +54,10 @@ struct OrientedCloudOptions {
 /// The points of `shape`, averaged in voxels and smoothed (each origin by itself), without
 /// outliers, with normals towards the viewpoint of their origin: mirrored points towards the
 /// mirrored viewpoint.
-/// @param seen if given, is filled with one per point: it was seen, not predicted.
+/// @param origins if given, is filled with one per point: those of the shape that it is made of.
 /// @throws geometry::InputError for a shape with too few or non-finite points.
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
                                     const OrientedCloudOptions& options = {},
-                                    std::vector<bool>* seen = nullptr);
+                                    std::vector<shape::PointOrigin>* origins = nullptr);
 
 }  // namespace prehend::surface

@@ -92,9 +92,8 @@ TriangleMesh by_pcl(const geometry::PointCloud& cloud, const std::optional<geome
 
 TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
                              const std::optional<geometry::Plane>& table, Bounds bounds,
-                             const FastPoissonOptions& options,
-                             const shape::SeenSpace* seen_space) {
-  PoissonSurface surface = fast_poisson(cloud, table, options, seen_space, bounds);
+                             const FastPoissonOptions& options, const EmptySpace& empty) {
+  PoissonSurface surface = fast_poisson(cloud, table, options, empty, bounds);
   if (surface.inside_out) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +
                          " points: their normals point inward",
@@ -113,8 +112,7 @@ TriangleMesh by_fast_poisson(const geometry::PointCloud& cloud,
 
 TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                          const std::optional<geometry::Plane>& table, const SurfaceOptions& options,
-                         const shape::SeenSpace* seen_space,
-                         std::span<const geometry::Plane> bounds) {
+                         const EmptySpace& empty, std::span<const geometry::Plane> bounds) {
   if (!(options.footprint_slice > 0 && options.footprint_slice <= 1)) {
     throw std::invalid_argument("SurfaceOptions.footprint_slice must be in (0, 1]");
   }
@@ -126,7 +124,7 @@ TriangleMesh reconstruct(const geometry::PointCloud& cloud,
   const TriangleMesh mesh =
       solid_parts(options.method == SurfaceMethod::kPclPoisson
                       ? by_pcl(closed, table, bounds, options.pcl_poisson)
-                      : by_fast_poisson(closed, table, bounds, options.fast_poisson, seen_space),
+                      : by_fast_poisson(closed, table, bounds, options.fast_poisson, empty),
                   kLeastShare);
   if (mesh.empty()) {
     throw InputError("no watertight mesh came out of " + std::to_string(cloud.size()) +

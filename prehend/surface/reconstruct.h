@@ -30,17 +30,16 @@ struct SurfaceOptions {
 /// The watertight mesh of `cloud`, triangles facing outward, by the chosen method. With a `table`
 /// the bottom is closed and no vertex lies below it. Connected parts with less than 5 % of the
 /// volume of the largest one are dropped; an object whose neck is thinner than the resolution keeps
-/// its head as a second closed part. With a `seen_space`, fast_poisson leaves nothing in space that
-/// was seen to be empty (PCL's, the reference, knows nothing of that). Nothing of the mesh lies
-/// under one of the `bounds`.
+/// its head as a second closed part. fast_poisson leaves nothing in space that is known to be
+/// `empty` (PCL's, the reference, knows nothing of that). Nothing of the mesh lies under one of the
+/// `bounds`.
 /// @throws geometry::InputError when the cloud has no normals, has fewer than 30 points or a
 /// non-finite one, or when no watertight mesh came out: the message says which defects were left,
 /// that the surface is open or that its normals point inward.
 /// @throws std::invalid_argument naming an option out of range.
 geometry::TriangleMesh reconstruct(const geometry::PointCloud& cloud,
                                    const std::optional<geometry::Plane>& table,
-                                   const SurfaceOptions& options = {},
-                                   const shape::SeenSpace* seen_space = nullptr,
+                                   const SurfaceOptions& options = {}, const EmptySpace& empty = {},
                                    std::span<const geometry::Plane> bounds = {});
 
 }  // namespace prehend::surface

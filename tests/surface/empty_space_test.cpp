@@ -42,7 +42,7 @@ TEST(EmptySpace, IsLeftOut) {
   const geometry::PointCloud cloud = sampled(geometry::make_sphere(kRadius, 64), 20000);
   const shape::SeenSpace space = half_seen();
   for (const int resolution : {64, 128}) {
-    const auto mesh = fast_poisson(cloud, std::nullopt, {.resolution = resolution}, &space).mesh;
+    const auto mesh = fast_poisson(cloud, std::nullopt, {.resolution = resolution}, {.seen = {&space}}).mesh;
     EXPECT_TRUE(geometry::find_defects(mesh).watertight());
     const double whole = 4. / 3 * std::numbers::pi * std::pow(kRadius, 3);
     const double spacing = 1.25 * 2 * kRadius / resolution;
@@ -64,7 +64,7 @@ TEST(EmptySpace, WithoutAnyTheSurfaceIsTheSameToTheLastBit) {
   const auto plain = fast_poisson(cloud, std::nullopt).mesh;
   for (const float depth : {std::numeric_limits<float>::quiet_NaN(), 0.44f}) {
     const shape::SeenSpace space = seen_from_above(depth);
-    EXPECT_EQ(fast_poisson(cloud, std::nullopt, {}, &space).mesh.vertices, plain.vertices);
+    EXPECT_EQ(fast_poisson(cloud, std::nullopt, {}, {.seen = {&space}}).mesh.vertices, plain.vertices);
   }
 }
 
