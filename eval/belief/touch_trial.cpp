@@ -1,0 +1,259 @@
+#include "eval/belief/touch_trial.h"
+
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include <yaml-cpp/yaml.h>
+#include <Eigen/Geometry>
+
+#include "eval/case_runner.h"
+#include "eval/grasp/seen_object.h"
+#include "eval/processor_time.h"
+#include "prehend/belief/probe.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/surface_samples.h"
+#include "prehend/geometry/whole_file.h"
+#include "prehend/shape/scene_completion.h"
+#include "prehend/surface/deviation.h"
+
+namespace prehend::eval {
+namespace {
+
+constexpr int kSamples = 6000;         // on each surface
+constexpr int kVolumeSamples = 12000;  // in the box of both
+constexpr double kSupport = 0.003;     // m over the support: what is lower cannot be touched
+
+/// The true object in the world, and how far a mesh is from it.
+class Truth {
+ public:
+  Truth(const Case& one, const Eigen::Vector3d& viewpoint_W)
+      : mesh_(geometry::transformed(*one.data_set->mesh_B, one.X_WB())), query_(mesh_) {
+    std::vector<geometry::MeshQuery> others;
+    for (const auto& other : one.data_set->viewing.others_B) {
+      others.emplace_back(geometry::transformed(*other, one.X_WB()));
+    }
+    for (const auto& sample : geometry::surface_samples(mesh_, kSamples, one.seed)) {
+      all_.push_back(sample.point);
+      const Eigen::Vector3d away = viewpoint_W - sample.point;
+      const double distance = away.norm();
+      const Eigen::Vector3d direction = away / distance;
+      const Eigen::Vector3d from = sample.point + 5e-4 * direction;
+      bool hidden = query_.cast_ray(from, direction, distance).has_value();
+      for (const auto& other : others) {
+        hidden = hidden || other.cast_ray(from, direction, distance).has_value();
+      }
+      if (hidden && sample.point.z() > kSupport) unseen_.push_back(sample.point);
+    }
+  }
+
+  const geometry::MeshQuery& query() const { return query_; }
+  bool is_all_seen() const { return unseen_.empty(); }
+
+  void measure(const geometry::TriangleMesh& mesh, std::uint64_t seed, BeliefStep* step) const {
+    const geometry::MeshQuery believed(mesh);
+    step->unseen = surface::deviation(unseen_, believed).mean;
+    std::vector<Eigen::Vector3d> samples;
+    for (const auto& sample : geometry::surface_samples(mesh, kSamples, seed)) {
+      samples.push_back(sample.point);
+    }
+    step->chamfer =
+        0.5 * (surface::deviation(all_, believed).mean + surface::deviation(samples, query_).mean);
+    Eigen::AlignedBox3d box = query_.box();
+    box.extend(believed.box());
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    int both = 0, either = 0;
+    for (int i = 0; i < kVolumeSamples; ++i) {
+      const Eigen::Vector3d share(unit(random), unit(random), unit(random));
+      const Eigen::Vector3d p = box.min() + share.cwiseProduct(box.sizes());
+      const bool in_truth = query_.contains(p), in_believed = believed.contains(p);
+      both += in_truth && in_believed;
+      either += in_truth || in_believed;
+    }
+    step->jaccard = either > 0 ? static_cast<double>(both) / either : 0;
+  }
+
+ private:
+  geometry::TriangleMesh mesh_;
+  geometry::MeshQuery query_;
+  std::vector<Eigen::Vector3d> all_, unseen_;
+};
+
+/// Where the fingertip's centre is stopped, and what it touches there; nothing at the probe's end.
+struct Stopped {
+  Eigen::Vector3d center_W;
+  std::optional<Eigen::Vector3d> touched_W, normal_W;
+};
+Stopped moved_until_touch(const belief::Probe& probe, double radius,
+                          const geometry::MeshQuery& truth) {
+  constexpr double kTouches = 2e-5;  // m
+  const Eigen::Vector3d way = probe.end_W - probe.start_W;
+  const double length = way.norm();
+  double gone = 0;
+  while (true) {
+    const Eigen::Vector3d center = probe.start_W + gone / length * way;
+    const auto nearest = truth.nearest(center);
+    const double clearance = nearest->distance - radius;
+    if (clearance < kTouches) {
+      return {center, nearest->point, (center - nearest->point).normalized()};
+    }
+    if (gone >= length) return {probe.end_W, std::nullopt, std::nullopt};
+    gone = std::min(length, gone + clearance);
+  }
+}
+
+belief::Contact felt(const Stopped& stopped, const TouchTrialOptions& options,
+                     std::mt19937_64& random) {
+  std::normal_distribution<double> normal(0, 1);
+  belief::Contact contact;
+  contact.normal_W = *stopped.normal_W;
+  for (int axis = 0; axis < 3; ++axis) {
+    contact.normal_W[axis] += options.normal_noise * normal(random);
+  }
+  contact.normal_W.normalize();
+  contact.p_W = *stopped.touched_W + options.contact_noise * normal(random) * *stopped.normal_W;
+  contact.deviation = 0.001;
+  return contact;
+}
+
+BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plane& table, Told told,
+                        const Truth& truth, const Case& one, const TouchTrialOptions& options) {
+  BeliefSeries series;
+  series.name = told == Told::kContacts ? "contacts" : "contacts and empty space";
+  belief::ObjectBelief belief(shape, table);
+  const belief::ProbeOptions probing;
+  std::mt19937_64 random(one.seed);
+  for (int touches = 0; touches <= options.touches; ++touches) {
+    BeliefStep step;
+    step.touches = touches;
+    if (touches > 0) {
+      const auto probe = belief::best_probe(belief, probing);
+      if (!probe) {
+        series.problem = "no part of it can be reached";
+        break;
+      }
+      const Stopped stopped = moved_until_touch(*probe, probing.radius, truth.query());
+      std::optional<belief::Contact> contact;
+      if (stopped.touched_W) contact = felt(stopped, options, random);
+      belief.begin_act();
+      if (told == Told::kContacts) {
+        if (contact) belief.add(*contact);
+      } else {
+        belief::add_probe(*probe, stopped.center_W, contact, probing.radius, &belief);
+      }
+    }
+    const double start = processor_time();
+    belief.update();
+    const geometry::TriangleMesh mesh = belief.mesh();
+    step.seconds = processor_time() - start;
+    step.weight = belief.shapes().front().weight;
+    step.misfit = belief.shapes().front().misfit;
+    truth.measure(mesh, one.seed, &step);
+    series.steps.push_back(step);
+  }
+  return series;
+}
+
+}  // namespace
+
+BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
+  BeliefCase result;
+  result.case_name = one.name();
+  result.group = one.data_set->group;
+  result.data_set = one.data_set->name;
+  result.orientation = one.orientation;
+  try {
+    const SeenObject seen = see_object(one, one.X_WB(), 0);
+    shape::CompletionOptions completion;
+    completion.alternatives = 4;
+    completion.other_methods = true;
+    const auto shapes = shape::complete_scene(seen.scene, completion, {}, seen.index);
+    const geometry::Plane table =
+        perception::support_of(seen.scene, seen.scene.objects[seen.index]);
+    const Truth truth(one, seen.scene.X_WC.translation());
+    if (truth.is_all_seen())
+      throw geometry::InputError("All of it was seen", "Look from elsewhere");
+    for (const Told told : {Told::kContacts, Told::kEmpty}) {
+      result.series.push_back(
+          run_series(shapes[seen.index].get(), table, told, truth, one, options));
+    }
+  } catch (const std::exception& error) {
+    result.problem = error.what();
+  }
+  return result;
+}
+
+namespace {
+
+struct StepFigure {
+  const char* name;
+  double BeliefStep::*value;
+};
+constexpr StepFigure kStepFigures[] = {
+    {"unseen", &BeliefStep::unseen},   {"chamfer", &BeliefStep::chamfer},
+    {"jaccard", &BeliefStep::jaccard}, {"weight", &BeliefStep::weight},
+    {"misfit", &BeliefStep::misfit},   {"seconds", &BeliefStep::seconds}};
+
+}  // namespace
+
+void write_belief_case(const std::filesystem::path& file, const BeliefCase& result) {
+  YAML::Emitter out;
+  out.SetDoublePrecision(17);
+  out << YAML::BeginMap;
+  out << YAML::Key << "case" << YAML::Value << YAML::DoubleQuoted << result.case_name;
+  out << YAML::Key << "group" << YAML::Value << YAML::DoubleQuoted << result.group;
+  out << YAML::Key << "data_set" << YAML::Value << YAML::DoubleQuoted << result.data_set;
+  out << YAML::Key << "orientation" << YAML::Value << result.orientation;
+  out << YAML::Key << "problem" << YAML::Value << YAML::DoubleQuoted << result.problem;
+  out << YAML::Key << "series" << YAML::Value << YAML::BeginSeq;
+  for (const BeliefSeries& series : result.series) {
+    out << YAML::BeginMap;
+    out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << series.name;
+    out << YAML::Key << "problem" << YAML::Value << YAML::DoubleQuoted << series.problem;
+    out << YAML::Key << "steps" << YAML::Value << YAML::BeginSeq;
+    for (const BeliefStep& step : series.steps) {
+      out << YAML::Flow << YAML::BeginMap << YAML::Key << "touches" << YAML::Value << step.touches;
+      for (const StepFigure& figure : kStepFigures) {
+        out << YAML::Key << figure.name << YAML::Value << step.*figure.value;
+      }
+      out << YAML::EndMap;
+    }
+    out << YAML::EndSeq << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
+  geometry::write_whole_file(file, out.c_str(), "The result");
+}
+
+BeliefCase read_belief_case(const std::filesystem::path& file) {
+  try {
+    const YAML::Node node = YAML::LoadFile(file.string());
+    BeliefCase result;
+    result.case_name = node["case"].as<std::string>();
+    result.group = node["group"].as<std::string>();
+    result.data_set = node["data_set"].as<std::string>();
+    result.orientation = node["orientation"].as<int>();
+    result.problem = node["problem"].as<std::string>();
+    for (const YAML::Node& one : node["series"]) {
+      BeliefSeries series;
+      series.name = one["name"].as<std::string>();
+      series.problem = one["problem"].as<std::string>();
+      for (const YAML::Node& at : one["steps"]) {
+        BeliefStep step;
+        step.touches = at["touches"].as<int>();
+        for (const StepFigure& figure : kStepFigures) {
+          step.*figure.value = at[figure.name].as<double>();
+        }
+        series.steps.push_back(step);
+      }
+      result.series.push_back(series);
+    }
+    return result;
+  } catch (const YAML::Exception& error) {
+    throw geometry::InputError("'" + file.string() + "' is no result of a belief: " + error.what(),
+                               "Delete it and run the evaluation again");
+  }
+}
+
+}  // namespace prehend::eval

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/case_result.h"
+#include "eval/data_sets.h"
+
+namespace prehend::eval {
+
+/// What a belief is told of the touches.
+enum class Told {
+  kNothing,
+  kContacts,  // where the fingertip was stopped
+  kEmpty,     // and where it went through
+};
+
+/// How far the believed surface is from the truth.
+struct BeliefStep {
+  int touches = 0;            // that were made
+  double unseen = kUnknown;   // m, mean distance of the true surface that was not seen, to it
+  double chamfer = kUnknown;  // m, mean of both directions' mean distances
+  double jaccard = kUnknown;  // volume of both over that of either
+  double weight = kUnknown;   // of the likeliest shape
+  double misfit = kUnknown;   // of the likeliest shape
+  double seconds = kUnknown;  // processor time of the update and its surface
+};
+
+/// One way to take in touches.
+struct BeliefSeries {
+  std::string name;
+  std::string problem;  // why it ended
+  std::vector<BeliefStep> steps;
+};
+
+/// One view of an object, and what touches made of it.
+struct BeliefCase {
+  std::string case_name, group, data_set;
+  int orientation = 0;  // degrees
+  std::string problem;  // why there is nothing
+  std::vector<BeliefSeries> series;
+};
+
+struct TouchTrialOptions {
+  int touches = 5;
+  double contact_noise = 0.0005;  // m, standard, of where a contact is felt
+  double normal_noise = 0.05;     // rad, standard, of its normal
+};
+
+/// Renders the case's view, predicts the object, and touches it with a fingertip where the belief
+/// wants it: each series its own touches.
+BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options = {});
+
+/// As a file, and back. @throws geometry::InputError for a file that is none.
+void write_belief_case(const std::filesystem::path& file, const BeliefCase& result);
+BeliefCase read_belief_case(const std::filesystem::path& file);
+
+}  // namespace prehend::eval
