@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -27,14 +28,16 @@ std::string identity_of_this_program() {
                      fs::last_write_time(self).time_since_epoch().count());
 }
 
-void prepare_cases_folder(const fs::path& folder, bool fresh) {
+void prepare_cases_folder(const fs::path& folder, const CaseRunOptions& options) {
   const fs::path stamp = folder / "made_by";
   std::string made_by;
-  if (std::ifstream stream(stamp); stream) std::getline(stream, made_by);
-  const std::string self = identity_of_this_program();
-  if (fresh || (!made_by.empty() && made_by + "\n" != self)) {
+  if (std::ifstream stream(stamp); stream) {
+    made_by.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+  const std::string self = identity_of_this_program() + options.setting;
+  if (options.fresh || (!made_by.empty() && made_by != self)) {
     std::printf("Starting afresh: the results in '%s' are %s.\n", folder.c_str(),
-                fresh ? "not wanted" : "of another build");
+                options.fresh ? "not wanted" : "of another build or setting");
     fs::remove_all(folder);
   }
   write_text(stamp, self);
@@ -107,7 +110,7 @@ std::map<int, std::string> run_cases(const CaseRunOptions& options,
                                      const std::vector<std::string>& names,
                                      const std::function<bool(int, const fs::path&)>& known,
                                      const std::function<void(int, const fs::path&)>& run) {
-  prepare_cases_folder(options.out / "cases", options.fresh);
+  prepare_cases_folder(options.out / "cases", options);
   std::vector<int> open;
   for (int i = 0; i < static_cast<int>(names.size()); ++i) {
     if (!known(i, case_file(options, names[i]))) open.push_back(i);

@@ -27,10 +27,12 @@ struct CaseRunOptions {
   std::filesystem::path out;  // folder; results of single cases are in its folder cases/
   int processes = 1;          // >= 1
   bool fresh = false;         // forget the results of earlier runs
+  std::string setting;        // what the cases are run with, in words; see run_cases()
 };
 
 /// Runs those of the cases whose result is not known yet, in processes of their own, with their
-/// progress on the terminal. Results of another build of the program are forgotten. `known` says
+/// progress on the terminal. Results of another build of the program, or of
+/// another setting, are forgotten. `known` says
 /// whether the file holds a result, `run` makes it; each is given the case's index and file.
 /// Returns how processes ended that crashed, by the case's index: the next run tries these again.
 std::map<int, std::string> run_cases(

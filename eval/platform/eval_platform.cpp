@@ -29,6 +29,7 @@ struct Options {
   eval::CaseChoice choice = eval::default_choice("out/platform");
   std::vector<std::string> platforms{"stage_pg70"};
   int scenes = 60;
+  std::vector<std::string> arguments;  // of the launch file
 };
 
 struct Run {
@@ -108,8 +109,10 @@ int run(const Options& options) {
     }
     return EXIT_SUCCESS;
   }
+  const std::vector<std::string> arguments = eval::launch_arguments(options.arguments);
   const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
-  const eval::CaseRunOptions where = options.choice.runs();
+  eval::CaseRunOptions where = options.choice.runs();
+  for (const std::string& argument : arguments) where.setting += argument + "\n";
   std::vector<std::string> names;
   for (const Run& one : runs) names.push_back(one.name());
   eval::run_cases(
@@ -117,7 +120,8 @@ int run(const Options& options) {
       [&](int i, const fs::path& file) {
         const Run& one = runs[static_cast<std::size_t>(i)];
         const fs::path folder = options.choice.out / "runs" / one.name();
-        eval::write_pick(file, eval::run_pick(*one.scene, one.platform, folder, programs));
+        eval::write_pick(file,
+                         eval::run_pick(*one.scene, one.platform, arguments, folder, programs));
       });
   std::vector<eval::PickResult> results;
   for (const std::string& name : names) {
@@ -148,5 +152,9 @@ int main(int argc, char** argv) {
   app.add_option("--scenes", options.scenes, "how many scenes are generated")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  app.add_option("--launch-argument", options.arguments,
+                 "of launch/demo.yaml, for all runs, e.g. minimum_stability:=0.1; results with "
+                 "others are forgotten")
+      ->type_name("NAME:=VALUE");
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -191,8 +191,26 @@ void judge(const Recorded& recorded, int exit_code, PickResult* result) {
 
 std::string to_string(Outcome outcome) { return kNames[static_cast<std::size_t>(outcome)]; }
 
+std::vector<std::string> launch_arguments(const std::vector<std::string>& words) {
+  constexpr const char* kOwn[] = {"platform", "scene", "out", "speed", "record"};
+  for (const std::string& word : words) {
+    const std::size_t at = word.find(":=");
+    if (at == 0 || at == std::string::npos) {
+      throw geometry::InputError("The launch argument '" + word + "' is not NAME:=VALUE",
+                                 "Write e.g. minimum_stability:=0.1");
+    }
+    const std::string name = word.substr(0, at);
+    if (std::find(std::begin(kOwn), std::end(kOwn), name) != std::end(kOwn)) {
+      throw geometry::InputError("The launch argument '" + name + "' is given by the evaluation",
+                                 "Leave it out; --platform and --out choose theirs");
+    }
+  }
+  return words;
+}
+
 PickResult run_pick(const TableScene& scene, const std::string& platform,
-                    const std::filesystem::path& folder, const std::filesystem::path& programs) {
+                    const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                    const std::filesystem::path& programs) {
   PickResult result;
   result.scene = scene.name;
   result.platform = platform;
@@ -202,13 +220,18 @@ PickResult run_pick(const TableScene& scene, const std::string& platform,
   const std::filesystem::path scenes = std::filesystem::absolute(text::tree_file("config/scenes"));
   std::filesystem::path name = std::filesystem::relative(file, scenes);
   name.replace_extension();
+  std::vector<std::string> words{"launch",
+                                 text::tree_file("launch/demo.yaml"),
+                                 "platform:=" + platform,
+                                 "scene:=" + name.string(),
+                                 "out:=" + std::filesystem::absolute(folder).string(),
+                                 "speed:=0",
+                                 "record:=true",
+                                 "--log-dir",
+                                 (std::filesystem::absolute(folder) / "log").string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
   const auto start = steady_clock::now();
-  const int exit_code = run_prehend(
-      programs / "prehend",
-      {"launch", text::tree_file("launch/demo.yaml"), "platform:=" + platform,
-       "scene:=" + name.string(), "out:=" + std::filesystem::absolute(folder).string(), "speed:=0",
-       "record:=true", "--log-dir", (std::filesystem::absolute(folder) / "log").string()},
-      folder / "output.txt");
+  const int exit_code = run_prehend(programs / "prehend", words, folder / "output.txt");
   result.seconds = std::chrono::duration<double>(steady_clock::now() - start).count();
   try {
     judge(read_recording(folder / "recording.mcap"), exit_code, &result);

@@ -34,9 +34,15 @@ std::string to_string(PickResult::Outcome outcome);
 
 /// Launches launch/demo.yaml with that platform in the scene, as fast as it can, and judges its
 /// recording. `folder` gets the scene, the recording and the report.
+/// @param arguments further ones of the launch file, as launch_arguments() checks them.
 /// @param programs folder of `prehend`. @throws std::runtime_error when it cannot be started.
 PickResult run_pick(const TableScene& scene, const std::string& platform,
-                    const std::filesystem::path& folder, const std::filesystem::path& programs);
+                    const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                    const std::filesystem::path& programs);
+
+/// `words`, when each is NAME:=VALUE; whether launch/demo.yaml has them the launch says.
+/// @throws geometry::InputError naming what is none, or what run_pick() gives itself.
+std::vector<std::string> launch_arguments(const std::vector<std::string>& words);
 
 /// As a file, and back. @throws geometry::InputError for a file that is none.
 void write_pick(const std::filesystem::path& file, const PickResult& result);

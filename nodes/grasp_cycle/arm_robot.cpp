@@ -94,8 +94,10 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   refuse(names, "its hand is moved by its joints, not through /gripper");
   if (platform.hand.gripper) refuse({"grip_force"}, "its force is planned");
   if (platform.hand.pads.empty()) {
-    refuse({"grip_force", "touch_force", "touch_counts", "minimum_stability"},
-           "its hand has no tactile pads");
+    constexpr const char* kNoPads = "its hand has no tactile pads";
+    refuse({"grip_force", "touch_force", "touch_counts"}, kNoPads);
+    // The launch files give it, 0 where nothing is asked for.
+    if (node.parameter<double>("minimum_stability") > 0) refuse({"minimum_stability"}, kNoPads);
   }
 }
 

@@ -143,7 +143,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
-  options.touch = nodes::declare_touch(node);
+  const nodes::TouchParameters touch = nodes::declare_touch(node);
+  options.touch = touch.options;
   options.grip_force = nodes::declare_grip_force(node);
   nodes::refuse_touch_parameters(node, platform);
   const auto front = node.parameter<std::string>("front");
@@ -155,7 +156,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
     node.log_info("chosen from {}: {}", front, chosen);
   }
   return std::make_unique<nodes::PlatformPlanning>(std::move(platform), home, std::move(options),
-                                                   std::move(task));
+                                                   touch.chosen, std::move(task));
 }
 
 std::optional<nodes::GraspRecords> declare_records(graph::Node& node) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "msgs/convert/cycle.h"
+#include "msgs/convert/fidelity.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/outcomes.h"
@@ -23,13 +24,16 @@ constexpr double kAtHome = 1e-3;  // rad or m
 }  // namespace
 
 PlatformPlanning::PlatformPlanning(robot::Platform platform, const std::string& home,
-                                   planning::PlatformPlanOptions options, control::Task task)
+                                   planning::PlatformPlanOptions options,
+                                   const std::optional<fidelity::Setting>& touch,
+                                   control::Task task)
     : home_(platform.home(home).arm),
       start_(home_),
       planner_(std::move(platform)),
       options_(std::move(options)),
       task_(std::move(task)) {
   options_.validate();
+  if (touch) touch_fidelity_ = convert::to_message(*touch);
 }
 
 void PlatformPlanning::set_gripper(const robot::GripperModel& gripper) {
@@ -82,6 +86,7 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
     rejection.set_count(static_cast<std::uint32_t>(rejected.count));
     rejection.set_nearest_miss(rejected.nearest_miss);
   }
+  if (touch_fidelity_) *message.mutable_touch_fidelity() = *touch_fidelity_;
   if (plan.touch_time > 0) {
     auto& time = *message.add_times();
     time.set_stage(kTouchStage);

@@ -7,6 +7,7 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/control/task.h"
+#include "prehend/fidelity/front.h"
 #include "prehend/geometry/plane.h"
 #include "prehend/planning/platform_plan.h"
 #include "prehend/robot/platform.h"
@@ -18,10 +19,12 @@ namespace prehend::nodes {
 class PlatformPlanning {
  public:
   /// @param home of the platform: where the arm stands.
+  /// @param touch what options.touch was chosen by from a front; goes with every plan.
   /// @throws geometry::InputError for an unknown home; std::invalid_argument for options out of
   /// range.
   PlatformPlanning(robot::Platform platform, const std::string& home,
-                   planning::PlatformPlanOptions options, control::Task task);
+                   planning::PlatformPlanOptions options,
+                   const std::optional<fidelity::Setting>& touch, control::Task task);
 
   /// planning::PlatformPlanner::plan(), with the task's places.
   /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
@@ -50,6 +53,7 @@ class PlatformPlanning {
   robot::Positions home_, start_;
   planning::PlatformPlanner planner_;
   planning::PlatformPlanOptions options_;
+  std::optional<msgs::FidelityChoice> touch_fidelity_;
   control::Task task_;
 };
 

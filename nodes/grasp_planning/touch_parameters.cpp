@@ -49,7 +49,7 @@ void refuse_touch_parameters(const graph::Node& node, const robot::Platform& pla
   }
 }
 
-std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node) {
+TouchParameters declare_touch(graph::Node& node) {
   const bool predict = node.declare_parameter<bool>(
       {.name = "predict_touch",
        .default_value = true,
@@ -64,16 +64,18 @@ std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node)
           "touch_budget and touch_tolerance do not apply with predict_touch:=false; leave them "
           "out");
     }
-    return std::nullopt;
+    return {};
   }
-  planning::TouchPredictionOptions options;
+  TouchParameters touch;
+  touch.options.emplace();
   if (request.is_asked()) {
     const fidelity::ChosenTouch chosen =
         fidelity::choose_touch(request, fidelity::TouchWorld::kRobotWorld);
-    options.world.step = fidelity::touch_hand_step(chosen.setting);
+    touch.options->world.step = fidelity::touch_hand_step(chosen.setting);
+    touch.chosen = chosen.setting;
     node.log_info("steps of predicted touch chosen: {}", chosen.text);
   }
-  return options;
+  return touch;
 }
 
 void log_touch(graph::Node& node, const msgs::GraspPlan& plan) {

@@ -3,14 +3,21 @@
 #include <optional>
 
 #include "msgs/grasp.pb.h"
+#include "prehend/fidelity/front.h"
 #include "prehend/graph/node.h"
 #include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/platform.h"
 
 namespace prehend::nodes {
 
+/// How what a hand's pads will feel is predicted.
+struct TouchParameters {
+  std::optional<planning::TouchPredictionOptions> options;  // none: it is not
+  std::optional<fidelity::Setting> chosen;  // from the front, and in the options; none: by default
+};
+
 /// Declares whether, and how, what a hand's pads will feel is predicted.
-std::optional<planning::TouchPredictionOptions> declare_touch(graph::Node& node);
+TouchParameters declare_touch(graph::Node& node);
 
 /// Declares what the pads of a hand with fingers are to feel [N]; 0: as its motors press.
 double declare_grip_force(graph::Node& node);

@@ -145,6 +145,18 @@ void add_meaning(report::Page& page, const Collected& collected,
                  rows);
 }
 
+// How touch was predicted, where that was chosen.
+void add_choice(report::Page& page, const msgs::GraspPlan& plan) {
+  if (!plan.has_touch_fidelity()) return;
+  const msgs::FidelityChoice& choice = plan.touch_fidelity();
+  page.add_paragraph(fmt::format(
+      "What they should feel was simulated as chosen from the measured front: {} (there {:.3g} ms "
+      "of "
+      "processor for a simulated second, images {:.2g} % of the largest sum off those of finer "
+      "steps).",
+      choice.knobs(), 1e3 * choice.seconds(), 100 * choice.error()));
+}
+
 }  // namespace
 
 std::string in_words(std::string name) {
@@ -159,6 +171,7 @@ void add_touch(report::Page& page, const Collected& collected) {
     page.add_paragraph("What the pads should feel was not predicted: " + predicted.not_predicted() +
                        ".");
   }
+  if (grasp) add_choice(page, collected.plans.at(collected.result->object_id()));
   const auto shown = shown_frames(collected, predicted);
   double full = 0;  // counts
   for (const auto& [name, frames] : shown) {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "msgs/convert/fidelity.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node.h"
 
@@ -17,9 +18,7 @@ ChosenShape choose(const std::string& file, double budget, double tolerance) {
   const fidelity::Setting& setting = fidelity::choose(front, budget, tolerance);
   ChosenShape chosen;
   chosen.options = fidelity::shape_options(setting);
-  chosen.choice.set_knobs(fidelity::to_string(setting));
-  chosen.choice.set_seconds(setting.seconds);
-  chosen.choice.set_error(setting.error);
+  chosen.choice = convert::to_message(setting);
   return chosen;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -18,23 +19,28 @@ inline constexpr double kWatchdog = 0.2;
 class PacedLoop {
  public:
   /// `pacer` begins at 0 with slices of `slice` [ns] and must outlive the object. All functions are
-  /// called by the thread: `work` for each slice; `on_pace` with the simulated time [ns] when the
-  /// clock was paused, resumed or got another speed. A slice that fails is `node`'s to tell, and
-  /// the next one follows.
+  /// called by the thread: for each slice `step`, which simulates it, and `tell`, which publishes;
+  /// `on_pace` with the simulated time [ns] when the clock was paused, resumed or got another
+  /// speed. A slice that fails is `node`'s to tell, and the next one follows.
   PacedLoop(graph::Node& node, graph::ClockPacer& pacer, std::int64_t slice,
-            std::function<void()> work, std::function<void(std::int64_t)> on_pace);
+            std::function<void()> step, std::function<void()> tell,
+            std::function<void(std::int64_t)> on_pace);
   ~PacedLoop() { stop(); }
 
   void start();
+  /// Ends the thread and logs what a simulated second took: wall time, and the thread's processor
+  /// time for both functions.
   void stop();
 
  private:
   bool wait_for_pace();
+  void work();
+  void log_cost() const;
 
   graph::Node& node_;
   graph::ClockPacer& pacer_;
   const std::int64_t slice_;  // ns
-  std::function<void()> work_;
+  std::function<void()> step_, tell_;
   std::function<void(std::int64_t)> on_pace_;
   std::atomic<bool> running_{false};
   std::thread thread_;
@@ -42,6 +48,8 @@ class PacedLoop {
   std::int64_t time_ = 0;  // ns, at the end of the last slice
   graph::ClockPacer::State pace_;
   bool slow_ = false;
+  double step_cost_ = 0, tell_cost_ = 0;          // s, of processor
+  std::chrono::steady_clock::duration spent_{0};  // of wall time, in slices and between them
 };
 
 }  // namespace prehend::nodes

@@ -32,7 +32,7 @@ void RobotPublisher::publish_clock(std::int64_t stamp, const graph::ClockPacer::
 void RobotPublisher::publish(const RobotReadings& readings) {
   joints_.publish(joints_message(readings.stamp, readings.joints));
   wrench_.publish(wrench_message(readings.stamp, "hand", readings.wrench));
-  if (count_++ % 2 != 0) return;
+  if (!readings.has_frames) return;
   for (const simulation::HandPadReading& reading : readings.pads) {
     Pad& pad = pads_.at(reading.name);
     msgs::TactileFrame frame;

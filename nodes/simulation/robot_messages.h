@@ -23,7 +23,6 @@ class RobotPublisher {
     robot::TactilePadModel model;
     graph::Publisher<msgs::TactileFrame> publisher;
   };
-  std::uint64_t count_ = 0;
   graph::Publisher<msgs::Clock> clock_;
   graph::Publisher<msgs::JointState> joints_;
   graph::Publisher<msgs::Wrench> wrench_;

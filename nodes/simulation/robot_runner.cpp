@@ -17,10 +17,10 @@ RobotRunner::RobotRunner(graph::Node& node, simulation::RobotWorld world, graph:
                                                       world_.options().step)))),
       on_readings_(std::move(on_readings)),
       loop_(
-          node, pacer, slice, [this] { this->slice(); }, std::move(on_pace)) {}
+          node, pacer, slice, [this] { this->slice(); }, [this] { on_readings_(readings_); },
+          std::move(on_pace)) {}
 
 void RobotRunner::slice() {
-  RobotReadings readings;
   bool watchdog_fired = false;
   {
     const std::lock_guard lock(mutex_);
@@ -30,21 +30,22 @@ void RobotRunner::slice() {
         watchdog_fired = world_.stop_commanded_hand() || watchdog_fired;
       }
     }
-    readings = read();
+    readings_ = read();
     ++slices_;
   }
   slice_done_.notify_all();
   if (watchdog_fired)
     node_.log_warning("no hand command for {} s while moving: stopped", kWatchdog);
-  on_readings_(readings);
 }
 
 RobotReadings RobotRunner::read() const {
   RobotReadings readings;
   readings.stamp = std::llround(world_.time() * 1e9);
   readings.joints = world_.joints();
-  readings.pads = world_.pads();
   readings.wrench = world_.wrist_wrench();
+  readings.has_frames = slices_ % 2 == 0;
+  if (!readings.has_frames) return readings;
+  readings.pads = world_.pads();
   for (std::size_t i = 0; i < world_.body_count(); ++i) readings.bodies.push_back(world_.body(i));
   return readings;
 }

@@ -18,8 +18,10 @@ namespace prehend::nodes {
 struct RobotReadings {
   std::int64_t stamp = 0;  // ns, simulated
   std::vector<simulation::JointReading> joints;
-  std::vector<simulation::HandPadReading> pads;
   simulation::ContactWrench wrench;
+  // Of every second slice.
+  bool has_frames = false;
+  std::vector<simulation::HandPadReading> pads;
   std::vector<simulation::RobotBodyReading> bodies;
 };
 
@@ -64,14 +66,15 @@ class RobotRunner : public MovedArm {
   void wait_for_slice() override;
 
  private:
-  void slice();
+  void slice();  // into readings_
   RobotReadings read() const;
 
   graph::Node& node_;
   simulation::RobotWorld world_;
   const int steps_;
   std::function<void(const RobotReadings&)> on_readings_;
-  std::mutex mutex_;  // guards what follows and world_
+  RobotReadings readings_;  // of the loop's thread
+  std::mutex mutex_;        // guards what follows and world_
   std::condition_variable slice_done_;
   std::uint64_t slices_ = 0, arm_ticket_ = 0, hand_ticket_ = 0;
   std::string hand_taker_;       // who made the ticket, in words for the one before

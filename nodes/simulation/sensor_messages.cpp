@@ -67,7 +67,7 @@ void SensorPublisher::publish(const SensorReadings& readings) {
   joints_.publish(joints_message(readings.stamp, readings.joints));
   gripper_.publish(gripper_message(readings));
   wrench_.publish(wrench_message(readings.stamp, "gripper", readings.wrench));
-  if (count_++ % 2 != 0) return;
+  if (!readings.has_frames) return;
   if (has_touch_) {
     left_.publish(tactile(readings.left, readings.stamp, "left_pad"));
     right_.publish(tactile(readings.right, readings.stamp, "right_pad"));

@@ -23,7 +23,6 @@ class SensorPublisher {
 
   robot::TactilePadModel pad_;
   bool has_touch_;
-  std::uint64_t count_ = 0;
   graph::Publisher<msgs::Clock> clock_;
   graph::Publisher<msgs::JointState> joints_;
   graph::Publisher<msgs::GripperState> gripper_;

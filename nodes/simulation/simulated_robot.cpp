@@ -32,22 +32,21 @@ SimulatedRobot::SimulatedRobot(graph::Node& node, const simulation::Scene& scene
       arm_(platform, home),
       on_readings_(std::move(on_readings)),
       loop_(
-          node, pacer, slice_of(scene), [this] { slice(); }, std::move(on_pace)) {}
+          node, pacer, slice_of(scene), [this] { slice(); }, [this] { on_readings_(readings_); },
+          std::move(on_pace)) {}
 
 void SimulatedRobot::slice() {
-  SensorReadings readings;
   bool watchdog_fired = false;
   {
     const std::lock_guard lock(mutex_);
     step_slice();
-    readings = read();
+    readings_ = read();
     ++slices_;
     watchdog_fired = std::exchange(watchdog_fired_, false);
   }
   slice_done_.notify_all();
   if (watchdog_fired)
     node_.log_warning("no gripper command for {} s while moving: stopped", kWatchdog);
-  on_readings_(readings);
 }
 
 void SimulatedRobot::step_slice() {
@@ -80,11 +79,13 @@ SensorReadings SimulatedRobot::read() const {
     const auto& joint = arm_.drive().chain().joints()[static_cast<std::size_t>(i)];
     readings.joints.push_back({joint.name, q[i], velocity, 0});
   }
+  readings.wrench = world_.wrist_wrench();
+  readings.has_frames = slices_ % 2 == 0;
+  if (!readings.has_frames) return readings;
   if (world_.has_touch()) {
     readings.left = world_.tactile_image(PadSide::kLeft);
     readings.right = world_.tactile_image(PadSide::kRight);
   }
-  readings.wrench = world_.wrist_wrench();
   for (std::size_t i = 0; i < world_.body_count(); ++i) readings.bodies.push_back(world_.body(i));
   return readings;
 }

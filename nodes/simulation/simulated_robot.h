@@ -21,8 +21,10 @@ struct SensorReadings {
   simulation::GripperReading gripper;
   std::uint32_t gripper_error = 0;               // as of a PG70
   std::vector<simulation::JointReading> joints;  // of the stage
-  simulation::TactileImage left, right;          // empty when the scene's pads have no texels
   simulation::ContactWrench wrench;
+  // Of every second slice.
+  bool has_frames = false;
+  simulation::TactileImage left, right;  // empty when the scene's pads have no texels
   std::vector<simulation::BodyReading> bodies;
 };
 
@@ -83,7 +85,7 @@ class SimulatedRobot : public MovedArm {
   void wait_for_slice() override;
 
  private:
-  void slice();
+  void slice();  // into readings_
   void step_slice();
   SensorReadings read() const;
   void check_gripper() const;
@@ -92,6 +94,7 @@ class SimulatedRobot : public MovedArm {
   simulation::World world_;
   simulation::StageArm arm_;
   std::function<void(const SensorReadings&)> on_readings_;
+  SensorReadings readings_;  // of the loop's thread
 
   std::mutex mutex_;  // guards what follows and world_
   std::condition_variable slice_done_;

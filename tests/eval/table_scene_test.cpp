@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "eval/case_runs.h"
 #include "eval/household_objects.h"
 #include "eval/platform/pick_run.h"
 #include "prehend/geometry/errors.h"
@@ -67,6 +68,40 @@ TEST(TableScenes, NeedABodyThatStandsAlone) {
   std::vector<DataSet> sets = household();
   for (DataSet& set : sets) set.viewing.others_B.push_back(set.mesh_B);
   EXPECT_THROW(make_table_scenes(sets, 1, 1), geometry::InputError);
+}
+
+TEST(LaunchArguments, AreNamesWithValuesThatTheEvaluationDoesNotGive) {
+  const std::vector<std::string> right{"minimum_stability:=0.1", "place:=0.1,-0.2", "a:=:="};
+  EXPECT_EQ(launch_arguments(right), right);
+  EXPECT_EQ(launch_arguments({}), std::vector<std::string>());
+  for (const char* wrong : {"reacts", "", ":=1", "reacts=false", "speed:=1", "platform:=kr5_sdh"}) {
+    EXPECT_THROW(launch_arguments({"reacts:=true", wrong}), geometry::InputError) << wrong;
+  }
+}
+
+// Runs with other launch arguments would have been taken for those that are asked for.
+TEST(PickResults, OfAnotherSettingAreForgotten) {
+  const testing::TemporaryFolder folder;
+  CaseRunOptions options{.out = folder.path};
+  const auto runs = [&options] {
+    int count = 0;
+    run_cases(
+        options, {"a"},
+        [&count](int, const std::filesystem::path& file) {
+          const bool is_known = std::filesystem::exists(file);
+          count += is_known ? 0 : 1;
+          return is_known;
+        },
+        [](int, const std::filesystem::path& file) { write_pick(file, {}); });
+    return count;
+  };
+  EXPECT_EQ(runs(), 1);
+  EXPECT_EQ(runs(), 0);
+  options.setting = "minimum_stability:=0.1\n";
+  EXPECT_EQ(runs(), 1);
+  EXPECT_EQ(runs(), 0);
+  options.setting.clear();
+  EXPECT_EQ(runs(), 1);
 }
 
 TEST(PickResults, AreReadAsTheyWereWritten) {

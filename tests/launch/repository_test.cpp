@@ -64,38 +64,89 @@ TEST(LaunchFilesOfTheRepository, ListsAreCheckedAgainstWhatTheProgramTakes) {
   EXPECT_THAT(check("density: [1, 2]"), HasSubstr("of type number"));
 }
 
-// Both reach the world; what predicts touch is asked apart.
-TEST(LaunchFilesOfTheRepository, TouchIsChosenForTheWorldAndForItsPrediction) {
-  const ScratchDirectory scratch;
-  int calls = 0;
-  const auto dry_run = [&](std::vector<std::string> words) {
+// What the resolved graph of a launch file says of its nodes.
+class TouchOfLaunchFiles : public ::testing::Test {
+ protected:
+  // The exit code is 0 where the arguments apply.
+  std::string dry_run(std::vector<std::string> words, int exit_code = 0) {
     words.insert(words.begin(), {"launch", "--dry-run"});
-    ChildProgram program("prehend", words, scratch.path(std::to_string(++calls)));
-    EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
+    ChildProgram program("prehend", words, scratch_.path(std::to_string(++calls_)));
+    EXPECT_EQ(program.wait(seconds(30)), exit_code) << program.output();
     return program.output();
-  };
+  }
+
   // The lines of one node.
-  const auto of_node = [](const std::string& graph, const std::string& node) {
+  static std::string of_node(const std::string& graph, const std::string& node) {
     const std::size_t begin = graph.find("- node: " + node);
     EXPECT_NE(begin, std::string::npos) << node;
-    return graph.substr(begin, graph.find("- node: ", begin + 1) - begin);
-  };
-  const std::vector<std::vector<std::string>> files{
-      {"launch/demo.yaml"},
-      {"launch/replay.yaml", "bag:=a.mcap"},
-      {"launch/replay_cloud.yaml", "cloud:=a.pcd"},
-      {"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png", "calibration:=K.txt"},
-      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd"}};
-  for (std::vector<std::string> words : files) {
-    words.insert(words.end(),
-                 {"platform:=kr5_sdh", "touch_tolerance:=0.31", "predicted_touch_budget:=0.32"});
-    const std::string graph = dry_run(words);
+    return begin == std::string::npos
+               ? ""
+               : graph.substr(begin, graph.find("- node: ", begin + 1) - begin);
+  }
+
+  static void expect_world(const std::string& graph, const std::string& file) {
     EXPECT_THAT(of_node(graph, "simulation"),
                 AllOf(HasSubstr("\n      tolerance: 0.31\n"), HasSubstr("\n      budget: 0\n")))
-        << words[0];
+        << file;
+  }
+  static void expect_prediction(const std::string& graph, const std::string& file) {
     EXPECT_THAT(of_node(graph, "grasp_planning"),
                 AllOf(HasSubstr("touch_budget: 0.32\n"), HasSubstr("touch_tolerance: 0\n")))
-        << words[0];
+        << file;
+  }
+
+ private:
+  ScratchDirectory scratch_;
+  int calls_ = 0;
+};
+
+// Both reach the world; what predicts touch is asked apart.
+TEST_F(TouchOfLaunchFiles, IsChosenForTheWorldAndForItsPrediction) {
+  const std::vector<std::vector<std::string>> files{
+      {"launch/demo.yaml", "platform:=kr5_sdh"},
+      {"launch/kth.yaml"},
+      {"launch/uji.yaml"},
+      {"launch/bringup.yaml", "platform:=kr5_sdh", "cycle:=true"},
+      {"launch/replay.yaml", "bag:=a.mcap", "platform:=kr5_sdh"},
+      {"launch/replay_cloud.yaml", "cloud:=a.pcd", "platform:=kr5_sdh"},
+      {"launch/replay_stereo.yaml", "left:=l.png", "right:=r.png", "calibration:=K.txt",
+       "platform:=kr5_sdh"},
+      {"launch/replay_views.yaml", "first:=a.pcd", "second:=b.pcd", "platform:=kr5_sdh"}};
+  for (std::vector<std::string> words : files) {
+    words.insert(words.end(), {"touch_tolerance:=0.31", "predicted_touch_budget:=0.32"});
+    const std::string graph = dry_run(words);
+    expect_world(graph, words[0]);
+    expect_prediction(graph, words[0]);
+  }
+}
+
+// The grasps of the PG70, the only hand of hil.yaml, are planned by what its pads feel: there is
+// nothing to be chosen for them.
+TEST_F(TouchOfLaunchFiles, IsChosenForTheWorldBehindWires) {
+  expect_world(dry_run({"launch/hil.yaml", "touch_tolerance:=0.31"}), "hil.yaml");
+  EXPECT_THAT(dry_run({"launch/hil.yaml", "predicted_touch_budget:=0.32"}, 1),
+              HasSubstr("predicted_touch_budget"));
+}
+
+// A world runs behind bringup.yaml while one device is simulated, a planner with cycle:=true.
+TEST_F(TouchOfLaunchFiles, IsRefusedWhereNothingIsSimulatedOrPlanned) {
+  const std::vector<std::vector<std::string>> devices{{"gripper:=pg70"},
+                                                      {"tactile:=dsa"},
+                                                      {"wrench:=ft300"},
+                                                      {"gripper:=pg70", "tactile:=dsa"},
+                                                      {"gripper:=pg70", "wrench:=ft300"},
+                                                      {"tactile:=dsa", "wrench:=ft300"}};
+  for (std::vector<std::string> words : devices) {
+    words.insert(words.begin(), {"launch/bringup.yaml", "touch_tolerance:=0.31"});
+    expect_world(dry_run(words), words[2]);
+  }
+  const std::vector<std::string> real{"launch/bringup.yaml", "gripper:=pg70", "tactile:=dsa",
+                                      "wrench:=ft300"};
+  for (const char* argument : {"touch_tolerance:=0.31", "predicted_touch_budget:=0.32"}) {
+    std::vector<std::string> words = real;
+    words.emplace_back(argument);
+    const std::string name = words.back().substr(0, words.back().find(':'));
+    EXPECT_THAT(dry_run(words, 1), HasSubstr(name));
   }
 }
 

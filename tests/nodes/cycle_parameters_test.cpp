@@ -45,7 +45,8 @@ TEST_F(CycleParameters, AreRefusedWhereTheyMeanNothing) {
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "grip_force:=5"}), HasSubstr("its force is planned"));
   const std::string unfeeling =
       "platform:=" + platform_without_pads(scratch_.path() / "robots").string();
-  for (const char* parameter : {"grip_force:=5", "touch_force:=1", "touch_counts:=5"}) {
+  for (const char* parameter :
+       {"grip_force:=5", "touch_force:=1", "touch_counts:=5", "minimum_stability:=0.1"}) {
     EXPECT_THAT(refusal({unfeeling, parameter}), HasSubstr("its hand has no tactile pads"));
   }
   EXPECT_THAT(refusal({"platform:=kr5_pg70", "reacts:=true", "adaptations:=1"}),

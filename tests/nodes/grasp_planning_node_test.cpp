@@ -195,12 +195,13 @@ TEST_F(GraspPlanningNode, TouchIsNotPredictedWhereNobodyAsksForIt) {
     ASSERT_GT(plan.grasps_size(), 0) << "object " << id;
     EXPECT_EQ(plan.grasps(0).predicted().pads_size(), 0);
     EXPECT_EQ(plan.grasps(0).predicted().tactile_sum(), 0);
+    EXPECT_FALSE(plan.has_touch_fidelity());
     EXPECT_THAT(plan.grasps(0).predicted().not_predicted(), IsEmpty());
     EXPECT_GT(plan.grasps(0).predicted().lifted_mass(), 0);
   }
 }
 
-// The step of predicted touch is that of the front's setting, and is said.
+// The step of predicted touch is that of the front's setting, and is said; it goes with the plan.
 TEST_F(GraspPlanningNode, TheFrontChoosesTheStepsOfPredictedTouch) {
   const std::string front = (scratch_.path() / "front.yaml").string();
   std::ofstream(front) << "subject: touch_hand\nerror_name: e\nerror_unit: of the largest sum\n"
@@ -212,6 +213,13 @@ TEST_F(GraspPlanningNode, TheFrontChoosesTheStepsOfPredictedTouch) {
   EXPECT_TRUE(planning_->wait_for_output(
       "steps of predicted touch chosen: step 0.003: 9 ms of processor", seconds(20)))
       << planning_->output();
+  for (const std::uint32_t id : {0u, 1u, 2u}) models_.publish(carton(1, id, 0.15 * (id - 1.0)));
+  for (const auto& [id, plan] : plans(1)) {
+    ASSERT_TRUE(plan.has_touch_fidelity()) << "object " << id;
+    EXPECT_EQ(plan.touch_fidelity().knobs(), "step 0.003");
+    EXPECT_EQ(plan.touch_fidelity().seconds(), 0.009);
+    EXPECT_EQ(plan.touch_fidelity().error(), 0.02);
+  }
 }
 
 // What means nothing beside the other parameters was ignored.

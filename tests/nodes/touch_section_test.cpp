@@ -55,6 +55,22 @@ TEST(TouchSection, PredictedBesideFelt) {
   EXPECT_THAT(html, Not(HasSubstr("finger 2 distal"))) << "neither felt nor predicted";
 }
 
+// The predictor's setting and its error were in its log only.
+TEST(TouchSection, SaysHowTouchWasPredictedWhereThatWasChosen) {
+  Collected collected = run_of({});
+  EXPECT_THAT(page_of(collected), Not(HasSubstr("measured front")));
+  msgs::FidelityChoice& choice = *collected.plans[3].mutable_touch_fidelity();
+  choice.set_knobs("step 0.003");
+  choice.set_seconds(0.009);
+  choice.set_error(0.023);
+  const std::string html = page_of(collected);
+  for (const char* part : {"step 0.003", "9 ms of processor", "2.3 % of the largest sum"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  collected.result->set_attempts(0);
+  EXPECT_THAT(page_of(collected), Not(HasSubstr("measured front"))) << "nothing was to be felt";
+}
+
 TEST(TouchSection, WhatTheFramesMeanStandsBesideThem) {
   Collected collected = run_of({});
   msgs::PadTouch touch;

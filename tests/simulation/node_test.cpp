@@ -64,6 +64,11 @@ class SimulationNode : public ::testing::Test {
     node_.reset();
     kill(simulation_, SIGTERM);
     EXPECT_EQ(exit_code(simulation_), 0);
+    if (says_cost_) {
+      std::ifstream output(output_);
+      const std::string text{std::istreambuf_iterator<char>(output), {}};
+      EXPECT_NE(text.find("ms of processor to step"), std::string::npos) << text;
+    }
     std::filesystem::remove(output_);
   }
 
@@ -85,11 +90,18 @@ class SimulationNode : public ::testing::Test {
   std::unique_ptr<graph::Node> node_;
   graph::Publisher<msgs::GripperCommand> commands_;
   graph::Subscription gripper_subscription_, truth_subscription_;
+  bool says_cost_ = false;
   std::mutex mutex_;
   msgs::GripperState gripper_;
   msgs::GroundTruth truth_;
   int gripper_count_ = 0;
 };
+
+// Looked at when it has ended.
+TEST_F(SimulationNode, SaysInTheEndWhatASimulatedSecondTook) {
+  EXPECT_TRUE(wait_until([this] { return gripper_count_ > 10; }));
+  says_cost_ = true;
+}
 
 TEST_F(SimulationNode, PublishesSensorsAndOnePictureOfTheScene) {
   msgs::StereoPair pair;
