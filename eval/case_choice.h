@@ -28,7 +28,7 @@ struct CaseChoice {
   int processes = 1;
 
   /// Of run_cases().
-  CaseRunOptions runs() const { return {out, processes, fresh}; }
+  CaseRunOptions runs() const { return {out, processes, fresh, {}}; }
 };
 
 /// @param out the folder, unless --out names another one.

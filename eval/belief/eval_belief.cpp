@@ -1,18 +1,17 @@
 // What touches make of a predicted shape.
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "eval/belief/belief_report.h"
 #include "eval/belief/touch_trial.h"
 #include "eval/case_choice.h"
 #include "eval/case_runs.h"
-#include "eval/deviation_summary.h"
+#include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
 
 namespace {
@@ -55,46 +54,12 @@ int run(const Options& options) {
     const fs::path file = eval::case_file(runs, names[i]);
     if (is_known(file)) results.push_back(eval::read_belief_case(file));
   }
-  // Mean over cases by touches; a series that ended early keeps its last step.
-  std::map<std::string, std::vector<std::vector<eval::BeliefStep>>> by_series;
-  for (const eval::BeliefCase& result : results) {
-    if (!result.problem.empty()) {
-      std::printf("%s: %s\n", result.case_name.c_str(), result.problem.c_str());
-    }
-    for (const eval::BeliefSeries& series : result.series) {
-      if (series.steps.empty()) continue;
-      auto& steps = by_series[series.name];
-      steps.emplace_back();
-      for (int t = 0; t <= options.touches; ++t) {
-        steps.back().push_back(series.steps[std::min<std::size_t>(t, series.steps.size() - 1)]);
-      }
-    }
+  std::printf("\n%s", eval::belief_text(results).c_str());
+  if (!options.choice.json.empty()) {
+    eval::write_text(options.choice.json, eval::belief_json(results));
   }
-  for (const auto& [name, all] : by_series) {
-    std::printf("%s, %zu views\n", name.c_str(), all.size());
-    std::printf("touches  unseen mm  change  chamfer mm  change  jaccard  worse  update ms\n");
-    double first_unseen = 0, first_chamfer = 0;
-    for (int t = 0; t <= options.touches; ++t) {
-      std::vector<double> unseen, chamfer, jaccard, seconds;
-      int worse = 0;
-      for (const auto& steps : all) {
-        unseen.push_back(steps[t].unseen);
-        chamfer.push_back(steps[t].chamfer);
-        jaccard.push_back(steps[t].jaccard);
-        seconds.push_back(steps[t].seconds);
-        worse += t > 0 && steps[t].unseen > steps[t - 1].unseen + 3e-4;
-      }
-      const double u = eval::spread_of(unseen).mean, c = eval::spread_of(chamfer).mean;
-      if (t == 0) {
-        first_unseen = u;
-        first_chamfer = c;
-      }
-      std::printf("%7d  %9.2f  %+5.0f%%  %10.2f  %+5.0f%%  %7.3f  %4.1f%%  %9.1f\n", t, 1e3 * u,
-                  100 * (u / first_unseen - 1), 1e3 * c, 100 * (c / first_chamfer - 1),
-                  eval::spread_of(jaccard).mean, 100.0 * worse / static_cast<double>(all.size()),
-                  1e3 * eval::spread_of(seconds).mean);
-    }
-  }
+  eval::write_belief_report(options.choice.out, results);
+  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
   return crashed.empty() ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -102,7 +67,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Touches predicted objects and measures what that makes of their shapes.");
+  CLI::App app(
+      "Predicts the shape of known bodies from rendered stereo pairs, touches them with a "
+      "fingertip "
+      "where that tells most, and measures how far the corrected shapes are from the truth. A run "
+      "that was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
   app.add_option("--touches", options.touches, "of each object")->check(CLI::Range(1, 20));
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });

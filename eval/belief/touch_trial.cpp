@@ -7,6 +7,7 @@
 #include <yaml-cpp/yaml.h>
 #include <Eigen/Geometry>
 
+#include "eval/belief/gaussian_surface.h"
 #include "eval/case_runner.h"
 #include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
@@ -17,6 +18,7 @@
 #include "prehend/geometry/whole_file.h"
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/deviation.h"
+#include "prehend/surface/model.h"
 
 namespace prehend::eval {
 namespace {
@@ -118,8 +120,23 @@ belief::Contact felt(const Stopped& stopped, const TouchTrialOptions& options,
   return contact;
 }
 
+/// The seen points of a shape, with normals.
+geometry::PointCloud seen_points(const shape::CompletedShape& shape, const geometry::Plane& table) {
+  const surface::ShapeCloud all = surface::shape_cloud(shape, table);
+  geometry::PointCloud seen;
+  for (std::size_t i = 0; i < all.cloud_W.size(); ++i) {
+    if (all.basis[i] != surface::SurfaceOrigin::kSeen) continue;
+    seen.points.push_back(all.cloud_W.points[i]);
+    seen.normals.push_back(all.cloud_W.normals[i]);
+  }
+  return seen;
+}
+
+/// @param baseline gets what the baseline makes of the same evidence, unless null.
 BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plane& table, Told told,
-                        const Truth& truth, const Case& one, const TouchTrialOptions& options) {
+                        const Truth& truth, const Case& one, const TouchTrialOptions& options,
+                        BeliefSeries* baseline) {
+  const geometry::PointCloud seen = baseline ? seen_points(shape, table) : geometry::PointCloud();
   BeliefSeries series;
   series.name = told == Told::kContacts ? "contacts" : "contacts and empty space";
   belief::ObjectBelief belief(shape, table);
@@ -152,6 +169,15 @@ BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plan
     step.misfit = belief.shapes().front().misfit;
     truth.measure(mesh, one.seed, &step);
     series.steps.push_back(step);
+    if (!baseline) continue;
+    BeliefStep other;
+    other.touches = touches;
+    const double baseline_start = processor_time();
+    const geometry::TriangleMesh gaussian =
+        gaussian_surface(seen, belief.contacts(), belief.swept(), table, belief.swept().box());
+    other.seconds = processor_time() - baseline_start;
+    truth.measure(gaussian, one.seed, &other);
+    baseline->steps.push_back(other);
   }
   return series;
 }
@@ -175,10 +201,16 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
     const Truth truth(one, seen.scene.X_WC.translation());
     if (truth.is_all_seen())
       throw geometry::InputError("All of it was seen", "Look from elsewhere");
-    for (const Told told : {Told::kContacts, Told::kEmpty}) {
-      result.series.push_back(
-          run_series(shapes[seen.index].get(), table, told, truth, one, options));
-    }
+    const shape::CompletedShape& shape = shapes[seen.index].get();
+    BeliefSeries prediction{kPredictionSeries, "", {{}}};
+    truth.measure(surface::make_object_model(shape, table).mesh_W, one.seed,
+                  &prediction.steps.front());
+    BeliefSeries baseline{"Gaussian process, the same evidence", "", {}};
+    result.series.push_back(prediction);
+    result.series.push_back(
+        run_series(shape, table, Told::kContacts, truth, one, options, nullptr));
+    result.series.push_back(run_series(shape, table, Told::kEmpty, truth, one, options, &baseline));
+    result.series.push_back(baseline);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }

@@ -11,10 +11,12 @@ namespace prehend::eval {
 
 /// What a belief is told of the touches.
 enum class Told {
-  kNothing,
   kContacts,  // where the fingertip was stopped
   kEmpty,     // and where it went through
 };
+
+/// The series of one step that is the prediction as nodes make it.
+inline const std::string kPredictionSeries = "prediction";
 
 /// How far the believed surface is from the truth.
 struct BeliefStep {
@@ -49,7 +51,8 @@ struct TouchTrialOptions {
 };
 
 /// Renders the case's view, predicts the object, and touches it with a fingertip where the belief
-/// wants it: each series its own touches.
+/// wants it: each series its own touches. Of the one that is told all there is a second series:
+/// what the classical baseline (gaussian_surface.h) makes of the same evidence.
 BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options = {});
 
 /// As a file, and back. @throws geometry::InputError for a file that is none.

@@ -1,5 +1,6 @@
 #include "prehend/belief/displacement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -13,14 +14,18 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
+Eigen::Vector3d center_of(const ShapeHypothesis& hypothesis) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : hypothesis.points.cloud_W.points) box.extend(p);
+  return box.center().cast<double>();
+}
+
 /// The displacement of the observed points along their normals by a motion along the support: two
 /// directions and a turn about its normal through the points' middle.
 Rows motion_rows(const ShapeHypothesis& hypothesis, const geometry::Plane& table_W,
                  const std::vector<int>& points) {
   const geometry::PointCloud& cloud = hypothesis.points.cloud_W;
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& p : cloud.points) box.extend(p);
-  const Eigen::Vector3d center = box.center().cast<double>();
+  const Eigen::Vector3d center = center_of(hypothesis);
   const Eigen::Vector3d x = table_W.normal.unitOrthogonal(), y = table_W.normal.cross(x);
   Rows rows(points.size(), 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -37,7 +42,7 @@ Rows motion_rows(const ShapeHypothesis& hypothesis, const geometry::Plane& table
 Displacement::Displacement(const ShapeHypothesis& hypothesis, const geometry::Plane& table_W,
                            const std::vector<Motion>& motions,
                            std::vector<Observation> observations)
-    : hypothesis_(hypothesis), observations_(std::move(observations)) {
+    : hypothesis_(hypothesis), up_W_(table_W.normal), observations_(std::move(observations)) {
   const auto count = static_cast<Eigen::Index>(observations_.size());
   Eigen::VectorXd found(count);
   for (const Observation& o : observations_) {
@@ -61,12 +66,17 @@ Displacement::Displacement(const ShapeHypothesis& hypothesis, const geometry::Pl
     covariance += rows * rows.transpose();
     of_motions.push_back(std::move(rows));
   }
+  // What the single precision of the points' covariance leaves open.
+  constexpr double kRoundOff = 4e-6;
   for (Eigen::Index i = 0; i < count; ++i) {
-    covariance(i, i) += observations_[i].deviation * observations_[i].deviation;
+    const auto deviation = static_cast<double>(hypothesis.deviation[observed_[i]]);
+    covariance(i, i) +=
+        observations_[i].deviation * observations_[i].deviation + kRoundOff * deviation * deviation;
   }
   solver_.compute(covariance);
   weights_ = solver_.solve(found);
   theta_ = rows(observed_).transpose() * weights_;
+  center_W_ = center_of(hypothesis);
   for (std::size_t m = 0; m < motions.size(); ++m) {
     const Eigen::Vector3d of_one =
         Eigen::Vector3d(motions[m].along, motions[m].along, motions[m].turn)
@@ -81,6 +91,14 @@ Displacement::Displacement(const ShapeHypothesis& hypothesis, const geometry::Pl
   const auto n = static_cast<double>(count);
   log_likelihood_ = -0.5 * (distance + log_determinant + n * std::log(2 * std::numbers::pi));
   misfit_ = distance / n;
+}
+
+Eigen::Vector3d Displacement::before_motions(const Eigen::Vector3d& p_W, int act) const {
+  Eigen::Vector3d p = p_W;
+  for (int m = std::min(act, static_cast<int>(moved_.size())) - 1; m >= 0; --m) {
+    p -= moved_[m].along_W + moved_[m].turn * up_W_.cross(p - center_W_);
+  }
+  return p;
 }
 
 Eigen::VectorXd Displacement::left_out_misfits() const {

@@ -41,13 +41,15 @@ class Displacement {
   /// standard deviations (Rasmussen and Williams 2006, equations 5.10 to 5.12). O(n^3).
   Eigen::VectorXd left_out_misfits() const;
   const Eigen::VectorXd& theta() const { return theta_; }
-  /// Of the object by each act: along two axes of the support [m] and about its normal [rad], as a
-  /// displacement of the object's points in W: translation, and turn about support_center().
+  /// Of the object by an act, in W: along the support [m], and about its normal through the middle
+  /// of the hypothesis [rad].
   struct Moved {
     Eigen::Vector3d along_W = Eigen::Vector3d::Zero();
     double turn = 0;
   };
   const std::vector<Moved>& moved() const { return moved_; }
+  /// Where the object's point that was felt at p_W after so many acts was when it was first seen.
+  Eigen::Vector3d before_motions(const Eigen::Vector3d& p_W, int act) const;
 
   /// Where these points of the hypothesis are now thought to be, with the object where it was
   /// first seen [m]. O(points x observations).
@@ -67,6 +69,7 @@ class Displacement {
   Eigen::MatrixXd rows(const std::vector<int>& points) const;  // A
 
   const ShapeHypothesis& hypothesis_;
+  Eigen::Vector3d up_W_, center_W_ = Eigen::Vector3d::Zero();
   std::vector<Observation> observations_;
   std::vector<int> observed_;
   Eigen::LLT<Eigen::MatrixXd> solver_;

@@ -28,6 +28,9 @@ Eigen::AlignedBox3d room_of(const shape::CompletedShape& shape) {
   constexpr double kRoom = 0.3;  // of the extent
   Eigen::AlignedBox3d box = bounds_of(shape.cloud_W);
   for (const auto& other : shape.alternatives) box.extend(bounds_of(other.cloud_W));
+  if (box.isEmpty()) {
+    throw geometry::InputError("the completed shape has no points", "complete the shape again");
+  }
   const double room = kRoom * box.sizes().maxCoeff();
   return {box.min().array() - room, box.max().array() + room};
 }
@@ -148,13 +151,11 @@ const std::vector<Displacement::Moved>& ObjectBelief::moved() const {
 }
 
 geometry::TriangleMesh ObjectBelief::mesh(std::size_t i) const {
-  surface::SurfaceOptions surface = options_.surface;
-  surface.close_bottom = false;  // the points have one
   surface::EmptySpace empty;
   if (!seen_space_.empty_until.empty()) empty.seen = {&seen_space_};
   if (!swept_.empty()) empty.swept = &swept_;
-  return surface::reconstruct(shape(i).displaced(evidence(), seen_space_), table_W_, surface, empty,
-                              shape(i).hypothesis().bounds_W);
+  return surface::reconstruct(shape(i).displaced(evidence(), seen_space_), table_W_,
+                              options_.surface, empty, shape(i).hypothesis().bounds_W);
 }
 
 std::vector<ObjectBelief::Site> ObjectBelief::sites() const {

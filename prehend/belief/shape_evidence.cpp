@@ -92,33 +92,46 @@ bool ShapeEvidence::is_known(std::size_t site) const {
 }
 
 /// The site that a contact is most likely of: as far off along the normal as the site may be
-/// displaced, near it along the surface, and facing the same way. None when it is not likely of
-/// any.
-std::optional<std::size_t> ShapeEvidence::matched(const Contact& contact) const {
-  const Eigen::Vector3f p = contact.p_W.cast<float>(), n = contact.normal_W.cast<float>();
-  const auto noise = static_cast<float>(contact.deviation * contact.deviation);
+/// displaced and the object moved, near it along the surface, and facing the same way. None when it
+/// is not likely of any.
+std::optional<std::size_t> ShapeEvidence::matched(const Contact& contact, int act,
+                                                  const Evidence& evidence) const {
+  const Eigen::Vector3d p_W =
+      displacement_ ? displacement_->before_motions(contact.p_W, act) : contact.p_W;
+  const Eigen::Vector3f p = p_W.cast<float>(), n = contact.normal_W.cast<float>();
+  double noise = contact.deviation * contact.deviation;
+  bool may_have_moved = false;
+  for (int m = 0; m < act; ++m) {
+    const Motion& motion = evidence.motions[m];
+    noise += motion.along * motion.along + 0.25 * std::pow(motion.turn * extent_, 2);
+    may_have_moved = may_have_moved || motion.along > 0 || motion.turn > 0;
+  }
   const auto per_aside = static_cast<float>(1 / (hypothesis_.aside * hypothesis_.aside));
   const auto turned = n.isZero() ? 0 : static_cast<float>(2 * hypothesis_.normal_scale);
-  float least = std::numeric_limits<float>::infinity();
+  float least = std::numeric_limits<float>::infinity(), of_place = 0;
   std::size_t best = 0;
   for (std::size_t s = 0; s < sites_.size(); ++s) {
     const Eigen::Vector3f& normal = hypothesis_.points.cloud_W.normals[sites_[s]];
     const Eigen::Vector3f r = p - places_[s];
     const float along = r.dot(normal);
-    const float variance = hypothesis_.variance[sites_[s]] + noise;
-    const float cost = along * along / variance + log_variance_[s] +
-                       (r.squaredNorm() - along * along) * per_aside + turned * (1 - n.dot(normal));
-    if (cost < least) {
-      least = cost;
+    const float variance = hypothesis_.variance[sites_[s]] + static_cast<float>(noise);
+    const float log_variance = may_have_moved ? std::log(variance) : log_variance_[s];
+    const float chi_squared = along * along / variance +
+                              (r.squaredNorm() - along * along) * per_aside +
+                              turned * (1 - n.dot(normal));
+    if (chi_squared + log_variance < least) {
+      least = chi_squared + log_variance;
+      of_place = chi_squared;
       best = s;
     }
   }
-  if (least - log_variance_[best] > kUnexplained) return std::nullopt;
+  if (of_place > kUnexplained) return std::nullopt;
   return best;
 }
 
-std::optional<Observation> ShapeEvidence::observed(const Contact& contact, int act) const {
-  const std::optional<std::size_t> match = matched(contact);
+std::optional<Observation> ShapeEvidence::observed(const Contact& contact, int act,
+                                                   const Evidence& evidence) const {
+  const std::optional<std::size_t> match = matched(contact, act, evidence);
   if (!match) return std::nullopt;
   const int point = sites_[*match];
   const Eigen::Vector3d n = hypothesis_.points.cloud_W.normals[point].cast<double>();
@@ -206,7 +219,7 @@ std::vector<std::size_t> ShapeEvidence::take_in_contacts(const Evidence& evidenc
     unexplained_.clear();
     for (std::size_t i = 0; i < evidence.contacts.size(); ++i) {
       const auto& [contact, act] = evidence.contacts[i];
-      if (const auto observation = observed(contact, act)) {
+      if (const auto observation = observed(contact, act, evidence)) {
         observations->push_back(*observation);
         explained.push_back(i);
       } else {
@@ -241,6 +254,7 @@ void ShapeEvidence::take_in_swept(const Evidence& evidence,
 }
 
 void ShapeEvidence::take_in(const Evidence& evidence) {
+  displacement_.reset();
   places_.clear();
   for (const int i : sites_) places_.push_back(hypothesis_.points.cloud_W.points[i]);
   std::vector<Observation> observations;

@@ -57,8 +57,10 @@ class ShapeEvidence {
  private:
   bool is_seen(int point) const;
   bool is_double(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const;
-  std::optional<std::size_t> matched(const Contact& contact) const;
-  std::optional<Observation> observed(const Contact& contact, int act) const;
+  std::optional<std::size_t> matched(const Contact& contact, int act,
+                                     const Evidence& evidence) const;
+  std::optional<Observation> observed(const Contact& contact, int act,
+                                      const Evidence& evidence) const;
   std::optional<double> way_out(const Eigen::Vector3d& place, int point,
                                 const geometry::SweptSpace& swept) const;
   void add_swept(const Evidence& evidence, std::vector<Observation>* observations) const;

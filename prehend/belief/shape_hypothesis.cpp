@@ -60,8 +60,9 @@ Plane turned(const Plane& plane, const Eigen::Vector3d& center, const Eigen::Vec
 
 class Motions {
  public:
-  Motions(ShapeHypothesis& hypothesis, const geometry::Plane& table_W) : hypothesis_(hypothesis) {
-    up_ = table_W.normal;
+  Motions(ShapeHypothesis& hypothesis, const geometry::Plane& table_W,
+          const Eigen::Vector3d& viewpoint_W)
+      : hypothesis_(hypothesis), up_(table_W.normal), viewpoint_(viewpoint_W) {
     for (const Eigen::Vector3f& p : hypothesis.points.cloud_W.points) {
       box_.extend(p.cast<double>());
     }
@@ -84,11 +85,11 @@ class Motions {
     const Eigen::Vector3d center = box_.center();
     const Eigen::Vector3d x = up_.unitOrthogonal(), y = up_.cross(x);
     for (const Eigen::Vector3d& along : {x, y}) {
-      add([&](PointOrigin, const Eigen::Vector3d&) -> Eigen::Vector3d {
+      add([&](surface::SurfaceOrigin, PointOrigin, const Eigen::Vector3d&) -> Eigen::Vector3d {
         return prior.axis_shift * extent() * along;
       });
     }
-    add([&](PointOrigin, const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    add([&](surface::SurfaceOrigin, PointOrigin, const Eigen::Vector3d& p) -> Eigen::Vector3d {
       const Eigen::Vector3d from_axis = p - center - up_.dot(p - center) * up_;
       return prior.radius * extent() * from_axis.normalized();
     });
@@ -112,29 +113,46 @@ class Motions {
          changed(turned(plane, box_.center(), up_, -prior.plane_turn))},
         {changed(turned(plane, box_.center(), lean, prior.plane_tilt)),
          changed(turned(plane, box_.center(), lean, -prior.plane_tilt))}};
+    const PointOrigin of_this =
+        which == &Mirror::first ? PointOrigin::kMirrored : PointOrigin::kMirroredSecond;
+    const auto over = [&](const Eigen::Vector3d& p) { return plane.normal.dot(p - plane.point); };
+    double reach = 0;
+    for (const Eigen::Vector3f& p : hypothesis_.points.cloud_W.points) {
+      reach = std::max(reach, std::abs(over(p.cast<double>())));
+    }
+    // From the side that was seen to the one that was mirrored.
+    const double away = over(viewpoint_) > 0 ? -1 : 1;
+    const auto share = [&](const Eigen::Vector3d& p) {
+      return reach > 0 ? std::clamp(0.5 + 0.5 * away * over(p) / reach, 0.0, 1.0) : 0.0;
+    };
     for (const auto& [more, less] : ways) {
-      add([&, &m = more, &l = less](PointOrigin origin,
+      add([&, &m = more, &l = less](surface::SurfaceOrigin basis, PointOrigin origin,
                                     const Eigen::Vector3d& p) -> Eigen::Vector3d {
-        const Eigen::Vector3d from = mirror.unmap(origin, p);
-        return 0.5 * (m.map(origin, from) - l.map(origin, from));
+        // What closes a side between the two goes with the mirrored one as far as it is there.
+        const bool is_between = basis == surface::SurfaceOrigin::kAssumed;
+        const PointOrigin mapped = is_between ? of_this : origin;
+        const Eigen::Vector3d from = mirror.unmap(mapped, p);
+        return (is_between ? share(p) : 1) * 0.5 * (m.map(mapped, from) - l.map(mapped, from));
       });
     }
   }
 
-  void add(const std::function<Eigen::Vector3d(PointOrigin, const Eigen::Vector3d&)>& motion) {
+  using Motion =
+      std::function<Eigen::Vector3d(surface::SurfaceOrigin, PointOrigin, const Eigen::Vector3d&)>;
+  void add(const Motion& motion) {
     const surface::ShapeCloud& points = hypothesis_.points;
     const auto count = static_cast<Eigen::Index>(points.cloud_W.size());
     Eigen::Matrix3Xf moved = Eigen::Matrix3Xf::Zero(3, count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      if (points.basis[i] != surface::SurfaceOrigin::kPredicted) continue;
-      moved.col(i) =
-          motion(points.origin[i], points.cloud_W.points[i].cast<double>()).cast<float>();
+      if (points.basis[i] == surface::SurfaceOrigin::kSeen) continue;
+      const Eigen::Vector3d p = points.cloud_W.points[i].cast<double>();
+      moved.col(i) = motion(points.basis[i], points.origin[i], p).cast<float>();
     }
     hypothesis_.motions.push_back(std::move(moved));
   }
 
   ShapeHypothesis& hypothesis_;
-  Eigen::Vector3d up_;
+  Eigen::Vector3d up_, viewpoint_;
   Eigen::AlignedBox3d box_;
 };
 
@@ -155,13 +173,20 @@ std::optional<std::size_t> nearest_of(const surface::ShapeCloud& cloud, const Po
   return best;
 }
 
-/// Points spread over the mesh, `across` of them along its longest side, with normals.
-geometry::PointCloud spread_over(const geometry::TriangleMesh& mesh, double across) {
+/// Points spread over the mesh, `across` of them along its longest side, with normals. Its foot is
+/// left out: what stands on the table follows from the sides (closing.h).
+geometry::PointCloud spread_over(const geometry::TriangleMesh& mesh, double across,
+                                 const geometry::Plane& table_W) {
+  constexpr double kFootFaces = -0.7;  // cosine, beside the table's normal
   const double side = geometry::bounds(mesh).sizes().maxCoeff() / across;
   const std::vector<Eigen::Vector3d> normals = geometry::vertex_normals(mesh);
   std::set<std::array<int, 4>> taken;
   geometry::PointCloud cloud;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (table_W.signed_distance(mesh.vertices[i]) < 2 * side &&
+        normals[i].dot(table_W.normal) < kFootFaces) {
+      continue;
+    }
     const Eigen::Vector3i cell = (mesh.vertices[i] / side).array().floor().matrix().cast<int>();
     int axis = 0;
     normals[i].cwiseAbs().maxCoeff(&axis);
@@ -185,7 +210,7 @@ surface::ShapeCloud surface_points(const shape::CompletedShape& shape,
   options.surface = surface;
   const surface::ShapeCloud made_of = surface::shape_cloud(shape, table_W, options.points());
   surface::ShapeCloud points;
-  points.cloud_W = spread_over(surface::mesh_of(shape, table_W, options), kAcross);
+  points.cloud_W = spread_over(surface::mesh_of(shape, table_W, options), kAcross, table_W);
   const double near = kNear * surface::spacing_of(made_of.cloud_W);
   const PointCells cells(made_of.cloud_W.points, near);
   for (const Eigen::Vector3f& p : points.cloud_W.points) {
@@ -259,7 +284,7 @@ ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape, const geometry
   double lost = 0;
   hypothesis.points = surface_points(shape, table_W, surface, &lost);
   hypothesis.bounds_W = shape.bounds_W;
-  Motions motions(hypothesis, table_W);
+  Motions motions(hypothesis, table_W, shape.viewpoint_W);
   const double extent = motions.extent();
   hypothesis.correlation_length = prior.correlation_length * extent;
   hypothesis.detail_length = prior.detail_length * extent;

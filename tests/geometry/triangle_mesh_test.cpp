@@ -165,5 +165,18 @@ TEST(Concatenated, KeepsBothMeshesApart) {
   EXPECT_EQ(two.vertices.size(), 8u + make_sphere(1, 16).vertices.size());
 }
 
+TEST(TriangleMesh, VertexNormalsOfASphereAreRadial) {
+  TriangleMesh mesh = make_sphere(0.1, 48);
+  const std::vector<Eigen::Vector3d> normals = vertex_normals(mesh);
+  ASSERT_EQ(normals.size(), mesh.vertices.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    EXPECT_NEAR(normals[i].norm(), 1, 1e-12);
+    EXPECT_GT(normals[i].dot(mesh.vertices[i].normalized()), std::cos(0.05));
+  }
+  mesh.vertices.emplace_back(1, 2, 3);  // of no triangle
+  EXPECT_TRUE(vertex_normals(mesh).back().isZero());
+  EXPECT_TRUE(vertex_normals({}).empty());
+}
+
 }  // namespace
 }  // namespace prehend::geometry

@@ -124,6 +124,59 @@ TEST(Symmetry, ASquareBoxHasAnAlternativeThatIsRightToo) {
   EXPECT_EQ(other.point_confidence.size(), other.cloud_W.size());
 }
 
+// A cylinder that stands is a surface of revolution as well, and what it is below it is above.
+TEST(Symmetry, OtherMethodsComeAfterOtherPlanes) {
+  const SyntheticView view =
+      synthetic_view(standing(geometry::make_revolution({{0.04, 0}, {0.04, 0.12}}), 0), {});
+  CompletionOptions options;
+  options.alternatives = 1;
+  const std::size_t planes = complete_by_symmetry(view.view(), options).alternatives.size();
+  options.other_methods = true;
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  ASSERT_EQ(shape.method, CompletionMethod::kMirror);
+  ASSERT_GT(shape.alternatives.size(), planes);
+  bool has_rotation = false;
+  for (std::size_t i = planes; i < shape.alternatives.size(); ++i) {
+    const CompletedShape& other = shape.alternatives[i];
+    EXPECT_EQ(other.origin.size(), other.cloud_W.size());
+    EXPECT_EQ(other.point_confidence.size(), other.cloud_W.size());
+    EXPECT_TRUE(other.alternatives.empty());
+    EXPECT_TRUE(std::equal(view.cloud_W.points.begin(), view.cloud_W.points.end(),
+                           other.cloud_W.points.begin()));
+    has_rotation = has_rotation || other.method == CompletionMethod::kRotation;
+  }
+  EXPECT_TRUE(has_rotation);
+}
+
+// Seen from above, what lies shows nothing of its underside: it is mirrored at the level half way
+// up.
+TEST(Symmetry, WhatLiesMayBeBelowAsAbove) {
+  geometry::RigidTransform X = geometry::RigidTransform::Identity();
+  X.linear() = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const auto lying =
+      standing(geometry::transformed(geometry::make_revolution({{0.04, 0}, {0.04, 0.12}}), X), 0);
+  const SyntheticView view = synthetic_view(lying, {});
+  CompletionOptions options;
+  options.other_methods = true;
+  const CompletedShape shape = complete_by_symmetry(view.view(), options);
+  const auto below = std::find_if(
+      shape.alternatives.begin(), shape.alternatives.end(), [](const CompletedShape& other) {
+        return other.second_symmetry && std::abs(other.second_symmetry->normal_W.z()) > 0.99;
+      });
+  ASSERT_NE(below, shape.alternatives.end());
+  EXPECT_NEAR(below->second_symmetry->point_W.z(), 0.04, 0.001);
+  const std::vector<double> errors = mirrored_errors(*below, lying);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.003);
+  const auto lowest = [](const CompletedShape& one) {
+    float z = 1;
+    for (std::size_t i = 0; i < one.cloud_W.size(); ++i) {
+      if (one.origin[i] != PointOrigin::kSeen) z = std::min(z, one.cloud_W.points[i].z());
+    }
+    return z;
+  };
+  EXPECT_LT(lowest(*below), 0.003f);
+}
+
 TEST(Symmetry, AlternativesDoNotChangeTheWinner) {
   const SyntheticView view = synthetic_view(standing(box_solid().mesh, 30 * kPlaneDegree), {});
   CompletionOptions options;

@@ -42,7 +42,8 @@ TEST(EmptySpace, IsLeftOut) {
   const geometry::PointCloud cloud = sampled(geometry::make_sphere(kRadius, 64), 20000);
   const shape::SeenSpace space = half_seen();
   for (const int resolution : {64, 128}) {
-    const auto mesh = fast_poisson(cloud, std::nullopt, {.resolution = resolution}, {.seen = {&space}}).mesh;
+    const auto mesh =
+        fast_poisson(cloud, std::nullopt, {.resolution = resolution}, {.seen = {&space}}).mesh;
     EXPECT_TRUE(geometry::find_defects(mesh).watertight());
     const double whole = 4. / 3 * std::numbers::pi * std::pow(kRadius, 3);
     const double spacing = 1.25 * 2 * kRadius / resolution;
@@ -64,8 +65,35 @@ TEST(EmptySpace, WithoutAnyTheSurfaceIsTheSameToTheLastBit) {
   const auto plain = fast_poisson(cloud, std::nullopt).mesh;
   for (const float depth : {std::numeric_limits<float>::quiet_NaN(), 0.44f}) {
     const shape::SeenSpace space = seen_from_above(depth);
-    EXPECT_EQ(fast_poisson(cloud, std::nullopt, {}, {.seen = {&space}}).mesh.vertices, plain.vertices);
+    EXPECT_EQ(fast_poisson(cloud, std::nullopt, {}, {.seen = {&space}}).mesh.vertices,
+              plain.vertices);
   }
+}
+
+// A hand went through the right half of a ball that was predicted.
+TEST(EmptySpace, WhatWasSweptIsLeftOut) {
+  const geometry::PointCloud cloud = sampled(geometry::make_sphere(kRadius, 64), 20000);
+  geometry::SweptSpace swept({Eigen::Vector3d::Constant(-0.08), Eigen::Vector3d::Constant(0.08)},
+                             0.002);
+  for (double y = -0.06; y <= 0.06; y += 0.004) {
+    for (double z = -0.06; z <= 0.06; z += 0.004) swept.add_path({0.012, y, z}, {0.07, y, z}, 0.01);
+  }
+  for (const int resolution : {64, 128}) {
+    const auto mesh =
+        fast_poisson(cloud, std::nullopt, {.resolution = resolution}, {.swept = &swept}).mesh;
+    EXPECT_TRUE(geometry::find_defects(mesh).watertight());
+    const double whole = 4. / 3 * std::numbers::pi * std::pow(kRadius, 3);
+    const double spacing = 1.25 * 2 * kRadius / resolution;
+    EXPECT_NEAR(geometry::mass_properties(mesh).volume, 0.5 * whole,
+                4 * spacing * std::numbers::pi * kRadius * kRadius);
+    for (const Eigen::Vector3d& p : mesh.vertices) EXPECT_LT(swept.depth(p), 3 * spacing);
+  }
+  // What was swept elsewhere changes nothing.
+  geometry::SweptSpace elsewhere(
+      {Eigen::Vector3d::Constant(-0.08), Eigen::Vector3d::Constant(0.08)}, 0.002);
+  elsewhere.add_ball({0.07, 0.07, 0.07}, 0.01);
+  EXPECT_EQ(fast_poisson(cloud, std::nullopt, {}, {.swept = &elsewhere}).mesh.vertices,
+            fast_poisson(cloud, std::nullopt).mesh.vertices);
 }
 
 // The camera sees the table through a ring: so may a hand.

@@ -153,7 +153,7 @@ TEST(Reconstruct, NothingIsUnderSeveralBounds) {
     options.method = method;
     options.close_bottom = false;
     options.pcl_poisson.depth = 6;
-    const auto mesh = reconstruct(cloud, table, options, nullptr, bounds);
+    const auto mesh = reconstruct(cloud, table, options, {}, bounds);
     EXPECT_TRUE(geometry::find_defects(mesh).watertight());
     for (const Eigen::Vector3d& vertex : mesh.vertices) {
       EXPECT_GE(table.signed_distance(vertex), -1e-6);
@@ -172,7 +172,7 @@ TEST(Reconstruct, NothingIsUnderABound) {
     SurfaceOptions options;
     options.method = method;
     options.pcl_poisson.depth = 6;
-    const auto mesh = reconstruct(cloud, std::nullopt, options, nullptr, bounds);
+    const auto mesh = reconstruct(cloud, std::nullopt, options, {}, bounds);
     EXPECT_TRUE(geometry::find_defects(mesh).watertight());
     for (const Eigen::Vector3d& vertex : mesh.vertices) {
       EXPECT_GE(bounds[0].signed_distance(vertex), -1e-9);
