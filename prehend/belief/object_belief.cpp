@@ -62,7 +62,7 @@ ObjectBelief::ObjectBelief(const shape::CompletedShape& shape, const geometry::P
       swept_(room_of(shape), spacing_for(room_of(shape), options)) {
   const auto add = [&](const shape::CompletedShape& one) {
     all_.push_back(std::make_unique<ShapeEvidence>(
-        hypothesis_of(one, table_W, shape.symmetry.vote, options.prior, options.surface)));
+        hypothesis_of(one, shape, table_W, options.prior, options.surface)));
   };
   std::optional<geometry::InputError> problem;
   try {

@@ -12,7 +12,6 @@
 #include <Eigen/Geometry>
 
 #include "prehend/belief/point_cells.h"
-#include "prehend/surface/model.h"
 
 namespace prehend::belief {
 namespace {
@@ -202,15 +201,18 @@ geometry::PointCloud spread_over(const geometry::TriangleMesh& mesh, double acro
 /// The surface of `shape` as points, with what each rests on. `lost`: the share of the seen points
 /// that the surface does not go through, as that of a head whose neck nobody saw.
 surface::ShapeCloud surface_points(const shape::CompletedShape& shape,
+                                   const shape::CompletedShape& whole,
                                    const geometry::Plane& table_W,
                                    const surface::SurfaceOptions& surface, double* lost) {
   constexpr double kAcross = 64;
   constexpr double kNear = 2.5;  // spacings
-  surface::ModelOptions options;
-  options.surface = surface;
-  const surface::ShapeCloud made_of = surface::shape_cloud(shape, table_W, options.points());
+  const surface::ShapeCloud made_of = surface::shape_cloud(shape, table_W);
+  surface::EmptySpace empty;
+  if (!whole.seen_space.empty_until.empty()) empty.seen = {&whole.seen_space};
+  const geometry::TriangleMesh mesh =
+      surface::reconstruct(made_of.cloud_W, table_W, surface, empty, shape.bounds_W);
   surface::ShapeCloud points;
-  points.cloud_W = spread_over(surface::mesh_of(shape, table_W, options), kAcross, table_W);
+  points.cloud_W = spread_over(mesh, kAcross, table_W);
   const double near = kNear * surface::spacing_of(made_of.cloud_W);
   const PointCells cells(made_of.cloud_W.points, near);
   for (const Eigen::Vector3f& p : points.cloud_W.points) {
@@ -275,14 +277,14 @@ void ShapePrior::validate() const {
   }
 }
 
-ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
-                              double best_vote, const ShapePrior& prior,
-                              const surface::SurfaceOptions& surface) {
+ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape,
+                              const shape::CompletedShape& whole, const geometry::Plane& table_W,
+                              const ShapePrior& prior, const surface::SurfaceOptions& surface) {
   prior.validate();
   ShapeHypothesis hypothesis;
   hypothesis.name = name(shape.method);
   double lost = 0;
-  hypothesis.points = surface_points(shape, table_W, surface, &lost);
+  hypothesis.points = surface_points(shape, whole, table_W, surface, &lost);
   hypothesis.bounds_W = shape.bounds_W;
   Motions motions(hypothesis, table_W, shape.viewpoint_W);
   const double extent = motions.extent();
@@ -296,7 +298,7 @@ ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape, const geometry
                                  : prior.assumed + prior.assumed_share * extent;
     hypothesis.deviation.push_back(static_cast<float>(deviation));
   }
-  const double worse = shape.symmetry.vote - best_vote;
+  const double worse = shape.symmetry.vote - whole.symmetry.vote;
   switch (shape.method) {
     case shape::CompletionMethod::kMirror:
     case shape::CompletionMethod::kRefusedMirror:

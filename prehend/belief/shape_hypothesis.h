@@ -44,11 +44,12 @@ struct ShapeHypothesis {
   std::vector<geometry::Plane> bounds_W;  // as CompletedShape::bounds_W
 };
 
-/// Of one completion (its alternatives left aside) of an object that stands on `table_W`.
-/// @param best_vote of all the object's completions by a mirror.
-/// @throws geometry::InputError for a shape that gives no surface, as surface::mesh_of().
-ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
-                              double best_vote, const ShapePrior& prior = {},
+/// Of one completion, `whole` or one of its alternatives, of an object that stands on `table_W`.
+/// `whole` knows the best vote, and where nothing can be.
+/// @throws geometry::InputError for a shape that gives no surface, as surface::reconstruct().
+ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape,
+                              const shape::CompletedShape& whole, const geometry::Plane& table_W,
+                              const ShapePrior& prior = {},
                               const surface::SurfaceOptions& surface = {});
 
 }  // namespace prehend::belief

@@ -16,9 +16,9 @@ struct ShapePrior {
   double detail = 0.3;               // share of their variance that is of details
   double detail_length = 0.06;       // of those, share of the extent, > 0
   // Of a mirrored side, as a whole.
-  double plane_shift = 0.1;   // of the plane along its normal, share of the extent
-  double plane_turn = 0.12;   // rad, about the support's normal
-  double plane_tilt = 0.05;   // rad
+  double plane_shift = 0.1;  // of the plane along its normal, share of the extent
+  double plane_turn = 0.12;  // rad, about the support's normal
+  double plane_tilt = 0.05;  // rad
   // Of a surface of revolution, as a whole.
   double axis_shift = 0.03;  // share of the extent, in each direction along the support
   double radius = 0.03;      // share of the extent
