@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "eval/case_runs.h"
 #include "eval/deviation_summary.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -22,7 +25,10 @@ namespace fs = std::filesystem;
 
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/belief");
-  int touches = 5;
+  std::optional<int> touches;
+  std::string hand;  // empty: a fingertip
+
+  int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
 
 bool is_known(const fs::path& file) {
@@ -42,9 +48,14 @@ int run(const Options& options) {
   if (options.choice.list) return eval::list_cases(cases);
   const eval::CaseRunOptions runs = options.choice.runs();
   std::vector<std::string> names;
-  for (const eval::Case& one : cases) names.push_back(one.result_name());
+  for (const eval::Case& one : cases) {
+    names.push_back(one.result_name() + (options.hand.empty() ? "" : "_" + options.hand));
+  }
+  std::optional<eval::TouchingHand> hand;
+  if (!options.hand.empty()) hand.emplace(options.hand);
   eval::TouchTrialOptions trial;
-  trial.touches = options.touches;
+  trial.touches = options.count();
+  trial.hand = hand ? &*hand : nullptr;
   const auto crashed = eval::run_cases(
       runs, names, [&](int, const fs::path& file) { return is_known(file); },
       [&](int i, const fs::path& file) {
@@ -65,7 +76,7 @@ int run(const Options& options) {
       if (series.steps.empty()) continue;
       auto& steps = by_series[series.name];
       steps.emplace_back();
-      for (int t = 0; t <= options.touches; ++t) {
+      for (int t = 0; t <= options.count(); ++t) {
         steps.back().push_back(series.steps[std::min<std::size_t>(t, series.steps.size() - 1)]);
       }
     }
@@ -74,7 +85,7 @@ int run(const Options& options) {
     std::printf("%s, %zu views\n", name.c_str(), all.size());
     std::printf("touches  unseen mm  change  chamfer mm  change  jaccard  worse  update ms\n");
     double first_unseen = 0, first_chamfer = 0;
-    for (int t = 0; t <= options.touches; ++t) {
+    for (int t = 0; t <= options.count(); ++t) {
       std::vector<double> unseen, chamfer, jaccard, seconds;
       int worse = 0;
       for (const auto& steps : all) {
@@ -104,6 +115,15 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Touches predicted objects and measures what that makes of their shapes.");
   eval::add_case_options(app, options.choice);
-  app.add_option("--touches", options.touches, "of each object")->check(CLI::Range(1, 20));
+  app.add_option("--touches", options.touches, "of each object; 5, of a hand 3")
+      ->check(CLI::Range(1, 20));
+  std::vector<std::string> hands = robot::platform_names(text::tree_file("config/robots"));
+  for (const std::string& name : robot::hand_names(text::tree_file("config/robots"))) {
+    hands.push_back(name);
+  }
+  app.add_option("--hand", options.hand,
+                 "a platform or a hand of config/robots, which touches by closing as its grasps "
+                 "are planned; else a fingertip touches")
+      ->check(CLI::IsMember(hands));
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }
