@@ -203,15 +203,17 @@ std::vector<Contact> HandEvidence::contacts(const HandSample& at,
     if (points.empty()) continue;
     const RigidTransform X_WP = X_WL[static_cast<std::size_t>(pad.link)] * pad.X_LP;
     const FeltSurface surface(*frame.felt, felt, points);
-    for (const FeltPoint& point : thinned(points, static_cast<std::size_t>(options_.most_contacts),
-                                          options_.contact_spacing)) {
+    const std::vector<FeltPoint> few =
+        thinned(points, static_cast<std::size_t>(options_.most_contacts), options_.contact_spacing);
+    const double common = options_.placement * std::sqrt(static_cast<double>(few.size()));
+    for (const FeltPoint& point : few) {
       const Vector3d out = surface.is_known() ? surface.outward(point.p_P) : -point.face_P;
       const double slope = surface.is_known() ? out.cross(point.face_P).norm() : options_.slope;
       Contact contact;
       contact.p_W = X_WP * point.p_P;
       contact.normal_W = X_WP.linear() * out;
-      contact.deviation = Eigen::Vector4d(options_.placement, options_.foam * point.depth,
-                                          point.unknown, slope * point.side / std::sqrt(12))
+      contact.deviation = Eigen::Vector4d(common, options_.foam * point.depth, point.unknown,
+                                          slope * point.side / std::sqrt(12))
                               .norm();
       contacts.push_back(contact);
     }

@@ -18,6 +18,7 @@ struct HandEvidenceOptions {
   int most_contacts = 12;          // of a pad, > 0
   double contact_spacing = 0.004;  // m, >= 0, between contacts of a pad
   double placement = 0.0005;       // m, > 0, standard: where a pad's face is along its normal
+                                   // (hand's pose, joints), common to all of its contacts
   double foam = 0.1;               // >= 0, standard, of the foam's depth: creep, gains of texels
   double slope = 0.25;    // >= 0, of the surface to a texel's face where the pad cannot tell it
   double margin = 0.001;  // m, >= 0, that swept space keeps from the hand's surface
@@ -53,8 +54,9 @@ class HandEvidence {
   const robot::HandModel& hand() const { return hand_; }
 
   /// Of the pads that touch, thinned: each pad's texel with the greatest force, then always the one
-  /// farthest from those taken. Their errors are taken to be independent; what `placement` says is
-  /// common to a pad's.
+  /// farthest from those taken. Whoever takes contacts in takes their errors to be independent: the
+  /// deviation of each of n contacts has sqrt(n) times the placement's, so that the mean of all has
+  /// what is common to them.
   /// @throws std::invalid_argument in words: a pose or positions that are not finite, another
   /// number of positions than joints, a pad that the hand has not, another number of counts than
   /// its texels.

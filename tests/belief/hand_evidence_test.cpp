@@ -109,7 +109,7 @@ void expect_found(const Closed& closed, const geometry::TriangleMesh& mesh, std:
   geometry::SweptSpace space = space_round(body.box());
   evidence.sweep(closing.way, closing.frames, &space);
   const Reach reach = reach_into(body, space);
-  EXPECT_LT(reach.deepest, 0.0015);
+  EXPECT_LT(reach.deepest, 0.0005);
   EXPECT_GT(reach.volume, 1e-5) << "it went through what is round the body";
 }
 
