@@ -17,7 +17,9 @@ namespace {
 using Eigen::Vector3d;
 using geometry::RigidTransform;
 
-constexpr double kTolerance = 5e-4;  // m, of the balls beneath flat faces
+constexpr double kTolerance = 5e-4;   // m, of the balls beneath flat faces
+constexpr double kLeastMotion = 0.4;  // of the voxels' spacing
+constexpr double kNearBox = 0.1;      // m, more than a ball moves in a step
 
 /// The surface behind one texel.
 struct FeltPoint {
@@ -273,28 +275,35 @@ void HandEvidence::sweep(const std::vector<HandSample>& way,
   if (way.empty()) throw std::invalid_argument("HandEvidence: a way without samples");
   for (const HandSample& sample : way) check(sample);
   const std::vector<std::vector<Vector3d>> centers = centers_behind_foam(frames);
-  const auto add = [&](const std::vector<RigidTransform>& from,
-                       const std::vector<RigidTransform>& to) {
+  std::vector<std::vector<Vector3d>> at_W = centers;  // up to where each ball was added
+  // What moved less than `least` is added with the next motion.
+  const auto move_to = [&](const std::vector<RigidTransform>& X_WL, double least) {
     for (std::size_t l = 0; l < centers.size(); ++l) {
       for (std::size_t i = 0; i < centers[l].size(); ++i) {
+        const Vector3d end = X_WL[l] * centers[l][i];
         const double radius = balls_.links[l].radii[i] - options_.margin;
-        const Vector3d end = to[l] * centers[l][i];
-        // A path is no longer than a few radii.
-        if (space->box().squaredExteriorDistance(end) > 0.01) continue;
-        space->add_path(from[l] * centers[l][i], end, radius);
+        if ((end - at_W[l][i]).squaredNorm() <= least * least) continue;
+        if (space->box().squaredExteriorDistance(end) < kNearBox * kNearBox) {
+          space->add_path(at_W[l][i], end, radius);
+        }
+        at_W[l][i] = end;
       }
     }
   };
-  std::vector<RigidTransform> from = link_poses(way.front());
-  add(from, from);
+  const std::vector<RigidTransform> first = link_poses(way.front());
+  for (std::size_t l = 0; l < centers.size(); ++l) {
+    for (std::size_t i = 0; i < centers[l].size(); ++i) {
+      at_W[l][i] = first[l] * centers[l][i];
+      space->add_ball(at_W[l][i], balls_.links[l].radii[i] - options_.margin);
+    }
+  }
   for (std::size_t s = 1; s < way.size(); ++s) {
     const int steps = steps_between(way[s - 1], way[s], 0.5 * space->spacing());
-    for (int i = 1; i <= steps; ++i) {
-      std::vector<RigidTransform> to = link_poses(
-          i == steps ? way[s] : between(way[s - 1], way[s], static_cast<double>(i) / steps));
-      add(from, to);
-      from = std::move(to);
+    for (int i = 1; i < steps; ++i) {
+      move_to(link_poses(between(way[s - 1], way[s], static_cast<double>(i) / steps)),
+              kLeastMotion * space->spacing());
     }
+    move_to(link_poses(way[s]), s + 1 < way.size() ? kLeastMotion * space->spacing() : 0);
   }
 }
 
