@@ -2,9 +2,11 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "eval/belief/belief_report.h"
@@ -13,6 +15,8 @@
 #include "eval/case_runs.h"
 #include "eval/text_files.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -21,7 +25,10 @@ namespace fs = std::filesystem;
 
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/belief");
-  int touches = 5;
+  std::optional<int> touches;
+  std::string hand;  // empty: a fingertip
+
+  int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
 
 bool is_known(const fs::path& file) {
@@ -39,11 +46,16 @@ int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
-  const eval::CaseRunOptions runs = options.choice.runs();
+  eval::CaseRunOptions runs = options.choice.runs();
+  runs.setting = fmt::format("{} touches by {}", options.count(),
+                             options.hand.empty() ? "a fingertip" : options.hand);
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
+  std::optional<eval::TouchingHand> hand;
+  if (!options.hand.empty()) hand.emplace(options.hand);
   eval::TouchTrialOptions trial;
-  trial.touches = options.touches;
+  trial.touches = options.count();
+  trial.hand = hand ? &*hand : nullptr;
   const auto crashed = eval::run_cases(
       runs, names, [&](int, const fs::path& file) { return is_known(file); },
       [&](int i, const fs::path& file) {
@@ -68,11 +80,19 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Predicts the shape of known bodies from rendered stereo pairs, touches them with a "
-      "fingertip "
-      "where that tells most, and measures how far the corrected shapes are from the truth. A run "
+      "Predicts the shape of known bodies from rendered stereo pairs, touches them where "
+      "that tells most, and measures how far the corrected shapes are from the truth. A run "
       "that was interrupted goes on where it was.");
   eval::add_case_options(app, options.choice);
-  app.add_option("--touches", options.touches, "of each object")->check(CLI::Range(1, 20));
+  app.add_option("--touches", options.touches, "of each object; 5, of a hand 3")
+      ->check(CLI::Range(1, 20));
+  std::vector<std::string> hands = robot::platform_names(text::tree_file("config/robots"));
+  for (const std::string& name : robot::hand_names(text::tree_file("config/robots"))) {
+    hands.push_back(name);
+  }
+  app.add_option("--hand", options.hand,
+                 "a platform or a hand of config/robots, which touches by closing as its grasps "
+                 "are planned; else a fingertip touches")
+      ->check(CLI::IsMember(hands));
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -1,7 +1,7 @@
 #include "eval/belief/touch_trial.h"
 
 #include <cmath>
-#include <optional>
+#include <memory>
 #include <random>
 
 #include <yaml-cpp/yaml.h>
@@ -11,7 +11,7 @@
 #include "eval/case_runner.h"
 #include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
-#include "prehend/belief/probe.h"
+#include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/surface_samples.h"
@@ -83,41 +83,9 @@ class Truth {
   std::vector<Eigen::Vector3d> all_, unseen_;
 };
 
-/// Where the fingertip's centre is stopped, and what it touches there; nothing at the probe's end.
-struct Stopped {
-  Eigen::Vector3d center_W;
-  std::optional<Eigen::Vector3d> touched_W, normal_W;
-};
-Stopped moved_until_touch(const belief::Probe& probe, double radius,
-                          const geometry::MeshQuery& truth) {
-  constexpr double kTouches = 2e-5;  // m
-  const Eigen::Vector3d way = probe.end_W - probe.start_W;
-  const double length = way.norm();
-  double gone = 0;
-  while (true) {
-    const Eigen::Vector3d center = probe.start_W + gone / length * way;
-    const auto nearest = truth.nearest(center);
-    const double clearance = nearest->distance - radius;
-    if (clearance < kTouches) {
-      return {center, nearest->point, (center - nearest->point).normalized()};
-    }
-    if (gone >= length) return {probe.end_W, std::nullopt, std::nullopt};
-    gone = std::min(length, gone + clearance);
-  }
-}
-
-belief::Contact felt(const Stopped& stopped, const TouchTrialOptions& options,
-                     std::mt19937_64& random) {
-  std::normal_distribution<double> normal(0, 1);
-  belief::Contact contact;
-  contact.normal_W = *stopped.normal_W;
-  for (int axis = 0; axis < 3; ++axis) {
-    contact.normal_W[axis] += options.normal_noise * normal(random);
-  }
-  contact.normal_W.normalize();
-  contact.p_W = *stopped.touched_W + options.contact_noise * normal(random) * *stopped.normal_W;
-  contact.deviation = 0.001;
-  return contact;
+std::unique_ptr<Toucher> make_toucher(const Case& one, const TouchTrialOptions& options) {
+  if (options.hand) return std::make_unique<HandToucher>(*options.hand, options.noise, one.seed);
+  return std::make_unique<FingertipToucher>(options.noise, one.seed);
 }
 
 /// The seen points of a shape, with normals.
@@ -140,26 +108,13 @@ BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plan
   BeliefSeries series;
   series.name = told == Told::kContacts ? "contacts" : "contacts and empty space";
   belief::ObjectBelief belief(shape, table);
-  const belief::ProbeOptions probing;
-  std::mt19937_64 random(one.seed);
+  const std::unique_ptr<Toucher> toucher = make_toucher(one, options);
   for (int touches = 0; touches <= options.touches; ++touches) {
     BeliefStep step;
     step.touches = touches;
     if (touches > 0) {
-      const auto probe = belief::best_probe(belief, probing);
-      if (!probe) {
-        series.problem = "no part of it can be reached";
-        break;
-      }
-      const Stopped stopped = moved_until_touch(*probe, probing.radius, truth.query());
-      std::optional<belief::Contact> contact;
-      if (stopped.touched_W) contact = felt(stopped, options, random);
-      belief.begin_act();
-      if (told == Told::kContacts) {
-        if (contact) belief.add(*contact);
-      } else {
-        belief::add_probe(*probe, stopped.center_W, contact, probing.radius, &belief);
-      }
+      series.problem = toucher->touch(truth.query(), told, &belief);
+      if (!series.problem.empty()) break;
     }
     const double start = processor_time();
     belief.update();
@@ -199,8 +154,9 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
     const geometry::Plane table =
         perception::support_of(seen.scene, seen.scene.objects[seen.index]);
     const Truth truth(one, seen.scene.X_WC.translation());
-    if (truth.is_all_seen())
+    if (truth.is_all_seen()) {
       throw geometry::InputError("All of it was seen", "Look from elsewhere");
+    }
     const shape::CompletedShape& shape = shapes[seen.index].get();
     BeliefSeries prediction{kPredictionSeries, "", {{}}};
     truth.measure(surface::make_object_model(shape, table).mesh_W, one.seed,
@@ -209,8 +165,9 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
     result.series.push_back(prediction);
     result.series.push_back(
         run_series(shape, table, Told::kContacts, truth, one, options, nullptr));
-    result.series.push_back(run_series(shape, table, Told::kEmpty, truth, one, options, &baseline));
-    result.series.push_back(baseline);
+    result.series.push_back(run_series(shape, table, Told::kEmpty, truth, one, options,
+                                       options.hand ? nullptr : &baseline));
+    if (!options.hand) result.series.push_back(baseline);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }

@@ -4,16 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "eval/belief/toucher.h"
 #include "eval/case_result.h"
 #include "eval/data_sets.h"
 
 namespace prehend::eval {
-
-/// What a belief is told of the touches.
-enum class Told {
-  kContacts,  // where the fingertip was stopped
-  kEmpty,     // and where it went through
-};
 
 /// The series of one step that is the prediction as nodes make it.
 inline const std::string kPredictionSeries = "prediction";
@@ -46,13 +41,13 @@ struct BeliefCase {
 
 struct TouchTrialOptions {
   int touches = 5;
-  double contact_noise = 0.0005;  // m, standard, of where a contact is felt
-  double normal_noise = 0.05;     // rad, standard, of its normal
+  const TouchingHand* hand = nullptr;  // null: a fingertip
+  TouchNoise noise;
 };
 
-/// Renders the case's view, predicts the object, and touches it with a fingertip where the belief
-/// wants it: each series its own touches. Of the one that is told all there is a second series:
-/// what the classical baseline (gaussian_surface.h) makes of the same evidence.
+/// Renders the case's view, predicts the object, and touches it where the belief wants it: each
+/// series its own touches. Of a fingertip that tells all there is a second series: what the
+/// classical baseline (gaussian_surface.h) makes of the same evidence.
 BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options = {});
 
 /// As a file, and back. @throws geometry::InputError for a file that is none.

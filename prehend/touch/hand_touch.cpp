@@ -84,28 +84,35 @@ std::shared_ptr<const FeltPad> felt_pad_of(const robot::HandPad& pad, bool mirro
   return std::make_shared<const FeltPad>(std::move(felt));
 }
 
+Eigen::VectorXd joint_positions(const robot::HandModel& hand,
+                                const std::vector<std::string>& joints,
+                                const std::vector<double>& positions) {
+  Eigen::VectorXd motors(hand.size());
+  const std::vector<std::string> names = hand.actuated_names();
+  for (int i = 0; i < hand.size(); ++i) {
+    const auto at = position_of(names[static_cast<std::size_t>(i)], joints, positions);
+    if (!at) {
+      throw std::invalid_argument("HandTouch: nothing says where the joint '" +
+                                  names[static_cast<std::size_t>(i)] + "' of the hand " +
+                                  hand.name + " is");
+    }
+    motors[i] = *at;
+  }
+  Eigen::VectorXd all = hand.all_positions(motors);
+  for (Eigen::Index i = 0; i < all.size(); ++i) {
+    const std::string& name = hand.model.joints[static_cast<std::size_t>(i)].name;
+    if (const auto at = position_of(name, joints, positions)) all[i] = *at;
+  }
+  return all;
+}
+
 HandTouch::HandTouch(robot::HandModel hand) : hand_(std::move(hand)) {}
 
 std::vector<PadContact> HandTouch::contacts(const std::vector<std::string>& joints,
                                             const std::vector<double>& positions,
                                             const std::vector<PadFrame>& frames,
                                             double least_force) const {
-  Eigen::VectorXd motors(hand_.size());
-  const std::vector<std::string> names = hand_.actuated_names();
-  for (int i = 0; i < hand_.size(); ++i) {
-    const auto at = position_of(names[static_cast<std::size_t>(i)], joints, positions);
-    if (!at) {
-      throw std::invalid_argument("HandTouch: nothing says where the joint '" +
-                                  names[static_cast<std::size_t>(i)] + "' of the hand " +
-                                  hand_.name + " is");
-    }
-    motors[i] = *at;
-  }
-  Eigen::VectorXd all = hand_.all_positions(motors);
-  for (Eigen::Index i = 0; i < all.size(); ++i) {
-    const std::string& name = hand_.model.joints[static_cast<std::size_t>(i)].name;
-    if (const auto at = position_of(name, joints, positions)) all[i] = *at;
-  }
+  const Eigen::VectorXd all = joint_positions(hand_, joints, positions);
   std::vector<geometry::RigidTransform> X_HL;
   hand_.link_poses(all, X_HL);
   std::vector<PadContact> contacts;

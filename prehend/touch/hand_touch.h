@@ -21,6 +21,14 @@ struct PadFrame {
 /// The pad of a hand's file. Its frames are those of FeltPad: `mirrored` as felt_pad()'s.
 std::shared_ptr<const FeltPad> felt_pad_of(const robot::HandPad& pad, bool mirrored = false);
 
+/// Of all joints of the hand's model, as HandModel::all_positions(), from those that are named.
+/// @param joints, positions [rad or m] of the hand; a platform's prefix "hand_" may stand before a
+/// name, others are left out. Joints that are not named stand as the motors have them.
+/// @throws std::invalid_argument for a motor that is not named.
+Eigen::VectorXd joint_positions(const robot::HandModel& hand,
+                                const std::vector<std::string>& joints,
+                                const std::vector<double>& positions);
+
 /// How one pad touches what the hand holds: by its touched texels and where the pad is. In the
 /// hand's root frame H, SI units.
 struct PadContact {
@@ -49,10 +57,9 @@ class HandTouch {
 
   const robot::HandModel& hand() const { return hand_; }
   /// Those pads that touch something with more than `least_force` [N], in the order of `frames`.
-  /// @param joints, positions [rad or m] of the hand; a platform's prefix "hand_" may stand before
-  /// a name, others are left out. Joints that are not named stand as the motors have them.
-  /// @throws std::invalid_argument for a motor that is not named, a pad that the hand has not, a
-  /// frame that has not as many counts as its pad texels.
+  /// @param joints, positions as joint_positions().
+  /// @throws std::invalid_argument as joint_positions(), for a pad that the hand has not, a frame
+  /// that has not as many counts as its pad texels.
   std::vector<PadContact> contacts(const std::vector<std::string>& joints,
                                    const std::vector<double>& positions,
                                    const std::vector<PadFrame>& frames,
