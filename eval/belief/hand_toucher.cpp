@@ -119,7 +119,7 @@ std::string HandToucher::touch(const geometry::MeshQuery& truth_W, Told told,
     if (belief->table_W().signed_distance(contact.p_W) > kTouchable) belief->add(contact);
   }
   if (told == Told::kEmpty) {
-    hand_.evidence().sweep(closing.way, closing.frames, &belief->swept());
+    hand_.evidence().sweep(closing.way, hand_.evidence().depths(closing.frames), &belief->swept());
   }
   return "";
 }

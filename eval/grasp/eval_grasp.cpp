@@ -24,10 +24,18 @@ namespace {
 using namespace prehend;
 namespace fs = std::filesystem;
 
+// What of the evidence of failed attempts is used.
+const std::vector<std::pair<std::string, belief::EvidenceUse>> kEvidence{
+    {"none", belief::EvidenceUse::kNone},
+    {"contacts", belief::EvidenceUse::kContacts},
+    {"empty_space", belief::EvidenceUse::kEmptySpace},
+    {"looks", belief::EvidenceUse::kLooks}};
+
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/grasp");
   std::vector<std::string> platforms{"stage_pg70"};
   bool open_loop = false;
+  std::string evidence = kEvidence.back().first;
   fs::path robots = "config/robots";
 };
 
@@ -61,10 +69,14 @@ int run(const Options& options) {
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> views = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(views);
+  const auto evidence = std::find_if(kEvidence.begin(), kEvidence.end(), [&](const auto& one) {
+    return one.first == options.evidence;
+  });
   std::vector<PlatformCase> cases;
   std::vector<std::string> names;
   for (const eval::PlatformUnderTest& platform : platforms) {
-    const std::string run = platform.name() + (options.open_loop ? "_open_loop_" : "_");
+    std::string run = platform.name() + (options.open_loop ? "_open_loop_" : "_");
+    if (evidence->second != kEvidence.back().second) run += evidence->first + "_";
     for (const eval::Case& one : views) {
       cases.push_back({one, &platform});
       names.push_back(run + one.result_name());
@@ -75,8 +87,8 @@ int run(const Options& options) {
       runs, names,
       [&](int, const fs::path& file) { return known_result(file, settings).has_value(); },
       [&](int i, const fs::path& file) {
-        eval::write_grasp_case(file,
-                               eval::run_grasp_case(cases[i].one, *cases[i].platform, settings));
+        eval::write_grasp_case(file, eval::run_grasp_case(cases[i].one, *cases[i].platform,
+                                                          settings, evidence->second));
       });
   std::vector<eval::GraspCase> results;
   for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
@@ -112,6 +124,14 @@ int main(int argc, char** argv) {
          "--platform", options.platforms,
          "arms with hands to evaluate, one or more: what is in --robots, or a file; planned "
          "with the arm's motion and executed by the cycle that runs on the robot")
+      ->capture_default_str();
+  std::vector<std::string> uses;
+  for (const auto& [name, use] : kEvidence) uses.push_back(name);
+  app.add_option("--evidence", options.evidence,
+                 "what of a failed attempt is put to use when the object is seen again: where it "
+                 "was touched, what the hand went through without a touch, what was seen of it "
+                 "before; each with those before it")
+      ->check(CLI::IsMember(uses))
       ->capture_default_str();
   app.add_flag("--open-loop", options.open_loop,
                "the approach does not stop where the hand touches");

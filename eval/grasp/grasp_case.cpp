@@ -31,7 +31,8 @@ struct Count {
 constexpr Count kCounts[] = {{"candidates", &GraspTrial::candidates},
                              {"grasps", &GraspTrial::grasps},
                              {"attempts", &GraspTrial::attempts},
-                             {"plans", &GraspTrial::plans}};
+                             {"plans", &GraspTrial::plans},
+                             {"recalled", &GraspTrial::recalled}};
 
 template <class Value>
 void put(YAML::Emitter& out, const char* key, const Value& value) {

@@ -25,6 +25,7 @@ struct GraspTrial {
   int grasps = 0;                   // in the plan
   int attempts = 0;                 // that were executed
   int plans = 1;                    // that they were of: 1 + those of new looks
+  int recalled = 0;                 // of those, with what attempts before had found out
   bool lifted = false;              // and carried, and put down
   double plan_seconds = kUnknown;   // processor time of planning, one thread
   double grasp_seconds = kUnknown;  // of it: for the hand's grasps, without the arm's motion

@@ -27,7 +27,8 @@ std::vector<PlannerSetting> compared_settings() {
 }
 
 GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
-                         const std::vector<PlannerSetting>& settings) {
+                         const std::vector<PlannerSetting>& settings,
+                         belief::EvidenceUse evidence) {
   GraspCase result;
   result.case_name = one.name();
   result.group = one.data_set->group;
@@ -50,6 +51,8 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
+  belief::TouchMemoryOptions memory_options;
+  memory_options.use = evidence;
   std::map<std::pair<PlannedOn, int>, Belief> first_look;
   for (const PlannerSetting& setting : settings) {
     const PlannedOn on = setting.planned_on;
@@ -66,15 +69,30 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
                               : believed_object(one, *seen, on, setting.alternatives);
         if (on == PlannedOn::kPredicted) result.predict_seconds = processor_time() - start;
       }
-      int look = 0;
+      int look = 0, recalled = 0;
+      Belief believed = first_look.at(key);
+      belief::TouchMemory memory(platform.hand(), memory_options);
       trial = platform.grasp(
-          first_look.at(key), truth, setting, [&](const geometry::RigidTransform& X_moved) {
+          first_look.at(key), truth, setting,
+          [&](const geometry::RigidTransform& X_moved, const belief::Attempt& attempt) {
             if (on == PlannedOn::kTruth) {
               return belief_of(geometry::transformed(truth.mesh_W, X_moved), others_W);
             }
-            return believed_object(one, see_object(one, X_moved * X_WB, ++look), on,
-                                   setting.alternatives);
+            if (believed.shape) {
+              memory.add(attempt, *believed.shape, believed.support_W, believed.object.mesh_W,
+                         believed.others.meshes_W);
+            }
+            believed = believed_object(one, see_object(one, X_moved * X_WB, ++look), on,
+                                       setting.alternatives);
+            if (believed.shape) {
+              if (auto known = memory.recall(*believed.shape, believed.support_W)) {
+                believed.object = std::move(known->model);
+                ++recalled;
+              }
+            }
+            return believed;
           });
+      trial.recalled = recalled;
     } catch (const std::exception& error) {
       trial.problem = error.what();
       trial.stage = on != PlannedOn::kTruth && !seen ? "view" : "plan";

@@ -42,15 +42,15 @@ PlatformExecution::PlatformExecution(const robot::Platform& platform, const std:
       truth_(truth),
       world_(world_under_test(platform, home, truth)),
       cycle_(world_->robot(), cycle_options(reacts)),
+      attempt_watch_(platform, control::ArmCycleOptions().contact_force),
       start_(world_->object()) {
   if (auto judge = control::GripJudge::of(platform)) cycle_.judge_grips(std::move(*judge));
 }
 
-void PlatformExecution::run(
-    const planning::PlatformPlan& plan,
-    const std::function<planning::PlatformPlan(const RigidTransform&)>& plan_again) {
+void PlatformExecution::run(const planning::PlatformPlan& plan, const PlanAgain& plan_again) {
   cycle_.run(
-      to_try(plan), [&] { return to_try(plan_again(moved())); }, [this] { watch(); });
+      to_try(plan), [&] { return to_try(plan_again(moved(), attempt_watch_.attempt())); },
+      [this] { watch(); });
   control::CycleWorld& robot = world_->robot();
   robot.advance(static_cast<int>(std::ceil(kSettled / robot.step_time())));
 }
@@ -104,6 +104,7 @@ control::GraspsToTry PlatformExecution::to_try(const planning::PlatformPlan& pla
 
 void PlatformExecution::watch() {
   const control::ArmCycle& cycle = cycle_.cycle();
+  attempt_watch_.step(cycle, cycle_.percepts());
   const ObjectReading object = world_->object();
   raised_ = std::max(raised_, object.height - start_.height);
   const int attempts = cycle.result().attempts;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/grasp/world_under_test.h"
+#include "prehend/control/attempt_watch.h"
 #include "prehend/control/cycle_in_world.h"
 #include "prehend/grasp/grasp.h"
 #include "prehend/planning/platform_plan.h"
@@ -23,10 +24,10 @@ class PlatformExecution {
                     const TrueObject& truth);
 
   /// To the end of the cycle. @param plan_again on a new look after a failed attempt, when what was
-  /// at p_W is at X_moved * p_W.
-  void run(const planning::PlatformPlan& plan,
-           const std::function<planning::PlatformPlan(const geometry::RigidTransform& X_moved)>&
-               plan_again);
+  /// at p_W is at X_moved * p_W, with what that attempt found out.
+  using PlanAgain = std::function<planning::PlatformPlan(const geometry::RigidTransform& X_moved,
+                                                         const belief::Attempt& attempt)>;
+  void run(const planning::PlatformPlan& plan, const PlanAgain& plan_again);
 
   /// What came of it: all of the trial but what its plan says. `lifted` is by 50 mm at least, put
   /// down, and said to be. @pre run()
@@ -41,6 +42,7 @@ class PlatformExecution {
   const TrueObject& truth_;
   std::unique_ptr<WorldUnderTest> world_;
   control::CycleInWorld cycle_;
+  control::AttemptWatch attempt_watch_;
   ObjectReading start_;
   std::vector<grasp::Grasp> tried_;                                          // of the present plan
   std::optional<grasp::Grasp> grasp_;                                        // of the last attempt

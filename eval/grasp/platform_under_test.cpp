@@ -61,15 +61,16 @@ GraspTrial PlatformUnderTest::grasp(const Belief& believed, const TrueObject& tr
     return trial;
   }
   PlatformExecution execution(planner_.platform(), home_, reacts_, truth);
-  execution.run(first, [&](const geometry::RigidTransform& X_moved) {
-    try {
-      return plan(believe_again(X_moved), setting);
-    } catch (const std::exception& error) {
-      planning::PlatformPlan none;
-      none.problem = error.what();
-      return none;
-    }
-  });
+  execution.run(first,
+                [&](const geometry::RigidTransform& X_moved, const belief::Attempt& attempt) {
+                  try {
+                    return plan(believe_again(X_moved, attempt), setting);
+                  } catch (const std::exception& error) {
+                    planning::PlatformPlan none;
+                    none.problem = error.what();
+                    return none;
+                  }
+                });
   execution.record(&trial);
   return trial;
 }

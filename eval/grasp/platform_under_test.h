@@ -20,6 +20,7 @@ class PlatformUnderTest {
   PlatformUnderTest(const std::filesystem::path& file, bool reacts);
 
   const std::string& name() const { return planner_.platform().name; }
+  const robot::HandModel& hand() const { return planner_.platform().hand; }
 
   /// Plans on what is believed by `setting`, executes on what is there.
   GraspTrial grasp(const Belief& believed, const TrueObject& truth, const PlannerSetting& setting,

@@ -60,6 +60,7 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
   const perception::ObjectHypothesis& object = scene.objects[seen.index];
   shape::CompletionOptions options;
   options.alternatives = alternatives;
+  options.other_methods = planned_on == PlannedOn::kPredicted;
   const bool has_others = !one.data_set->viewing.others_B.empty();
   Shapes shapes;
   if (has_others || planned_on != PlannedOn::kDelaunay) {
@@ -69,7 +70,9 @@ Belief believed_object(const Case& one, const SeenObject& seen, PlannedOn planne
   if (planned_on == PlannedOn::kDelaunay) {
     belief = belief_of(surface::delaunay_surface(object.cloud_W, scene.camera, scene.X_WC), {});
   } else {
-    belief.object = surface::make_object_model(shapes[seen.index].get(), support_of(scene, object));
+    belief.support_W = support_of(scene, object);
+    belief.shape = shapes[seen.index].get();
+    belief.object = surface::make_object_model(*belief.shape, belief.support_W);
   }
   if (has_others) belief.others = neighbours_of(seen, shapes);
   return belief;

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "eval/grasp/grasp_case.h"
+#include "prehend/belief/attempt.h"
 #include "prehend/geometry/rigid_transform.h"
 #include "prehend/grasp/planner.h"
 #include "prehend/planning/platform_plan.h"
+#include "prehend/shape/completed_shape.h"
 #include "prehend/surface/object_model.h"
 
 // What a trial of a platform starts from.
@@ -38,6 +41,8 @@ double household_mass(double volume);
 struct Belief {
   surface::ObjectModel object;
   planning::Neighbours others;
+  std::optional<shape::CompletedShape> shape;  // of a predicted object, with other methods
+  geometry::Plane support_W;                   // of that
 };
 
 /// Of bare meshes, as the truth and the Delaunay surface are: with their convex pieces, of one that
@@ -45,8 +50,10 @@ struct Belief {
 Belief belief_of(const geometry::TriangleMesh& mesh_W,
                  const std::vector<geometry::TriangleMesh>& others_W);
 
-/// What is believed of the object after a new look at it: what was at p_W is at X_moved * p_W now.
-/// @throws geometry::InputError or std::exception in words when nothing is made of the view.
-using BelieveAgain = std::function<Belief(const geometry::RigidTransform& X_moved)>;
+/// What is believed of the object after an attempt and a new look at it: what was at p_W is at
+/// X_moved * p_W now. @throws geometry::InputError or std::exception in words when nothing is made
+/// of the view.
+using BelieveAgain =
+    std::function<Belief(const geometry::RigidTransform& X_moved, const belief::Attempt& attempt)>;
 
 }  // namespace prehend::eval

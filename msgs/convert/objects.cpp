@@ -178,7 +178,7 @@ void read_vertices(const msgs::ObjectModel& message, surface::ObjectModel& model
   }
   for (std::size_t i = 0; i < count; ++i) {
     const char origin = message.vertex_origin()[i];
-    if (origin < 0 || origin > static_cast<char>(surface::SurfaceOrigin::kAssumed)) {
+    if (origin < 0 || origin > static_cast<char>(surface::SurfaceOrigin::kTouched)) {
       throw InputError("An object model with a vertex of unknown origin", kSenderMend);
     }
     model.vertex_origin.push_back(static_cast<surface::SurfaceOrigin>(origin));
@@ -262,6 +262,7 @@ msgs::CompletedShape to_message(const shape::CompletedShape& shape) {
   }
   message.set_point_confidence(pack_shares(shape.point_confidence));
   for (const auto& other : shape.alternatives) *message.add_alternatives() = to_message(other);
+  for (const auto& other : shape.other_methods) *message.add_other_methods() = to_message(other);
   const shape::SeenSpace& space = shape.seen_space;
   if (!space.empty_until.empty()) {
     *message.mutable_seen_camera() =
@@ -305,11 +306,15 @@ shape::CompletedShape from_message(const msgs::CompletedShape& message) {
   }
   shape.viewpoint_W = from_message(message.viewpoint());
   shape.mirrored_viewpoint_W = from_message(message.mirrored_viewpoint());
-  for (const auto& other : message.alternatives()) {
-    if (other.alternatives_size() > 0) {
+  const auto read_other = [](const msgs::CompletedShape& other) {
+    if (other.alternatives_size() + other.other_methods_size() > 0) {
       throw InputError("An alternative shape that has alternatives itself", kSenderMend);
     }
-    shape.alternatives.push_back(from_message(other));
+    return from_message(other);
+  };
+  for (const auto& other : message.alternatives()) shape.alternatives.push_back(read_other(other));
+  for (const auto& other : message.other_methods()) {
+    shape.other_methods.push_back(read_other(other));
   }
   if (message.has_seen_camera()) shape.seen_space = read_seen_space(message);
   for (const auto& bound : message.bounds()) shape.bounds_W.push_back(from_message(bound));

@@ -27,6 +27,7 @@ constexpr int kPictureHeight = 360;
 constexpr Rgb kSeenColor{40, 110, 190};
 constexpr Rgb kMirroredColor{235, 130, 40};
 constexpr Rgb kAssumedColor{170, 170, 175};
+constexpr Rgb kTouchedColor{60, 160, 80};
 constexpr Rgb kObjectColor{215, 190, 150};
 constexpr Rgb kOthersColor{225, 222, 215};
 
@@ -104,7 +105,7 @@ void add_shape(Page& page, const msgs::CompletedShape& message) {
 std::vector<report::ColoredMesh> by_origin(const surface::ObjectModel& model) {
   if (model.vertex_origin.empty()) return {{model.mesh_W, kObjectColor}};
   std::vector<report::ColoredMesh> parts;
-  for (const Rgb& color : {kSeenColor, kMirroredColor, kAssumedColor}) {
+  for (const Rgb& color : {kSeenColor, kMirroredColor, kAssumedColor, kTouchedColor}) {
     parts.push_back({{model.mesh_W.vertices, {}}, color});
   }
   for (const Eigen::Vector3i& t : model.mesh_W.triangles) {

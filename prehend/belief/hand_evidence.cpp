@@ -171,19 +171,24 @@ void HandEvidence::check(const HandSample& sample) const {
   }
 }
 
-const robot::HandPad& HandEvidence::pad_of(const touch::PadFrame& frame) const {
+const robot::HandPad& HandEvidence::pad_named(const std::string& name) const {
   const auto pad = std::find_if(hand_.pads.begin(), hand_.pads.end(),
-                                [&](const auto& one) { return one.name == frame.pad; });
+                                [&](const auto& one) { return one.name == name; });
   if (pad == hand_.pads.end()) {
-    throw std::invalid_argument("HandEvidence: the hand " + hand_.name + " has no pad '" +
-                                frame.pad + "'");
+    throw std::invalid_argument("HandEvidence: the hand " + hand_.name + " has no pad '" + name +
+                                "'");
   }
+  return *pad;
+}
+
+const robot::HandPad& HandEvidence::pad_of(const touch::PadFrame& frame) const {
+  const robot::HandPad& pad = pad_named(frame.pad);
   if (frame.counts.size() != frame.felt->layout.size()) {
     throw std::invalid_argument("HandEvidence: " + std::to_string(frame.counts.size()) +
                                 " counts for the " + std::to_string(frame.felt->layout.size()) +
                                 " texels of the pad '" + frame.pad + "'");
   }
-  return *pad;
+  return pad;
 }
 
 std::vector<RigidTransform> HandEvidence::link_poses(const HandSample& sample) const {
@@ -223,19 +228,30 @@ std::vector<Contact> HandEvidence::contacts(const HandSample& at,
   return contacts;
 }
 
-// In the links' frames.
-std::vector<std::vector<Vector3d>> HandEvidence::centers_behind_foam(
-    const std::vector<touch::PadFrame>& frames) const {
-  std::vector<std::vector<Vector3d>> centers;
-  for (const grasp::LinkBalls& link : balls_.links) centers.push_back(link.centers);
+HandEvidence::PadDepths HandEvidence::depths(const std::vector<touch::PadFrame>& frames) const {
+  PadDepths depths;
   for (const touch::PadFrame& frame : frames) {
     const robot::HandPad& pad = pad_of(frame);
-    double depth = 0;
     for (const FeltPoint& point :
          felt_points(*frame.felt, touch::felt_texels(*frame.felt, frame.counts))) {
+      double& depth = depths[pad.name];
       depth = std::max(depth, point.depth);
     }
-    if (!(depth > 0)) continue;
+  }
+  return depths;
+}
+
+// In the links' frames.
+std::vector<std::vector<Vector3d>> HandEvidence::centers_behind_foam(
+    const PadDepths& depths) const {
+  std::vector<std::vector<Vector3d>> centers;
+  for (const grasp::LinkBalls& link : balls_.links) centers.push_back(link.centers);
+  for (const auto& [name, depth] : depths) {
+    const robot::HandPad& pad = pad_named(name);
+    if (!(depth >= 0) || !std::isfinite(depth)) {
+      throw std::invalid_argument("HandEvidence: the foam of the pad '" + name +
+                                  "' gives way by no depth");
+    }
     const auto link = static_cast<std::size_t>(pad.link);
     const RigidTransform X_PL = pad.X_LP.inverse(Eigen::Isometry);
     for (std::size_t i = 0; i < centers[link].size(); ++i) {
@@ -269,12 +285,11 @@ int HandEvidence::steps_between(const HandSample& from, const HandSample& to,
   return static_cast<int>(std::min(steps, kMostSteps));
 }
 
-void HandEvidence::sweep(const std::vector<HandSample>& way,
-                         const std::vector<touch::PadFrame>& frames,
+void HandEvidence::sweep(const std::vector<HandSample>& way, const PadDepths& depths,
                          geometry::SweptSpace* space) const {
   if (way.empty()) throw std::invalid_argument("HandEvidence: a way without samples");
   for (const HandSample& sample : way) check(sample);
-  const std::vector<std::vector<Vector3d>> centers = centers_behind_foam(frames);
+  const std::vector<std::vector<Vector3d>> centers = centers_behind_foam(depths);
   std::vector<std::vector<Vector3d>> at_W = centers;  // up to where each ball was added
   // What moved less than `least` is added with the next motion.
   const auto move_to = [&](const std::vector<RigidTransform>& X_WL, double least) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -63,22 +65,28 @@ class HandEvidence {
   std::vector<Contact> contacts(const HandSample& at,
                                 const std::vector<touch::PadFrame>& frames) const;
 
+  /// By how much the foam of each pad that touches gives way at most [m], by the pad's name.
+  /// @throws std::invalid_argument as contacts() for the frames.
+  using PadDepths = std::map<std::string, double>;
+  PadDepths depths(const std::vector<touch::PadFrame>& frames) const;
+
   /// Adds to `space` what the hand's links sweep from the first to the last sample, in straight
   /// motion of root and joints from each to the next: balls beneath their surface
   /// (grasp::HandBalls), smaller by the margin, in steps no longer than a ball's radius. What the
   /// hand then touches is behind the face of a pad by as far as the foam gives way: the balls of a
-  /// pad are set back by the greatest depth in it. Closing on air is a way without frames. Takes
-  /// 0.1 to 0.4 s of a hand of three fingers in half a million voxels.
-  /// @param frames what the pads say at the last sample; a pad that is not named touches nothing.
-  /// @throws as contacts(); std::invalid_argument without a sample.
-  void sweep(const std::vector<HandSample>& way, const std::vector<touch::PadFrame>& frames,
+  /// pad are set back by that. Takes 0.1 to 0.4 s of a hand of three fingers in half a million
+  /// voxels.
+  /// @param depths at the last sample; a pad that is not named touches nothing.
+  /// @throws as contacts(); std::invalid_argument without a sample, for a depth that is negative
+  /// or not finite.
+  void sweep(const std::vector<HandSample>& way, const PadDepths& depths,
              geometry::SweptSpace* space) const;
 
  private:
   void check(const HandSample& sample) const;
+  const robot::HandPad& pad_named(const std::string& name) const;
   const robot::HandPad& pad_of(const touch::PadFrame& frame) const;
-  std::vector<std::vector<Eigen::Vector3d>> centers_behind_foam(
-      const std::vector<touch::PadFrame>& frames) const;
+  std::vector<std::vector<Eigen::Vector3d>> centers_behind_foam(const PadDepths& depths) const;
   int steps_between(const HandSample& from, const HandSample& to, double least_step) const;
   std::vector<geometry::RigidTransform> link_poses(const HandSample& sample) const;  // X_WL
 

@@ -27,7 +27,9 @@ Eigen::AlignedBox3d bounds_of(const geometry::PointCloud& cloud) {
 Eigen::AlignedBox3d room_of(const shape::CompletedShape& shape) {
   constexpr double kRoom = 0.3;  // of the extent
   Eigen::AlignedBox3d box = bounds_of(shape.cloud_W);
-  for (const auto& other : shape.alternatives) box.extend(bounds_of(other.cloud_W));
+  for (const auto* others : {&shape.alternatives, &shape.other_methods}) {
+    for (const auto& other : *others) box.extend(bounds_of(other.cloud_W));
+  }
   if (box.isEmpty()) {
     throw geometry::InputError("the completed shape has no points", "complete the shape again");
   }
@@ -58,7 +60,7 @@ ObjectBelief::ObjectBelief(const shape::CompletedShape& shape, const geometry::P
                            const BeliefOptions& options)
     : options_((options.validate(), options)),
       table_W_(table_W),
-      seen_space_(shape.seen_space),
+      seen_spaces_{shape.seen_space},
       swept_(room_of(shape), spacing_for(room_of(shape), options)) {
   const auto add = [&](const shape::CompletedShape& one) {
     all_.push_back(std::make_unique<ShapeEvidence>(
@@ -70,11 +72,13 @@ ObjectBelief::ObjectBelief(const shape::CompletedShape& shape, const geometry::P
   } catch (const geometry::InputError& error) {
     problem = error;
   }
-  for (const shape::CompletedShape& other : shape.alternatives) {
-    try {
-      add(other);
-    } catch (const geometry::InputError&) {
-      // What gives no surface is no alternative.
+  for (const auto* others : {&shape.alternatives, &shape.other_methods}) {
+    for (const shape::CompletedShape& other : *others) {
+      try {
+        add(other);
+      } catch (const geometry::InputError&) {
+        // What gives no surface is no alternative.
+      }
     }
   }
   if (all_.empty()) throw *problem;
@@ -152,9 +156,11 @@ const std::vector<Displacement::Moved>& ObjectBelief::moved() const {
 
 geometry::TriangleMesh ObjectBelief::mesh(std::size_t i) const {
   surface::EmptySpace empty;
-  if (!seen_space_.empty_until.empty()) empty.seen = {&seen_space_};
+  for (const shape::SeenSpace& space : seen_spaces_) {
+    if (!space.empty_until.empty()) empty.seen.push_back(&space);
+  }
   if (!swept_.empty()) empty.swept = &swept_;
-  return surface::reconstruct(shape(i).displaced(evidence(), seen_space_), table_W_,
+  return surface::reconstruct(shape(i).displaced(evidence(), seen_spaces_.front()), table_W_,
                               options_.surface, empty, shape(i).hypothesis().bounds_W);
 }
 

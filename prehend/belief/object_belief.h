@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -60,6 +61,9 @@ class ObjectBelief {
   /// @throws std::invalid_argument for a contact that is not finite, or whose deviation or normal
   /// is none.
   void add(const Contact& contact);
+  /// Another look, at the object as it lies in the one that it was completed from, saw this to be
+  /// empty.
+  void add_seen_space(shape::SeenSpace space) { seen_spaces_.push_back(std::move(space)); }
   /// Where something may be swept: add balls and paths to it.
   geometry::SweptSpace& swept() { return swept_; }
   const geometry::SweptSpace& swept() const { return swept_; }
@@ -102,7 +106,7 @@ class ObjectBelief {
   BeliefOptions options_;
   geometry::Plane table_W_;
   double extent_ = 0;
-  shape::SeenSpace seen_space_;
+  std::vector<shape::SeenSpace> seen_spaces_;  // the first of the completion's look
   geometry::SweptSpace swept_;
   std::vector<Contact> contacts_;
   std::vector<int> acts_;  // of contacts

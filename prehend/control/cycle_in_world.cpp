@@ -18,29 +18,30 @@ CycleInWorld::CycleInWorld(CycleWorld& world, const ArmCycleOptions& options,
   steps_ = std::max(1, static_cast<int>(std::lround(run.period / world.step_time())));
 }
 
-ArmPercepts CycleInWorld::feel() {
-  ArmPercepts percepts = world_.percepts(options_.touch_counts);
+void CycleInWorld::feel() {
+  percepts_ = world_.percepts(options_.touch_counts);
   if (count_++ % 2 == 0) {
-    pads_ = percepts.pads;
-    frames_ = percepts.frames;
-    frame_time_ = percepts.time;
+    pads_ = percepts_.pads;
+    frames_ = percepts_.frames;
+    frame_time_ = percepts_.time;
   }
-  percepts.pads = pads_;
-  percepts.frames = frames_;
-  for (PadPercept& pad : percepts.pads) pad.age = percepts.time - frame_time_;
-  return percepts;
+  percepts_.pads = pads_;
+  percepts_.frames = frames_;
+  for (PadPercept& pad : percepts_.pads) pad.age = percepts_.time - frame_time_;
 }
 
 void CycleInWorld::step() {
   world_.advance(steps_);
-  cycle_.step(feel());
+  feel();
+  cycle_.step(percepts_);
 }
 
 const CycleResult& CycleInWorld::run(GraspsToTry first,
                                      const std::function<GraspsToTry()>& look_again,
                                      const std::function<void()>& after_step) {
   const double end = world_.time() + options_.time_limit;
-  cycle_.step(feel());
+  feel();
+  cycle_.step(percepts_);
   cycle_.start(std::move(first.grasps), first.problem);
   while (!cycle_.finished() && world_.time() < end) {
     step();

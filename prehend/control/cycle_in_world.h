@@ -47,13 +47,15 @@ class CycleInWorld {
                          const std::function<void()>& after_step = nullptr);
 
   const ArmCycle& cycle() const { return cycle_; }
+  const ArmPercepts& percepts() const { return percepts_; }  // of the last step
 
  private:
-  ArmPercepts feel();
+  void feel();
 
   CycleWorld& world_;
   CycleInWorldOptions options_;
   ArmCycle cycle_;
+  ArmPercepts percepts_;
   int steps_;                     // of the world in a period
   long count_ = 0;                // periods
   std::vector<PadPercept> pads_;  // as in the last frames

@@ -15,7 +15,7 @@ std::optional<SurfaceTrust> surface_trust(const surface::ObjectModel& object,
   double confidence = 0;
   for (int k = 0; k < 3; ++k) {
     const auto vertex = static_cast<std::size_t>(t[k]);
-    trust.unseen += object.vertex_origin[vertex] == surface::SurfaceOrigin::kSeen ? 0 : 1.0 / 3;
+    trust.unseen += surface::is_guessed(object.vertex_origin[vertex]) ? 1.0 / 3 : 0;
     confidence += confident ? object.vertex_confidence[vertex] / 3.0 : 0;
   }
   trust.there = confident ? confidence : 1 - trust.unseen;

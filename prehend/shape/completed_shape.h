@@ -90,12 +90,15 @@ struct CompletedShape {
   /// speaks for nearly as well (CompletionOptions::alternatives). They have none themselves, and
   /// no `planes` and `hypotheses`.
   std::vector<CompletedShape> alternatives;
+  /// What it would be by other methods (CompletionOptions::other_methods): likelier than they look
+  /// once something was felt. As alternatives, but no grasps are planned on them.
+  std::vector<CompletedShape> other_methods;
   /// Where the view looked through, round the points of this shape and of its alternatives (which
   /// have none themselves): no surface between the points may go there. Without size where the view
   /// had no depth.
   SeenSpace seen_space;
-  /// Planes to whose normal's side the body keeps, alternatives too: neighbours begin there
-  /// (neighbors.h).
+  /// Planes to whose normal's side the body keeps, alternatives and other methods' too: neighbours
+  /// begin there (neighbors.h).
   std::vector<geometry::Plane> bounds_W;
 
   /// Where a point of origin `point_origin` was "seen" from: the camera or its mirror image [m].

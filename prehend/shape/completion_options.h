@@ -76,8 +76,9 @@ struct CompletionOptions {
   /// most.
   int alternatives = 0;
   double alternative_vote = 0.1;  // >= 0
-  /// Hand back too what the other methods (fallbacks.h) make of it, those that put no more of their
-  /// points where the camera looked through than `max_contradicted`.
+  /// Hand back too what the other methods (fallbacks.h) make of it, and what is below as above:
+  /// those that put no more of their points where the camera looked through than
+  /// `max_contradicted`.
   bool other_methods = false;
 };
 

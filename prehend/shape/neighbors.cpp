@@ -153,6 +153,7 @@ void bound(CompletedShape& shape, const geometry::Plane& bound_W) {
   shape.bounds_W.push_back(bound_W);
   drop_beyond(shape, bound_W);
   for (CompletedShape& other : shape.alternatives) drop_beyond(other, bound_W);
+  for (CompletedShape& other : shape.other_methods) drop_beyond(other, bound_W);
 }
 
 }  // namespace

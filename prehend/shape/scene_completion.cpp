@@ -14,6 +14,7 @@ std::vector<SceneShape> complete_scene(const perception::SegmentedScene& scene,
                                        std::optional<std::size_t> alternatives_of) {
   CompletionOptions plain = options;
   plain.alternatives = 0;
+  plain.other_methods = false;
   std::vector<SceneShape> result(scene.objects.size());
   std::vector<CompletedShape*> completed;
   for (std::size_t i = 0; i < result.size(); ++i) {

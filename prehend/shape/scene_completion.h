@@ -26,7 +26,7 @@ struct SceneShape {
 
 /// Every object of `scene`, each by complete_by_symmetry() and for itself, so that one that fails
 /// costs no other; then keep_apart(). One for each object, in their order. With `alternatives_of`
-/// only that object gets `options.alternatives`.
+/// only that object gets `options.alternatives` and `options.other_methods`.
 std::vector<SceneShape> complete_scene(const perception::SegmentedScene& scene,
                                        const CompletionOptions& options = {},
                                        const ConfidenceModel& model = {},

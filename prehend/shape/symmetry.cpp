@@ -68,8 +68,10 @@ class Completion {
   SeenSpace seen_space_round(const CompletedShape& shape) const {
     constexpr int kMargin = 8;  // pixels
     std::vector<Eigen::Vector3f> points = shape.cloud_W.points;
-    for (const CompletedShape& other : shape.alternatives) {
-      points.insert(points.end(), other.cloud_W.points.begin(), other.cloud_W.points.end());
+    for (const auto* others : {&shape.alternatives, &shape.other_methods}) {
+      for (const CompletedShape& other : *others) {
+        points.insert(points.end(), other.cloud_W.points.begin(), other.cloud_W.points.end());
+      }
     }
     return make_seen_space(*view_.depth, view_.camera, view_.X_WC, view_.table_W, points, kMargin);
   }
@@ -100,7 +102,7 @@ class Completion {
       set_evidence(fine, chosen, {});
       use(*fallback);
       set_confidence();
-      best.alternatives.push_back(std::move(shape_));
+      best.other_methods.push_back(std::move(shape_));
     }
     if (best.method == CompletionMethod::kMirror) add_mirrored_down(best, fine, chosen);
   }
@@ -126,7 +128,7 @@ class Completion {
     append_mirrored(shape_.symmetry, false);
     append_mirrored(level, true);
     set_confidence();
-    best.alternatives.push_back(std::move(shape_));
+    best.other_methods.push_back(std::move(shape_));
   }
 
   std::vector<Candidate> alternatives(const Ballot& fine, const Candidate& chosen,

@@ -114,16 +114,14 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
   return surface_of(shape, table_W, shape, options, normals_seconds);
 }
 
-ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
-                              const ModelOptions& options, ModelTimes* times) {
+ObjectModel model_of_shape(geometry::TriangleMesh mesh_W, const shape::CompletedShape& shape,
+                           const ConvexPiecesOptions& options, ModelTimes* times) {
   ModelTimes spent;
   Stopwatch stopwatch;
   ObjectModel model;
-  model.mesh_W = mesh_at_any_rate(shape, table_W, options, &spent.normals, model.substitute);
+  model.mesh_W = std::move(mesh_W);
   model.defects = geometry::find_defects(model.mesh_W);
-  spent.poisson = stopwatch.lap() - spent.normals;
-
-  model.convex_pieces_W = convex_pieces(model.mesh_W, options.convex_pieces).pieces;
+  model.convex_pieces_W = convex_pieces(model.mesh_W, options).pieces;
   spent.convex_pieces = stopwatch.lap();
 
   model.mass_properties = geometry::mass_properties(model.mesh_W);
@@ -133,7 +131,23 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   model.guessed_area = guessed_area(model.mesh_W, model.vertex_origin);
   model.seen_deviation = deviation(seen_sample(shape), geometry::MeshQuery(model.mesh_W)).mean;
   spent.properties = stopwatch.lap();
+  if (times) *times = spent;
+  return model;
+}
 
+ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                              const ModelOptions& options, ModelTimes* times) {
+  Stopwatch stopwatch;
+  std::string substitute;
+  double normals = 0;
+  geometry::TriangleMesh mesh_W = mesh_at_any_rate(shape, table_W, options, &normals, substitute);
+  const double poisson = stopwatch.lap() - normals;
+  ModelTimes spent;
+  ObjectModel model = model_of_shape(std::move(mesh_W), shape, options.convex_pieces, &spent);
+  model.substitute = std::move(substitute);
+  spent.normals = normals;
+  spent.poisson = poisson;
+  stopwatch.lap();
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
       model.alternatives_W.push_back(surface_of(other, table_W, shape, options));

@@ -46,6 +46,11 @@ geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometr
 ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry::Plane& table_W,
                               const ModelOptions& options = {}, ModelTimes* times = nullptr);
 
+/// The same of a surface that was made of the shape elsewhere: without alternatives.
+/// @throws std::invalid_argument for a shape without points.
+ObjectModel model_of_shape(geometry::TriangleMesh mesh_W, const shape::CompletedShape& shape,
+                           const ConvexPiecesOptions& options = {}, ModelTimes* times = nullptr);
+
 /// The solid of a mesh that is known, not predicted: convex pieces and mass properties, those of
 /// its convex hull where it is not closed (`defects` says so); nothing of its surface is guessed.
 /// @throws geometry::InputError for a mesh without volume.

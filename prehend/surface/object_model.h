@@ -14,6 +14,7 @@ enum class SurfaceOrigin : std::uint8_t {
   kSeen = 0,       // a point that was seen is near
   kPredicted = 1,  // only a point that the completion predicts is near
   kAssumed = 2,    // no point is near: the bottom on the table, closed sides, bridged gaps
+  kTouched = 3,    // a contact is near
 };
 
 /// The confidence in a mesh: that in its completion, and 0.25 at most where `substitute` (of
@@ -23,12 +24,17 @@ inline double mesh_confidence(double completion_confidence, const std::string& s
   return substitute.empty() ? completion_confidence : std::min(completion_confidence, kSubstituted);
 }
 
+/// Nobody has seen or touched what rests on it.
+inline bool is_guessed(SurfaceOrigin origin) {
+  return origin == SurfaceOrigin::kPredicted || origin == SurfaceOrigin::kAssumed;
+}
+
 /// The predicted solid.
 struct ObjectModel {
   geometry::TriangleMesh mesh_W;
   std::vector<SurfaceOrigin> vertex_origin;  // one per vertex of mesh_W
   std::vector<float> vertex_confidence;      // one per vertex: probability that it is there, 0..1
-  double guessed_area = 0;                   // part of the area that is not kSeen, 0..1
+  double guessed_area = 0;                   // part of the area that is_guessed(), 0..1
   geometry::MeshDefects defects;
   std::vector<geometry::TriangleMesh> convex_pieces_W;
   geometry::MassProperties mass_properties;  // in W

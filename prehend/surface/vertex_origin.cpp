@@ -124,7 +124,7 @@ double guessed_area(const geometry::TriangleMesh& mesh, const std::vector<Surfac
   for (const Eigen::Vector3i& t : mesh.triangles) {
     const Eigen::Vector3d& a = mesh.vertices[t.x()];
     const double area = (mesh.vertices[t.y()] - a).cross(mesh.vertices[t.z()] - a).norm();
-    for (const int i : t) guessed += origins[i] == SurfaceOrigin::kSeen ? 0 : area / 3;
+    for (const int i : t) guessed += is_guessed(origins[i]) ? area / 3 : 0;
     whole += area;
   }
   return whole > 0 ? guessed / whole : 0;

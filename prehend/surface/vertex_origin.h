@@ -24,8 +24,8 @@ struct VertexBasis {
 VertexBasis vertex_basis(const geometry::TriangleMesh& mesh_W, const shape::CompletedShape& shape,
                          double spacing);
 
-/// The part of the mesh's area that no seen point is near to, 0..1: each triangle counts a third
-/// for each vertex that is not kSeen. @pre one origin per vertex.
+/// The part of the mesh's area that nobody has seen or touched, 0..1: each triangle counts a third
+/// for each vertex that is_guessed(). @pre one origin per vertex.
 double guessed_area(const geometry::TriangleMesh& mesh, const std::vector<SurfaceOrigin>& origins);
 
 }  // namespace prehend::surface

@@ -107,7 +107,7 @@ void expect_found(const Closed& closed, const geometry::TriangleMesh& mesh, std:
   EXPECT_GT(farthest_apart.norm(), apart);
 
   geometry::SweptSpace space = space_round(body.box());
-  evidence.sweep(closing.way, closing.frames, &space);
+  evidence.sweep(closing.way, evidence.depths(closing.frames), &space);
   const Reach reach = reach_into(body, space);
   EXPECT_LT(reach.deepest, 0.0005);
   EXPECT_GT(reach.volume, 1e-5) << "it went through what is round the body";
@@ -198,7 +198,7 @@ class HandEvidenceInput : public testing::Test {
     geometry::SweptSpace space = space_round(Eigen::AlignedBox3d(Vector3d::Zero()));
     std::string swept;
     try {
-      evidence_.sweep({sample_, sample_}, {frame_}, &space);
+      evidence_.sweep({sample_, sample_}, evidence_.depths({frame_}), &space);
     } catch (const std::invalid_argument& error) {
       swept = error.what();
     }

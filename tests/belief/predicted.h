@@ -29,6 +29,7 @@ struct Predicted {
 inline Predicted too_deep(const geometry::TriangleMesh& standing_W, double depth) {
   Predicted predicted(standing_W);
   predicted.shape.alternatives.clear();
+  predicted.shape.other_methods.clear();
   Eigen::Vector3d away = predicted.shape.symmetry.normal_W;
   const Eigen::Vector3d from = predicted.shape.viewpoint_W;
   if (away.dot(predicted.shape.symmetry.point_W - from) < 0) away = -away;

@@ -125,7 +125,7 @@ TEST(Symmetry, ASquareBoxHasAnAlternativeThatIsRightToo) {
 }
 
 // A cylinder that stands is a surface of revolution as well, and what it is below it is above.
-TEST(Symmetry, OtherMethodsComeAfterOtherPlanes) {
+TEST(Symmetry, OtherMethodsComeBesideOtherPlanes) {
   const SyntheticView view =
       synthetic_view(standing(geometry::make_revolution({{0.04, 0}, {0.04, 0.12}}), 0), {});
   CompletionOptions options;
@@ -134,10 +134,10 @@ TEST(Symmetry, OtherMethodsComeAfterOtherPlanes) {
   options.other_methods = true;
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   ASSERT_EQ(shape.method, CompletionMethod::kMirror);
-  ASSERT_GT(shape.alternatives.size(), planes);
+  EXPECT_EQ(shape.alternatives.size(), planes);
+  ASSERT_FALSE(shape.other_methods.empty());
   bool has_rotation = false;
-  for (std::size_t i = planes; i < shape.alternatives.size(); ++i) {
-    const CompletedShape& other = shape.alternatives[i];
+  for (const CompletedShape& other : shape.other_methods) {
     EXPECT_EQ(other.origin.size(), other.cloud_W.size());
     EXPECT_EQ(other.point_confidence.size(), other.cloud_W.size());
     EXPECT_TRUE(other.alternatives.empty());
@@ -160,10 +160,10 @@ TEST(Symmetry, WhatLiesMayBeBelowAsAbove) {
   options.other_methods = true;
   const CompletedShape shape = complete_by_symmetry(view.view(), options);
   const auto below = std::find_if(
-      shape.alternatives.begin(), shape.alternatives.end(), [](const CompletedShape& other) {
+      shape.other_methods.begin(), shape.other_methods.end(), [](const CompletedShape& other) {
         return other.second_symmetry && std::abs(other.second_symmetry->normal_W.z()) > 0.99;
       });
-  ASSERT_NE(below, shape.alternatives.end());
+  ASSERT_NE(below, shape.other_methods.end());
   EXPECT_NEAR(below->second_symmetry->point_W.z(), 0.04, 0.001);
   const std::vector<double> errors = mirrored_errors(*below, lying);
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.003);

@@ -1,0 +1,264 @@
+#include "prehend/belief/touch_memory.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "prehend/belief/point_cells.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/geometry/mesh_query.h"
+#include "prehend/grasp/known/registration.h"
+#include "prehend/surface/deviation.h"
+#include "prehend/surface/shape_cloud.h"
+#include "prehend/surface/vertex_origin.h"
+#include "prehend/text/require.h"
+
+namespace prehend::belief {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+constexpr double kSeenAlready = 0.006;     // m, from what is seen now: an older point adds nothing
+constexpr double kLeastAlternative = 0.1;  // weight of a shape that grasps are tried on, too
+constexpr double kOnTable = 0.002;         // m over it: what is touched lower is the table
+constexpr std::size_t kMostAlternatives = 2;
+constexpr float kTouchedConfidence = 0.95F;
+constexpr std::size_t kMostObjects = 16;
+constexpr int kSamples = 1000;  // of a surface
+
+Contact moved_contact(Contact contact, const RigidTransform& X) {
+  contact.p_W = X * contact.p_W;
+  contact.normal_W = X.linear() * contact.normal_W;
+  return contact;
+}
+
+Attempt moved_attempt(Attempt attempt, const RigidTransform& X) {
+  for (Act& act : attempt) {
+    for (HandSample& sample : act.free_way) sample.X_WH = X * sample.X_WH;
+    for (Contact& contact : act.contacts) contact = moved_contact(contact, X);
+  }
+  return attempt;
+}
+
+/// Those points that are near none of `now`, about `most` of them spread over all.
+std::vector<std::size_t> only_then(const geometry::PointCloud& then,
+                                   const geometry::PointCloud& now, std::size_t most) {
+  const PointCells cells(now.points, kSeenAlready);
+  std::vector<std::size_t> left;
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < then.size(); ++i) {
+    bool is_seen = false;
+    cells.each_near(then.points[i], [&](std::size_t, float) { is_seen = true; });
+    if (is_seen) continue;
+    left.push_back(i);
+    box.extend(then.points[i]);
+  }
+  if (left.size() <= most) return left;
+  // One of each cell, of cells that grow until they are few enough.
+  for (float side = box.sizes().maxCoeff() / 32;; side *= 1.2F) {
+    std::map<std::array<int, 3>, std::size_t> chosen;
+    for (const std::size_t i : left) {
+      const Eigen::Array3i cell = ((then.points[i] - box.min()) / side).array().floor().cast<int>();
+      chosen.try_emplace({cell.x(), cell.y(), cell.z()}, i);
+    }
+    if (chosen.size() > most) continue;
+    std::vector<std::size_t> few;
+    for (const auto& [cell, i] : chosen) few.push_back(i);
+    return few;
+  }
+}
+
+/// Drops the contacts that are with something else.
+void keep_own(const geometry::Plane& table_W, const geometry::TriangleMesh& believed_W,
+              const std::vector<geometry::TriangleMesh>& neighbours_W, Attempt* attempt) {
+  const geometry::MeshQuery own(believed_W);
+  const std::vector<geometry::MeshQuery> others(neighbours_W.begin(), neighbours_W.end());
+  const auto is_other = [&](const Contact& contact) {
+    if (table_W.signed_distance(contact.p_W) < kOnTable) return true;
+    const double distance = own.nearest(contact.p_W)->distance;
+    return std::any_of(others.begin(), others.end(), [&](const geometry::MeshQuery& other) {
+      return other.nearest(contact.p_W)->distance < distance;
+    });
+  };
+  for (Act& act : *attempt) std::erase_if(act.contacts, is_other);
+}
+
+void mark_touched(const std::vector<Contact>& contacts, double reach, surface::ObjectModel* model) {
+  for (std::size_t v = 0; v < model->mesh_W.vertices.size(); ++v) {
+    if (!surface::is_guessed(model->vertex_origin[v])) continue;
+    const Vector3d& p = model->mesh_W.vertices[v];
+    const bool touched = std::any_of(contacts.begin(), contacts.end(), [&](const Contact& one) {
+      return (one.p_W - p).squaredNorm() < reach * reach;
+    });
+    if (!touched) continue;
+    model->vertex_origin[v] = surface::SurfaceOrigin::kTouched;
+    model->vertex_confidence[v] = std::max(model->vertex_confidence[v], kTouchedConfidence);
+  }
+  model->guessed_area = surface::guessed_area(model->mesh_W, model->vertex_origin);
+}
+
+}  // namespace
+
+void TouchMemoryOptions::validate() const {
+  belief.validate();
+  const text::Require require{"TouchMemoryOptions."};
+  require(tolerance > 0 && tolerance < 0.1, "tolerance must be above 0, below 0.1 m");
+  require(least_explained > 0 && least_explained <= 1,
+          "least_explained must be above 0, at most 1");
+  require(largest_motion > 0 && largest_motion < 10, "largest_motion must be above 0, below 10 m");
+  require(placement >= 0 && placement < 0.1, "placement must be from 0 to 0.1 m");
+  require(turn >= 0 && turn < 1, "turn must be from 0 to 1 rad");
+  require(seen_deviation > 0 && seen_deviation < 0.1,
+          "seen_deviation must be above 0, below 0.1 m");
+  require(most_looks_points >= 0, "most_looks_points must not be negative");
+}
+
+TouchMemory::TouchMemory(robot::HandModel hand, const TouchMemoryOptions& options)
+    : evidence_(std::move(hand)), options_((options.validate(), options)) {}
+
+geometry::PointCloud TouchMemory::seen_of(const shape::CompletedShape& shape,
+                                          const geometry::Plane& table_W) const {
+  const surface::ShapeCloud points = surface::shape_cloud(shape, table_W, options_.model.points());
+  std::vector<int> seen;
+  for (std::size_t i = 0; i < points.basis.size(); ++i) {
+    if (points.basis[i] == surface::SurfaceOrigin::kSeen) seen.push_back(static_cast<int>(i));
+  }
+  return geometry::select(points.cloud_W, seen);
+}
+
+void TouchMemory::add(Attempt attempt, const shape::CompletedShape& shape,
+                      const geometry::Plane& table_W, const geometry::TriangleMesh& believed_W,
+                      const std::vector<geometry::TriangleMesh>& neighbours_W) {
+  keep_own(table_W, believed_W, neighbours_W, &attempt);
+  std::erase_if(attempt,
+                [](const Act& act) { return act.free_way.empty() && act.contacts.empty(); });
+  if (attempt.empty() || options_.use == EvidenceUse::kNone) return;
+  Look look{seen_of(shape, table_W), shape.seen_space, {std::move(attempt)}};
+  const std::optional<Found> known = find(look.seen_W);
+  if (!known) {
+    if (objects_.size() == kMostObjects) objects_.erase(objects_.begin());
+    objects_.push_back({believed_W, {std::move(look)}});
+    return;
+  }
+  // recall() has moved it to where this look saw it.
+  Object& object = objects_[known->object];
+  object.believed_W = believed_W;
+  object.looks.push_back(std::move(look));
+}
+
+std::optional<TouchMemory::Found> TouchMemory::find(const geometry::PointCloud& seen_W) const {
+  std::optional<Found> best;
+  grasp::OrientedPoints seen;
+  for (std::size_t i = 0; i < seen_W.size(); ++i) {
+    seen.points.push_back(seen_W.points[i].cast<double>());
+    seen.normals.push_back(seen_W.normals[i].cast<double>());
+  }
+  const Vector3d center_W = geometry::centroid(seen_W);
+  for (std::size_t o = 0; o < objects_.size(); ++o) {
+    const Object& object = objects_[o];
+    const Vector3d then_W = geometry::centroid(object.looks.back().seen_W);
+    if ((then_W - center_W).norm() > options_.largest_motion) continue;
+    const geometry::MeshQuery surface(object.believed_W);
+    for (const bool shifted : {false, true}) {
+      RigidTransform X_then_now = RigidTransform::Identity();
+      if (shifted) X_then_now.translation() = then_W - center_W;
+      X_then_now = grasp::refined_pose(seen, surface, X_then_now, options_.tolerance);
+      const double share =
+          grasp::explained_by(seen.points, surface, X_then_now, options_.tolerance).share;
+      const RigidTransform X_moved = X_then_now.inverse(Eigen::Isometry);
+      if ((X_moved * then_W - then_W).norm() > options_.largest_motion) continue;
+      if (best && share <= best->explained) continue;
+      best = Found{o, X_moved, share};
+    }
+  }
+  if (best && best->explained < options_.least_explained) return std::nullopt;
+  return best;
+}
+
+void TouchMemory::tell(const Object& object, const geometry::PointCloud& seen_W,
+                       ObjectBelief* belief) const {
+  const Motion registered{options_.placement, options_.turn};
+  for (const Look& look : object.looks) {
+    belief->begin_act(registered);
+    if (options_.use >= EvidenceUse::kLooks) {
+      const auto most = static_cast<std::size_t>(options_.most_looks_points);
+      for (const std::size_t i : only_then(look.seen_W, seen_W, most)) {
+        const Vector3d p_W = look.seen_W.points[i].cast<double>();
+        belief->add(
+            {p_W, look.seen_W.normals[i].cast<double>().normalized(), options_.seen_deviation});
+      }
+      if (!look.seen_space.empty_until.empty()) belief->add_seen_space(look.seen_space);
+    }
+    for (const Attempt& attempt : look.attempts) {
+      for (const Act& act : attempt) {
+        belief->begin_act(act.motion);
+        for (const Contact& contact : act.contacts) belief->add(contact);
+        if (options_.use >= EvidenceUse::kEmptySpace && !act.free_way.empty()) {
+          evidence_.sweep(act.free_way, {}, &belief->swept());
+        }
+      }
+    }
+  }
+}
+
+std::optional<Recollection> TouchMemory::recall(const shape::CompletedShape& shape,
+                                                const geometry::Plane& table_W) {
+  problem_.clear();
+  if (objects_.empty()) return std::nullopt;
+  const geometry::PointCloud seen_W = seen_of(shape, table_W);
+  const std::optional<Found> found = find(seen_W);
+  if (!found) {
+    problem_ = "nothing that was touched before looks like it now";
+    return std::nullopt;
+  }
+  Object& object = objects_[found->object];
+  const RigidTransform& X = found->X_moved;
+  object.believed_W = geometry::transformed(object.believed_W, X);
+  for (Look& look : object.looks) {
+    look.seen_W = geometry::transformed(look.seen_W, X);
+    look.seen_space.X_WC = X * look.seen_space.X_WC;
+    for (Attempt& attempt : look.attempts) attempt = moved_attempt(std::move(attempt), X);
+  }
+  ObjectBelief belief(shape, table_W, options_.belief);
+  Recollection result;
+  result.before = belief.shapes();
+  result.X_moved = X;
+  result.looks = static_cast<int>(object.looks.size());
+  const geometry::TriangleMesh predicted_W = belief.mesh();
+  tell(object, seen_W, &belief);
+  belief.update();
+  if (belief.contradicted()) {
+    problem_ = fmt::format(
+        "what was felt of it contradicts what is seen now ({} contacts): it is forgotten",
+        belief.contacts().size());
+    objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(found->object));
+    return std::nullopt;
+  }
+  result.after = belief.shapes();
+  result.contacts = belief.contacts();
+  result.model = surface::model_of_shape(belief.mesh(), shape, options_.model.convex_pieces);
+  constexpr double kReach = 2;  // spacings
+  mark_touched(result.contacts, kReach * surface::spacing_of(shape.cloud_W), &result.model);
+  for (std::size_t i = 1; i < result.after.size(); ++i) {
+    if (result.after[i].weight < kLeastAlternative) break;
+    if (result.model.alternatives_W.size() == kMostAlternatives) break;
+    try {
+      result.model.alternatives_W.push_back(belief.mesh(i));
+    } catch (const geometry::InputError&) {
+      // A shape that gives no mesh is no alternative.
+    }
+  }
+  result.change = surface::deviation(surface::sample_surface(result.model.mesh_W, kSamples, 1),
+                                     geometry::MeshQuery(predicted_W))
+                      .mean;
+  object.believed_W = result.model.mesh_W;
+  return result;
+}
+
+}  // namespace prehend::belief

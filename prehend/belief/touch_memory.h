@@ -1,0 +1,109 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prehend/belief/attempt.h"
+#include "prehend/belief/object_belief.h"
+#include "prehend/geometry/plane.h"
+#include "prehend/geometry/point_cloud.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/shape/completed_shape.h"
+#include "prehend/surface/model.h"
+
+namespace prehend::belief {
+
+/// What of the evidence is used: each with those before it.
+enum class EvidenceUse {
+  kNone,
+  kContacts,    // where something was touched
+  kEmptySpace,  // what the hand went through
+  kLooks,       // what was seen in looks before
+};
+
+struct TouchMemoryOptions {
+  EvidenceUse use = EvidenceUse::kLooks;
+  BeliefOptions belief;
+  surface::ModelOptions model;
+  double tolerance = 0.004;        // m, > 0, of a seen point on the surface that it was on before
+  double least_explained = 0.5;    // share of the seen points, in (0, 1], for it to be that object
+  double largest_motion = 0.12;    // m, > 0, of an object between two looks
+  double placement = 0.001;        // m, >= 0, standard: of the object's estimated motion, ...
+  double turn = 0.02;              // rad, >= 0, ... about the table's normal
+  double seen_deviation = 0.0015;  // m, > 0, standard, of a point that was seen before
+  int most_looks_points = 48;      // >= 0, of the looks before, that add to the present one
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// A predicted object, corrected by what attempts at it found out.
+struct Recollection {
+  surface::ObjectModel model;  // alternatives: the less likely shapes
+  std::vector<BelievedShape> before, after;
+  geometry::RigidTransform X_moved = geometry::RigidTransform::Identity();  // since the last look
+  std::vector<Contact> contacts;  // as the object lies now
+  int looks = 0;                  // before this one
+  double change = 0;              // m, mean distance of its surface from what was predicted
+};
+
+/// What attempts found out about the objects of a scene, for when they are seen again.
+///
+/// An object is found again by its surface: what is seen now is laid onto what was believed then
+/// (grasp::refined_pose()), and what was felt, swept and seen of it goes along. It is forgotten
+/// where nothing seen fits any more, as an object that fell over, and where it contradicts the new
+/// look (ObjectBelief::contradicted()): the belief starts again from the look then.
+///
+/// Not thread-safe.
+class TouchMemory {
+ public:
+  /// @param hand that the attempts are made with. @throws as HandEvidence and
+  /// TouchMemoryOptions::validate().
+  explicit TouchMemory(robot::HandModel hand, const TouchMemoryOptions& options = {});
+
+  /// The attempt was at the object that had been completed so and was believed to have this
+  /// surface. Contacts with the table, and those nearer to one of its neighbours, are none of its.
+  /// Nothing happens for an attempt that found nothing out.
+  void add(Attempt attempt, const shape::CompletedShape& shape, const geometry::Plane& table_W,
+           const geometry::TriangleMesh& believed_W,
+           const std::vector<geometry::TriangleMesh>& neighbours_W = {});
+
+  /// What is believed of an object that is seen now, of a shape with its other methods. Unset:
+  /// nothing is known of it but this look; problem() says why, where something was.
+  /// @throws geometry::InputError as ObjectBelief.
+  std::optional<Recollection> recall(const shape::CompletedShape& shape,
+                                     const geometry::Plane& table_W);
+  const std::string& problem() const { return problem_; }  // of the last recall(), in words
+
+  bool empty() const { return objects_.empty(); }
+  void clear() { objects_.clear(); }
+
+ private:
+  /// One look at an object, and the attempts after it, as the object lies now.
+  struct Look {
+    geometry::PointCloud seen_W;  // with normals
+    shape::SeenSpace seen_space;
+    std::vector<Attempt> attempts;
+  };
+  struct Object {
+    geometry::TriangleMesh believed_W;
+    std::vector<Look> looks;
+  };
+  struct Found {
+    std::size_t object = 0;
+    geometry::RigidTransform X_moved;
+    double explained = 0;
+  };
+  std::optional<Found> find(const geometry::PointCloud& seen_W) const;
+  geometry::PointCloud seen_of(const shape::CompletedShape& shape,
+                               const geometry::Plane& table_W) const;
+  void tell(const Object& object, const geometry::PointCloud& seen_W, ObjectBelief* belief) const;
+
+  HandEvidence evidence_;
+  TouchMemoryOptions options_;
+  std::vector<Object> objects_;
+  std::string problem_;
+};
+
+}  // namespace prehend::belief
