@@ -103,7 +103,13 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
 
 ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const GripperSource& gripper,
                    const ArmRobotOptions& options)
-    : node_(node), gripper_(gripper), arm_(node), touch_counts_(options.touch_counts) {
+    : node_(node),
+      gripper_(gripper),
+      arm_(node),
+      platform_(platform),
+      contact_force_(options.cycle.contact_force),
+      touch_force_(options.cycle.touch_force),
+      touch_counts_(options.touch_counts) {
   using graph::QoS;
   if (platform.hand_port == robot::HandPort::kGripper) {
     control::PadGripperOptions pads = options.gripper;
@@ -137,6 +143,12 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
   }
 }
 
+void ArmRobot::step() {
+  const control::ArmPercepts now = percepts();
+  cycle_->step(now);
+  attempt_watch_->step(*cycle_, now);
+}
+
 std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
   return convert::has_arm_motion(grasp) ? "" : "no motion of the arm";
 }
@@ -151,7 +163,9 @@ void ArmRobot::start() {
     const std::optional<robot::GripperModel> gripper = gripper_.model();
     if (!gripper) throw std::runtime_error(gripper_.missing());
     pad_gripper_->set_gripper(*gripper);
+    platform_.set_gripper(*gripper);
   }
+  attempt_watch_.emplace(platform_, contact_force_, touch_force_);
   cycle_->start(prepared_);
 }
 

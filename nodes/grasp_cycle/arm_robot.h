@@ -12,6 +12,7 @@
 #include "nodes/grasp_cycle/view.h"
 #include "nodes/gripper_source/gripper_source.h"
 #include "prehend/control/arm_cycle.h"
+#include "prehend/control/attempt_watch.h"
 #include "prehend/control/pad_gripper.h"
 #include "prehend/graph/node.h"
 #include "prehend/robot/grip.h"
@@ -63,8 +64,11 @@ class ArmRobot {
   /// A new look gave no grasp, for this reason.
   void take_nothing(const std::string& problem) { cycle_->take_plan({}, problem); }
   /// One step of the cycle on what the sensors say now.
-  void step() { cycle_->step(percepts()); }
+  void step();
   control::Cycle& cycle() { return *cycle_; }
+  const std::string& hand_name() const { return platform_.hand.name; }
+  /// What the attempts of the running cycle find out.
+  const control::AttemptWatch& attempt_watch() const { return *attempt_watch_; }
 
  private:
   bool has_gripper() const { return pad_gripper_ != nullptr; }
@@ -80,6 +84,9 @@ class ArmRobot {
   std::unique_ptr<control::HandPort> hand_;  // a PadGripper or HandActions
   control::PadGripper* pad_gripper_ = nullptr;
   std::optional<control::ArmCycle> cycle_;
+  robot::Platform platform_;
+  double contact_force_, touch_force_;  // N
+  std::optional<control::AttemptWatch> attempt_watch_;
   std::vector<graph::Subscription> subscriptions_;
   std::shared_ptr<const msgs::JointState> joints_;
   std::shared_ptr<const msgs::GripperState> gripper_state_;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "msgs/convert/belief.h"
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
@@ -77,7 +78,8 @@ CycleNode::CycleNode(graph::Node& node)
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),
-      tasks_(node.advertise<msgs::Task>("/cycle/task", graph::QoS::latched(1))) {
+      tasks_(node.advertise<msgs::Task>("/cycle/task", graph::QoS::latched(1))),
+      evidence_(node.advertise<msgs::AttemptEvidence>("/cycle/evidence", graph::QoS::latched(32))) {
   tasks_.publish(convert::to_message(task_, node_.clock().now()));
   predicted_.listen();
   subscribe();
@@ -150,6 +152,7 @@ void CycleNode::tick() {
     const std::string failure = node_.shield("cycle", [this] {
       predicted_.watch();
       robot_->step();
+      publish_evidence();
       if (const auto since = robot_->cycle().looks_since()) look_again(*since);
     });
     if (!failure.empty()) robot_->cycle().abort("a step of the cycle failed: " + failure);
@@ -216,6 +219,7 @@ void CycleNode::start(const View& view) {
   }
   const msgs::GraspPlan& plan = *view.plans.at(target.id);
   centroid_W_ = convert::from_message(plan.centroid());
+  view_stamp_ = plan.header().stamp();
   const std::string destination = robot_->prepare(view, target);
   node_.log_info("grasping object {}: {} grasps, best score {:.2f}; it is {}", target.id,
                  target.grasps.size(), target.grasps.front()->score(), destination);
@@ -233,6 +237,7 @@ void CycleNode::start(const View& view) {
 
 void CycleNode::begin() {
   surprises_sent_ = surprises_before_ = 0;
+  evidence_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
@@ -276,12 +281,26 @@ void CycleNode::look_again(double since) {
     }
     const std::string destination = robot_->prepare(*view, target);
     target_ = target.id;
-    centroid_W_ = convert::from_message(view->plans.at(target_)->centroid());
+    const msgs::GraspPlan& plan = *view->plans.at(target_);
+    centroid_W_ = convert::from_message(plan.centroid());
+    view_stamp_ = plan.header().stamp();
     node_.log_info("seen again: grasping object {}, {} grasps; it is {}", target.id,
                    target.grasps.size(), destination);
     robot_->take_prepared();
   });
   if (!failure.empty()) robot_->take_nothing(failure);
+}
+
+void CycleNode::publish_evidence() {
+  const control::AttemptWatch& watch = robot_->attempt_watch();
+  if (watch.concluded() == evidence_sent_) return;
+  evidence_sent_ = watch.concluded();
+  msgs::AttemptEvidence message = convert::to_message(watch.attempt());
+  message.mutable_header()->set_stamp(view_stamp_);
+  message.set_object_id(target_);
+  message.set_attempt(static_cast<std::uint32_t>(evidence_sent_));
+  message.set_hand(robot_->hand_name());
+  evidence_.publish(std::move(message));
 }
 
 void CycleNode::publish_progress() {

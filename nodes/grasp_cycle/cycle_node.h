@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "msgs/belief.pb.h"
 #include "msgs/grasp.pb.h"
 #include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/look_again.h"
@@ -40,6 +41,8 @@ class CycleNode {
   /// After a failed attempt: takes the plan of what was seen `since` [s], when it is there.
   void look_again(double since);
   void publish_progress();
+  /// What an attempt has found out, once it lifts or has failed.
+  void publish_evidence();
   void publish_state(control::Phase phase, int grasp_index, const std::string& detail);
   void finish(const control::CycleResult& result);
   void fail(const std::string& reason);
@@ -58,11 +61,13 @@ class CycleNode {
   graph::Publisher<msgs::CycleState> states_;
   graph::Publisher<msgs::CycleResult> results_;
   graph::Publisher<msgs::Task> tasks_;
+  graph::Publisher<msgs::AttemptEvidence> evidence_;
   std::vector<graph::Subscription> subscriptions_;
   graph::Service start_service_;
   graph::Node::Timer timer_;
 
   std::uint32_t target_ = 0;
+  std::int64_t view_stamp_ = 0;  // ns, of the view that its grasps were planned on
   Eigen::Vector3d centroid_W_ = Eigen::Vector3d::Zero();  // m, predicted, of the target
   std::vector<Eigen::Vector3d> given_up_W_;               // m, where objects were given up
   std::vector<Eigen::Vector3d> failed_W_;  // m, where objects lie that were met too early
@@ -71,6 +76,7 @@ class CycleNode {
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
+  int evidence_sent_ = 0;             // attempts of this cycle
   std::size_t surprises_before_ = 0;  // the present attempt
   std::optional<std::chrono::steady_clock::time_point> robot_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;

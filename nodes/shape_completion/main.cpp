@@ -78,6 +78,10 @@ void declare_parameters(graph::Node& node) {
                                .maximum = 4,
                                .description = "shapes by other planes, nearly as good, that the "
                                               "object may have as well: grasps are tried on them"});
+  node.declare_parameter<bool>({.name = "other_methods",
+                                .default_value = true,
+                                .description = "hand on what the shape would be by other methods, "
+                                               "for the belief once it was touched"});
 }
 
 shape::CompletionOptions completion_options(const graph::Node& node,
@@ -100,6 +104,7 @@ shape::CompletionOptions completion_options(const graph::Node& node,
   if (vote == "contradiction") o.vote = shape::VoteKind::kPublished;
   o.second_plane = node.parameter<bool>("second_plane");
   o.alternatives = node.parameter<int>("alternatives");
+  o.other_methods = node.parameter<bool>("other_methods");
   o.max_angle = node.parameter<double>("max_angle") * kRadiansPerDegree;
   o.max_contradicted = node.parameter<double>("max_contradicted");
   o.depth_tolerance = depth_tolerance;

@@ -141,8 +141,9 @@ void ObjectBelief::update() {
   for (const std::size_t i : order_) sum += std::exp(log_weight(i) - most);
   shapes_.clear();
   for (const std::size_t i : order_) {
-    shapes_.push_back({all_[i]->hypothesis().name, std::exp(log_weight(i) - most) / sum,
-                       all_[i]->misfit(), all_[i]->log_likelihood()});
+    shapes_.push_back({all_[i]->hypothesis().name, static_cast<int>(i),
+                       std::exp(log_weight(i) - most) / sum, all_[i]->misfit(),
+                       all_[i]->log_likelihood()});
   }
   contradicted_ = std::all_of(all_.begin(), all_.end(), [&](const auto& shape) {
     return shape->misfit() > kContradiction * kContradiction ||

@@ -30,6 +30,7 @@ struct BeliefOptions {
 /// What is believed of one shape after an update.
 struct BelievedShape {
   std::string name;           // as ShapeHypothesis
+  int index = 0;              // of the shape and its alternatives, the same in all updates
   double weight = 0;          // of all shapes 1
   double misfit = 0;          // as Displacement
   double log_likelihood = 0;  // of the evidence under this shape

@@ -157,6 +157,7 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
 
 void AttemptWatch::conclude(const ArmCycle& cycle) {
   open_ = false;
+  ++concluded_;
   const std::vector<Surprise>& surprises = cycle.surprises();
   const bool stopped = std::any_of(
       surprises.begin() + static_cast<std::ptrdiff_t>(surprises_before_), surprises.end(),

@@ -36,6 +36,8 @@ class AttemptWatch {
 
   /// What the present attempt has found out until now; complete once it lifts or has failed.
   const belief::Attempt& attempt() const { return attempt_; }
+  /// How many attempts have come to that.
+  int concluded() const { return concluded_; }
 
  private:
   struct Moment {
@@ -57,7 +59,7 @@ class AttemptWatch {
   robot::KinematicChain chain_;
   belief::HandEvidence evidence_;
   double contact_force_, touch_force_;  // N
-  int attempts_ = 0;
+  int attempts_ = 0, concluded_ = 0;
   bool open_ = false;                 // the attempt goes on
   std::size_t surprises_before_ = 0;  // it
   std::set<std::string> not_believed_;

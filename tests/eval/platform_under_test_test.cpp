@@ -69,12 +69,17 @@ TEST(PlatformUnderTest, SaysAtWhichStageItFailed) {
   elsewhere.translation() = Eigen::Vector3d(0.3, 0.4, 0);
   const TrueObject truth{geometry::transformed(box_W, elsewhere), 0.2, {}};
   int looks = 0;
-  const GraspTrial trial = platform.grasp(belief_of(box_W, {}), truth, on_truth(),
-                                          [&](const geometry::RigidTransform& X_moved) -> Belief {
-                                            EXPECT_LT(X_moved.translation().norm(), 0.01);
-                                            if (++looks == 1) return belief_of(box_W, {});
-                                            throw geometry::InputError("fog", "wait");
-                                          });
+  const GraspTrial trial = platform.grasp(
+      belief_of(box_W, {}), truth, on_truth(),
+      [&](const geometry::RigidTransform& X_moved, const belief::Attempt& attempt) -> Belief {
+        EXPECT_LT(X_moved.translation().norm(), 0.01);
+        // The hand went through where it was believed to be, and touched nothing.
+        EXPECT_EQ(attempt.size(), 1);
+        EXPECT_GT(attempt.front().free_way.size(), 3);
+        EXPECT_TRUE(attempt.front().contacts.empty());
+        if (++looks == 1) return belief_of(box_W, {});
+        throw geometry::InputError("fog", "wait");
+      });
   EXPECT_FALSE(trial.lifted);
   EXPECT_EQ(trial.attempts, 3);
   EXPECT_EQ(trial.plans, 2);

@@ -206,7 +206,7 @@ TEST_F(Composition, ComposedNodesPredictTheSameAsProcesses) {
     results.push_back(collected.messages());
     ::kill(program.pid(), SIGINT);
     EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
-    EXPECT_EQ(program.output().find("4 nodes in 2 processes") != std::string::npos,
+    EXPECT_EQ(program.output().find("5 nodes in 2 processes") != std::string::npos,
               composed == "true")
         << program.output();
   }
