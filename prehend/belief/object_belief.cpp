@@ -146,8 +146,9 @@ void ObjectBelief::update() {
                        all_[i]->log_likelihood()});
   }
   contradicted_ = std::all_of(all_.begin(), all_.end(), [&](const auto& shape) {
-    return shape->misfit() > kContradiction * kContradiction ||
-           2 * shape->unexplained().size() > contacts_.size();
+    return shape->misfit() + shape->aside_misfit() > kContradiction * kContradiction ||
+           2 * shape->unexplained().size() > contacts_.size() ||
+           3 * shape->impossible(seen_spaces_) > contacts_.size();
   });
 }
 

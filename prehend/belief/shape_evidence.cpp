@@ -18,10 +18,12 @@ constexpr int kSweptRounds = 3;            // of sites that are found in swept s
 constexpr int kMostInRound = 8;            // of them
 constexpr double kFarthest = 0.6;          // of the extent, that a site leaves swept space
 constexpr double kSweptDeviation = 0.001;  // m
+constexpr float kLeastAlike = 0.5f;        // cosine of normals of a contact and the site it is of
 constexpr float kUnexplained = 25;         // chi^2 of a contact's place: beyond, it is of no site
 constexpr double kContradicting = 49;      // the same, beside what the others make expected
 constexpr double kBeside =
     0.025;  // of the extent: what was seen there is told no better by a guess
+constexpr float kWithin = 0.004f;      // m: no surface is so far within a body
 constexpr double kBeforeSeen = 0.004;  // m: a guess so far before what was seen is wrong
 
 double extent_of(const geometry::PointCloud& cloud) {
@@ -112,6 +114,7 @@ std::optional<std::size_t> ShapeEvidence::matched(const Contact& contact, int ac
   std::size_t best = 0;
   for (std::size_t s = 0; s < sites_.size(); ++s) {
     const Eigen::Vector3f& normal = hypothesis_.points.cloud_W.normals[sites_[s]];
+    if (!n.isZero() && n.dot(normal) < kLeastAlike) continue;
     const Eigen::Vector3f r = p - places_[s];
     const float along = r.dot(normal);
     const float variance = hypothesis_.variance[sites_[s]] + static_cast<float>(noise);
@@ -125,7 +128,9 @@ std::optional<std::size_t> ShapeEvidence::matched(const Contact& contact, int ac
       best = s;
     }
   }
-  if (of_place > kUnexplained) return std::nullopt;
+  if (least == std::numeric_limits<float>::infinity() || of_place > kUnexplained) {
+    return std::nullopt;
+  }
   return best;
 }
 
@@ -261,13 +266,20 @@ void ShapeEvidence::take_in(const Evidence& evidence) {
   const std::vector<std::size_t> explained = take_in_contacts(evidence, &observations);
   log_likelihood_ = displacement_->log_likelihood() - 0.5 * static_cast<double>(kUnexplained) *
                                                           static_cast<double>(unexplained_.size());
+  double aside = 0;
   for (std::size_t k = 0; k < explained.size(); ++k) {
-    const Contact& contact = evidence.contacts[explained[k]].first;
+    const auto& [contact, act] = evidence.contacts[explained[k]];
+    const int point = observations[k].point;
+    const Eigen::Vector3d n = hypothesis_.points.cloud_W.normals[point].cast<double>();
+    const Eigen::Vector3d r = displacement_->before_motions(contact.p_W, act) -
+                              displacement_->places({point}).front().cast<double>();
+    aside += (r - n.dot(r) * n).squaredNorm();
     if (contact.normal_W.isZero()) continue;
-    const Eigen::Vector3d n =
-        hypothesis_.points.cloud_W.normals[observations[k].point].cast<double>();
     log_likelihood_ -= hypothesis_.normal_scale * (1 - n.dot(contact.normal_W));
   }
+  aside /= hypothesis_.aside * hypothesis_.aside;
+  log_likelihood_ -= 0.5 * aside;
+  aside_misfit_ = explained.empty() ? 0 : aside / static_cast<double>(explained.size());
   if (!evidence.swept || evidence.swept->empty()) return;
   const auto chi_squared = [&] {
     return displacement_->misfit() * static_cast<double>(observations.size());
@@ -276,6 +288,29 @@ void ShapeEvidence::take_in(const Evidence& evidence) {
   take_in_swept(evidence, &observations);
   // Of what is only known not to be there, the density says nothing: its misfit counts.
   log_likelihood_ -= 0.5 * std::max(0.0, chi_squared() - touched);
+}
+
+std::size_t ShapeEvidence::impossible(const std::vector<shape::SeenSpace>& seen) const {
+  const auto is_within = [&](const Eigen::Vector3f& p) {
+    float least = std::numeric_limits<float>::infinity(), over = 0;
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
+      const Eigen::Vector3f r = p - places_[s];
+      if (r.squaredNorm() >= least) continue;
+      least = r.squaredNorm();
+      over = r.dot(hypothesis_.points.cloud_W.normals[sites_[s]]);
+    }
+    return over < -kWithin;
+  };
+  const auto is_before_seen = [&](const Eigen::Vector3d& p_W) {
+    return std::any_of(seen.begin(), seen.end(), [&](const shape::SeenSpace& space) {
+      return !space.empty_until.empty() &&
+             shape::depth_in_empty_space(space, space.X_WC.inverse() * p_W) > kBeforeSeen;
+    });
+  };
+  return static_cast<std::size_t>(
+      std::count_if(unexplained_.begin(), unexplained_.end(), [&](const Contact& contact) {
+        return is_within(contact.p_W.cast<float>()) || is_before_seen(contact.p_W);
+      }));
 }
 
 geometry::PointCloud ShapeEvidence::displaced(const Evidence& evidence,

@@ -41,8 +41,12 @@ class ShapeEvidence {
   const Displacement& displacement() const { return *displacement_; }
   double log_likelihood() const { return log_likelihood_; }  // of the evidence
   double misfit() const { return displacement_->misfit(); }
+  /// The same of how far along the surface contacts are from what they are thought to be of.
+  double aside_misfit() const { return aside_misfit_; }
   /// Contacts with something that this shape does not have.
   const std::vector<Contact>& unexplained() const { return unexplained_; }
+  /// How many of them are of no other part either: within the body, or where `seen` is empty.
+  std::size_t impossible(const std::vector<shape::SeenSpace>& seen) const;
 
   /// Some of its points, spread over it, and where each is thought to be [m].
   const std::vector<int>& sites() const { return sites_; }
@@ -82,7 +86,7 @@ class ShapeEvidence {
   std::vector<Eigen::Vector3f> places_;
   std::optional<Displacement> displacement_;
   std::vector<Contact> unexplained_;
-  double log_likelihood_ = 0;
+  double log_likelihood_ = 0, aside_misfit_ = 0;
 };
 
 }  // namespace prehend::belief

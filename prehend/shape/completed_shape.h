@@ -69,6 +69,7 @@ inline Eigen::Vector3d mirrored(const SymmetryHypothesis& symmetry, const Eigen:
 
 /// The seen points followed by the predicted ones.
 struct CompletedShape {
+  /// Of a fall-back with normals: outward where it made the points, zero where they were seen.
   geometry::PointCloud cloud_W;
   std::vector<PointOrigin> origin;      // one per point
   std::vector<PointSupport> support;    // one per point

@@ -166,9 +166,10 @@ std::optional<Fallback> revolved(const FallbackInput& input) {
     const int around = std::max(6, static_cast<int>(std::ceil(2 * pi * radius / input.spacing)));
     for (int k = 0; k < around; ++k) {
       const double angle = 2 * pi * k / around;
-      const Eigen::Vector2d p =
-          fallback.center_T + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      const Eigen::Vector2d out(std::cos(angle), std::sin(angle));
+      const Eigen::Vector2d p = fallback.center_T + radius * out;
       fallback.points_T.emplace_back(p.x(), p.y(), height);
+      fallback.normals_T.emplace_back(out.x(), out.y(), 0);
     }
   }
   judge(fallback, input);
@@ -188,42 +189,67 @@ struct Footprint {
   }
 };
 
-/// With a ring of empty cells round it; cells that only seen ones surround take their height.
-Footprint footprint_of(const FallbackInput& input) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3d& p : input.voting.points_T) box.extend(Eigen::Vector2d(p.head<2>()));
-  Footprint footprint;
-  footprint.side = 0.035 * input.voting.extent;
-  footprint.low = box.min() - Eigen::Vector2d::Constant(footprint.side);
-  const Eigen::Vector2d cells = (box.sizes() / footprint.side).array().floor() + 3;
-  const int width = static_cast<int>(cells.x()), height = static_cast<int>(cells.y());
-  footprint.top = geometry::Image<float>(width, height, 0.f);
-  for (const Eigen::Vector3d& p : input.voting.points_T) {
-    const Eigen::Vector2d cell = (p.head<2>() - footprint.low) / footprint.side;
-    // Rounding may put a point of the box's border into the ring.
-    float& top = footprint.top.at(std::clamp(static_cast<int>(cell.x()), 1, width - 2),
-                                  std::clamp(static_cast<int>(cell.y()), 1, height - 2));
-    top = std::max(top, static_cast<float>(p.z()));
-  }
-  // What the outside does not reach through empty cells is within.
-  geometry::Image<bool> outside(width, height, false);
+/// The cells that the image's border reaches through others without a point within `reach` cells
+/// (up, down and to the sides), and what is as near to those: what is open beyond gaps of 2
+/// `reach`.
+geometry::MaskImage outside_of(const geometry::Image<float>& top, int reach) {
+  const int width = top.width, height = top.height;
+  const auto any_near = [&](int u, int v, const auto& is) {
+    for (int y = std::max(0, v - reach); y <= std::min(height - 1, v + reach); ++y) {
+      for (int x = std::max(0, u - reach); x <= std::min(width - 1, u + reach); ++x) {
+        if (is(x, y)) return true;
+      }
+    }
+    return false;
+  };
+  geometry::MaskImage far_out(width, height, 0), outside(width, height, 0);
   std::vector<std::pair<int, int>> reached{{0, 0}};
-  outside.data[0] = true;
+  far_out.at(0, 0) = 255;
   while (!reached.empty()) {
     const auto [u, v] = reached.back();
     reached.pop_back();
     for (const auto& [x, y] : {std::pair{u - 1, v}, {u + 1, v}, {u, v - 1}, {u, v + 1}}) {
-      if (!footprint.top.contains(x, y) || footprint.top.at(x, y) > 0) continue;
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      if (outside.data[i]) continue;
-      outside.data[i] = true;
+      if (!top.contains(x, y) || far_out.at(x, y) > 0) continue;
+      if (any_near(x, y, [&](int a, int b) { return top.at(a, b) > 0; })) continue;
+      far_out.at(x, y) = 255;
       reached.emplace_back(x, y);
     }
   }
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      outside.at(u, v) =
+          any_near(u, v, [&](int a, int b) { return far_out.at(a, b) > 0; }) ? 255 : 0;
+    }
+  }
+  return outside;
+}
+
+/// With a border of empty cells round it; cells that only seen ones surround, but for gaps as those
+/// between points of a side that is seen at a slant, take their height.
+Footprint footprint_of(const FallbackInput& input) {
+  constexpr int kReach = 1;  // cells
+  constexpr int kBorder = kReach + 1;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3d& p : input.voting.points_T) box.extend(Eigen::Vector2d(p.head<2>()));
+  Footprint footprint;
+  footprint.side = 0.035 * input.voting.extent;
+  footprint.low = box.min() - Eigen::Vector2d::Constant(kBorder * footprint.side);
+  const Eigen::Vector2d cells = (box.sizes() / footprint.side).array().floor() + (2 * kBorder + 1);
+  const int width = static_cast<int>(cells.x()), height = static_cast<int>(cells.y());
+  footprint.top = geometry::Image<float>(width, height, 0.f);
+  for (const Eigen::Vector3d& p : input.voting.points_T) {
+    const Eigen::Vector2d cell = (p.head<2>() - footprint.low) / footprint.side;
+    // Rounding may put a point of the box's border into the empty one.
+    float& top =
+        footprint.top.at(std::clamp(static_cast<int>(cell.x()), kBorder, width - 1 - kBorder),
+                         std::clamp(static_cast<int>(cell.y()), kBorder, height - 1 - kBorder));
+    top = std::max(top, static_cast<float>(p.z()));
+  }
+  const geometry::MaskImage outside = outside_of(footprint.top, kReach);
   float last = 0;
   for (std::size_t i = 0; i < footprint.top.data.size(); ++i) {
     float& top = footprint.top.data[i];
-    if (top == 0 && !outside.data[i]) top = last;
+    if (top == 0 && outside.data[i] == 0) top = last;
     last = top;
   }
   return footprint;
@@ -270,6 +296,7 @@ std::optional<Fallback> extruded(const FallbackInput& input) {
               footprint.side * (0.15 * out + ((k + 0.5) / along - 0.5) * side);
           for (double z = 0.5 * input.spacing; z < top; z += input.spacing) {
             fallback.points_T.emplace_back(p.x(), p.y(), z);
+            fallback.normals_T.emplace_back(out.x(), out.y(), 0);
           }
         }
       }
@@ -291,7 +318,10 @@ std::optional<Fallback> hulled(const FallbackInput& input) {
   for (const Eigen::Vector3i& t : hull.triangles) {
     const Eigen::Vector3d a = hull.vertices[t.x()];
     const Eigen::Vector3d ab = hull.vertices[t.y()] - a, ac = hull.vertices[t.z()] - a;
-    const double twice = ab.cross(ac).norm();
+    const Eigen::Vector3d across = ab.cross(ac);
+    const double twice = across.norm();
+    // Its foot is left out, as those of the others: which way it faces, no view tells.
+    if (std::max({a.z(), a.z() + ab.z(), a.z() + ac.z()}) < 0.5 * input.spacing) continue;
     // Evenly by area: a quasi-random sequence (Roberts' R2), folded into the triangle.
     const double count = std::ceil(0.5 * twice / (input.spacing * input.spacing));
     for (double k = 1; k <= count; ++k) {
@@ -302,6 +332,7 @@ std::optional<Fallback> hulled(const FallbackInput& input) {
         y = 1 - y;
       }
       fallback.points_T.push_back(a + x * ab + y * ac);
+      fallback.normals_T.push_back(across / twice);
     }
     fallback.center_T += twice * (a + (ab + ac) / 3).head<2>();
     area += twice;

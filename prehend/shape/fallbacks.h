@@ -14,6 +14,7 @@ namespace prehend::shape {
 struct Fallback {
   CompletionMethod method = CompletionMethod::kConvexHull;
   std::vector<Eigen::Vector3d> points_T;
+  std::vector<Eigen::Vector3d> normals_T;              // one a point, unit, outward
   Eigen::Vector2d center_T = Eigen::Vector2d::Zero();  // of the predicted solid, on the table
   double contradicted = 0;  // mean of PointEvidence::contradicted over the points
   double coincident = 0;    // mean of PointEvidence::coincident

@@ -129,6 +129,7 @@ std::optional<Cut> best_cut(const Body& first, const Body& second) {
 
 void drop_beyond(CompletedShape& shape, const geometry::Plane& bound_W) {
   const bool colored = !shape.cloud_W.colors.empty();
+  const bool has_normals = !shape.cloud_W.normals.empty();
   const bool has_confidence = !shape.point_confidence.empty();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < shape.cloud_W.size(); ++i) {
@@ -136,6 +137,7 @@ void drop_beyond(CompletedShape& shape, const geometry::Plane& bound_W) {
     if (is_beyond && shape.origin[i] != PointOrigin::kSeen) continue;
     shape.cloud_W.points[kept] = shape.cloud_W.points[i];
     if (colored) shape.cloud_W.colors[kept] = shape.cloud_W.colors[i];
+    if (has_normals) shape.cloud_W.normals[kept] = shape.cloud_W.normals[i];
     shape.origin[kept] = shape.origin[i];
     shape.support[kept] = shape.support[i];
     if (has_confidence) shape.point_confidence[kept] = shape.point_confidence[i];
@@ -143,6 +145,7 @@ void drop_beyond(CompletedShape& shape, const geometry::Plane& bound_W) {
   }
   shape.cloud_W.points.resize(kept);
   if (colored) shape.cloud_W.colors.resize(kept);
+  if (has_normals) shape.cloud_W.normals.resize(kept);
   shape.origin.resize(kept);
   shape.support.resize(kept);
   if (has_confidence) shape.point_confidence.resize(kept);

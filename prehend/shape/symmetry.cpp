@@ -363,14 +363,21 @@ class Completion {
     shape_.symmetry.coincident = fallback.coincident;
     shape_.symmetry.unseen = fallback.unseen;
     shape_.mirrored_viewpoint_W = mirrored(shape_.symmetry, shape_.viewpoint_W);
-    for (const Eigen::Vector3d& p_T : fallback.points_T) {
+    shape_.cloud_W.normals.assign(shape_.cloud_W.size(), Eigen::Vector3f::Zero());
+    for (std::size_t i = 0; i < fallback.points_T.size(); ++i) {
+      const Eigen::Vector3d& p_T = fallback.points_T[i];
       const bool far = (p_T.head<2>() - fallback.center_T).dot(away) > 0;
       // Where something was seen the seen points tell more.
       const PointEvidence about = evidence_about(map_, view_.camera, X_CW_ * (voting_.X_WT * p_T),
                                                  options_.depth_tolerance);
       if (about.coincident > 0) continue;
-      if (append(voting_.X_WT * p_T, far ? PointOrigin::kMirrored : PointOrigin::kMirroredSecond) &&
-          !shape_.cloud_W.colors.empty()) {
+      if (!append(voting_.X_WT * p_T,
+                  far ? PointOrigin::kMirrored : PointOrigin::kMirroredSecond)) {
+        continue;
+      }
+      const Eigen::Vector3d normal_W = voting_.X_WT.linear() * fallback.normals_T[i];
+      shape_.cloud_W.normals.push_back(normal_W.cast<float>());
+      if (!shape_.cloud_W.colors.empty()) {
         shape_.cloud_W.colors.push_back(shape_.cloud_W.colors.front());
       }
     }

@@ -336,6 +336,25 @@ Points smoothed(const Points& points, double spacing) {
   return result;
 }
 
+/// For each of `queries` what is far off from it on the outer side, as the normals of the shape's
+/// points near it say; `otherwise` where they say nothing.
+std::vector<Eigen::Vector3d> outer_sides(const Points& queries, const Points& points,
+                                         const Points& normals, const Eigen::Vector3d& otherwise) {
+  constexpr int kAsked = 4;
+  constexpr double kFar = 100;  // m
+  std::vector<Eigen::Vector3d> sides(queries.size(), otherwise);
+  if (normals.empty() || queries.empty()) return sides;
+  const Neighbors nearest =
+      nearest_neighbors(points, queries, std::min(kAsked, static_cast<int>(points.size())));
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (int j = 0; j < nearest.count; ++j) sum += normals[nearest.indices[i * nearest.count + j]];
+    if (sum.isZero()) continue;
+    sides[i] = (queries[i] + kFar * sum).cast<double>();
+  }
+  return sides;
+}
+
 /// Points of one or several origins, and what their normals look at.
 struct ThinnedPoints {
   Points points;
@@ -376,6 +395,11 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
     throw InputError("the completed shape has no points, or not one origin per point",
                      "complete the shape again");
   }
+  const std::size_t normal_count = shape.cloud_W.normals.size();
+  if (normal_count != 0 && normal_count != points.size()) {
+    throw InputError("the completed shape has not one normal per point",
+                     "complete the shape again");
+  }
   check(options.outliers);
   check(options.normals);
   check_finite(points);
@@ -392,14 +416,20 @@ geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,
   for (const auto origin :
        {shape::PointOrigin::kSeen, shape::PointOrigin::kMirrored,
         shape::PointOrigin::kMirroredSecond, shape::PointOrigin::kMirroredBoth}) {
-    Points of_origin;
+    Points made, normals;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (shape.origin[i] == origin) of_origin.push_back(points[i]);
+      if (shape.origin[i] != origin) continue;
+      made.push_back(points[i]);
+      if (origin != shape::PointOrigin::kSeen && !shape.cloud_W.normals.empty()) {
+        normals.push_back(shape.cloud_W.normals[i]);
+      }
     }
-    of_origin = voxel_means(std::move(of_origin), spacing);
+    Points of_origin = voxel_means(made, spacing);
     if (options.smooth) of_origin = smoothed(of_origin, spacing);
     thinned.points.insert(thinned.points.end(), of_origin.begin(), of_origin.end());
-    thinned.viewpoints.resize(thinned.points.size(), shape.viewpoint_of(origin));
+    const std::vector<Eigen::Vector3d> viewpoints =
+        outer_sides(of_origin, made, normals, shape.viewpoint_of(origin));
+    thinned.viewpoints.insert(thinned.viewpoints.end(), viewpoints.begin(), viewpoints.end());
     thinned.origins.resize(thinned.points.size(), origin);
     const bool enough = thinned.points.size() > static_cast<std::size_t>(options.normals.neighbors);
     if (options.separate_origins && enough) {

@@ -53,7 +53,7 @@ struct OrientedCloudOptions {
 
 /// The points of `shape`, averaged in voxels and smoothed (each origin by itself), without
 /// outliers, with normals towards the viewpoint of their origin: mirrored points towards the
-/// mirrored viewpoint.
+/// mirrored viewpoint, those that a fall-back made to the side that it says is outside.
 /// @param origins if given, is filled with one per point: those of the shape that it is made of.
 /// @throws geometry::InputError for a shape with too few or non-finite points.
 geometry::PointCloud oriented_cloud(const shape::CompletedShape& shape,

@@ -12,8 +12,9 @@ struct Predicted {
   shape::SyntheticView view;
   shape::CompletedShape shape;
 
-  explicit Predicted(const geometry::TriangleMesh& standing_W)
-      : truth_W(standing_W), view(shape::synthetic_view(truth_W, {.width = 320})) {
+  explicit Predicted(const geometry::TriangleMesh& standing_W, double azimuth = 0)
+      : truth_W(standing_W),
+        view(shape::synthetic_view(truth_W, {.azimuth = azimuth, .width = 320})) {
     shape::CompletionOptions options;
     options.alternatives = 3;
     options.other_methods = true;
