@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "msgs/belief.pb.h"
 #include "msgs/geometry.pb.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
@@ -43,6 +44,9 @@ struct Collected {
   std::map<std::uint32_t, msgs::CompletedShape> shapes;  // by object
   std::map<std::uint32_t, msgs::ObjectModel> models;
   std::map<std::uint32_t, msgs::GraspPlan> plans;
+  std::vector<msgs::Belief> beliefs;  // as they came
+  // By stamp and object, the newest of a run: as it was predicted, and as it is believed.
+  std::map<std::pair<std::int64_t, std::uint32_t>, msgs::ObjectModel> predicted, believed;
   std::vector<msgs::Surprise> surprises;
   std::optional<msgs::CycleResult> result;
   std::optional<msgs::Task> task;

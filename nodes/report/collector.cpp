@@ -10,8 +10,15 @@ namespace prehend::nodes {
 namespace {
 
 constexpr std::size_t kMostLogLines = 200;
+constexpr std::size_t kMostBeliefs = 32;
 
 double time_of(const msgs::Header& header) { return graph::seconds(header.stamp()); }
+
+void keep_newest(const msgs::ObjectModel& model,
+                 std::map<std::pair<std::int64_t, std::uint32_t>, msgs::ObjectModel>* models) {
+  (*models)[{model.header().stamp(), model.id()}] = model;
+  while (models->size() > kMostBeliefs) models->erase(models->begin());
+}
 
 }  // namespace
 
@@ -45,8 +52,15 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
   });
   listen<msgs::CompletedShape>("/shapes", QoS::queue(64),
                                [&c](const auto& m) { c.shapes[m.id()] = m; });
-  listen<msgs::ObjectModel>("/models", QoS::queue(64),
-                            [&c](const auto& m) { c.models[m.id()] = m; });
+  listen<msgs::ObjectModel>("/models", QoS::queue(64), [&c](const auto& m) {
+    c.models[m.id()] = m;
+    keep_newest(m, &c.believed);
+  });
+  listen<msgs::ObjectModel>("/predicted_models", QoS::queue(64),
+                            [&c](const auto& m) { keep_newest(m, &c.predicted); });
+  listen<msgs::Belief>("/belief", QoS::queue(64), [&c](const auto& m) {
+    if (c.beliefs.size() < kMostBeliefs) c.beliefs.push_back(m);
+  });
   listen<msgs::GraspPlan>("/plans", QoS::queue(64), [&c](const auto& m) { c.plans[m.id()] = m; });
   listen<msgs::Surprise>("/surprise", QoS::queue(64),
                          [&c](const auto& m) { c.surprises.push_back(m); });

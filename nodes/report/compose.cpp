@@ -12,6 +12,7 @@
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "msgs/convert/outcomes.h"
+#include "nodes/report/belief_section.h"
 #include "nodes/report/charts_section.h"
 #include "nodes/report/object_section.h"
 #include "nodes/report/task_section.h"
@@ -241,6 +242,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
     section(page, "What was done", [&] { add_task(page, *collected.task, collected.result); });
   }
   section(page, "What the pads felt", [&] { add_touch(page, collected); });
+  if (!collected.beliefs.empty()) {
+    section(page, "What touch changed", [&] { add_beliefs(page, collected); });
+  }
   section(page, "Over time", [&] { add_charts(page, collected); });
   add_tables(page, collected, processes);
   return page;

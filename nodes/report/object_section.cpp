@@ -10,6 +10,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/convert/outcomes.h"
+#include "nodes/report/drawn_model.h"
 #include "nodes/report/verdict.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
@@ -22,13 +23,6 @@ using geometry::ColorImage;
 using geometry::Rgb;
 using report::Page;
 
-constexpr int kPictureWidth = 420;
-constexpr int kPictureHeight = 360;
-constexpr Rgb kSeenColor{40, 110, 190};
-constexpr Rgb kMirroredColor{235, 130, 40};
-constexpr Rgb kAssumedColor{170, 170, 175};
-constexpr Rgb kTouchedColor{60, 160, 80};
-constexpr Rgb kObjectColor{215, 190, 150};
 constexpr Rgb kOthersColor{225, 222, 215};
 
 std::vector<report::Rejected> rejections_of(const msgs::GraspPlan& plan) {
@@ -44,13 +38,6 @@ Eigen::AlignedBox3d bounds_of(const std::vector<report::ColoredMesh>& meshes) {
   Eigen::AlignedBox3d box;
   for (const auto& mesh : meshes) box.extend(geometry::bounds(mesh.mesh_W));
   return box;
-}
-
-// Two cameras that show all of `box` from the given azimuth and from the opposite side.
-std::vector<geometry::RigidTransform> two_views(const Eigen::AlignedBox3d& box, double azimuth) {
-  const double radius = std::max(box.diagonal().norm() / 2, 0.01);
-  return {report::orbit(box.center(), radius, azimuth, 0.5),
-          report::orbit(box.center(), radius, azimuth + 2.4, 0.35)};
 }
 
 double azimuth_of(const Eigen::Vector3d& direction) {
@@ -92,28 +79,13 @@ void add_shape(Page& page, const msgs::CompletedShape& message) {
     colors.push_back(shape.origin[i] == shape::PointOrigin::kSeen ? kSeenColor : kMirroredColor);
     box.extend(shape.cloud_W.points[i].cast<double>());
   }
-  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const auto camera = object_camera();
   const auto views = two_views(box, azimuth_of(shape.viewpoint_W - box.center()));
   page.add_pictures({report::draw_cloud(shape.cloud_W, colors, camera, views[0]),
                      report::draw_cloud(shape.cloud_W, colors, camera, views[1])},
                     {"Completed cloud from the camera's side (blue seen, orange predicted)",
                      "The same from behind"});
   if (message.completed()) page.add_paragraph(completion_text(message));
-}
-
-// The mesh in the colours of what its parts rest on; in one colour when the sender did not say.
-std::vector<report::ColoredMesh> by_origin(const surface::ObjectModel& model) {
-  if (model.vertex_origin.empty()) return {{model.mesh_W, kObjectColor}};
-  std::vector<report::ColoredMesh> parts;
-  for (const Rgb& color : {kSeenColor, kMirroredColor, kAssumedColor, kTouchedColor}) {
-    parts.push_back({{model.mesh_W.vertices, {}}, color});
-  }
-  for (const Eigen::Vector3i& t : model.mesh_W.triangles) {
-    auto least = surface::SurfaceOrigin::kSeen;
-    for (const int i : t) least = std::max(least, model.vertex_origin[static_cast<std::size_t>(i)]);
-    parts[static_cast<std::size_t>(least)].mesh_W.triangles.push_back(t);
-  }
-  return parts;
 }
 
 // The grasp of an object that was executed last, else the best one: the hand at it, and the arm.
@@ -127,7 +99,7 @@ void add_grasp(Page& page, const Collected& collected, std::uint32_t id,
                           plan->second.grasps_size() - 1);
   }
   const auto& grasp = plan->second.grasps(index);
-  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const auto camera = object_camera();
   const double azimuth =
       azimuth_of(convert::from_message(grasp.x_wg()).linear().col(0)) + 0.5;  // rad
   std::vector<report::ColoredMesh> scene = robot.hand_at(grasp);
@@ -160,7 +132,7 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   }
   const auto model = convert::from_message(message);
   const auto box = geometry::bounds(model.mesh_W);
-  const auto camera = report::picture_camera(kPictureWidth, kPictureHeight);
+  const auto camera = object_camera();
   const auto views = two_views(box, 0.6);
   std::vector<report::ColoredMesh> pieces;
   for (std::size_t i = 0; i < model.convex_pieces_W.size(); ++i) {

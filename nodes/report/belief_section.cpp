@@ -1,0 +1,95 @@
+#include "nodes/report/belief_section.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "msgs/convert/geometry.h"
+#include "msgs/convert/objects.h"
+#include "nodes/report/drawn_model.h"
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/report/pictures.h"
+
+namespace prehend::nodes {
+namespace {
+
+constexpr geometry::Rgb kContactColor{200, 30, 60};
+constexpr double kMarkShare = 0.02;  // of the object's diagonal: a contact's side
+
+std::vector<report::ColoredMesh> marks_of(const msgs::Belief& belief, double diagonal) {
+  std::vector<report::ColoredMesh> marks;
+  const double side = kMarkShare * diagonal;
+  for (const msgs::TouchContact& contact : belief.contacts()) {
+    geometry::RigidTransform X = geometry::RigidTransform::Identity();
+    X.translation() = convert::from_message(contact.p());
+    marks.push_back(
+        {geometry::transformed(geometry::make_box({side, side, side}), X), kContactColor});
+  }
+  return marks;
+}
+
+std::string what_was_made(const msgs::Belief& belief) {
+  const geometry::RigidTransform X = convert::from_message(belief.x_moved());
+  return fmt::format(
+      "{} contacts and {} look(s) before. It had moved by {:.1f} mm and {:.0f} degrees since. Its "
+      "surface is {:.1f} mm other than predicted on average.",
+      belief.contacts_size(), belief.looks(), 1e3 * X.translation().norm(),
+      std::abs(Eigen::AngleAxisd(X.linear()).angle()) * 180 / std::numbers::pi,
+      1e3 * belief.change());
+}
+
+void add_pictures(report::Page& page, const Collected& collected, const msgs::Belief& belief) {
+  const std::pair key{belief.header().stamp(), belief.id()};
+  const auto predicted = collected.predicted.find(key), believed = collected.believed.find(key);
+  if (predicted == collected.predicted.end() || believed == collected.believed.end()) {
+    page.add_paragraph("Its meshes did not come.");
+    return;
+  }
+  const auto before = convert::from_message(predicted->second);
+  const auto after = convert::from_message(believed->second);
+  Eigen::AlignedBox3d box = geometry::bounds(before.mesh_W);
+  box.extend(geometry::bounds(after.mesh_W));
+  const auto marks = marks_of(belief, box.diagonal().norm());
+  std::vector<geometry::ColorImage> pictures;
+  for (const auto& X_WC : two_views(box, 0.6)) {
+    for (const surface::ObjectModel* model : {&before, &after}) {
+      std::vector<report::ColoredMesh> drawn = by_origin(*model);
+      drawn.insert(drawn.end(), marks.begin(), marks.end());
+      pictures.push_back(report::draw_meshes(drawn, object_camera(), X_WC));
+    }
+  }
+  page.add_pictures(pictures,
+                    {"As it was predicted; red: where it was touched",
+                     "As it is believed; green rests on what was felt",
+                     "As it was predicted, from behind", "As it is believed, from behind"});
+}
+
+}  // namespace
+
+void add_beliefs(report::Page& page, const Collected& collected) {
+  int look = 0;
+  for (const msgs::Belief& belief : collected.beliefs) {
+    const std::string object = fmt::format("{}. Object {}: ", ++look, belief.id());
+    if (!belief.problem().empty()) {
+      page.add_paragraph(object + belief.problem() + ". It is believed as it is predicted.");
+      continue;
+    }
+    page.add_paragraph(object + what_was_made(belief));
+    add_pictures(page, collected, belief);
+    std::vector<std::vector<std::string>> rows;
+    for (const msgs::BelievedShape& shape : belief.shapes()) {
+      rows.push_back({shape.name(), fmt::format("{:.0f} %", 100 * shape.weight_before()),
+                      fmt::format("{:.0f} %", 100 * shape.weight()),
+                      fmt::format("{:.1f}", shape.misfit())});
+    }
+    page.add_table({"shape", "weight by this look alone", "with all evidence",
+                    "misfit (1: as far off as expected)"},
+                   rows);
+  }
+}
+
+}  // namespace prehend::nodes
