@@ -11,6 +11,7 @@
 
 #include "eval/belief/belief_report.h"
 #include "eval/belief/prior_fit.h"
+#include "eval/belief/surprise_report.h"
 #include "eval/belief/touch_trial.h"
 #include "eval/case_choice.h"
 #include "eval/case_runs.h"
@@ -29,6 +30,8 @@ struct Options {
   std::optional<int> touches;
   std::string hand;  // empty: a fingertip
   bool fit_prior = false;
+  bool surprise = false;
+  std::filesystem::path fit;
 
   int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
@@ -44,7 +47,56 @@ bool is_known(const fs::path& file) {
   }
 }
 
+constexpr const char* kModelOfSurprise = "config/touch/percept_surprise.yaml";
+constexpr const char* kFitGroup = "household";
+constexpr double kFalseAlarms = 0.01;  // of those that are fitted: half of the goal
+
+int run_surprise(const Options& options) {
+  if (options.fit_prior) {
+    throw geometry::InputError("--fit-prior does not go with --surprise", "Leave it out");
+  }
+  if (options.touches) {
+    throw geometry::InputError("--touches does not go with --surprise", "Leave it out");
+  }
+  const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
+  std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
+  // Each case is a dozen acts: one orientation when quick.
+  if (options.choice.quick) std::erase_if(cases, [](const auto& one) { return one.orientation; });
+  if (options.choice.list) return eval::list_cases(cases);
+  const std::string name = options.hand.empty() ? "kr5_sdh" : options.hand;
+  const eval::TouchingHand hand(name);
+  std::vector<eval::SurpriseCase> results;
+  for (const eval::Case& one : cases) {
+    results.push_back(eval::run_surprise_trial(one, hand));
+    const eval::SurpriseCase& done = results.back();
+    std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
+                 done.name.c_str(), done.acts.size(), done.problem.c_str());
+  }
+  const belief::SurpriseModel model =
+      options.fit.empty() ? belief::SurpriseModel::load(text::tree_file(kModelOfSurprise))
+                          : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
+  const eval::SurpriseFindings findings = eval::surprise_findings(results, model);
+  const std::string said = eval::surprise_text(findings);
+  std::printf("\n%s", said.c_str());
+  if (!options.choice.json.empty()) {
+    eval::write_text(options.choice.json, eval::surprise_json(findings));
+  }
+  eval::write_surprise_report(options.choice.out, findings, results, model);
+  std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
+  if (!options.fit.empty()) {
+    model.save(options.fit, fmt::format("Fitted by eval_belief --surprise --fit FILE --hand {} on "
+                                        "the {} objects; measured there:\n{}",
+                                        name, kFitGroup, said));
+    std::printf("%s\n", options.fit.c_str());
+  }
+  return EXIT_SUCCESS;
+}
+
 int run(const Options& options) {
+  if (options.surprise) return run_surprise(options);
+  if (!options.fit.empty()) {
+    throw geometry::InputError("--fit goes with --surprise only", "Add --surprise");
+  }
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
@@ -100,5 +152,12 @@ int main(int argc, char** argv) {
                  "a platform or a hand of config/robots, which touches by closing as its grasps "
                  "are planned; else a fingertip touches")
       ->check(CLI::IsMember(hands));
+  app.add_flag("--surprise", options.surprise,
+               "in place of touching, closes --hand (kr5_sdh) on objects that are as predicted, "
+               "or of another size, moved, fallen, slippery, not there, and says how many bits of "
+               "surprise that is; one process, always fresh");
+  app.add_option("--fit", options.fit,
+                 "with --surprise: fits the model of surprise on the household objects and writes "
+                 "it: config/touch/percept_surprise.yaml");
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }
