@@ -14,6 +14,12 @@ constexpr double kPriorTurn = 0.1;      // rad
 constexpr double kPriorGain = 1;        // relative
 constexpr double kLeastInformed = 0.5;  // of the prior's deviation: more is not determined
 constexpr double kLeastTouch = 0.3;     // N: a pad that feels less holds nothing
+constexpr double kLongStep = 0.4;       // texels' distances: registration is from there on
+constexpr double kJump = 0.3;           // texels' distances
+constexpr double kGoesOn = 0.25;        // of the jump; a low pass of 10 ms goes on by 0.14
+constexpr double kPoorer = 4;           // times the variance: that direction does not count
+constexpr double kPoor = 2e-4;          // m, and such a deviation
+constexpr double kBeyondDoubt = 2;      // times what is enough: one frame will do
 constexpr double kStillHeld = 0.1;      // of the reference's force: with less it has left the pad
 
 double sum_of(const FeltTexels& felt) {
@@ -56,6 +62,7 @@ void HoldSlip::begin(double time) {
   references_.clear();
   load_.reset();
   in_a_row_ = 0;
+  last_slide_ = jump_ = jumped_to_ = 0;
   reading_ = {};
   reading_.reason = "the hold has just begun";
 }
@@ -101,9 +108,10 @@ void HoldSlip::add_stretch(const Reference& reference, const FeltTexels& now,
   }
 }
 
-std::optional<std::pair<double, double>> HoldSlip::shift_of(const Reference& reference,
-                                                            const FeltTexels& now) const {
-  const PatternEquations equations = reference.motion.between(reference.felt, now, reference.dead);
+std::optional<HoldSlip::Shift> HoldSlip::shift_of(const FeltTexels& now,
+                                                  Reference* reference) const {
+  const PatternEquations equations =
+      reference->motion.between(reference->felt, now, reference->dead);
   const double least_noise = options_.gain_deviation * std::sqrt(equations.mean_square);
   if (equations.rows.size() <= 4 || !(least_noise > 0)) return std::nullopt;
   const Eigen::Vector4d prior(kPriorShift, kPriorShift, kPriorTurn, kPriorGain);
@@ -116,17 +124,60 @@ std::optional<std::pair<double, double>> HoldSlip::shift_of(const Reference& ref
     x = geometry::symmetric_solve<4>(A, equations.right);
     noise = std::max(least_noise, equations.left_over(x));
   }
+  const double distance = reference->motion.distance();
+  const Eigen::Vector2d step = distance * x.head<2>();
+  const Eigen::Vector2d moved = reference->moved + step;
   const auto deviation_along = [&](const Eigen::Vector2d& direction) {
     const Eigen::Vector4d u(direction.x(), direction.y(), 0, 0);
     return noise * std::sqrt(std::max(0.0, u.dot(geometry::symmetric_solve<4>(A, u))));
   };
-  const double shift = x.head<2>().norm();
-  // At rest, it is as uncertain as along the direction that shows best.
-  const double deviation = shift > 1e-9 ? deviation_along(x.head<2>() / shift)
-                                        : std::min(deviation_along(Eigen::Vector2d::UnitX()),
-                                                   deviation_along(Eigen::Vector2d::UnitY()));
-  if (!(deviation < kLeastInformed * kPriorShift) || !std::isfinite(shift)) return std::nullopt;
-  return std::pair(shift * reference.motion.distance(), deviation * reference.motion.distance());
+  const Eigen::Vector2d own = distance * Eigen::Vector2d(deviation_along(Eigen::Vector2d::UnitX()),
+                                                         deviation_along(Eigen::Vector2d::UnitY()));
+  if (!(own.minCoeff() < kLeastInformed * kPriorShift * distance) || !moved.allFinite()) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d variance = reference->variance + own.cwiseAbs2();
+  if (step.norm() > kLongStep * distance) {
+    reference->felt = now;
+    reference->moved = moved;
+    reference->variance = variance;
+  }
+  return Shift{moved, variance};
+}
+
+double HoldSlip::common_motion(const std::vector<Shift>& shifts, double* variance) {
+  const bool face = shifts.size() == 2;
+  Eigen::Vector2d weights = Eigen::Vector2d::Zero(), mean = weights, squares = weights;
+  for (std::size_t k = 0; k < shifts.size(); ++k) {
+    const double x = shifts[k].moved.x();
+    const Eigen::Vector2d moved(face ? (k == 0 ? x : -x) : std::abs(x), shifts[k].moved.y());
+    const Eigen::Vector2d weight = shifts[k].variance.cwiseInverse();
+    weights += weight;
+    mean += weight.cwiseProduct(moved);
+    squares += weight.cwiseProduct(moved.cwiseAbs2());
+  }
+  mean = mean.cwiseQuotient(weights);
+  // Of the mean, by how far the pads disagree, too.
+  const Eigen::Vector2d of_one = (squares.cwiseQuotient(weights) - mean.cwiseAbs2()).cwiseMax(0);
+  const double others = std::max(1.0, static_cast<double>(shifts.size()) - 1);
+  Eigen::Vector2d spread = weights.cwiseInverse() + of_one / others;
+  // What the pattern hardly shows, as along an edge, would only add its error.
+  const int poorer = weights.x() < weights.y() ? 0 : 1;
+  const bool poor =
+      weights[poorer] * kPoorer < weights[1 - poorer] && 1 / weights[poorer] > kPoor * kPoor;
+  if (poor) mean[poorer] = spread[poorer] = 0;
+  *variance = spread.sum();
+  return mean.norm();
+}
+
+bool HoldSlip::goes_on(double slide, double distance) {
+  if (slide - last_slide_ > kJump * distance) {
+    const bool again = jump_ > 0;
+    jump_ = std::max(jump_, slide - last_slide_);
+    if (!again) jumped_to_ = slide;
+  }
+  last_slide_ = slide;
+  return jump_ == 0 || slide - jumped_to_ > kGoesOn * jump_;
 }
 
 const HoldSlipReading& HoldSlip::update(double time, const std::vector<PadFrame>& frames,
@@ -148,10 +199,12 @@ const HoldSlipReading& HoldSlip::update(double time, const std::vector<PadFrame>
     reading_.reason = "no flat pad touches";
     return reading_;
   }
-  std::vector<std::pair<double, double>> shifts;
+  std::vector<Shift> shifts;
   Stretch stretch;
   std::size_t left = 0;
-  for (const auto& [name, reference] : references_) {
+  double distance = 0;  // m, between texels
+  for (auto& [name, reference] : references_) {
+    distance = reference.motion.distance();
     const auto found = moments_.back().frames.find(name);
     if (found == moments_.back().frames.end() || found->second.felt != reference.pad ||
         found->second.counts.size() != reference.felt.force.size()) {
@@ -163,7 +216,7 @@ const HoldSlipReading& HoldSlip::update(double time, const std::vector<PadFrame>
         std::find(now.state.begin(), now.state.end(), Texel::kUnreadable) == now.state.end();
     if (readable && sum_of(now) < kStillHeld * reference.force) {
       ++left;
-    } else if (const auto shift = shift_of(reference, now)) {
+    } else if (const auto shift = shift_of(now, &reference)) {
       shifts.push_back(*shift);
     }
   }
@@ -176,21 +229,21 @@ const HoldSlipReading& HoldSlip::update(double time, const std::vector<PadFrame>
   const bool known = load_ && load && load->allFinite();
   reading_.stretch = known ? (*load - *load_).norm() : stretch.holds;
   reading_.stretch /= std::max(1e-9, stretch.stiffness);
-  double weights = 0, slides = 0;
-  for (const auto& [shift, deviation] : shifts) {
-    const double weight = 1 / (deviation * deviation);
-    weights += weight;
-    slides += weight * std::max(0.0, shift - reading_.stretch);
-  }
+  double variance = 0;
+  const double moved = common_motion(shifts, &variance);
   reading_.determined = true;
   reading_.pads = static_cast<int>(shifts.size());
-  reading_.slide = slides / weights;
+  reading_.slide = std::max(0.0, moved - reading_.stretch);
   reading_.deviation =
-      std::hypot(1 / std::sqrt(weights), options_.stretch_deviation * reading_.stretch);
-  const bool slides_now =
-      reading_.slide > std::max(options_.least_slide, options_.significance * reading_.deviation);
+      std::hypot(std::sqrt(variance), options_.stretch_deviation * reading_.stretch);
+  const double least = std::max(options_.least_slide, options_.significance * reading_.deviation);
+  const bool slides_now = goes_on(reading_.slide, distance) && reading_.slide > least;
+  fprintf(stderr, "t %.2f slide %.2f dev %.2f stretch %.2f jump %.2f go %d\n", time,
+          1e3 * reading_.slide, 1e3 * reading_.deviation, 1e3 * reading_.stretch, 1e3 * jump_,
+          (int)slides_now);
   in_a_row_ = slides_now ? in_a_row_ + 1 : 0;
-  reading_.slips = in_a_row_ >= options_.confirming_frames;
+  reading_.slips = in_a_row_ >= options_.confirming_frames ||
+                   (slides_now && reading_.slide > kBeyondDoubt * least);
   return reading_;
 }
 

@@ -15,10 +15,10 @@
 namespace prehend::touch {
 
 struct HoldSlipOptions {
-  double least_slide = 8e-4;  // m
-  double significance = 4;
+  double least_slide = 9e-4;  // m
+  double significance = 3;
   double gain_deviation = 0.01;
-  double stretch_deviation = 0.3;
+  double stretch_deviation = 0.2;
   int reference_frames = 4;
   int confirming_frames = 2;
 
@@ -64,9 +64,17 @@ struct HoldSlipReading {
 /// stiffness of the pad's law (C. Canudas de Wit, H. Olsson, K. Astrom, P. Lischinsky, "A New Model
 /// for Control of Systems with Friction", IEEE TAC 1995: before sliding friction is a spring).
 /// Where no load is known, e is what friction can hold at most: sum mu_d Fn over the same. So
-///   slide of a pad = max(0, |t| - e),   deviation^2 = deviation(t)^2 + (stretch_deviation e)^2,
-/// and of the hold their mean by 1 / deviation^2. It slips when the slide exceeds `least_slide` and
-/// `significance` deviations in `confirming_frames` frames one after the other.
+///   slide = max(0, |t| - e),   deviation^2 = deviation(t)^2 + (stretch_deviation e)^2,
+/// t the mean of the pads' by 1 / deviation^2. What tilts between two pads moves their patterns
+/// apart, what slides moves them alike: along the finger (y), and where two pads tell across it as
+/// pads that face one another (x of the one is against the other's; of more the mean of |x|). By as
+/// much as they disagree the deviation is larger. A direction whose variance is four times the
+/// other's, and above 0.2 mm, does not count. It slips when the slide exceeds `least_slide` and
+/// `significance` deviations in `confirming_frames` frames one after the other, or both twice over.
+///
+/// Where t is longer than part of a texel, the comparison goes on from that frame. An edge along
+/// the rows that no foam blurs jumps from one row to the next, be it for a hair's breadth: a slide
+/// that comes in one jump of more than 0.3 texels counts when it goes on.
 ///
 /// Deviation(t) is that of the least squares with what they leave over, or `gain_deviation` of the
 /// pattern's forces where that is more; a pad's common gain does not matter. Texels that are dead
@@ -103,15 +111,25 @@ class HoldSlip {
     FeltTexels felt;
     std::vector<bool> dead;
     double force = 0;  // N
+    // The motion from the hold's beginning to `felt`, which is a later frame when it is long.
+    Eigen::Vector2d moved = Eigen::Vector2d::Zero();     // m
+    Eigen::Vector2d variance = Eigen::Vector2d::Zero();  // m^2
   };
   struct Stretch {
     double stiffness = 0, holds = 0;  // N/m, N
   };
   void make_reference();
   void add_stretch(const Reference& reference, const FeltTexels& now, Stretch* stretch) const;
-  /// Shift of the pattern [m] and its deviation along itself; none: it does not show.
-  std::optional<std::pair<double, double>> shift_of(const Reference& reference,
-                                                    const FeltTexels& now) const;
+  struct Shift {
+    Eigen::Vector2d moved;     // m, of the pattern since the hold began, along P's x and y
+    Eigen::Vector2d variance;  // m^2, of each
+  };
+  /// None: the pattern does not show it.
+  std::optional<Shift> shift_of(const FeltTexels& now, Reference* reference) const;
+  /// How far what is held has moved [m], and its variance [m^2].
+  static double common_motion(const std::vector<Shift>& shifts, double* variance);
+  /// Whether the slide is more than one jump of an edge from one row of texels to the next.
+  bool goes_on(double slide, double distance);
 
   HoldSlipOptions options_;
   double begin_ = 0;  // s
@@ -120,6 +138,7 @@ class HoldSlip {
   std::map<std::string, Reference> references_;
   std::optional<Eigen::Vector3d> load_;  // of the reference
   int in_a_row_ = 0;
+  double last_slide_ = 0, jump_ = 0, jumped_to_ = 0;  // m
   HoldSlipReading reading_;
 };
 

@@ -53,7 +53,7 @@ TEST_F(HoldSlipTest, MeasuresAShiftThatGrows) {
     ASSERT_TRUE(reading.determined) << reading.reason;
     EXPECT_NEAR(reading.slide, y, 0.1 * y + 2e-5);
     EXPECT_EQ(reading.pads, 2);
-    EXPECT_EQ(reading.slips, y > 1.2e-3) << "two frames must say it";
+    EXPECT_EQ(reading.slips, y > 1.2e-3) << y << "two frames must say it";
   }
   EXPECT_NEAR(feel(1e-3, 1e-3).slide, std::sqrt(2) * 1e-3, 1.5e-4);
 }
@@ -101,10 +101,11 @@ TEST_F(HoldSlipTest, SeesASlideInSpiteOfADeadRowAndABiasedPad) {
   };
   begin(bad);
   EXPECT_NEAR(feel(0, 0, 1, bad).slide, 0, 1e-5);
+  feel(0, -0.8e-3, 1, bad);
   feel(0, -1.2e-3, 1, bad);
-  const HoldSlipReading& reading = feel(0, -1.2e-3, 1, bad);
+  const HoldSlipReading& reading = feel(0, -1.6e-3, 1, bad);
   EXPECT_TRUE(reading.slips) << reading.reason;
-  EXPECT_NEAR(reading.slide, 1.2e-3, 3e-4);
+  EXPECT_NEAR(reading.slide, 1.6e-3, 4e-4);
 }
 
 TEST_F(HoldSlipTest, AFrameOfNaNTellsNothingAndTheNextDoes) {
@@ -116,8 +117,8 @@ TEST_F(HoldSlipTest, AFrameOfNaNTellsNothingAndTheNextDoes) {
   EXPECT_TRUE(feel(0, 0, 1, one).determined);
   const Eigen::Vector3d no_load(nan, 0, 0);
   EXPECT_TRUE(std::isfinite(feel(0, 0, 1, nullptr, no_load).slide));
-  feel(0, -1.2e-3);
-  EXPECT_TRUE(feel(0, -1.2e-3).slips);
+  for (const double y : {0.8e-3, 1.2e-3, 1.6e-3}) feel(0, -y);
+  EXPECT_TRUE(feel(0, -1.6e-3).slips);
 }
 
 TEST_F(HoldSlipTest, AnotherNumberOfTexelsTellsNothingUntilTheNextHold) {
@@ -155,6 +156,27 @@ TEST_F(HoldSlipTest, AnEdgeShowsMotionAcrossIt) {
   slip_.begin(0);
   for (int i = 0; i < 4; ++i) edge(0);
   EXPECT_NEAR(edge(-1e-3).slide, 1e-3, 1.5e-4);
+}
+
+// An edge that jumps to the next row has perhaps moved by a hair's breadth.
+TEST_F(HoldSlipTest, OneJumpOfAnEdgeIsNoSlideAndWhatGoesOnIs) {
+  begin();
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(feel(0, -1.2e-3).slips) << i;
+  feel(0, -1.7e-3);
+  EXPECT_TRUE(feel(0, -1.8e-3).slips);
+}
+
+// What tilts between the pads moves their patterns apart.
+TEST_F(HoldSlipTest, PatternsThatMoveApartAreNoSlide) {
+  begin();
+  for (int i = 1; i < 20; ++i) {
+    time_ += 0.02;
+    const double y = 1e-4 * i;
+    const HoldSlipReading& reading =
+        slip_.update(time_, {{"left", pad_, thing(0, y)}, {"right", pad_, thing(0, -y)}},
+                     Eigen::Vector3d(0, 0, 1));
+    EXPECT_FALSE(reading.slips) << y;
+  }
 }
 
 TEST(HoldSlipOptions, AreChecked) {
