@@ -238,9 +238,6 @@ const HoldSlipReading& HoldSlip::update(double time, const std::vector<PadFrame>
       std::hypot(std::sqrt(variance), options_.stretch_deviation * reading_.stretch);
   const double least = std::max(options_.least_slide, options_.significance * reading_.deviation);
   const bool slides_now = goes_on(reading_.slide, distance) && reading_.slide > least;
-  fprintf(stderr, "t %.2f slide %.2f dev %.2f stretch %.2f jump %.2f go %d\n", time,
-          1e3 * reading_.slide, 1e3 * reading_.deviation, 1e3 * reading_.stretch, 1e3 * jump_,
-          (int)slides_now);
   in_a_row_ = slides_now ? in_a_row_ + 1 : 0;
   reading_.slips = in_a_row_ >= options_.confirming_frames ||
                    (slides_now && reading_.slide > kBeyondDoubt * least);
