@@ -36,9 +36,9 @@ struct SlipHold {
   double shaking = 0;                      // m/s^2, amplitude at the end
   double frequency = 2;                    // Hz
   bool area_texels = true;  // texels feel over their area (3 x 3 rays each); else by one ray each
-  bool realistic_pads = false;             // TactileSensorOptions and FoamMemory::realistic()
-  bool stuck_drive = false;                // more stiction than the controller knows: force ripple
-  double wrist_noise = 0;                  // N, standard deviation
+  bool realistic_pads = false;  // TactileSensorOptions and FoamMemory::realistic()
+  bool stuck_drive = false;     // more stiction than the controller knows: force ripple
+  double wrist_noise = 0;       // N, standard deviation
   std::uint32_t seed = 1;
 };
 
