@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/belief/belief_report.h"
+#include "eval/belief/prior_fit.h"
 #include "eval/belief/touch_trial.h"
 #include "eval/case_choice.h"
 #include "eval/case_runs.h"
@@ -27,6 +28,7 @@ struct Options {
   eval::CaseChoice choice = eval::default_choice("out/belief");
   std::optional<int> touches;
   std::string hand;  // empty: a fingertip
+  bool fit_prior = false;
 
   int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
@@ -67,6 +69,7 @@ int run(const Options& options) {
     if (is_known(file)) results.push_back(eval::read_belief_case(file));
   }
   std::printf("\n%s", eval::belief_text(results).c_str());
+  if (options.fit_prior) std::printf("\n%s", eval::prior_fit_text(results).c_str());
   if (!options.choice.json.empty()) {
     eval::write_text(options.choice.json, eval::belief_json(results));
   }
@@ -86,6 +89,9 @@ int main(int argc, char** argv) {
   eval::add_case_options(app, options.choice);
   app.add_option("--touches", options.touches, "of each object; 5, of a hand 3")
       ->check(CLI::Range(1, 20));
+  app.add_flag("--fit-prior", options.fit_prior,
+               "also fit the weights that shapes have before a touch (ShapePrior), and tell how "
+               "well they do on objects that they were not fitted to");
   std::vector<std::string> hands = robot::platform_names(text::tree_file("config/robots"));
   for (const std::string& name : robot::hand_names(text::tree_file("config/robots"))) {
     hands.push_back(name);

@@ -100,6 +100,22 @@ geometry::PointCloud seen_points(const shape::CompletedShape& shape, const geome
   return seen;
 }
 
+std::vector<TriedShape> try_shapes(const shape::CompletedShape& shape, const geometry::Plane& table,
+                                   const Truth& truth, std::uint64_t seed) {
+  const belief::ObjectBelief belief(shape, table);
+  std::vector<TriedShape> shapes;
+  for (std::size_t i = 0; i < belief.shapes().size(); ++i) {
+    BeliefStep step;
+    try {
+      truth.measure(belief.mesh(i), seed, &step);
+    } catch (const geometry::InputError&) {
+      continue;  // without a surface it is none
+    }
+    shapes.push_back({belief.shapes()[i].prior_terms, step.unseen});
+  }
+  return shapes;
+}
+
 /// @param baseline gets what the baseline makes of the same evidence, unless null.
 BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plane& table, Told told,
                         const Truth& truth, const Case& one, const TouchTrialOptions& options,
@@ -161,6 +177,7 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
     BeliefSeries prediction{kPredictionSeries, "", {{}}};
     truth.measure(surface::make_object_model(shape, table).mesh_W, one.seed,
                   &prediction.steps.front());
+    result.shapes = try_shapes(shape, table, truth, one.seed);
     BeliefSeries baseline{"Gaussian process, the same evidence", "", {}};
     result.series.push_back(prediction);
     result.series.push_back(
@@ -211,6 +228,15 @@ void write_belief_case(const std::filesystem::path& file, const BeliefCase& resu
     }
     out << YAML::EndSeq << YAML::EndMap;
   }
+  out << YAML::EndSeq;
+  out << YAML::Key << "shapes" << YAML::Value << YAML::BeginSeq;
+  for (const TriedShape& shape : result.shapes) {
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "method" << YAML::Value
+        << static_cast<int>(shape.terms.method) << YAML::Key << "mirrored_below" << YAML::Value
+        << shape.terms.mirrored_below << YAML::Key << "worse" << YAML::Value << shape.terms.worse
+        << YAML::Key << "lost" << YAML::Value << shape.terms.lost << YAML::Key << "unseen"
+        << YAML::Value << shape.unseen << YAML::EndMap;
+  }
   out << YAML::EndSeq << YAML::EndMap;
   geometry::write_whole_file(file, out.c_str(), "The result");
 }
@@ -237,6 +263,14 @@ BeliefCase read_belief_case(const std::filesystem::path& file) {
         series.steps.push_back(step);
       }
       result.series.push_back(series);
+    }
+    for (const YAML::Node& one : node["shapes"]) {
+      TriedShape shape;
+      shape.terms = {static_cast<shape::CompletionMethod>(one["method"].as<int>()),
+                     one["mirrored_below"].as<bool>(), one["worse"].as<double>(),
+                     one["lost"].as<double>()};
+      shape.unseen = one["unseen"].as<double>();
+      result.shapes.push_back(shape);
     }
     return result;
   } catch (const YAML::Exception& error) {

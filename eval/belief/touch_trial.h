@@ -7,6 +7,7 @@
 #include "eval/belief/toucher.h"
 #include "eval/case_result.h"
 #include "eval/data_sets.h"
+#include "prehend/belief/shape_hypothesis.h"
 
 namespace prehend::eval {
 
@@ -24,6 +25,12 @@ struct BeliefStep {
   double seconds = kUnknown;  // processor time of the update and its surface
 };
 
+/// One of the shapes that the object may have, before anything was felt.
+struct TriedShape {
+  belief::PriorTerms terms;
+  double unseen = kUnknown;  // m, as BeliefStep
+};
+
 /// One way to take in touches.
 struct BeliefSeries {
   std::string name;
@@ -37,6 +44,7 @@ struct BeliefCase {
   int orientation = 0;  // degrees
   std::string problem;  // why there is nothing
   std::vector<BeliefSeries> series;
+  std::vector<TriedShape> shapes;
 };
 
 struct TouchTrialOptions {

@@ -40,6 +40,11 @@ void log_ledger(graph::Node& node, const msgs::GraspPlan& plan) {
                   rejection.generator(), rejection.reason(),
                   rejection.nearest_miss().empty() ? "" : ", at best " + rejection.nearest_miss());
   }
+  for (const auto& remedy : plan.remedies()) node.log_info("  it would help: {}", remedy.text());
+  for (const std::string& one : plan.remedies_in_vain()) {
+    node.log_info("  it would not help: {}", one);
+  }
+  if (plan.remedies_incomplete()) node.log_info("  more was not tried within remedy_budget");
 }
 
 // Says which plug-ins are there but cannot be chosen.
@@ -122,6 +127,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
        .read_only = true}));
   control::Task task = nodes::declare_task(node);
   planning::PlatformPickOptions::knobs(arm, graph::DeclareKnobs{node, "arm_"});
+  options.remedies.budget = 3;
+  planning::RemedyOptions::knobs(options.remedies, graph::DeclareKnobs{node});
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,

@@ -11,6 +11,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/outcomes.h"
+#include "msgs/convert/remedies.h"
 #include "msgs/convert/touch.h"
 #include "nodes/grasp_planning/touch_parameters.h"
 #include "nodes/task_source/task_source.h"
@@ -85,6 +86,12 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
     rejection.set_reason(std::string("arm: ") + motion::to_string(rejected.filter));
     rejection.set_count(static_cast<std::uint32_t>(rejected.count));
     rejection.set_nearest_miss(rejected.nearest_miss);
+  }
+  convert::add_remedies(plan.remedies, &message);
+  if (plan.remedy_time > 0) {
+    auto& time = *message.add_times();
+    time.set_stage("remedies");
+    time.set_seconds(plan.remedy_time);
   }
   if (touch_fidelity_) *message.mutable_touch_fidelity() = *touch_fidelity_;
   if (plan.touch_time > 0) {

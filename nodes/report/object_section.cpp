@@ -151,6 +151,16 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   add_grasp(page, collected, message.id(), model.mesh_W, robot);
 }
 
+void add_remedies(Page& page, const msgs::GraspPlan& plan) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& remedy : plan.remedies()) {
+    rows.push_back({remedy.text(), std::to_string(remedy.grasps())});
+  }
+  for (const std::string& one : plan.remedies_in_vain()) rows.push_back({"with " + one, "0"});
+  if (plan.remedies_incomplete()) rows.push_back({"more was not tried in time", "-"});
+  if (!rows.empty()) page.add_table({"what would help", "grasps then"}, rows);
+}
+
 }  // namespace
 
 void section(report::Page& page, const std::string& heading, const std::function<void()>& write) {
@@ -188,6 +198,7 @@ void add_object(report::Page& page, const Collected& collected, const msgs::Comp
                                    plan->second.candidates()));
     report::add_rejections(page, rejections_of(plan->second),
                            static_cast<int>(plan->second.candidates()), "candidates");
+    add_remedies(page, plan->second);
   });
 }
 

@@ -143,7 +143,7 @@ void ObjectBelief::update() {
   for (const std::size_t i : order_) {
     shapes_.push_back({all_[i]->hypothesis().name, static_cast<int>(i),
                        std::exp(log_weight(i) - most) / sum, all_[i]->misfit(),
-                       all_[i]->log_likelihood()});
+                       all_[i]->log_likelihood(), all_[i]->hypothesis().prior_terms});
   }
   contradicted_ = std::all_of(all_.begin(), all_.end(), [&](const auto& shape) {
     return shape->misfit() + shape->aside_misfit() > kContradiction * kContradiction ||

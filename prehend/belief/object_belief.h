@@ -34,6 +34,7 @@ struct BelievedShape {
   double weight = 0;          // of all shapes 1
   double misfit = 0;          // as Displacement
   double log_likelihood = 0;  // of the evidence under this shape
+  PriorTerms prior_terms = {};
 };
 
 /// Where an object was touched and where it is not, and what that makes of its predicted shape.

@@ -235,7 +235,9 @@ surface::ShapeCloud surface_points(const shape::CompletedShape& shape,
 
 bool is_mirrored_below(const shape::CompletedShape& shape, const geometry::Plane& table_W) {
   constexpr double kLevel = 0.99;  // cosine
-  return shape.second_symmetry &&
+  const bool is_mirror = shape.method == shape::CompletionMethod::kMirror ||
+                         shape.method == shape::CompletionMethod::kRefusedMirror;
+  return is_mirror && shape.second_symmetry &&
          std::abs(shape.second_symmetry->normal_W.dot(table_W.normal)) > kLevel;
 }
 
@@ -277,6 +279,23 @@ void ShapePrior::validate() const {
   }
 }
 
+double log_prior(const PriorTerms& terms, const ShapePrior& prior) {
+  const double kept = -prior.lost * terms.lost;
+  switch (terms.method) {
+    case shape::CompletionMethod::kMirror:
+    case shape::CompletionMethod::kRefusedMirror:
+      return kept - terms.worse / prior.vote_scale +
+             (terms.mirrored_below ? prior.mirrored_below : 0);
+    case shape::CompletionMethod::kRotation:
+      return kept + prior.rotation - terms.worse / prior.score_scale;
+    case shape::CompletionMethod::kExtrusion:
+      return kept + prior.extrusion - terms.worse / prior.score_scale;
+    case shape::CompletionMethod::kConvexHull:
+      return kept + prior.convex_hull - terms.worse / prior.score_scale;
+  }
+  return kept;
+}
+
 ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape,
                               const shape::CompletedShape& whole, const geometry::Plane& table_W,
                               const ShapePrior& prior, const surface::SurfaceOptions& surface) {
@@ -298,29 +317,22 @@ ShapeHypothesis hypothesis_of(const shape::CompletedShape& shape,
                                  : prior.assumed + prior.assumed_share * extent;
     hypothesis.deviation.push_back(static_cast<float>(deviation));
   }
-  const double worse = shape.symmetry.vote - whole.symmetry.vote;
   switch (shape.method) {
     case shape::CompletionMethod::kMirror:
     case shape::CompletionMethod::kRefusedMirror:
       motions.of_planes(shape, prior);
-      hypothesis.log_prior = -worse / prior.vote_scale;
-      if (is_mirrored_below(shape, table_W)) {
-        hypothesis.name = "mirror, below as above";
-        hypothesis.log_prior += prior.mirrored_below;
-      }
       break;
     case shape::CompletionMethod::kRotation:
       motions.of_axis(prior);
-      hypothesis.log_prior = prior.rotation - worse / prior.score_scale;
       break;
     case shape::CompletionMethod::kExtrusion:
-      hypothesis.log_prior = prior.extrusion - worse / prior.score_scale;
-      break;
     case shape::CompletionMethod::kConvexHull:
-      hypothesis.log_prior = prior.convex_hull - worse / prior.score_scale;
       break;
   }
-  hypothesis.log_prior -= prior.lost * lost;
+  hypothesis.prior_terms = {shape.method, is_mirrored_below(shape, table_W),
+                            shape.symmetry.vote - whole.symmetry.vote, lost};
+  if (hypothesis.prior_terms.mirrored_below) hypothesis.name = "mirror, below as above";
+  hypothesis.log_prior = log_prior(hypothesis.prior_terms, prior);
   hypothesis.aside = std::max(prior.least_aside, prior.aside_share * extent);
   hypothesis.normal_scale = prior.normal_scale;
   for (std::size_t i = 0; i < hypothesis.deviation.size(); ++i) {

@@ -13,6 +13,17 @@
 
 namespace prehend::belief {
 
+/// What the weight of a shape rests on before anything was felt.
+struct PriorTerms {
+  shape::CompletionMethod method = shape::CompletionMethod::kMirror;
+  bool mirrored_below = false;  // at the level half way up, too
+  double worse = 0;             // its vote or score over the best mirror's vote
+  double lost = 0;              // share of the seen points that its surface does not go through
+};
+
+/// The log of that weight, up to a constant of all shapes of an object.
+double log_prior(const PriorTerms& terms, const ShapePrior& prior);
+
 /// One of the shapes that an object may have, and how it may differ from that.
 ///
 /// Point i of `points`, x_i with the normal n_i, is thought to be at
@@ -40,7 +51,8 @@ struct ShapeHypothesis {
   double detail = 0;                      // b
   double aside = 0;         // m, standard, along the surface, of a contact from the point it is of
   double normal_scale = 0;  // as ShapePrior
-  double log_prior = 0;     // of its weight, up to a constant of all shapes
+  PriorTerms prior_terms;
+  double log_prior = 0;                   // of its weight, up to a constant of all shapes
   std::vector<geometry::Plane> bounds_W;  // as CompletedShape::bounds_W
 };
 

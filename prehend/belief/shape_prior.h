@@ -25,7 +25,7 @@ struct ShapePrior {
   // Logs of the shapes' weights before anything was felt, up to a constant.
   double vote_scale = 0.4;    // of votes: a mirror that is worse by this is less likely by e
   double score_scale = 0.15;  // the same of other methods, beside the best mirror's vote
-  double rotation = -3.3;     // beside a mirror with the same vote
+  double rotation = -5.0;     // beside a mirror with the same vote
   double extrusion = -5.2;
   double convex_hull = -5.1;
   double mirrored_below = 2.1;  // what is mirrored at the level half way up too, as below as above

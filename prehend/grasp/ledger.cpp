@@ -119,7 +119,7 @@ std::vector<Rejection> Ledger::rejections(std::span<const Reason> stages) const 
   std::vector<Rejection> result;
   for (const Entry& entry : entries_) {
     result.push_back({entry.reason, entry.generator, entry.count,
-                      entry.nearest ? to_text(*entry.nearest) : std::string()});
+                      entry.nearest ? to_text(*entry.nearest) : std::string(), entry.nearest});
   }
   const auto stage_of = [&](const Rejection& rejection) {
     return std::find(stages.begin(), stages.end(), rejection.reason) - stages.begin();

@@ -61,6 +61,7 @@ struct Rejection {
   std::string generator;     // empty when there is only one
   int count = 0;             // > 0
   std::string nearest_miss;  // to_text() of the least miss; empty where nothing is measured
+  std::optional<Miss> miss;  // the same in figures
 };
 
 /// Counts where candidates fall, and keeps how near the best of them came.

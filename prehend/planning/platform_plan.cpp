@@ -19,6 +19,12 @@ double seconds_since(steady_clock::time_point begin) {
   return std::chrono::duration<double>(steady_clock::now() - begin).count();
 }
 
+void add_remedies(Remedies remedies, steady_clock::time_point asked, PlatformPlan* plan) {
+  if (const std::string help = in_words(remedies); !help.empty()) plan->problem += ". " + help;
+  plan->remedies = std::move(remedies);
+  plan->remedy_time = seconds_since(asked);
+}
+
 }  // namespace
 
 void PlatformPlanOptions::validate() const {
@@ -28,6 +34,7 @@ void PlatformPlanOptions::validate() const {
   require(motions > 0, "motions must be positive");
   require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
   if (touch) touch->validate();
+  RemedyOptions::knobs(remedies, text::CheckKnobs{require.of});
 }
 
 PlatformPlanner::PlatformPlanner(robot::Platform platform)
@@ -70,6 +77,11 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   if (!grasps.grasps.empty()) {
     add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W},
                 start, options, &plan);
+  } else if (options.remedies.budget > 0) {
+    const auto asked = steady_clock::now();
+    add_remedies(remedies_for_grasps(object, table_W, obstacles, platform_.hand, reach, reaching,
+                                     plan.rejections, options.remedies),
+                 asked, &plan);
   }
   if (options.touch) predict_touch(object, table_W, options, &plan);
   return plan;
@@ -90,6 +102,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
   if (platform_.hand.gripper) arm.shift = 0;  // its jaws meet in the middle
   const std::size_t all = grasps.size();
   std::string arm_problem;
+  std::vector<PlatformGrasp> unreached;
   for (int i = 0; i < options.motions && !grasps.empty(); ++i) {
     std::vector<PlatformGrasp> poses;
     for (const grasp::Grasp& grasp : grasps) poses.push_back(to_pick(grasp));
@@ -97,6 +110,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     if (i == 0) plan->arm_rejections = pick.motion.rejections;
     if (!pick.motion.found()) {
       arm_problem = pick.motion.problem;
+      if (i == 0) unreached = std::move(poses);
       break;
     }
     PlannedPick planned;
@@ -112,6 +126,11 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
   if (plan->picks.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
     plan->problem = fmt::format("the arm can execute none of {} grasps: {}", all, arm_problem);
+    if (options.remedies.budget > 0) {
+      const auto asked = steady_clock::now();
+      add_remedies(remedies_for_motion(platform_, start, unreached, scene, arm, options.remedies),
+                   asked, plan);
+    }
     return;
   }
   for (grasp::Grasp& grasp : grasps)

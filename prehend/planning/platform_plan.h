@@ -9,6 +9,7 @@
 #include "prehend/grasp/closing/close_fingers.h"
 #include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/planning/platform_pick.h"
+#include "prehend/planning/remedies.h"
 #include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/platform.h"
 
@@ -36,10 +37,12 @@ struct PlatformPlan : grasp::PlanAnswer {
   std::vector<PlannedPick> picks;  // those with a motion, best first, then the others, best first
   std::vector<grasp::Rejection> rejections;           // where other candidates fell
   std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
+  Remedies remedies;       // where no grasp can be executed; in `problem`, too
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
   double grasp_time = 0;   // s, that planning the hand's grasps took
   double touch_time = 0;   // s, that predicting touch took
+  double remedy_time = 0;  // s, that finding out what would help took
 };
 
 struct PlatformPlanOptions {
@@ -56,6 +59,7 @@ struct PlatformPlanOptions {
   /// How what the pads will feel is predicted of the grasps with a motion, within what `grasps`
   /// leaves of its budget; none: it is not.
   std::optional<TouchPredictionOptions> touch;
+  RemedyOptions remedies;  // beside the budgets of the others
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

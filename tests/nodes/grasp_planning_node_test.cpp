@@ -137,6 +137,35 @@ TEST_F(GraspPlanningNode, AnUnexpectedExceptionIsTheProblemOfItsObject) {
   EXPECT_THAT(told(), HasSubstr("object 1: "));
 }
 
+// What would help is in the message, and in the reason that the cycle gives up with.
+TEST_F(GraspPlanningNode, WhatIsTooWideComesWithWhatWouldHelp) {
+  start({"platform:=kr5_pg70", "approach:=down", "motions:=1", "remedy_budget:=60"});
+  models_.publish(carton(1, 0, -0.2));
+  auto wide = convert::to_message(surface::model_of_mesh(geometry::transformed(
+      geometry::make_box({0.08, 0.09, 0.12}),
+      geometry::make_transform(Eigen::Quaterniond::Identity(), {0, 0, 0.06}))));
+  wide.mutable_header()->CopyFrom(carton(1, 1, 0).header());
+  wide.set_id(1);
+  wide.set_object_count(3);
+  wide.set_valid(true);
+  *wide.mutable_table() = convert::to_message(geometry::Plane{});
+  models_.publish(wide);
+  models_.publish(carton(1, 2, 0.2));
+  const auto all = plans(1);
+  ASSERT_EQ(all.size(), 3u) << planning_->output();
+  const msgs::GraspPlan& plan = all.at(1);
+  ASSERT_EQ(plan.outcome(), msgs::GraspPlan::UNGRASPABLE);
+  ASSERT_GT(plan.remedies_size(), 0) << plan.problem();
+  const msgs::Remedy& first = plan.remedies(0);
+  ASSERT_EQ(first.amounts_size(), 1);
+  EXPECT_EQ(first.amounts(0).change(), msgs::RemedyAmount::OPENING);
+  EXPECT_DOUBLE_EQ(first.amounts(0).planned(), 0.069);
+  EXPECT_GT(first.amounts(0).needed(), 0.08);
+  EXPECT_GT(first.grasps(), 0u);
+  EXPECT_THAT(plan.problem(), HasSubstr("It would help: " + first.text()));
+  EXPECT_EQ(all.at(0).remedies_size(), 0);
+}
+
 // With a platform the node once planned on circles whatever its generators said.
 TEST_F(GraspPlanningNode, APlatformTakesGenerators) {
   start({"platform:=kr5_sdh", "home:=side", "motions:=1", "generators:=[segments]"});

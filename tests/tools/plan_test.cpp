@@ -48,6 +48,23 @@ TEST_F(Plan, PrintsGraspsLedgerAndStages) {
                             HasSubstr("NEAREST MISS"), HasSubstr("STAGE"), HasSubstr("grasps")));
 }
 
+TEST_F(Plan, SaysWhatWouldHelp) {
+  const std::string wide = box({0.0795, 0.09, 0.1});
+  const std::vector<std::string> words{
+      wide, "--approach", "down", "--remedy-budget", "50", "--out", folder_.path("page")};
+  const std::string output = run(words);
+  EXPECT_EQ(exit_code_, 3) << output;
+  EXPECT_THAT(output, AllOf(HasSubstr("WHAT WOULD HELP"),
+                            HasSubstr("with 14 mm more opening (83 mm): "), HasSubstr("remedies")));
+  std::ifstream file(folder_.path("page") + "/index.html");
+  const std::string html{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(html, HasSubstr("with 14 mm more opening (83 mm): "));
+  const std::string json = run({wide, "--approach", "down", "--remedy-budget", "50", "--json"});
+  EXPECT_THAT(json, AllOf(HasSubstr("\"remedies\""), HasSubstr("\"change\":\"opening\"")));
+  EXPECT_THAT(run({wide, "--approach", "down", "--remedy-budget", "0"}),
+              ::testing::Not(HasSubstr("WHAT WOULD HELP")));
+}
+
 TEST_F(Plan, TakesAPlatformOfOnesOwnByItsFile) {
   const std::filesystem::path own = folder_.path("robots");
   std::filesystem::copy("config/robots", own);

@@ -106,6 +106,12 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
                      "planned on instead of a predicted one");
   command.add_option("--config", choices.config, "folder with robots/ and fidelity/")
       ->capture_default_str();
+  command
+      .add_option("--remedy-budget", choices.remedy_budget,
+                  "where there is no grasp, or no motion: for finding out what would help, by "
+                  "planning again with other openings, forces, masses, ... [s]; 0: it is not")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
   command.add_option("--out", choices.out, "folder for a page with pictures");
   command.add_option(
       "--save", choices.save,

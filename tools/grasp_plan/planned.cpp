@@ -106,18 +106,20 @@ planning::PlatformPickOptions arm_options(const PlanChoices& choices) {
   return options;
 }
 
-void plan_arm(const planning::PlatformPickOptions& options, const PlanTarget& target,
-              Planned* planned) {
+planning::PlatformScene scene_of(const PlanTarget& target) {
   planning::PlatformScene scene;
   scene.table_W = target.table_W;
   scene.object_pieces_W = target.object.convex_pieces_W;
   for (const auto& pieces : target.neighbours_W) {
     scene.obstacle_pieces_W.insert(scene.obstacle_pieces_W.end(), pieces.begin(), pieces.end());
   }
+  return scene;
+}
+
+std::vector<planning::PlatformGrasp> picks_of(const Planned& planned) {
   std::vector<planning::PlatformGrasp> grasps;
-  for (const grasp::Grasp& grasp : planned->plan.grasps) grasps.push_back(planning::to_pick(grasp));
-  planned->arm = planning::plan_platform_pick(
-      *planned->platform, planned->platform->home("home").arm, grasps, scene, options);
+  for (const grasp::Grasp& grasp : planned.plan.grasps) grasps.push_back(planning::to_pick(grasp));
+  return grasps;
 }
 
 }  // namespace
@@ -130,6 +132,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   }
   if (!planned.platform) refuse_misfits(choices.arm_knobs, "arm_", "a hand without an arm");
   const planning::PlatformPickOptions arm = arm_options(choices);
+  const planning::RemedyOptions remedy{choices.remedy_budget};
   planned.hand = planned.platform ? planned.platform->hand
                                   : robot::read_hand_model(robot::hand_file(robots, choices.hand));
   auto start = steady_clock::now();
@@ -153,8 +156,24 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
   stage("grasps");
   if (planned.platform && !planned.plan.grasps.empty()) {
     progress.stage("planning the arm's motion");
-    plan_arm(arm, target, &planned);
+    const planning::PlatformScene scene = scene_of(target);
+    const std::vector<planning::PlatformGrasp> grasps = picks_of(planned);
+    const robot::Positions& home = planned.platform->home("home").arm;
+    planned.arm = planning::plan_platform_pick(*planned.platform, home, grasps, scene, arm);
     stage("arm");
+    if (!planned.arm->motion.found() && remedy.budget > 0) {
+      progress.stage("finding out what would help");
+      planned.remedies =
+          planning::remedies_for_motion(*planned.platform, home, grasps, scene, arm, remedy);
+      stage("remedies");
+    }
+  }
+  if (planned.plan.grasps.empty() && remedy.budget > 0) {
+    progress.stage("finding out what would help");
+    planned.remedies =
+        planning::remedies_for_grasps(target.object, target.table_W, obstacles, planned.hand,
+                                      reachability, options, planned.plan.rejections, remedy);
+    stage("remedies");
   }
   return planned;
 }

@@ -6,6 +6,7 @@
 
 #include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/planning/platform_pick.h"
+#include "prehend/planning/remedies.h"
 #include "tools/grasp_plan/target.h"
 
 namespace prehend::tools {
@@ -17,6 +18,7 @@ struct Planned {
   grasp::Remembered remembered;  // what the database had to do with it
   std::string chosen;            // by the budget from the measured front, in words
   std::optional<planning::PlatformPick> arm;
+  planning::Remedies remedies;  // where there is no grasp, or no motion
   StageTimes times;
 };
 

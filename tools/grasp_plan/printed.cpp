@@ -83,6 +83,19 @@ Rows arm_ledger_rows(const Planned& planned) {
   return rows;
 }
 
+// What would help, then what was tried and would not.
+const std::vector<std::string> kRemedyHeader{"WHAT WOULD HELP"};
+
+Rows remedy_rows(const Planned& planned) {
+  Rows rows;
+  for (const auto& remedy : planned.remedies.found) rows.push_back({remedy.text});
+  for (const auto& one : planned.remedies.in_vain) rows.push_back({"with " + one + ": still none"});
+  if (!planned.remedies.complete) {
+    rows.push_back({"more was not tried in time (--remedy-budget)"});
+  }
+  return rows;
+}
+
 std::vector<report::Rejected> fallen_candidates(const Planned& planned) {
   std::vector<report::Rejected> fallen;
   for (const auto& r : planned.plan.rejections) {
@@ -186,6 +199,28 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
   return notes;
 }
 
+Json remedies_json(const planning::Remedies& remedies) {
+  Json found = Json::array(), in_vain = Json::array();
+  for (const planning::Remedy& remedy : remedies.found) {
+    Json amounts = Json::array();
+    for (const auto& amount : remedy.amounts) {
+      amounts.add(Json::object()
+                      .set("change", planning::to_string(amount.change))
+                      .set("planned", amount.planned)
+                      .set("needed", amount.needed));
+    }
+    found.add(Json::object()
+                  .set("text", remedy.text)
+                  .set("grasps", remedy.grasps)
+                  .set("amounts", amounts));
+  }
+  for (const auto& one : remedies.in_vain) in_vain.add(one);
+  return Json::object()
+      .set("found", found)
+      .set("in_vain", in_vain)
+      .set("complete", remedies.complete);
+}
+
 Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned& planned) {
   Json grasps = Json::array(), ledger = Json::array(), times = Json::object();
   for (const grasp::Grasp& g : planned.plan.grasps) {
@@ -230,6 +265,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
       .set("grasps", grasps)
       .set("ledger", ledger)
+      .set("remedies", remedies_json(planned.remedies))
       .set("seconds", times);
   if (planned.arm) {
     Json arm = Json::object(), segments = Json::array(), missed = Json::array();
@@ -310,6 +346,7 @@ void print_plan(const PlanChoices& choices, const PlanTarget& target, const Plan
     print_rows(kArmLedgerHeader, arm_ledger_rows(planned));
     print_rows(kSegmentHeader, segment_rows(planned));
   }
+  print_rows(kRemedyHeader, remedy_rows(planned));
   print_rows(kTimeHeader, time_rows(target, planned));
   std::printf("%s\n", verdict(planned).c_str());
 }
@@ -344,6 +381,10 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   page.add_table(kGraspHeader, grasp_rows(choices, planned));
   page.add_heading("Where the other candidates fell");
   report::add_rejections(page, fallen_candidates(planned), planned.plan.candidates, "candidates");
+  if (const Rows rows = remedy_rows(planned); !rows.empty()) {
+    page.add_heading("What would help");
+    page.add_table(kRemedyHeader, rows);
+  }
   if (planned.arm) {
     page.add_heading("Arm");
     report::add_rejections(page, fallen_grasps(planned),
