@@ -60,7 +60,7 @@ std::vector<control::Surprise> surprises_of(const YAML::Node& list) {
   std::vector<control::Surprise> surprises;
   for (const YAML::Node& one : list) {
     const int kind = one["kind"].as<int>();
-    if (kind < 0 || kind > static_cast<int>(control::SurpriseKind::kMotion)) {
+    if (kind < 0 || kind > static_cast<int>(control::SurpriseKind::kSlip)) {
       throw YAML::RepresentationException(one["kind"].Mark(), "no kind of surprise");
     }
     control::Surprise surprise;

@@ -26,27 +26,6 @@ constexpr double kNearlyNone = 1e-3;               // N, of friction
 constexpr double kJumpTime = 0.0201;               // s
 constexpr double kSettledShare = 0.02;             // of the force
 
-// Along a quintic, at rest at both ends.
-JointTrajectory way(const std::vector<double>& from, const std::vector<double>& to) {
-  constexpr int kPoints = 60;
-  double length = 0;
-  for (std::size_t k = 0; k < from.size(); ++k) length += (to[k] - from[k]) * (to[k] - from[k]);
-  const double duration = std::max(0.5, std::sqrt(length) / kStageSpeed);
-  JointTrajectory path{{"arm_x", "arm_y", "arm_z", "arm_yaw"}, {}};
-  for (int i = 0; i <= kPoints; ++i) {
-    const double t = static_cast<double>(i) / kPoints;
-    const double s = t * t * t * (10 + t * (6 * t - 15));
-    const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;
-    JointTrajectory::Point point{t * duration, {}, {}, {}};
-    for (std::size_t k = 0; k < from.size(); ++k) {
-      point.position.push_back(from[k] + s * (to[k] - from[k]));
-      point.velocity.push_back(rate * (to[k] - from[k]));
-    }
-    path.points.push_back(std::move(point));
-  }
-  return path;
-}
-
 simulation::Scene scene_of(const robot::Platform& platform, const StageCycleOptions& options) {
   simulation::Scene scene;
   scene.gripper = *platform.hand.gripper;
@@ -83,9 +62,9 @@ control::ArmGrasp grasp_of(const robot::Platform& platform, const StageCycleOpti
       there{0, 0, z, 0}, lifted{0, 0, z + kRaise, 0};
   control::ArmGrasp grasp;
   using motion::SegmentKind;
-  grasp.segments = {{SegmentKind::kReach, way(home, above)},
-                    {SegmentKind::kApproach, way(above, there)},
-                    {SegmentKind::kLift, way(there, lifted)}};
+  grasp.segments = {{SegmentKind::kReach, stage_way(home, above)},
+                    {SegmentKind::kApproach, stage_way(above, there)},
+                    {SegmentKind::kLift, stage_way(there, lifted)}};
   grasp.hand_joints = {"hand_opening"};
   const auto one = [](double value) { return Eigen::VectorXd::Constant(1, value); };
   grasp.hand = {one(gripper.max_opening / 2), one(kBoxSize.y() / 2), one(-robot::kJawLever), one(0),
@@ -128,6 +107,26 @@ void measure(double force, StageCycle* cycle) {
 }
 
 }  // namespace
+
+JointTrajectory stage_way(const std::vector<double>& from, const std::vector<double>& to) {
+  constexpr int kPoints = 60;
+  double length = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) length += (to[k] - from[k]) * (to[k] - from[k]);
+  const double duration = std::max(0.5, std::sqrt(length) / kStageSpeed);
+  JointTrajectory path{{"arm_x", "arm_y", "arm_z", "arm_yaw"}, {}};
+  for (int i = 0; i <= kPoints; ++i) {
+    const double t = static_cast<double>(i) / kPoints;
+    const double s = t * t * t * (10 + t * (6 * t - 15));
+    const double rate = 30 * t * t * (1 - t) * (1 - t) / duration;
+    JointTrajectory::Point point{t * duration, {}, {}, {}};
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      point.position.push_back(from[k] + s * (to[k] - from[k]));
+      point.velocity.push_back(rate * (to[k] - from[k]));
+    }
+    path.points.push_back(std::move(point));
+  }
+  return path;
+}
 
 StageCycle run_stage_cycle(const StageCycleOptions& options) {
   const text::Require require{"StageCycleOptions."};

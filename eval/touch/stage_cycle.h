@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "prehend/control/cycle.h"
+#include "prehend/control/joint_trajectory.h"
 
 // The soft-contact paper's work cycle (its figures 4 to 7) through the parts that ship: the task
 // work_cycle, the cycle, the gripper that regulates its grip by its pads, the PG70's drive, the
@@ -12,6 +13,9 @@
 namespace prehend::eval::touch {
 
 inline constexpr double kHiddenStiction = 15;  // N, that a stuck drive's controller does not know
+
+/// Of the stage's x, y, z [m] and yaw [rad], along a quintic in time, at rest at both ends.
+control::JointTrajectory stage_way(const std::vector<double>& from, const std::vector<double>& to);
 
 struct StageCycleOptions {
   double coverage = 1;          // share of the pads' length that is on the box, in (0, 1]

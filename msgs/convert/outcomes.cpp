@@ -75,7 +75,8 @@ static_assert(is_same(SurpriseKind::kLiftedWeight, msgs::Surprise::LIFTED_WEIGHT
 static_assert(is_same(SurpriseKind::kHeldWhileCarried, msgs::Surprise::HELD_WHILE_CARRIED));
 static_assert(is_same(SurpriseKind::kPlaced, msgs::Surprise::PLACED));
 static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::MOTION));
-static_assert(is_same(SurpriseKind::kMotion, msgs::Surprise::Kind_MAX), "a new one has none here");
+static_assert(is_same(SurpriseKind::kSlip, msgs::Surprise::SLIP));
+static_assert(is_same(SurpriseKind::kSlip, msgs::Surprise::Kind_MAX), "a new one has none here");
 
 // `what` has values from `first` to that of the message's largest.
 template <class Library, class Message>

@@ -16,6 +16,7 @@ namespace prehend::nodes {
 namespace {
 
 constexpr const char* kHolding = "holding_";    // before the names of HoldingOptions
+constexpr const char* kSlip = "slip_";          // before those of touch::HoldSlipOptions
 constexpr const char* kOfGripper = "gripper_";  // before those of PadGripperOptions
 
 // "put 0.15 m away", or what else becomes of the object.
@@ -42,6 +43,7 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node) {
   control::ArmCycleOptions::knobs(options, declare);
   robot::GripOptions::knobs(options, declare);
   control::HoldingOptions::knobs(options.holding, graph::DeclareKnobs{node, kHolding});
+  touch::HoldSlipOptions::knobs(options.slip, graph::DeclareKnobs{node, kSlip});
   return options;
 }
 
@@ -96,6 +98,11 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   if (platform.hand.pads.empty()) {
     constexpr const char* kNoPads = "its hand has no tactile pads";
     refuse({"grip_force", "touch_force", "touch_counts"}, kNoPads);
+    std::vector<std::string> slipping{"slip_force_factor", "largest_grip_force",
+                                      "slip_settle_time"};
+    touch::HoldSlipOptions slip;
+    touch::HoldSlipOptions::knobs(slip, text::ListKnobs{kSlip, &slipping});
+    refuse(slipping, kNoPads);
     // The launch files give it, 0 where nothing is asked for.
     if (node.parameter<double>("minimum_stability") > 0) refuse({"minimum_stability"}, kNoPads);
   }

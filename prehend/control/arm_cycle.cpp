@@ -33,6 +33,7 @@ void ArmCycleOptions::validate() const {
   GripOptions::validate("ArmCycleOptions.");
   knobs(*this, text::CheckKnobs{"ArmCycleOptions."});
   holding.validate();
+  slip.validate();
 }
 
 std::string described(const ArmGrasp& grasp, int index) {
@@ -43,7 +44,12 @@ std::string described(const ArmGrasp& grasp, int index) {
 }
 
 ArmCycle::ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand)
-    : Cycle(options), options_(options), arm_(arm), hand_(hand), holding_(options.holding) {
+    : Cycle(options),
+      options_(options),
+      arm_(arm),
+      hand_(hand),
+      hold_slip_(options.slip),
+      holding_(options.holding) {
   options.validate();
 }
 
@@ -55,7 +61,7 @@ bool ArmCycle::moves_hand() const {
 
 bool ArmCycle::waits() const {
   return step_ == Step::kRest || step_ == Step::kSettle || step_ == Step::kCheck ||
-         step_ == Step::kVerify || step_ == Step::kWait;
+         step_ == Step::kVerify || step_ == Step::kWait || step_ == Step::kBrake;
 }
 
 bool ArmCycle::leaves() const {
@@ -127,7 +133,8 @@ void ArmCycle::prepare_attempt() {
   adapted_ = 0;
   shifted_.clear();
   stability_.reset();
-  pressed_harder_ = false;
+  pressed_harder_ = holds_ = false;
+  slid_ = 0;
   holding_.begin();
 }
 
@@ -146,6 +153,7 @@ void ArmCycle::begin(const Action& action) {
       return gather();
     }
     case Primitive::kLift:
+      begin_hold();
       begin_segment(Step::kLift, held_collision_force());
       return;
     case Primitive::kMove:
@@ -154,6 +162,7 @@ void ArmCycle::begin(const Action& action) {
       begin_segment(Step::kPlace, contact_force_down());
       return;
     case Primitive::kRelease:
+      holds_ = false;
       return open_to_release();
     case Primitive::kRetreat:
       return is_at_place() && failure().empty() ? retreat() : go_back();
@@ -297,10 +306,11 @@ MotionStatus ArmCycle::motion_status() {
   if (waits()) return MotionStatus::kReached;
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
-  const bool planned =
-      step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
-      step_ == Step::kShift || step_ == Step::kBackOff || step_ == Step::kLower ||
-      (step_ == Step::kRaise && lowered_.has_value()) || (kind && segment(*kind) != nullptr);
+  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve ||
+                       step_ == Step::kPutBack || step_ == Step::kShift ||
+                       step_ == Step::kBackOff || step_ == Step::kLower ||
+                       step_ == Step::kSetDown || (step_ == Step::kRaise && lowered_.has_value()) ||
+                       (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
 
@@ -313,7 +323,7 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (const std::string fault = hand_.fault(); !fault.empty()) return abort(fault);
   if (waits_for_plan()) return step_look();
   if (stop_when_lost()) return;
-  if (watch_held() || judge_lift()) return;
+  if (watch_held() || judge_lift() || watch_slip()) return;
   MotionStatus status = motion_status();
   if (step_ == Step::kApproach && status == MotionStatus::kMoving && hand_.touches()) {
     arm_.stop();
@@ -343,6 +353,7 @@ bool ArmCycle::reacts_to_contact() const {
   switch (step_) {
     case Step::kPlace:
     case Step::kPutBack:
+    case Step::kSetDown:
       return true;
     case Step::kLower:
       return lowers_fully_;
@@ -414,6 +425,10 @@ void ArmCycle::advance(MotionStatus status) {
       holding_.weigh(percepts_.wrist_force);
       if (spent() < options_.check_time) return;
       return check();
+    case Step::kBrake:
+      return set_down();
+    case Step::kSetDown:
+      return after_setting_down();
     case Step::kPlace:
       return after_placing(status);
     case Step::kLower:

@@ -18,6 +18,7 @@
 #include "prehend/robot/closing_way.h"
 #include "prehend/robot/grip.h"
 #include "prehend/touch/grasp_stability.h"
+#include "prehend/touch/hold_slip.h"
 
 namespace prehend::control {
 
@@ -93,6 +94,9 @@ class HandPort {
   /// After press(): to so many times the force, and no more than it can; motion() is of it then.
   /// False: it does not.
   virtual bool press_harder(double /*factor*/) { return false; }
+  /// While it holds: from now on with so many times the force, and no more than `largest` [N per
+  /// pad; 0: no limit but its own]. Returns at once. False: it already holds as hard as it can.
+  virtual bool hold_harder(double /*factor*/, double /*largest*/) { return false; }
   virtual double opening() const { return 0; }  // m, now
   /// Why what was gripped is not held any more, in words; empty: it is. @param rests on something
   virtual std::string lost(bool /*rests*/) const { return {}; }
@@ -141,7 +145,11 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   int adaptations = 2;
   double small_opening = 0.25;  // rad
   double minimum_stability = 0;
+  double slip_force_factor = 1.5;
+  double largest_grip_force = 0;  // N
+  double slip_settle_time = 0.1;  // s
   HoldingOptions holding;
+  touch::HoldSlipOptions slip;
 
   /// See text/knob.h.
   template <class Self, class Visit>
@@ -181,6 +189,14 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
              "probability that the lift holds, by what the pads feel when the hand has closed and "
              "again when it has risen by 10 mm, below which it presses harder where that helps, "
              "else lets go and looks again; 0: it is said and changes nothing"});
+    visit(Knob{"slip_force_factor", self.slip_force_factor, "", 1, 10,
+               "times the force, that is held with when the pads feel that what is held slips, as "
+               "often as it does; 1: it is said and changes nothing"});
+    visit(Knob{"largest_grip_force", self.largest_grip_force, "N", 0, 1000,
+               "per pad, that the object bears: what slips is not held harder; 0: what the motors "
+               "give"});
+    visit(Knob{"slip_settle_time", self.slip_settle_time, "s", 0, 10,
+               "for the force to rise, before it is watched again whether what is held slips"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -203,6 +219,12 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// will hold: said in the result, and below `minimum_stability` the hand presses harder where the
 /// judge thinks that this helps and it can, else the attempt fails before it lifts, or, when it has
 /// risen by kAskedWhenRisen, before it rises further.
+///
+/// Where pads feel, what they show from the lift on tells whether what is held slips
+/// (touch::HoldSlip, long before anybody sees it), while nothing else bears it. Then the hand holds
+/// it `slip_force_factor` times as hard, as often as needed, within what its motors can and
+/// `largest_grip_force`. Where that is not enough while it is lifted, it is put down again, and the
+/// attempt has failed; on the way to a place, it goes on, as nothing else is nearer.
 ///
 /// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
 /// beside its prediction, tell by where they were stopped how far it is beside
@@ -259,6 +281,8 @@ class ArmCycle : public Cycle {
     kSettle,
     kLift,
     kCheck,
+    kBrake,
+    kSetDown,
     kCarry,
     kLower,
     kRaise,
@@ -311,6 +335,14 @@ class ArmCycle : public Cycle {
   /// Fails when the judge says while lifting that it will not hold; true then.
   bool judge_lift();
   std::string foretold() const;  // in words, for the result; empty: nothing
+  void begin_hold();
+  bool bears_alone() const;  // what is held
+  bool hold_harder();
+  /// Reacts when what is held slips; true when the step has ended by that.
+  bool watch_slip();
+  void set_down();
+  void after_setting_down();
+  std::string slipped() const;  // in words, for the result; empty: it did not
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
@@ -355,6 +387,9 @@ class ArmCycle : public Cycle {
   std::optional<GripJudge> judge_;
   std::optional<double> stability_;  // that the lift holds, as judged last
   bool pressed_harder_ = false;      // in this attempt
+  touch::HoldSlip hold_slip_;
+  bool holds_ = false;  // from the lift on: whether it slips is watched
+  double slid_ = 0;     // m, in this attempt
   Step step_ = Step::kWait;
   double wait_time_ = 0;                    // s
   double share_ = 1;                        // of the greatest effort, that the motors press with

@@ -144,7 +144,7 @@ void ArmCycle::check() {
                  *holding_.weight(), "carries what it weighs");
   }
   achieved(fmt::format("{}: lifted and held ({}{})", described(grasp(), grasp_index()), held.why,
-                       foretold()));
+                       foretold() + slipped()));
   ended(Outcome::kDone);
 }
 
@@ -179,7 +179,7 @@ void ArmCycle::verify() {
   }
   achieved(fmt::format("{}: lifted{}, held all the way{}, put down{}; {}", name,
                        holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
-                       foretold(), is_at_place() ? "" : " where it stood", empty.why));
+                       foretold() + slipped(), is_at_place() ? "" : " where it stood", empty.why));
   ended(Outcome::kDone);
 }
 

@@ -36,6 +36,15 @@ void ForceController::start(double target, double felt) {
                         options_.largest_current);
 }
 
+void ForceController::aim(double target) {
+  if (!(target > 0) || !std::isfinite(target)) {
+    throw std::invalid_argument("ForceController: the target force must be positive and finite");
+  }
+  target_ = target;
+  reference_ = std::min(reference_, target);
+  settled_ = false;
+}
+
 double ForceController::update(double felt, double dt) {
   if (!std::isfinite(felt) || !(dt > 0)) return current_;
   reference_ = std::min(target_, reference_ + options_.force_rate * dt);

@@ -29,6 +29,10 @@ class ForceController {
   /// Starts towards `target` [N, > 0] from the force felt now [N].
   void start(double target, double felt);
 
+  /// Goes on towards another `target` [N, > 0] from where it is: what it has found of the plant it
+  /// keeps.
+  void aim(double target);
+
   /// One step of `dt` [s, > 0] with the force felt [N]; returns the current limit [A]. A value that
   /// is not finite for `felt` leaves the command as it was.
   double update(double felt, double dt);

@@ -79,16 +79,30 @@ void PadGripper::stop() {
 
 void PadGripper::press() {
   controller_.start(force_, mean_sum());
+  rises_since_.reset();
   updated_ = begun_ = now_;
   settled_since_.reset();
   mode_ = Mode::kPresses;
   status_ = MotionStatus::kMoving;
 }
 
+double PadGripper::most() const {
+  return options_.force.largest_current * gripper_.force_per_current - gripper_.friction_force;
+}
+
+bool PadGripper::hold_harder(double factor, double largest) {
+  if (mode_ != Mode::kHolds) return false;
+  const double limit = largest > 0 ? std::min(largest, most()) : most();
+  const double force = std::min(factor * force_, limit);
+  if (!(force > force_)) return false;
+  force_ = force;
+  controller_.aim(force_);
+  rises_since_ = now_;
+  return true;
+}
+
 bool PadGripper::press_harder(double factor) {
-  const double most =
-      options_.force.largest_current * gripper_.force_per_current - gripper_.friction_force;
-  const double force = std::min(factor * force_, most);
+  const double force = std::min(factor * force_, most());
   if (!(force > force_)) return false;
   force_ = force;
   press();
@@ -107,7 +121,7 @@ void PadGripper::step(const ArmPercepts& percepts) {
   if (!percept_ || !left_ || !right_) return;  // who asks inputs() stops
   if (mode_ == Mode::kCloses) close();
   if (mode_ == Mode::kPresses) settle();
-  if (mode_ == Mode::kHolds) regulate();
+  if (mode_ == Mode::kHolds) hold();
 }
 
 void PadGripper::fail(const std::string& problem) {
@@ -143,6 +157,15 @@ void PadGripper::regulate() {
   const double current = controller_.update(mean_sum(), now_ - updated_);
   updated_ = now_;
   port_.command_velocity(-options_.pressing_speed, current);
+}
+
+void PadGripper::hold() {
+  regulate();
+  if (!rises_since_) return;
+  // Pressed harder, foam gives way further: that is no collapse.
+  if (!controller_.settled() && now_ - *rises_since_ <= options_.force_timeout) return;
+  if (percept_->opening >= kClosed) grip_opening_ = percept_->opening;
+  rises_since_.reset();
 }
 
 void PadGripper::settle() {
@@ -187,13 +210,16 @@ bool PadGripper::touches() const {
 
 std::string PadGripper::lost(bool rests) const {
   if (!percept_ || !left_ || !right_) return {};
-  if (percept_->opening < grip_opening_ - options_.largest_collapse) {
+  const double least_opening = rises_since_ ? kClosed : grip_opening_ - options_.largest_collapse;
+  if (percept_->opening < least_opening) {
     return "the opening collapsed from " + millimetres(grip_opening_) + " to " +
            millimetres(percept_->opening);
   }
   // What stands leans on one pad more than on the other, but it stays between them.
   if (rests) return {};
-  const double least = std::max(options_.touch_force, options_.held_ratio * force_);
+  // While the force rises, what is felt follows.
+  const double wanted = rises_since_ ? std::min(force_, controller_.reference()) : force_;
+  const double least = std::max(options_.touch_force, options_.held_ratio * wanted);
   for (const PadPercept* pad : {&*left_, &*right_}) {
     if (pad->sum < least) return fmt::format("the {} pad feels only {:.1f} N", pad->name, pad->sum);
   }

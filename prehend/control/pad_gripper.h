@@ -98,6 +98,7 @@ class PadGripper : public HandPort {
   void prepare(const ArmGrasp& grasp) override;
   void press() override;
   bool press_harder(double factor) override;
+  bool hold_harder(double factor, double largest) override;
   void step(const ArmPercepts& percepts) override;
   std::vector<InputAge> inputs() const override;
   std::string fault() const override;
@@ -112,7 +113,9 @@ class PadGripper : public HandPort {
   void close();
   void regulate();
   void settle();
+  void hold();
   void fail(const std::string& problem);
+  double most() const;  // N, per pad, that the drive gives
   double mean_sum() const { return (left_->sum + right_->sum) / 2; }
 
   robot::GripperModel gripper_;
@@ -127,6 +130,7 @@ class PadGripper : public HandPort {
   Mode mode_ = Mode::kStands;
   MotionStatus status_ = MotionStatus::kReached;  // of what is no motion of the port's
   double grip_opening_ = 0;                       // m, when the force settled
+  std::optional<double> rises_since_;             // s, held harder: it has not settled since
   std::string problem_;
 };
 

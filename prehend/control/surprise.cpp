@@ -31,6 +31,8 @@ std::string to_string(SurpriseKind kind) {
       return "placed";
     case SurpriseKind::kMotion:
       return "motion";
+    case SurpriseKind::kSlip:
+      return "slip while held";
   }
   return "unknown";
 }
@@ -38,6 +40,7 @@ std::string to_string(SurpriseKind kind) {
 std::string unit_of(SurpriseKind kind) {
   switch (kind) {
     case SurpriseKind::kOpeningAtContact:
+    case SurpriseKind::kSlip:
       return "m";
     case SurpriseKind::kContactArea:
       return "m^2";
@@ -78,6 +81,7 @@ double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerance
     case SurpriseKind::kMotion:
       return 0.5;
     case SurpriseKind::kTouchedTooEarly:
+    case SurpriseKind::kSlip:
       return 0;
   }
   throw std::invalid_argument("tolerance_of: unknown kind of surprise");

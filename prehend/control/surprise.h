@@ -19,6 +19,7 @@ enum class SurpriseKind {
   kHeldWhileCarried,  // 1 held until it was lowered, 0 lost on the way
   kPlaced,            // 1 the hand is empty after it has opened at the place, 0 not
   kMotion,            // 1 a motion ended as planned, 0 not
+  kSlip,              // m, that what is held has slid over the pads
 };
 
 /// "contact area", "held after lift", ...
@@ -68,7 +69,8 @@ struct SurpriseTolerances {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// The tolerance of `kind` for a prediction; 0.5 for what is 1 or 0, 0 for kTouchedTooEarly.
+/// The tolerance of `kind` for a prediction; 0.5 for what is 1 or 0, 0 for kTouchedTooEarly
+/// and kSlip.
 double tolerance_of(SurpriseKind kind, double predicted, const SurpriseTolerances& tolerances);
 
 /// Compares; `reaction_if_surprising` is said only when it is a surprise, else "carry on".

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <deque>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "prehend/touch/felt_pad.h"
+#include "prehend/touch/pattern_motion.h"
 
 namespace prehend::touch {
 
@@ -37,12 +37,8 @@ struct SlipReading {
 };
 
 /// Tells slip from frames alone, for pads that feel no tangential force: the pattern of pressure
-/// moves over the pad as the object does. Between two frames p0 and p1 the motion (shift t, turn w
-/// about the pattern's centre, relative change g of the force) solves, by least squares over the
-/// texels near the touched ones,
-///   p1 - p0 = -grad p . (t + w z x r) + g p,   p, grad p of the frames' mean
-/// (B. Lucas and T. Kanade, "An Iterative Image Registration Technique", 1981, one step). It holds
-/// for motions up to about a texel. A pattern without gradients, as a face that covers the pad,
+/// moves over the pad as the object does. The motion between two frames is by least squares of
+/// PatternEquations. A pattern without gradients, as a face that covers the pad,
 /// shows no motion: not determined. What rolls on the pad moves its pattern too and counts as slip.
 /// Sharp edges between texels jump from one to the next: motions below the texels' distance are
 /// seen where the foam blurs edges or the surface is rounded.
@@ -62,14 +58,11 @@ class SlipWatch {
     double time;
     FeltTexels felt;
   };
-  /// Value and gradient (per texels' distance) at a texel: sum of weight times the values there.
-  using Stencil = std::vector<std::pair<std::size_t, Eigen::Vector3d>>;
   void compare(const Frame& then, const Frame& now, SlipReading* reading) const;
 
   FeltPad pad_;
   SlipOptions options_;
-  double distance_ = 0;            // m, between texels
-  std::vector<Stencil> stencils_;  // empty at the pad's border
+  PatternMotion motion_;
   std::deque<Frame> frames_;
 };
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,8 +30,9 @@ class FakeWorld {
   bool lost_when_carried = false;
   double obstacle_height = -1;  // m, touched by the approaching hand
   double left_gain = 1, right_gain = 1;
-  double finger_stop = 0;  // m, of the opening, where the fingers meet the object beside the pads
-  bool jammed = false;     // the jaws do not move
+  double needed_force = 0;  // N: with less it slides through the pads when it is lifted
+  double finger_stop = 0;   // m, of the opening, where the fingers meet the object beside the pads
+  bool jammed = false;      // the jaws do not move
   bool arm_stuck = false;
 
   ArmPercepts percepts() {
@@ -47,6 +50,7 @@ class FakeWorld {
       felt.age = age(name);
       felt.name = name;
       p.pads.push_back(felt);
+      if (needed_force > 0) p.frames.push_back({name, felt_, pattern(felt.sum)});
     }
     const double opening = is_silent("gripper") ? silent_.at("gripper").opening : opening_;
     p.gripper = GripperPercept{opening, jammed, 0, age("gripper")};
@@ -77,6 +81,7 @@ class FakeWorld {
   bool stopped() const { return stopped_; }
   double object_height() const { return object_height_; }
   double highest_object() const { return highest_object_; }
+  double slid() const { return slid_; }  // m
 
   void move_to(double opening, double speed) {
     opening_target_ = opening;
@@ -126,6 +131,15 @@ class FakeWorld {
     return between() && held_possible_ ? std::max(0.0, kStiffness * (object_width - opening_))
                                        : 0.0;
   }
+  // Of a round thing, as far along the fingers as it has slid.
+  std::vector<double> pattern(double sum) const {
+    std::vector<double> counts;
+    for (std::size_t i = 0; i < felt_->layout.size(); ++i) {
+      const double x = felt_->layout.x[i], y = felt_->layout.y[i] + slid_;
+      counts.push_back(50 * sum * std::exp(-(x * x + y * y) / (2 * 0.0065 * 0.0065)));
+    }
+    return counts;
+  }
   PadPercept pad(double gain) const {
     const double sum = gain * force();
     return {sum, sum > 0.3 ? 9e-4 : 0};
@@ -150,6 +164,7 @@ class FakeWorld {
     p_WG_ = on_path(since);
     const Eigen::Vector3d move = p_WG_ - before;
     if (since >= path_.points.back().time) arm_moving_ = false;
+    if (gripped && move.z() > 0 && force() < needed_force) slid_ += kSlideSpeed * kStep;
     if (gripped) object_height_ = std::max(0.0, object_height_ + move.z());
     if (gripped) object_x += move.x();
     if (slips_when_lifted && object_height_ > 0.05) {
@@ -180,6 +195,10 @@ class FakeWorld {
     return at(path_.points.back());
   }
 
+  static constexpr double kSlideSpeed = 0.01;  // m/s
+  std::shared_ptr<const touch::FeltPad> felt_ =
+      std::make_shared<touch::FeltPad>(touch::felt_pad(robot::TactilePadModel()));
+  double slid_ = 0;  // m
   double time_ = 100;
   std::map<std::string, Known> silent_;  // input -> what was known when it fell silent
   double opening_ = 0.03, opening_target_ = 0.03, jaw_speed_ = 0, current_limit_ = 0;

@@ -75,6 +75,48 @@ TEST_F(GripperCycleTest, SlippedObjectIsNoticedAfterTheLift) {
       << cycle.result().reason;
 }
 
+TEST_F(GripperCycleTest, WhatSlipsIsHeldHarderAndStays) {
+  world.needed_force = 15;
+  run(1);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  ASSERT_NE(surprise(SurpriseKind::kSlip), nullptr);
+  EXPECT_EQ(surprise(SurpriseKind::kSlip)->reaction, "holds harder");
+  EXPECT_TRUE(surprise(SurpriseKind::kSlip)->surprising);
+  EXPECT_GT(world.slid(), 5e-4);
+  EXPECT_LT(world.slid(), 3e-3);
+  EXPECT_NE(hand.grip().find("18.0 N"), std::string::npos) << hand.grip();
+  EXPECT_NE(cycle.result().reason.find("slipped"), std::string::npos) << cycle.result().reason;
+}
+
+TEST_F(GripperCycleTest, WhatSlipsThoughHeldAsHardAsCanBeIsPutDownAgain) {
+  world.needed_force = 1000;
+  double height = 1;  // m, of the hand when it opens again
+  run(1, [&] {
+    if (cycle.detail().find("; opening") != std::string::npos) height = world.height();
+  });
+  EXPECT_FALSE(cycle.result().success());
+  EXPECT_NE(cycle.result().reason.find("cannot hold harder: put down again"), std::string::npos)
+      << cycle.result().reason;
+  EXPECT_NEAR(height, 0.04, 0.005) << "it is not dropped";
+  const auto slips = std::count_if(cycle.surprises().begin(), cycle.surprises().end(),
+                                   [](const Surprise& s) { return s.kind == SurpriseKind::kSlip; });
+  EXPECT_GE(slips, 3) << "12, 18, 27 N, ... were not enough";
+}
+
+TEST_F(GripperCycleTest, WhatSlipsIsHeldNoHarderThanTheObjectBears) {
+  world.needed_force = 1000;
+  ArmCycleOptions options = reacting();
+  options.largest_grip_force = 14;
+  ArmCycle careful(options, arm, hand);
+  careful.start({grasp_at(0)});
+  for (int i = 0; i < 20000 && !careful.finished(); ++i) {
+    careful.step(world.percepts());
+    world.advance();
+  }
+  EXPECT_NE(hand.grip().find("14.0 N"), std::string::npos) << hand.grip();
+  EXPECT_NE(careful.result().reason.find("put down again"), std::string::npos);
+}
+
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.
 TEST_F(GripperCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
   run(1, [&] {

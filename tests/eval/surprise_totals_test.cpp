@@ -72,10 +72,10 @@ TEST(SurpriseTotals, AreCountedByHandAndKindOfObjectsThatFit) {
 
 TEST(SurpriseTotals, KindsHaveNamesOfTheirOwnAndNothingIsFeltOfNothing) {
   std::set<std::string> names;
-  for (int kind = 0; kind <= static_cast<int>(SurpriseKind::kMotion); ++kind) {
+  for (int kind = 0; kind <= static_cast<int>(SurpriseKind::kSlip); ++kind) {
     names.insert(to_string(static_cast<SurpriseKind>(kind)));
   }
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(SurpriseKind::kMotion) + 1);
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(SurpriseKind::kSlip) + 1);
   EXPECT_FALSE(names.contains("unknown"));
   EXPECT_TRUE(surprise_totals({}).empty());
   const double nan = std::nan("");
