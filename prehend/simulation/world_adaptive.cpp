@@ -9,7 +9,7 @@
 namespace prehend::simulation {
 namespace {
 
-constexpr double kLongest = 0.5;          // s
+constexpr double kLongest = 0.1;          // s
 constexpr double kLeastShare = 1.0 / 64;  // of the scene's step
 constexpr double kOneStep = 0.1;          // of the tolerance: what one step may add
 constexpr double kInstant = 1e-9;         // s, shorter than that is nothing

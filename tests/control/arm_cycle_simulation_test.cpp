@@ -215,7 +215,8 @@ TEST_P(InSimulation, WhatIsTooSlipperyIsNoticed) {
   EXPECT_FALSE(cycle.result().success()) << cycle.result().reason;
   EXPECT_LT(world.body("box").height, 0.003);
   EXPECT_TRUE(std::any_of(cycle.surprises().begin(), cycle.surprises().end(), [](const auto& s) {
-    return s.kind == SurpriseKind::kHeldAfterLift && s.surprising;
+    return (s.kind == SurpriseKind::kSlip || s.kind == SurpriseKind::kHeldAfterLift) &&
+           s.surprising;
   }));
 }
 

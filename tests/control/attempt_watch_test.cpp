@@ -69,8 +69,9 @@ TEST_P(AttemptAtBox, FeelsItsSurfaceAndGoesThroughWhatIsEmpty) {
       ++contacts;
       EXPECT_LT(surface.nearest(contact.p_W)->distance, kOnSurface + 2 * act.motion.along)
           << contact.p_W.transpose();
-      EXPECT_GT(contact.normal_W.head<2>().norm(), 0.9)
-          << "of an upright side: " << contact.normal_W.transpose();
+      EXPECT_GT(contact.normal_W.head<2>().norm(), 0.7)
+          << "of an upright side, by a fingertip that may be bent about an edge: "
+          << contact.normal_W.transpose();
     }
   }
   EXPECT_GT(contacts, 1u);

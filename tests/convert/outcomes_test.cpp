@@ -46,7 +46,8 @@ TEST(MessageEnums, AreTheLibrarysByNameAndValue) {
 TEST(MessageEnums, KindsOfSurprisesAndOutcomesThatAreUnknownAreRefused) {
   EXPECT_EQ(from_message(msgs::Surprise::MOTION), control::SurpriseKind::kMotion);
   EXPECT_EQ(from_message(msgs::Surprise::SLIP), control::SurpriseKind::kSlip);
-  EXPECT_THROW(from_message(static_cast<msgs::Surprise::Kind>(11)), geometry::InputError);
+  EXPECT_THROW(from_message(static_cast<msgs::Surprise::Kind>(msgs::Surprise::Kind_MAX + 1)),
+               geometry::InputError);
   EXPECT_THROW(from_message(static_cast<msgs::Surprise::Kind>(-1)), geometry::InputError);
   EXPECT_EQ(from_message(msgs::CycleResult::UNGRASPABLE), control::CycleOutcome::kUngraspable);
   EXPECT_EQ(from_message(msgs::CycleResult().outcome()), control::CycleOutcome::kFailed);

@@ -95,6 +95,21 @@ TEST(Fallbacks, ExtrusionOfOneUprightFaceTellsNothing) {
   EXPECT_FALSE(extruded(p.input()).has_value());
 }
 
+// The top of a box is seen at a slant: its points are further apart than the cells are wide.
+TEST(Fallbacks, ExtrusionHasNoWallsWithin) {
+  const geometry::TriangleMesh truth = standing(geometry::make_box({0.08, 0.06, 0.1}), 0);
+  const Prepared p(truth, {.width = 320});
+  const auto fallback = extruded(p.input());
+  ASSERT_TRUE(fallback.has_value());
+  const geometry::MeshQuery sides(truth);
+  ASSERT_EQ(fallback->normals_T.size(), fallback->points_T.size());
+  for (std::size_t i = 0; i < fallback->points_T.size(); ++i) {
+    const Eigen::Vector3d p_W = p.voting.X_WT * fallback->points_T[i];
+    EXPECT_LT(sides.nearest(p_W)->distance, 0.005) << p_W.transpose();
+    EXPECT_NEAR(fallback->normals_T[i].norm(), 1, 1e-9);
+  }
+}
+
 TEST(Fallbacks, HullEnclosesWhatWasSeen) {
   const geometry::TriangleMesh truth = standing(geometry::make_box({0.06, 0.09, 0.12}), 0.7);
   const Prepared p(truth);
@@ -103,7 +118,14 @@ TEST(Fallbacks, HullEnclosesWhatWasSeen) {
   for (const auto& q : p.voting.points_T) seen.extend(q);
   for (const auto& q : fallback.points_T) hull.extend(q);
   EXPECT_LT((seen.max() - hull.max()).cwiseAbs().maxCoeff(), 0.006);
-  EXPECT_NEAR(hull.min().z(), 0, 1e-9);
+  EXPECT_NEAR(hull.min().z(), 0, 0.001) << "its sides go down to the table";
+  // No foot: the sides' points face outwards, and none faces the table.
+  ASSERT_EQ(fallback.normals_T.size(), fallback.points_T.size());
+  const Eigen::Vector3d middle = hull.center();
+  for (std::size_t i = 0; i < fallback.points_T.size(); ++i) {
+    EXPECT_GT(fallback.normals_T[i].dot(fallback.points_T[i] - middle), 0);
+    EXPECT_GT(fallback.normals_T[i].z(), -0.9);
+  }
 }
 
 /// Spheres of 3 cm at random places of a slab: no plane mirrors them.

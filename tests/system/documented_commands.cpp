@@ -236,9 +236,13 @@ std::string CommandChecker::problem_of_options(const Words& words) const {
   for (const std::string& word : words) {
     if (!word.starts_with("--") || word == "--") continue;
     const std::string name = word.substr(0, word.find('='));
-    const auto at = run.output.find(name);
-    const char next = at == std::string::npos ? 'x' : (run.output + " ")[at + name.size()];
-    if (std::isalnum(static_cast<unsigned char>(next)) || next == '-') return "no option " + name;
+    bool found = false;
+    for (auto at = run.output.find(name); at != std::string::npos && !found;
+         at = run.output.find(name, at + 1)) {
+      const char next = (run.output + " ")[at + name.size()];
+      found = !std::isalnum(static_cast<unsigned char>(next)) && next != '-';
+    }
+    if (!found) return "no option " + name;
   }
   return "";
 }
