@@ -6,13 +6,12 @@
 
 #include <Eigen/Geometry>
 
+#include "eval/belief/predicted_case.h"
 #include "eval/grasp/resting_pose.h"
-#include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/shape/scene_completion.h"
 
 namespace prehend::eval {
 namespace {
@@ -219,13 +218,8 @@ SurpriseCase run_surprise_trial(const Case& one, const TouchingHand& hand) {
   result.name = one.name();
   result.group = one.data_set->group;
   try {
-    const SeenObject seen = see_object(one, one.X_WB(), 0);
-    shape::CompletionOptions completion;
-    completion.alternatives = 4;
-    completion.other_methods = true;
-    const auto shapes = shape::complete_scene(seen.scene, completion, {}, seen.index);
-    belief::ObjectBelief belief(shapes[seen.index].get(),
-                                perception::support_of(seen.scene, seen.scene.objects[seen.index]));
+    const PredictedCase predicted = predict_case(one);
+    belief::ObjectBelief belief(predicted.shape, predicted.support_W);
     belief.update();
     const std::vector<grasp::Grasp> grasps = hand.grasps(belief);
     if (grasps.empty()) throw geometry::InputError("No grasp of it is found", "Take another hand");

@@ -35,7 +35,7 @@ struct SurpriseAct {
 struct SurpriseCase {
   std::string name, group;
   std::string problem;  // why there is nothing of it
-  belief::PredictedPercepts predicted;
+  belief::PerceptForecast predicted;
   double prediction_seconds = 0;  // of processor, for each shape
   int shapes = 0;
   int left_out = 0;  // acts that were none of the above, or could not be simulated

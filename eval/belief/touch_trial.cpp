@@ -8,15 +8,14 @@
 #include <Eigen/Geometry>
 
 #include "eval/belief/gaussian_surface.h"
+#include "eval/belief/predicted_case.h"
 #include "eval/case_runner.h"
-#include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/surface_samples.h"
 #include "prehend/geometry/whole_file.h"
-#include "prehend/shape/scene_completion.h"
 #include "prehend/surface/deviation.h"
 #include "prehend/surface/model.h"
 
@@ -162,18 +161,13 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
   result.data_set = one.data_set->name;
   result.orientation = one.orientation;
   try {
-    const SeenObject seen = see_object(one, one.X_WB(), 0);
-    shape::CompletionOptions completion;
-    completion.alternatives = 4;
-    completion.other_methods = true;
-    const auto shapes = shape::complete_scene(seen.scene, completion, {}, seen.index);
-    const geometry::Plane table =
-        perception::support_of(seen.scene, seen.scene.objects[seen.index]);
-    const Truth truth(one, seen.scene.X_WC.translation());
+    const PredictedCase predicted = predict_case(one);
+    const shape::CompletedShape& shape = predicted.shape;
+    const geometry::Plane& table = predicted.support_W;
+    const Truth truth(one, predicted.viewpoint_W);
     if (truth.is_all_seen()) {
       throw geometry::InputError("All of it was seen", "Look from elsewhere");
     }
-    const shape::CompletedShape& shape = shapes[seen.index].get();
     BeliefSeries prediction{kPredictionSeries, "", {{}}};
     truth.measure(surface::make_object_model(shape, table).mesh_W, one.seed,
                   &prediction.steps.front());

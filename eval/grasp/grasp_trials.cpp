@@ -51,7 +51,7 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
   } catch (const std::exception& error) {
     result.problem = error.what();
   }
-  belief::TouchMemoryOptions memory_options;
+  belief::AttemptMemoryOptions memory_options;
   memory_options.use = evidence;
   std::map<std::pair<PlannedOn, int>, Belief> first_look;
   for (const PlannerSetting& setting : settings) {
@@ -71,7 +71,7 @@ GraspCase run_grasp_case(const Case& one, const PlatformUnderTest& platform,
       }
       int look = 0, recalled = 0;
       Belief believed = first_look.at(key);
-      belief::TouchMemory memory(platform.hand(), memory_options);
+      belief::AttemptMemory memory(platform.hand(), memory_options);
       trial = platform.grasp(
           first_look.at(key), truth, setting,
           [&](const geometry::RigidTransform& X_moved, const belief::Attempt& attempt) {

@@ -4,7 +4,7 @@
 
 #include "eval/data_sets.h"
 #include "eval/grasp/platform_under_test.h"
-#include "prehend/belief/touch_memory.h"
+#include "prehend/belief/attempt_memory.h"
 
 namespace prehend::eval {
 

@@ -2,7 +2,7 @@
 
 #include "msgs/belief.pb.h"
 #include "prehend/belief/attempt.h"
-#include "prehend/belief/touch_memory.h"
+#include "prehend/belief/attempt_memory.h"
 
 // What hands find out, and what it makes of objects.
 namespace prehend::convert {

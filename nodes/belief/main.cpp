@@ -13,7 +13,7 @@
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "nodes/platform_source/platform_source.h"
-#include "prehend/belief/touch_memory.h"
+#include "prehend/belief/attempt_memory.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/platform.h"
@@ -83,7 +83,7 @@ class BeliefNode {
     steady_clock::time_point since;
   };
 
-  belief::TouchMemory declare_memory() {
+  belief::AttemptMemory declare_memory() {
     const auto platform = node_.declare_parameter<std::string>(
         {.name = "platform",
          .default_value = "stage_pg70",
@@ -98,10 +98,10 @@ class BeliefNode {
                         "touched, what the hand went through without a touch, what was seen of it "
                         "before; each with those before it",
          .read_only = true});
-    belief::TouchMemoryOptions options;
+    belief::AttemptMemoryOptions options;
     options.use = kUses.at(use);
     hand_ = robot::read_platform(robot::platform_file(platforms, platform)).hand;
-    return belief::TouchMemory(hand_, options);
+    return belief::AttemptMemory(hand_, options);
   }
 
   View& view_of(std::int64_t stamp) {
@@ -217,7 +217,7 @@ class BeliefNode {
 
   graph::Node& node_;
   robot::HandModel hand_;
-  belief::TouchMemory memory_;
+  belief::AttemptMemory memory_;
   double patience_;                     // s
   std::map<std::int64_t, View> views_;  // by the stamp [ns]
   std::deque<Waiting> waiting_;

@@ -62,7 +62,7 @@ const std::vector<PerceptKind>& percept_kinds() {
 
 std::vector<PerceptFeature> percept_features(const Percepts& percepts, double touch_force) {
   FeatureList list;
-  for (const PadPercept& pad : percepts.pads) {
+  for (const PerceivedPad& pad : percepts.pads) {
     bool has_sensor = false;
     for (std::size_t moment = 0; moment < pad.at.size(); ++moment) {
       const std::string when = kMomentNames[moment];
@@ -88,7 +88,7 @@ std::vector<PerceptFeature> percept_features(const Percepts& percepts, double to
                    has_sensor ? std::optional(pad.touched_at.has_value()) : std::nullopt);
     list.number("contact", pad.name, "closure", has_sensor ? pad.touched_at : std::nullopt);
   }
-  for (const MotorPercept& motor : percepts.motors) {
+  for (const PerceivedMotor& motor : percepts.motors) {
     for (std::size_t moment = 0; moment < motor.at.size(); ++moment) {
       list.number("joints", motor.name, std::string("joint ") + kMomentNames[moment],
                   motor.at[moment]);

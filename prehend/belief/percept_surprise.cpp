@@ -45,7 +45,7 @@ double cost(const PerceptFeature& predicted, const PerceptFeature& perceived,
 // The features of all that is possible, and how much each costs against percepts.
 class Belief {
  public:
-  Belief(const PredictedPercepts& predicted, const SurpriseModel& model) : model_(model) {
+  Belief(const PerceptForecast& predicted, const SurpriseModel& model) : model_(model) {
     for (const PossiblePercepts& one : predicted.possible) {
       features_.push_back(percept_features(one.percepts, model.touch_force));
       weights_.push_back(one.weight);
@@ -177,7 +177,7 @@ void fit_thresholds(const std::vector<KnownPercepts>& right, double false_alarms
 
 }  // namespace
 
-PerceptSurprise percept_surprise(const PredictedPercepts& predicted, const Percepts& perceived,
+PerceptSurprise percept_surprise(const PerceptForecast& predicted, const Percepts& perceived,
                                  const SurpriseModel& model) {
   if (predicted.possible.empty()) {
     throw std::invalid_argument("percept_surprise: nothing was predicted");

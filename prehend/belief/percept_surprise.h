@@ -49,7 +49,7 @@ struct PerceptSurprise {
   bool alarm = false;                 // bits > threshold
   std::vector<SenseSurprise> senses;  // those there are sensors for, in percept_senses()' order
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
-  std::size_t likeliest = 0;          // of PredictedPercepts::possible, by what was perceived
+  std::size_t likeliest = 0;          // of PerceptForecast::possible, by what was perceived
   std::string to_string() const;      // "31.2 bits (tactile 20.1!, joints 3.0)"; ! is an alarm
 };
 
@@ -68,12 +68,12 @@ struct PerceptSurprise {
 ///
 /// Same arguments, same bits. @throws std::invalid_argument for percepts that are not finite (by
 /// name), of another hand than the predicted ones, or without any prediction.
-PerceptSurprise percept_surprise(const PredictedPercepts& predicted, const Percepts& perceived,
+PerceptSurprise percept_surprise(const PerceptForecast& predicted, const Percepts& perceived,
                                  const SurpriseModel& model);
 
 /// A right prediction and what came, or another one.
 struct KnownPercepts {
-  const PredictedPercepts* predicted = nullptr;
+  const PerceptForecast* predicted = nullptr;
   const Percepts* perceived = nullptr;
 };
 

@@ -21,7 +21,7 @@ using planning::HandAct;
 using simulation::RobotWorld;
 
 constexpr double kLookEvery = 0.012;               // s, at the pads and joints while it closes
-constexpr double kStill = 0.02, kStillJaw = 1e-3;  // rad, m: see MotorPercept
+constexpr double kStill = 0.02, kStillJaw = 1e-3;  // rad, m: see PerceivedMotor
 const std::array<const char*, 2> kMoments{"closed", "lifted"};
 
 void require_finite(bool finite, const std::string& what) {
@@ -108,7 +108,7 @@ class Perceiver {
   }
 
   void note_stop(std::size_t motor) {
-    MotorPercept& percept = percepts_.motors[motor];
+    PerceivedMotor& percept = percepts_.motors[motor];
     const auto at = static_cast<Eigen::Index>(motor);
     const bool slides = hand_.gripper.has_value();
     std::size_t last = times_.size();
@@ -163,7 +163,7 @@ SimulatedAct perform(const robot::HandModel& hand, HandAct& act, const planning:
 }  // namespace
 
 void check_percepts(const Percepts& percepts) {
-  for (const PadPercept& pad : percepts.pads) {
+  for (const PerceivedPad& pad : percepts.pads) {
     for (std::size_t moment = 0; moment < kMoments.size(); ++moment) {
       const PadImage& image = pad.at[moment];
       const std::string where = fmt::format("pad '{}', {}: ", pad.name, kMoments[moment]);
@@ -177,7 +177,7 @@ void check_percepts(const Percepts& percepts) {
     require_finite(std::isfinite(pad.touched_at.value_or(0)),
                    fmt::format("pad '{}': where it first touched", pad.name));
   }
-  for (const MotorPercept& motor : percepts.motors) {
+  for (const PerceivedMotor& motor : percepts.motors) {
     for (std::size_t moment = 0; moment < kMoments.size(); ++moment) {
       require_finite(std::isfinite(motor.at[moment].value_or(0)),
                      fmt::format("motor '{}', {}: position", motor.name, kMoments[moment]));
@@ -215,9 +215,8 @@ SimulatedAct simulate_act(const robot::HandModel& hand, const planning::GraspToF
   });
 }
 
-PredictedPercepts predict_percepts(const robot::HandModel& hand, const planning::GraspToFeel& grasp,
-                                   std::vector<PossibleShape> shapes,
-                                   const PerceptOptions& options) {
+PerceptForecast predict_percepts(const robot::HandModel& hand, const planning::GraspToFeel& grasp,
+                                 std::vector<PossibleShape> shapes, const PerceptOptions& options) {
   options.validate();
   const text::Require require{"predict_percepts: "};
   double most = 0;
@@ -239,7 +238,7 @@ PredictedPercepts predict_percepts(const robot::HandModel& hand, const planning:
     places.push_back({0, side, 1.0 / 6});
   }
   if (options.place == 0) places = {{0, 0, 1}};
-  PredictedPercepts predicted;
+  PerceptForecast predicted;
   double sum = 0;
   int taken = 0;
   for (const PossibleShape& shape : shapes) {

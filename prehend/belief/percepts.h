@@ -27,7 +27,7 @@ struct PadImage {
 };
 
 /// Of one pad over the act.
-struct PadPercept {
+struct PerceivedPad {
   std::string name;
   std::array<PadImage, 2> at;  // closed, lifted
   /// rad, robot::ClosingWay::closure() when it first felt GripOptions::touch_force; none: it never
@@ -36,7 +36,7 @@ struct PadPercept {
 };
 
 /// Of one motor: where it stood at either moment, and when it stopped.
-struct MotorPercept {
+struct PerceivedMotor {
   std::string name;
   std::array<std::optional<double>, 2> at;  // rad or m, closed, lifted; none: no sensor
   std::optional<double> stopped_after;  // s, from the beginning; from then on it stood within 0.02
@@ -48,8 +48,8 @@ inline constexpr std::size_t kClosed = 0, kLifted = 1;
 /// What was perceived of an act: a hand closes where it stands, and lifts. What a robot has no
 /// sensor for is left out: an empty list, image or optional.
 struct Percepts {
-  std::vector<PadPercept> pads;                // in the hand's order
-  std::vector<MotorPercept> motors;            // in the hand's order
+  std::vector<PerceivedPad> pads;              // in the hand's order
+  std::vector<PerceivedMotor> motors;          // in the hand's order
   std::optional<Wrench> closing;               // mean over the closing
   std::array<std::optional<Wrench>, 2> wrist;  // closed, lifted
   std::optional<double> weight;                // N, that the wrist carries after the lift
@@ -109,7 +109,7 @@ struct PossiblePercepts {
   Percepts percepts;
 };
 
-struct PredictedPercepts {
+struct PerceptForecast {
   std::vector<PossiblePercepts> possible;
   /// Of shapes that could not be simulated, "name: why"; the others' weights make up for them.
   std::vector<std::string> problems;
@@ -121,8 +121,8 @@ struct PredictedPercepts {
 /// the Kalman filter to nonlinear systems", 1997, kappa = 1). With place 0 once for each shape.
 /// Deterministic. Cost: docs/belief.md, "Surprise".
 /// @throws std::invalid_argument for values out of range or no shape with a weight.
-PredictedPercepts predict_percepts(const robot::HandModel& hand, const planning::GraspToFeel& grasp,
-                                   std::vector<PossibleShape> shapes,
-                                   const PerceptOptions& options = {});
+PerceptForecast predict_percepts(const robot::HandModel& hand, const planning::GraspToFeel& grasp,
+                                 std::vector<PossibleShape> shapes,
+                                 const PerceptOptions& options = {});
 
 }  // namespace prehend::belief

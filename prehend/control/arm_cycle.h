@@ -322,6 +322,7 @@ class ArmCycle : public Cycle {
   /// That is gone in a step; none in the others.
   static std::optional<motion::SegmentKind> segment_of(Step step);
   MotionStatus motion_status();
+  void drive_fingers(double past);
   void gather();
   void close();
   void press();

@@ -54,9 +54,7 @@ bool ArmCycle::hold_harder() {
   }
   if (!(factor > 1)) return false;
   share_ = std::min(1.0, factor * share_);
-  const Eigen::VectorXd goal = grasp().hand.at(options_.overrun);
-  hand_.move(grasp().hand_joints, {goal.begin(), goal.end()}, options_.closing_speed, true,
-             efforts());
+  drive_fingers(options_.overrun);
   return true;
 }
 

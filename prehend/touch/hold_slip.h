@@ -82,7 +82,7 @@ struct HoldSlipReading {
 /// shows no motion, nor does a straight edge along itself; a turn about the pad's normal is told
 /// apart and is no slide. What rolls counts as sliding.
 ///
-/// Never throws after it is made. A frame costs about 30 us for two pads of 84 texels.
+/// Never throws after it is made.
 class HoldSlip {
  public:
   /// @throws std::invalid_argument for options out of range.

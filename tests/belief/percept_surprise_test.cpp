@@ -48,9 +48,8 @@ planning::ObjectToFeel box(double width, const Eigen::Vector3d& at = Eigen::Vect
 }
 
 // What a box of 60 mm gives, by one act for all tests; with places, and without.
-const PredictedPercepts& predicted() {
-  static const PredictedPercepts percepts =
-      predict_percepts(sdh(), pinch(), {{"box", box(0.06), 1}});
+const PerceptForecast& predicted() {
+  static const PerceptForecast percepts = predict_percepts(sdh(), pinch(), {{"box", box(0.06), 1}});
   return percepts;
 }
 const Percepts& exact() { return predicted().possible.front().percepts; }
@@ -59,8 +58,8 @@ PerceptSurprise surprise(const Percepts& perceived) {
   return percept_surprise(predicted(), perceived, SurpriseModel::unfitted());
 }
 
-PadPercept& touching_pad(Percepts& percepts, int index = 0) {
-  for (PadPercept& pad : percepts.pads) {
+PerceivedPad& touching_pad(Percepts& percepts, int index = 0) {
+  for (PerceivedPad& pad : percepts.pads) {
     if (pad.at[kClosed].force > 1 && index-- == 0) return pad;
   }
   throw std::runtime_error("no pad touches");
@@ -100,7 +99,7 @@ TEST(PredictPercepts, AreOfEachShapeAtFivePlacesAndWeighOne) {
 }
 
 TEST(PredictPercepts, TheSameArgumentsGiveTheSameBits) {
-  const PredictedPercepts again = predict_percepts(sdh(), pinch(), {{"box", box(0.06), 1}});
+  const PerceptForecast again = predict_percepts(sdh(), pinch(), {{"box", box(0.06), 1}});
   const SurpriseModel model = SurpriseModel::unfitted();
   EXPECT_EQ(percept_surprise(again, exact(), model).bits, surprise(exact()).bits);
 }
@@ -113,7 +112,7 @@ TEST(PredictPercepts, AShapeThatDoesNotStandIsLeftOutAndSaid) {
   falls.mesh_W = geometry::transformed(falls.mesh_W, leaning);
   PerceptOptions options;
   options.place = 0;
-  const PredictedPercepts one =
+  const PerceptForecast one =
       predict_percepts(sdh(), pinch(), {{"falls", falls, 2}, {"box", box(0.06), 1}}, options);
   ASSERT_EQ(one.possible.size(), 1u);
   EXPECT_EQ(one.possible.front().shape, "box");
@@ -136,7 +135,7 @@ TEST(PerceptSurprise, WhatIsPredictedSurprisesLessThanWhatIsDisplaced) {
     EXPECT_GT(bits, before) << step;
     before = bits;
   }
-  for (MotorPercept& motor : displaced.motors) *motor.at[kClosed] += 0.1;
+  for (PerceivedMotor& motor : displaced.motors) *motor.at[kClosed] += 0.1;
   EXPECT_GT(surprise(displaced).bits, before);
 }
 
@@ -156,11 +155,11 @@ TEST(PerceptSurprise, AnObjectThatIsNotThereOrAnotherOneSurprises) {
 TEST(PerceptSurprise, LeftAndRightSwappedSurprise) {
   planning::ObjectToFeel aside = box(0.06, {0, 0.012, 0});
   PerceptOptions options;
-  const PredictedPercepts here = predict_percepts(sdh(), pinch(), {{"aside", aside, 1}}, options);
+  const PerceptForecast here = predict_percepts(sdh(), pinch(), {{"aside", aside, 1}}, options);
   const Percepts as_predicted = here.possible.front().percepts;
   Percepts swapped = as_predicted;
-  PadPercept& one = touching_pad(swapped, 0);
-  PadPercept& two = touching_pad(swapped, 1);
+  PerceivedPad& one = touching_pad(swapped, 0);
+  PerceivedPad& two = touching_pad(swapped, 1);
   std::swap(one.at, two.at);
   std::swap(one.touched_at, two.touched_at);
   const SurpriseModel model = SurpriseModel::unfitted();
@@ -170,8 +169,8 @@ TEST(PerceptSurprise, LeftAndRightSwappedSurprise) {
 
 TEST(PerceptSurprise, WhatThereIsNoSensorForCountsNowhere) {
   Percepts blind = exact();
-  for (PadPercept& pad : blind.pads) pad.at = {};
-  for (PadPercept& pad : blind.pads) pad.touched_at.reset();
+  for (PerceivedPad& pad : blind.pads) pad.at = {};
+  for (PerceivedPad& pad : blind.pads) pad.touched_at.reset();
   blind.closing.reset();
   blind.wrist = {};
   blind.weight.reset();
@@ -180,7 +179,7 @@ TEST(PerceptSurprise, WhatThereIsNoSensorForCountsNowhere) {
   EXPECT_EQ(felt.senses[0].sense, "joints");
   EXPECT_EQ(felt.senses[0].bits, bits_of(surprise(exact()), "joints"));
   EXPECT_EQ(felt.senses[1].sense, "time");
-  for (MotorPercept& motor : blind.motors) motor = {motor.name, {}, {}};
+  for (PerceivedMotor& motor : blind.motors) motor = {motor.name, {}, {}};
   const PerceptSurprise nothing = surprise(blind);
   EXPECT_EQ(nothing.bits, 0);
   EXPECT_FALSE(nothing.alarm);
@@ -189,7 +188,7 @@ TEST(PerceptSurprise, WhatThereIsNoSensorForCountsNowhere) {
 
 TEST(PerceptSurprise, ADeadRowOrAPadThatShowsTooMuchIsNoAlarm) {
   Percepts dead = exact();
-  const PadPercept& touched = touching_pad(dead);
+  const PerceivedPad& touched = touching_pad(dead);
   const auto at = static_cast<std::size_t>(&touched - dead.pads.data());
   const auto columns = static_cast<std::size_t>(sdh().pads[at].model.columns);
   for (PadImage& image : dead.pads[at].at) {
@@ -226,7 +225,7 @@ TEST(PerceptSurprise, WhatIsNotFiniteIsRefusedByName) {
 
 // The expectation of the bits of what is as predicted, with noise of the model's own, is 0.
 TEST(PerceptSurprise, AsExpectedIsNoBits) {
-  PredictedPercepts one;
+  PerceptForecast one;
   one.possible = {{"box", 0, 0, 1, exact()}};
   const SurpriseModel model = SurpriseModel::unfitted();
   std::mt19937 random(1);
@@ -235,7 +234,7 @@ TEST(PerceptSurprise, AsExpectedIsNoBits) {
   constexpr int kDraws = 1000;
   for (int i = 0; i < kDraws; ++i) {
     Percepts drawn = exact();
-    for (MotorPercept& motor : drawn.motors) {
+    for (PerceivedMotor& motor : drawn.motors) {
       *motor.at[kClosed] += model.scales.at("joint closed") * noise(random);
       *motor.at[kLifted] += model.scales.at("joint lifted") * noise(random);
     }

@@ -63,7 +63,8 @@ TEST(GraspCase, IsReadAsItWasWritten) {
   EXPECT_FALSE(read.trials[0].lifted_at_first());
   write_text(folder.path / "b.yaml", "[1, 2]\n");
   EXPECT_THROW(read_grasp_case(folder.path / "b.yaml"), geometry::InputError);
-  for (const int kind : {-1, 11}) {
+  const int last = static_cast<int>(control::SurpriseKind::kSlip);
+  for (const int kind : {-1, last + 1}) {
     written.trials[0].surprises[0].kind = static_cast<control::SurpriseKind>(kind);
     write_grasp_case(folder.path / "c.yaml", written);
     EXPECT_THROW(read_grasp_case(folder.path / "c.yaml"), geometry::InputError) << kind;

@@ -23,7 +23,7 @@ enum class EvidenceUse {
   kLooks,       // what was seen in looks before
 };
 
-struct TouchMemoryOptions {
+struct AttemptMemoryOptions {
   EvidenceUse use = EvidenceUse::kLooks;
   BeliefOptions belief;
   surface::ModelOptions model;
@@ -56,11 +56,11 @@ struct Recollection {
 /// look (ObjectBelief::contradicted()): the belief starts again from the look then.
 ///
 /// Not thread-safe.
-class TouchMemory {
+class AttemptMemory {
  public:
   /// @param hand that the attempts are made with. @throws as HandEvidence and
-  /// TouchMemoryOptions::validate().
-  explicit TouchMemory(robot::HandModel hand, const TouchMemoryOptions& options = {});
+  /// AttemptMemoryOptions::validate().
+  explicit AttemptMemory(robot::HandModel hand, const AttemptMemoryOptions& options = {});
 
   /// The attempt was at the object that had been completed so and was believed to have this
   /// surface. Contacts with the table, and those nearer to one of its neighbours, are none of its.
@@ -101,7 +101,7 @@ class TouchMemory {
   void tell(const Object& object, const geometry::PointCloud& seen_W, ObjectBelief* belief) const;
 
   HandEvidence evidence_;
-  TouchMemoryOptions options_;
+  AttemptMemoryOptions options_;
   std::vector<Object> objects_;
   std::string problem_;
 };

@@ -1,4 +1,4 @@
-#include "prehend/belief/touch_memory.h"
+#include "prehend/belief/attempt_memory.h"
 
 #include <cmath>
 #include <limits>
@@ -54,9 +54,9 @@ geometry::TriangleMesh predicted_surface(const Predicted& predicted) {
   return surface::mesh_of(predicted.shape, predicted.view.table_W);
 }
 
-TEST(TouchMemory, WithoutAttemptsThereIsNothingToRecall) {
+TEST(AttemptMemory, WithoutAttemptsThereIsNothingToRecall) {
   const Predicted predicted(box());
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   EXPECT_FALSE(memory.recall(predicted.shape, predicted.view.table_W));
   EXPECT_EQ(memory.problem(), "");
   memory.add({}, predicted.shape, predicted.view.table_W, predicted_surface(predicted));
@@ -64,10 +64,10 @@ TEST(TouchMemory, WithoutAttemptsThereIsNothingToRecall) {
   EXPECT_TRUE(memory.empty()) << "an attempt that found nothing out";
 }
 
-TEST(TouchMemory, WhatWasTouchedStaysKnownWhenItIsSeenAgain) {
+TEST(AttemptMemory, WhatWasTouchedStaysKnownWhenItIsSeenAgain) {
   const Predicted predicted = too_deep(box(), kDepth);
   const geometry::TriangleMesh before = predicted_surface(predicted);
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add(touches_behind(predicted.truth_W), predicted.shape, predicted.view.table_W, before);
   const auto known = memory.recall(predicted.shape, predicted.view.table_W);
   ASSERT_TRUE(known) << memory.problem();
@@ -88,9 +88,9 @@ TEST(TouchMemory, WhatWasTouchedStaysKnownWhenItIsSeenAgain) {
 }
 
 // The attempt has pushed it away, and turned it.
-TEST(TouchMemory, GoesAlongWithWhatHasMoved) {
+TEST(AttemptMemory, GoesAlongWithWhatHasMoved) {
   const Predicted first = too_deep(box(), kDepth);
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add(touches_behind(first.truth_W), first.shape, first.view.table_W,
              predicted_surface(first));
   const RigidTransform X_moved = moved_by(0.02, -0.015, 0.2);
@@ -104,9 +104,9 @@ TEST(TouchMemory, GoesAlongWithWhatHasMoved) {
 }
 
 // It is gone, and what is seen is something else.
-TEST(TouchMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
+TEST(AttemptMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
   const Predicted first(box());
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add(touches_behind(first.truth_W), first.shape, first.view.table_W,
              predicted_surface(first));
   const Predicted other(geometry::transformed(
@@ -117,10 +117,10 @@ TEST(TouchMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
 }
 
 // It fell over: what is seen at its place does not fit what was there.
-TEST(TouchMemory, BeginsAgainWhereItLiesOtherwise) {
+TEST(AttemptMemory, BeginsAgainWhereItLiesOtherwise) {
   const auto tall = shape::standing(geometry::make_box({0.04, 0.06, 0.2}), 0);
   const Predicted first(tall);
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add(touches_behind(first.truth_W), first.shape, first.view.table_W,
              predicted_surface(first));
   const Predicted lying(geometry::transformed(
@@ -135,14 +135,14 @@ TEST(TouchMemory, BeginsAgainWhereItLiesOtherwise) {
 }
 
 // Two things are touched at once, and the table.
-TEST(TouchMemory, ContactsWithOthersAreNoneOfIts) {
+TEST(AttemptMemory, ContactsWithOthersAreNoneOfIts) {
   const Predicted predicted(box());
   const geometry::TriangleMesh neighbour_W = geometry::transformed(box(), moved_by(0, 0.09, 0));
   Attempt attempt = touches_behind(predicted.truth_W);
   const Vector3d on_neighbour(0, 0.06, 0.05), on_table(-0.05, 0, 0.0005);
   attempt.front().contacts.push_back({on_neighbour, -Vector3d::UnitY(), 0.0007});
   attempt.front().contacts.push_back({on_table, Vector3d::UnitZ(), 0.0007});
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add(attempt, predicted.shape, predicted.view.table_W, predicted_surface(predicted),
              {neighbour_W});
   const auto known = memory.recall(predicted.shape, predicted.view.table_W);
@@ -152,7 +152,7 @@ TEST(TouchMemory, ContactsWithOthersAreNoneOfIts) {
 }
 
 // What the camera sees is not where it was felt: no shape explains both.
-TEST(TouchMemory, ContactsThatContradictEverythingAreForgottenAndThatIsSaid) {
+TEST(AttemptMemory, ContactsThatContradictEverythingAreForgottenAndThatIsSaid) {
   const Predicted predicted(box());
   for (const double behind : {0.015, 0.025, 0.04}) {
     SCOPED_TRACE(behind);
@@ -161,7 +161,7 @@ TEST(TouchMemory, ContactsThatContradictEverythingAreForgottenAndThatIsSaid) {
       // Behind the side that is seen, facing the camera.
       act.contacts.push_back({{0.04 - behind, y, 0.05}, Vector3d::UnitX(), 0.0007});
     }
-    TouchMemory memory(hand());
+    AttemptMemory memory(hand());
     memory.add({act}, predicted.shape, predicted.view.table_W, predicted_surface(predicted));
     EXPECT_FALSE(memory.recall(predicted.shape, predicted.view.table_W));
     EXPECT_THAT(memory.problem(), HasSubstr("contradicts"));
@@ -170,23 +170,23 @@ TEST(TouchMemory, ContactsThatContradictEverythingAreForgottenAndThatIsSaid) {
 }
 
 // In the air before it, where the camera looked through.
-TEST(TouchMemory, ContactsInTheAirAreForgottenAndThatIsSaid) {
+TEST(AttemptMemory, ContactsInTheAirAreForgottenAndThatIsSaid) {
   const Predicted predicted(box());
   Act act;
   for (const double y : {-0.004, 0.0, 0.004}) {
     act.contacts.push_back({{0.055, y, 0.05}, Vector3d::UnitX(), 0.0007});
   }
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   memory.add({act}, predicted.shape, predicted.view.table_W, predicted_surface(predicted));
   EXPECT_FALSE(memory.recall(predicted.shape, predicted.view.table_W));
   EXPECT_THAT(memory.problem(), HasSubstr("contradicts"));
 }
 
 // The other look shows the side that this one does not.
-TEST(TouchMemory, LooksBeforeShowOtherSides) {
+TEST(AttemptMemory, LooksBeforeShowOtherSides) {
   const Predicted from_behind(box(), std::numbers::pi);
   const Predicted now = too_deep(box(), kDepth);
-  TouchMemory memory(hand());
+  AttemptMemory memory(hand());
   Act air;  // far from it
   air.free_way = {{moved_by(0, 0, 0),
                    Eigen::VectorXd::Zero(static_cast<Eigen::Index>(hand().model.joints.size()))}};
@@ -199,16 +199,16 @@ TEST(TouchMemory, LooksBeforeShowOtherSides) {
             0.6 * error_of(predicted_surface(now), now.truth_W));
 }
 
-TEST(TouchMemory, UsesWhatItIsToldToUse) {
+TEST(AttemptMemory, UsesWhatItIsToldToUse) {
   const Predicted predicted = too_deep(box(), kDepth);
-  TouchMemoryOptions options;
+  AttemptMemoryOptions options;
   options.use = EvidenceUse::kNone;
-  TouchMemory none(hand(), options);
+  AttemptMemory none(hand(), options);
   none.add(touches_behind(predicted.truth_W), predicted.shape, predicted.view.table_W,
            predicted_surface(predicted));
   EXPECT_TRUE(none.empty());
   options.tolerance = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(TouchMemory(hand(), options), std::invalid_argument);
+  EXPECT_THROW(AttemptMemory(hand(), options), std::invalid_argument);
 }
 
 }  // namespace

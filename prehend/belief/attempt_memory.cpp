@@ -1,4 +1,4 @@
-#include "prehend/belief/touch_memory.h"
+#include "prehend/belief/attempt_memory.h"
 
 #include <algorithm>
 #include <array>
@@ -105,9 +105,9 @@ void mark_touched(const std::vector<Contact>& contacts, double reach, surface::O
 
 }  // namespace
 
-void TouchMemoryOptions::validate() const {
+void AttemptMemoryOptions::validate() const {
   belief.validate();
-  const text::Require require{"TouchMemoryOptions."};
+  const text::Require require{"AttemptMemoryOptions."};
   require(tolerance > 0 && tolerance < 0.1, "tolerance must be above 0, below 0.1 m");
   require(least_explained > 0 && least_explained <= 1,
           "least_explained must be above 0, at most 1");
@@ -119,11 +119,11 @@ void TouchMemoryOptions::validate() const {
   require(most_looks_points >= 0, "most_looks_points must not be negative");
 }
 
-TouchMemory::TouchMemory(robot::HandModel hand, const TouchMemoryOptions& options)
+AttemptMemory::AttemptMemory(robot::HandModel hand, const AttemptMemoryOptions& options)
     : evidence_(std::move(hand)), options_((options.validate(), options)) {}
 
-geometry::PointCloud TouchMemory::seen_of(const shape::CompletedShape& shape,
-                                          const geometry::Plane& table_W) const {
+geometry::PointCloud AttemptMemory::seen_of(const shape::CompletedShape& shape,
+                                            const geometry::Plane& table_W) const {
   const surface::ShapeCloud points = surface::shape_cloud(shape, table_W, options_.model.points());
   std::vector<int> seen;
   for (std::size_t i = 0; i < points.basis.size(); ++i) {
@@ -132,9 +132,9 @@ geometry::PointCloud TouchMemory::seen_of(const shape::CompletedShape& shape,
   return geometry::select(points.cloud_W, seen);
 }
 
-void TouchMemory::add(Attempt attempt, const shape::CompletedShape& shape,
-                      const geometry::Plane& table_W, const geometry::TriangleMesh& believed_W,
-                      const std::vector<geometry::TriangleMesh>& neighbours_W) {
+void AttemptMemory::add(Attempt attempt, const shape::CompletedShape& shape,
+                        const geometry::Plane& table_W, const geometry::TriangleMesh& believed_W,
+                        const std::vector<geometry::TriangleMesh>& neighbours_W) {
   keep_own(table_W, believed_W, neighbours_W, &attempt);
   std::erase_if(attempt,
                 [](const Act& act) { return act.free_way.empty() && act.contacts.empty(); });
@@ -152,7 +152,7 @@ void TouchMemory::add(Attempt attempt, const shape::CompletedShape& shape,
   object.looks.push_back(std::move(look));
 }
 
-std::optional<TouchMemory::Found> TouchMemory::find(const geometry::PointCloud& seen_W) const {
+std::optional<AttemptMemory::Found> AttemptMemory::find(const geometry::PointCloud& seen_W) const {
   std::optional<Found> best;
   grasp::OrientedPoints seen;
   for (std::size_t i = 0; i < seen_W.size(); ++i) {
@@ -181,8 +181,8 @@ std::optional<TouchMemory::Found> TouchMemory::find(const geometry::PointCloud& 
   return best;
 }
 
-void TouchMemory::tell(const Object& object, const geometry::PointCloud& seen_W,
-                       ObjectBelief* belief) const {
+void AttemptMemory::tell(const Object& object, const geometry::PointCloud& seen_W,
+                         ObjectBelief* belief) const {
   const Motion registered{options_.placement, options_.turn};
   for (const Look& look : object.looks) {
     belief->begin_act(registered);
@@ -207,8 +207,8 @@ void TouchMemory::tell(const Object& object, const geometry::PointCloud& seen_W,
   }
 }
 
-std::optional<Recollection> TouchMemory::recall(const shape::CompletedShape& shape,
-                                                const geometry::Plane& table_W) {
+std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& shape,
+                                                  const geometry::Plane& table_W) {
   problem_.clear();
   if (objects_.empty()) return std::nullopt;
   const geometry::PointCloud seen_W = seen_of(shape, table_W);

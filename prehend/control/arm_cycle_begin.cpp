@@ -1,0 +1,187 @@
+// What the primitive actions of a task begin with: the arm's segments and the hand's closing.
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "prehend/control/arm_cycle.h"
+
+namespace prehend::control {
+
+using motion::SegmentKind;
+
+void ArmCycle::prepare_attempt() {
+  watch_.begin(now());
+  hand_.prepare(grasp());
+  gone_.clear();
+  clears_ = false;
+  lowered_.reset();
+  put_down_ = false;
+  reliefs_ = 0;
+  opened_less_ = false;
+  adapted_ = 0;
+  shifted_.clear();
+  stability_.reset();
+  pressed_harder_ = holds_ = false;
+  slid_ = 0;
+  holding_.begin();
+}
+
+void ArmCycle::begin(const Action& action) {
+  switch (action.primitive) {
+    case Primitive::kLook:
+      return;  // Cycle's
+    case Primitive::kApproach:
+    case Primitive::kTouch:
+      return open_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
+    case Primitive::kGrasp: {
+      if (hand_.feels_its_grip()) return close();
+      const bool regulates =
+          wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
+      share_ = regulates ? robot::first_effort_share(grasp().effort) : 1.0;
+      return gather();
+    }
+    case Primitive::kLift:
+      begin_hold();
+      begin_segment(Step::kLift, held_collision_force());
+      return;
+    case Primitive::kMove:
+      return begin_move(action);
+    case Primitive::kPlace:
+      begin_segment(Step::kPlace, contact_force_down());
+      return;
+    case Primitive::kRelease:
+      holds_ = false;
+      return open_to_release();
+    case Primitive::kRetreat:
+      return is_at_place() && failure().empty() ? retreat() : go_back();
+    case Primitive::kWait:
+      wait_time_ = action.seconds;
+      return enter(Step::kWait, fmt::format("waiting for {:.3g} s", action.seconds));
+  }
+}
+
+void ArmCycle::begin_move(const Action& action) {
+  switch (action.goal) {
+    case Action::Goal::kPlace:
+      if (!segment(SegmentKind::kPlace))
+        return ended(Outcome::kNothing, "the plan puts it nowhere");
+      begin_segment(Step::kCarry, held_collision_force());
+      return;
+    case Action::Goal::kLowered: {
+      const JointTrajectory* lift = segment(SegmentKind::kLift);
+      if (!lift) return ended(Outcome::kDone);
+      enter(Step::kLower, "lowering it");
+      lowers_fully_ = action.share >= 1;
+      lowered_ = part_of(reversed(*lift), action.share);
+      return follow(*lowered_, lowers_fully_ ? contact_force_down() : held_collision_force(),
+                    false);
+    }
+    case Action::Goal::kLifted:
+      enter(Step::kRaise, "lifting it again");
+      if (!lowered_) return;
+      // It is as high as it was lifted: there is another way back again.
+      if (lowers_fully_) gone_.push_back(reversed(*lowered_));
+      return follow(reversed(*lowered_), held_collision_force(), false);
+  }
+}
+
+// `leads_back`: it is to be gone back when the arm goes back.
+void ArmCycle::follow(const JointTrajectory& path, double contact_force, bool leads_back,
+                      FromHere from_here_on) {
+  refused_.clear();
+  try {
+    const JointTrajectory from_here =
+        from_here_on(path, percepts_.names, percepts_.positions, options_.largest_detour);
+    if (leads_back) gone_.push_back(from_here);
+    arm_.follow(from_here, contact_force);
+  } catch (const std::invalid_argument& error) {
+    refused_ = error.what();
+  }
+}
+
+const JointTrajectory* ArmCycle::segment(SegmentKind kind) const {
+  for (const auto& [one, path] : grasp().segments) {
+    if (one == kind) return &path;
+  }
+  return nullptr;
+}
+
+std::optional<SegmentKind> ArmCycle::segment_of(Step step) {
+  switch (step) {
+    case Step::kReach:
+      return SegmentKind::kReach;
+    case Step::kApproach:
+      return SegmentKind::kApproach;
+    case Step::kLift:
+      return SegmentKind::kLift;
+    case Step::kCarry:
+      return SegmentKind::kCarry;
+    case Step::kPlace:
+      return SegmentKind::kPlace;
+    case Step::kRetreat:
+      return SegmentKind::kRetreat;
+    default:
+      return std::nullopt;
+  }
+}
+
+void ArmCycle::begin_segment(Step step, double contact_force) {
+  const SegmentKind kind = segment_of(step).value();
+  enter(step, std::string("arm: ") + motion::to_string(kind));
+  if (const JointTrajectory* path = segment(kind)) follow(*path, contact_force);
+}
+
+// To so far past where they are to touch: with the efforts that they have now.
+void ArmCycle::drive_fingers(double past) {
+  const Eigen::VectorXd goal = grasp().hand.at(past);
+  hand_.move(grasp().hand_joints, {goal.begin(), goal.end()}, options_.closing_speed, true,
+             efforts());
+}
+
+void ArmCycle::gather() {
+  if (options_.gather == 0) return close();
+  drive_fingers(-options_.gather);
+  enter(Step::kGather, "gathering the fingers round the object");
+}
+
+void ArmCycle::close() {
+  drive_fingers(options_.overrun);
+  enter(Step::kClose,
+        hand_.feels_its_grip() ? "closing until both pads touch" : "closing the fingers");
+}
+
+double ArmCycle::wanted_force() const {
+  return grasp().force > 0 ? grasp().force : options_.grip_force;
+}
+
+std::vector<double> ArmCycle::efforts() const {
+  std::vector<double> efforts = grasp().largest_effort;
+  for (double& effort : efforts) effort *= share_;
+  return efforts;
+}
+
+void ArmCycle::press() {
+  drive_fingers(options_.overrun);
+  enter(Step::kPress, fmt::format("pressing until the pads feel {:.1f} N", wanted_force()));
+}
+
+void ArmCycle::after_pressing() {
+  if (hand_.feels_its_grip()) {
+    if (!pressed_harder_) compare_touch();
+    return judge_grip();
+  }
+  if (spent() < robot::kPressTime) return;
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  const auto share = robot::next_effort_share(share_, felt, wanted_force());
+  if (!share || now() - pressed_since_ > options_.force_timeout) {
+    return enter(Step::kSettle, "pressing");
+  }
+  share_ = *share;
+  press();
+}
+
+}  // namespace prehend::control
