@@ -92,7 +92,7 @@ RigidTransform PlatformExecution::moved() const {
 
 // As the cycle's node: what has no motion of the arm cannot be executed.
 control::GraspsToTry PlatformExecution::to_try(const planning::PlatformPlan& plan) {
-  control::GraspsToTry grasps{{}, grasp::in_words(plan)};
+  control::GraspsToTry grasps{{}, grasp::in_words(plan), control::advice_of(plan)};
   if (!plan.picks.empty()) tried_.clear();
   for (const planning::PlannedPick& pick : plan.picks) {
     if (pick.segments.empty()) continue;
@@ -107,7 +107,7 @@ void PlatformExecution::watch() {
   attempt_watch_.step(cycle, cycle_.percepts());
   const ObjectReading object = world_->object();
   raised_ = std::max(raised_, object.height - start_.height);
-  const int attempts = cycle.result().attempts;
+  const int attempts = cycle.result().tries();
   if (attempts != attempts_) {
     attempts_ = attempts;
     X_moved_ = moved();

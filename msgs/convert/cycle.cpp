@@ -6,8 +6,10 @@
 #include <stdexcept>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/mend.h"
 #include "msgs/convert/outcomes.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/planning/decision.h"
 
 namespace prehend::convert {
 namespace {
@@ -196,6 +198,7 @@ msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t st
   message.set_reason(result.reason);
   message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
+  message.set_touches(static_cast<std::uint32_t>(result.touches));
   message.set_placed(static_cast<std::uint32_t>(result.placed));
   return message;
 }
@@ -212,6 +215,22 @@ msgs::CycleResult to_message(const control::Cycle& cycle, std::int64_t stamp) {
   }
   for (const int state : cycle.path()) message.add_task_path(cycle.task().name_of(state));
   return message;
+}
+
+control::Advice advice_of(const msgs::GraspPlan& plan) {
+  if (plan.choices_size() == 0) return {};
+  const msgs::Choice& best = plan.choices(0);
+  if (best.act() == msgs::Choice::NOT_SAID || !msgs::Choice::Act_IsValid(best.act())) {
+    throw geometry::InputError("A grasp plan with a choice that names no act", kSenderMend);
+  }
+  if (best.act() == msgs::Choice::TOUCH &&
+      (best.grasp() < 0 || best.grasp() >= plan.grasps_size())) {
+    throw geometry::InputError(fmt::format("A grasp plan that would touch with grasp {} of {}",
+                                           best.grasp(), plan.grasps_size()),
+                               kSenderMend);
+  }
+  return control::advice_of({static_cast<planning::Act>(best.act()), best.grasp(), best.success(),
+                             best.worth(), best.text()});
 }
 
 msgs::Task to_message(const control::Task& task, std::int64_t stamp) {

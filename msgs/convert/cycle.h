@@ -25,6 +25,11 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
 /// The arm's segments, and how the hand closes and how hard.
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message);
 
+/// What a cycle goes by: the best of a plan's choices; without any it grasps.
+/// @throws geometry::InputError for an act that is not known, or a grasp that the plan does not
+/// have.
+control::Advice advice_of(const msgs::GraspPlan& plan);
+
 /// @param stamp ns, of the graph's clock.
 msgs::Surprise to_message(const control::Surprise& surprise, std::int64_t stamp);
 /// Fills everything but the object.

@@ -343,6 +343,7 @@ msgs::ObjectModel to_message(const surface::ObjectModel& model) {
   message.set_guessed_area(model.guessed_area);
   message.set_substitute(model.substitute);
   for (const auto& mesh_W : model.alternatives_W) *message.add_alternatives() = to_message(mesh_W);
+  for (const double weight : model.shape_weights) message.add_shape_weight(weight);
   return message;
 }
 
@@ -368,6 +369,7 @@ surface::ObjectModel from_message(const msgs::ObjectModel& message) {
   for (const auto& mesh : message.alternatives()) {
     model.alternatives_W.push_back(from_message(mesh));
   }
+  model.shape_weights.assign(message.shape_weight().begin(), message.shape_weight().end());
   return model;
 }
 

@@ -173,7 +173,7 @@ void ArmRobot::start() {
     platform_.set_gripper(*gripper);
   }
   attempt_watch_.emplace(platform_, contact_force_, touch_force_);
-  cycle_->start(prepared_);
+  cycle_->start(prepared_, "", advice_);
 }
 
 std::string ArmRobot::prepare(const View& view, const Target& target) {
@@ -186,6 +186,7 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
   for (const msgs::Grasp* grasp : target.grasps) {
     grasps.push_back(convert::arm_grasp_from_message(*grasp));
   }
+  advice_ = convert::advice_of(*view.plans.at(target.id));
   prepared_ = std::move(grasps);
   return destination(*target.grasps.front());
 }

@@ -60,7 +60,7 @@ class ArmRobot {
   /// Starts a cycle on what was prepared. @throws as prepare().
   void start();
   /// The running cycle goes on with what was prepared.
-  void take_prepared() { cycle_->take_plan(prepared_); }
+  void take_prepared() { cycle_->take_plan(prepared_, "", advice_); }
   /// A new look gave no grasp, for this reason.
   void take_nothing(const std::string& problem) { cycle_->take_plan({}, problem); }
   /// One step of the cycle on what the sensors say now.
@@ -102,6 +102,7 @@ class ArmRobot {
   };
   mutable std::map<std::string, Felt> felt_;
   std::vector<control::ArmGrasp> prepared_;
+  control::Advice advice_;  // of their plan
 };
 
 }  // namespace prehend::nodes

@@ -129,6 +129,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   planning::PlatformPickOptions::knobs(arm, graph::DeclareKnobs{node, "arm_"});
   options.remedies.budget = 3;
   planning::RemedyOptions::knobs(options.remedies, graph::DeclareKnobs{node});
+  planning::DecisionOptions::knobs(options.decision, graph::DeclareKnobs{node, "decide_"});
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,
@@ -349,6 +350,7 @@ class GraspPlanning {
           plan.grasps_size(), plan.candidates(), plan.grasps(0).score(),
           plan.grasps(0).has_robustness() ? "" : std::string(" (") + grasp::kNotAssessed + ")",
           seconds);
+      for (const msgs::Choice& choice : plan.choices()) node_.log_info("  {}", choice.text());
     } else {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), grasp::in_words(answer), seconds);
     }

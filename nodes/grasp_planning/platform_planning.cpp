@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "msgs/convert/cycle.h"
+#include "msgs/convert/decision.h"
 #include "msgs/convert/fidelity.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
@@ -88,6 +89,7 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
     rejection.set_nearest_miss(rejected.nearest_miss);
   }
   convert::add_remedies(plan.remedies, &message);
+  convert::add_choices(plan.choices, &message);
   if (plan.remedy_time > 0) {
     auto& time = *message.add_times();
     time.set_stage("remedies");

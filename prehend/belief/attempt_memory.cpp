@@ -245,11 +245,13 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
   result.model = surface::model_of_shape(belief.mesh(), shape, options_.model.convex_pieces);
   constexpr double kReach = 2;  // spacings
   mark_touched(result.contacts, kReach * surface::spacing_of(shape.cloud_W), &result.model);
+  result.model.shape_weights = {result.after.front().weight};
   for (std::size_t i = 1; i < result.after.size(); ++i) {
     if (result.after[i].weight < kLeastAlternative) break;
     if (result.model.alternatives_W.size() == kMostAlternatives) break;
     try {
       result.model.alternatives_W.push_back(belief.mesh(i));
+      result.model.shape_weights.push_back(result.after[i].weight);
     } catch (const geometry::InputError&) {
       // A shape that gives no mesh is no alternative.
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "prehend/shape/completed_shape.h"
+
 namespace prehend::belief {
 
 /// How far a predicted surface may be from where it is, before anything was felt: standard
@@ -23,7 +25,7 @@ struct ShapePrior {
   double axis_shift = 0.03;  // share of the extent, in each direction along the support
   double radius = 0.03;      // share of the extent
   // Logs of the shapes' weights before anything was felt, up to a constant.
-  double vote_scale = 0.4;    // of votes: a mirror that is worse by this is less likely by e
+  double vote_scale = shape::kVoteScale;
   double score_scale = 0.15;  // the same of other methods, beside the best mirror's vote
   double rotation = -5.0;     // beside a mirror with the same vote
   double extrusion = -5.2;

@@ -70,12 +70,12 @@ void ArmCycle::enter(Step step, const std::string& detail) {
   entered(detail);
 }
 
-void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem) {
+void ArmCycle::start(std::vector<ArmGrasp> grasps, const std::string& problem, Advice advice) {
   text::Require{"ArmCycleOptions."}(options_.minimum_stability == 0 || judge_.has_value(),
                                     "minimum_stability needs a judge of grips");
   grasps_ = std::move(grasps);
   detail_ = "waiting for percepts";
-  start_task(poses_of(grasps_), problem);
+  start_task(poses_of(grasps_), problem, std::move(advice));
 }
 
 std::vector<InputAge> ArmCycle::inputs() {
@@ -122,11 +122,11 @@ void ArmCycle::fail(const std::string& reason) {
   give_up(fmt::format("grasp {}: {}", grasp_index(), reason));
 }
 
-void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem) {
+void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem, Advice advice) {
   if (!waits_for_plan()) return;
   std::vector<GraspPose> poses = poses_of(grasps);
   if (!grasps.empty()) grasps_ = std::move(grasps);
-  plan_taken(std::move(poses), problem);
+  plan_taken(std::move(poses), problem, std::move(advice));
 }
 
 // A segment that the plan does not have ends at once.

@@ -256,12 +256,12 @@ class ArmCycle : public Cycle {
 
   /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
   /// @throws std::invalid_argument for a minimum_stability without a judge of grips.
-  void start(std::vector<ArmGrasp> grasps, const std::string& problem = "");
+  void start(std::vector<ArmGrasp> grasps, const std::string& problem = "", Advice advice = {});
   /// One step; call it at 20 Hz or more. @pre percepts.time does not decrease.
   void step(const ArmPercepts& percepts);
   /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
   /// @pre looks_since() is set
-  void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "");
+  void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "", Advice advice = {});
 
  private:
   /// Parts of actions.
@@ -397,6 +397,7 @@ class ArmCycle : public Cycle {
   double pressed_since_ = 0;                // s
   bool put_down_ = false;                   // what is held stands where it stood, or at its place
   std::optional<JointTrajectory> lowered_;  // the last way down
+  bool gently_ = false;                     // closes until it touches
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
   double gripped_ = 0;           // rad, closure() when it had gripped

@@ -33,15 +33,17 @@ void ArmCycle::prepare_attempt() {
 void ArmCycle::begin(const Action& action) {
   switch (action.primitive) {
     case Primitive::kLook:
+    case Primitive::kDecide:
       return;  // Cycle's
     case Primitive::kApproach:
     case Primitive::kTouch:
       return open_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
+      gently_ = action.gently;
       if (hand_.feels_its_grip()) return close();
       const bool regulates =
           wanted_force() > 0 && !grasp().largest_effort.empty() && !percepts_.pads.empty();
-      share_ = regulates ? robot::first_effort_share(grasp().effort) : 1.0;
+      share_ = regulates || gently_ ? robot::first_effort_share(gently_ ? 0 : grasp().effort) : 1;
       return gather();
     }
     case Primitive::kLift:

@@ -72,7 +72,8 @@ void ArmCycle::after_closing(MotionStatus status) {
   if (!touch) return fail("the fingers closed on nothing");
   if (hand_.feels_its_grip()) {
     add_surprise(SurpriseKind::kOpeningAtContact, 2 * grasp().hand.closed[0], hand_.opening(),
-                 "grip what is there");
+                 gently_ ? "lets go" : "grip what is there");
+    if (gently_) return ended(Outcome::kDone);
     hand_.press();
     return enter(Step::kPress, fmt::format("both pads touch at {:.1f} mm, rising to {:.1f} N",
                                            1e3 * hand_.opening(), grasp().force));
@@ -81,13 +82,14 @@ void ArmCycle::after_closing(MotionStatus status) {
   if (positions.size() == grasp().hand_joints.size()) {
     const double beyond = grasp().hand.closure(Eigen::Map<const Eigen::VectorXd>(
         positions.data(), static_cast<Eigen::Index>(positions.size())));
-    if (adapt(false)) {
+    if (!gently_ && adapt(false)) {
       add_surprise(SurpriseKind::kFingersAtContact, grasp().closure, beyond, "shifts the hand");
       return;
     }
     add_surprise(SurpriseKind::kFingersAtContact, grasp().closure, beyond,
-                 "grips anyhow, weighs it when lifted");
+                 gently_ ? "lets go" : "grips anyhow, weighs it when lifted");
   }
+  if (gently_) return ended(Outcome::kDone);
   if (share_ >= 1) return enter(Step::kSettle, "pressing");
   pressed_since_ = now();
   press();

@@ -137,8 +137,8 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   if (!hand) return;
   moments_.push_back({percepts.time, *hand});
   if (moments_.size() > kMoments) moments_.pop_front();
-  if (cycle.result().attempts != attempts_) {
-    attempts_ = cycle.result().attempts;
+  if (cycle.result().tries() != attempts_) {
+    attempts_ = cycle.result().tries();
     begin(cycle);
   }
   const Phase phase = cycle.phase();

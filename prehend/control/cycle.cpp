@@ -60,6 +60,7 @@ Phase Cycle::phase() const {
   }
   switch (primitive()) {
     case Primitive::kLook:
+    case Primitive::kDecide:
     case Primitive::kWait:
       return Phase::kWaiting;
     case Primitive::kApproach:
@@ -79,7 +80,7 @@ Phase Cycle::phase() const {
   return Phase::kWaiting;
 }
 
-void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem) {
+void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem, Advice advice) {
   result_ = {};
   surprises_.clear();
   phase_times_.clear();
@@ -87,8 +88,9 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   failure_.clear();
   achieved_.clear();
   path_.clear();
-  grasp_index_ = attempts_ = given_up_ = 0;
-  looking_ = any_object_ = at_place_ = false;
+  grasp_index_ = attempts_ = touches_ = given_up_ = 0;
+  looking_ = any_object_ = at_place_ = touched_ = false;
+  advice_ = std::move(advice);
   entered_ = now_;
   stage_ = Stage::kWaiting;
   const bool none = grasps.empty();
@@ -109,6 +111,7 @@ void Cycle::enter(int state) {
   state_ = state;
   const Action& action = task().states[static_cast<std::size_t>(state)].action;
   if (action.primitive == Primitive::kLook) return look();
+  if (action.primitive == Primitive::kDecide) return decide();
   begin(action);
 }
 
@@ -162,6 +165,11 @@ void Cycle::look() {
     const std::optional<int> first = order_.next();
     return attempt(first.value_or(0));
   }
+  if (touched_ && failure_.empty()) {
+    any_object_ = false;
+    if (shared_.look_timeout > 0) return clear_view();
+    return next_grasp("");
+  }
   const bool failed = !failure_.empty() || (task().all_objects && !at_place_);
   any_object_ = !failed;
   if (failed) {
@@ -189,6 +197,27 @@ void Cycle::look() {
   next_grasp("");
 }
 
+// The plan's advice holds once: after a touch that told nothing new there is none.
+void Cycle::decide() {
+  const Advice advice = std::exchange(advice_, {});
+  if (advice.act == Advice::Act::kGiveUp) {
+    failure_ = advice.why;
+    failed_attempts_.add(0, advice.why);
+    return ended(Outcome::kNothing, advice.why);
+  }
+  const bool touches = advice.act == Advice::Act::kTouch && touches_ < shared_.largest_touches;
+  if (!touches) return ended(Outcome::kDone);
+  ++touches_;
+  ++result_.touches;
+  --attempts_;
+  --result_.attempts;
+  order_.put_back(grasp_index_);
+  result_.grasp_index = grasp_index_ = advice.grasp;
+  touched_ = true;
+  prepare_attempt();
+  ended(Outcome::kDoubtful, advice.why);
+}
+
 // What the last attempt was with is given up; any other is looked for.
 void Cycle::object_ended() {
   ++given_up_;
@@ -197,7 +226,8 @@ void Cycle::object_ended() {
 
 void Cycle::look_now() {
   looking_ = true;
-  entered(any_object_ ? "looking for what is left" : failure_ + "; looking again");
+  entered(any_object_ ? "looking for what is left"
+                      : (failure_.empty() ? "felt it" : failure_) + "; looking again");
 }
 
 std::optional<double> Cycle::looks_since() const {
@@ -208,13 +238,14 @@ void Cycle::step_look() {
   if (spent() > shared_.look_timeout) next_grasp("no new plan came");
 }
 
-void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem) {
+void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem, Advice advice) {
   if (grasps.empty()) {
     return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
   }
+  advice_ = std::move(advice);
   if (any_object_) {
     order_.start(std::move(grasps));
-    attempts_ = 0;
+    attempts_ = touches_ = 0;
   } else {
     order_.take(std::move(grasps));
   }
@@ -244,7 +275,7 @@ void Cycle::next_grasp(const std::string& why) {
 }
 
 void Cycle::attempt(int grasp_index) {
-  looking_ = fresh_ = at_place_ = false;
+  looking_ = fresh_ = at_place_ = touched_ = false;
   ++result_.attempts;
   ++attempts_;
   result_.grasp_index = grasp_index_ = grasp_index;

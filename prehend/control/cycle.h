@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "prehend/control/advice.h"
 #include "prehend/control/failed_attempts.h"
 #include "prehend/control/grasp_order.h"
 #include "prehend/control/surprise.h"
@@ -41,10 +42,13 @@ struct CycleResult {
   CycleOutcome outcome = CycleOutcome::kFailed;
   std::string reason;   // in words, for success too
   int grasp_index = 0;  // in the list given to start(), or to take_plan() since
-  int attempts = 0;
-  int plans = 1;   // that were used: 1 + those taken after a new look
-  int placed = 0;  // objects that were put at their place
+  int attempts = 0;     // to lift something
+  int touches = 0;      // of objects that were felt before
+  int plans = 1;        // that were used: 1 + those taken after a new look
+  int placed = 0;       // objects that were put at their place
 
+  /// The object was approached to be lifted or to be felt.
+  int tries() const { return attempts + touches; }
   bool success() const { return outcome == CycleOutcome::kSucceeded; }
 };
 
@@ -52,6 +56,7 @@ struct CycleResult {
 struct SharedCycleOptions {
   Task task = pick_and_place();
   int largest_attempts = 3;  // > 0, with one object
+  int largest_touches = 1;   // >= 0, of one object, before it is lifted (`decide`)
   double stale_time = 0.25;  // s
   double answer_time = 2;    // s
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
@@ -70,6 +75,8 @@ struct SharedCycleOptions {
                "without a word of something that the cycle moves by: all is stopped"});
     visit(Knob{"answer_time", self.answer_time, "s", 0.1, 60,
                "without feedback of a motion, which nobody carries out then: all is stopped"});
+    visit(Knob{"largest_touches", self.largest_touches, "", 0, 10,
+               "of one object before it is lifted, where the task decides"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -85,6 +92,9 @@ struct SharedCycleOptions {
 /// in either. It fails when `largest_attempts` were made. With a task of all objects it goes on
 /// with the others then (any_object()), finds nothing when none is left, and fails when only those
 /// are left that it gave up.
+///
+/// `decide` follows the plan's advice. What is touched is no attempt; afterwards `look` waits for a
+/// plan of the same object, or takes the plan before.
 class Cycle {
  public:
   virtual ~Cycle() = default;
@@ -124,7 +134,7 @@ class Cycle {
   virtual void stop_motion() = 0;
 
   /// Waits until begin_task(). Without grasps it has failed, with `problem` as reason.
-  void start_task(std::vector<GraspPose> grasps, const std::string& problem);
+  void start_task(std::vector<GraspPose> grasps, const std::string& problem, Advice advice = {});
   void begin_task();
   bool waits_for_inputs() const { return stage_ == Stage::kWaiting; }
   /// The present action ended so. `reason`: in words, of all but kDone, and of an end reached by
@@ -141,7 +151,7 @@ class Cycle {
   bool waits_for_plan() const { return looking_; }
   /// The robot's cycle has taken these grasps, or none for the reason `problem`.
   /// @pre waits_for_plan()
-  void plan_taken(std::vector<GraspPose> grasps, const std::string& problem);
+  void plan_taken(std::vector<GraspPose> grasps, const std::string& problem, Advice advice = {});
 
   /// The clock of the percepts goes on to `time` [s].
   void advance_to(double time);
@@ -164,6 +174,7 @@ class Cycle {
   enum class Stage { kWaiting, kActing, kDone, kFailed };
   void enter(int state);
   void look();
+  void decide();
   void next_grasp(const std::string& why);
   void attempt(int grasp_index);
   void object_ended();
@@ -176,7 +187,10 @@ class Cycle {
   bool looking_ = false;  // waits for a plan
   bool fresh_ = false;    // a plan was taken of which nothing was tried
   bool any_object_ = false, at_place_ = false;
-  int attempts_ = 0, given_up_ = 0;  // attempts: with the present object
+  bool touched_ = false;            // the present object, and no attempt was made since
+  int attempts_ = 0, touches_ = 0;  // with the present object
+  int given_up_ = 0;
+  Advice advice_;  // of a plan that `decide` has not asked yet
   std::string achieved_;
   GraspOrder order_;
   CycleResult result_;

@@ -42,12 +42,12 @@ const CycleResult& CycleInWorld::run(GraspsToTry first,
   const double end = world_.time() + options_.time_limit;
   feel();
   cycle_.step(percepts_);
-  cycle_.start(std::move(first.grasps), first.problem);
+  cycle_.start(std::move(first.grasps), first.problem, std::move(first.advice));
   while (!cycle_.finished() && world_.time() < end) {
     step();
     if (look_again && cycle_.looks_since()) {
       GraspsToTry again = look_again();
-      cycle_.take_plan(std::move(again.grasps), again.problem);
+      cycle_.take_plan(std::move(again.grasps), again.problem, std::move(again.advice));
     }
     if (after_step) after_step();
   }

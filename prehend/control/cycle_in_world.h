@@ -22,6 +22,7 @@ struct CycleInWorldOptions {
 struct GraspsToTry {
   std::vector<ArmGrasp> grasps;
   std::string problem;
+  Advice advice = {};
 };
 
 /// The cycle of a platform in a simulated world, in one thread and without messages: what the nodes

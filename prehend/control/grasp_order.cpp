@@ -45,6 +45,8 @@ std::optional<int> GraspOrder::next() const {
 
 void GraspOrder::begin(int grasp) { tried_.at(static_cast<std::size_t>(grasp)) = true; }
 
+void GraspOrder::put_back(int grasp) { tried_.at(static_cast<std::size_t>(grasp)) = false; }
+
 void GraspOrder::fail(int grasp) { failed_.push_back(grasps_.at(static_cast<std::size_t>(grasp))); }
 
 }  // namespace prehend::control

@@ -32,6 +32,8 @@ class GraspOrder {
   std::optional<int> next() const;
   /// It is tried now.
   void begin(int grasp);
+  /// It was not tried after all. @pre begin() was called with it
+  void put_back(int grasp);
   /// It failed. @pre begin() was called with it
   void fail(int grasp);
 

@@ -76,4 +76,8 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   return result;
 }
 
+Advice advice_of(const planning::PlatformPlan& plan) {
+  return plan.choices.empty() ? Advice{} : advice_of(plan.choices.front());
+}
+
 }  // namespace prehend::control

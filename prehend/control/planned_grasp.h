@@ -10,4 +10,7 @@ namespace prehend::control {
 /// is to be felt. @throws geometry::InputError for an unknown preshape.
 ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick);
 
+/// What a cycle goes by: the best of the plan's choices; without any it grasps.
+Advice advice_of(const planning::PlatformPlan& plan);
+
 }  // namespace prehend::control

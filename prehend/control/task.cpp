@@ -30,6 +30,8 @@ std::string to_string(Primitive primitive) {
       return "retreat";
     case Primitive::kWait:
       return "wait";
+    case Primitive::kDecide:
+      return "decide";
   }
   return "unknown";
 }
@@ -44,6 +46,8 @@ std::string to_string(Outcome outcome) {
       return "failed";
     case Outcome::kLost:
       return "lost";
+    case Outcome::kDoubtful:
+      return "doubtful";
   }
   return "unknown";
 }
@@ -52,7 +56,7 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
   using enum Outcome;
   static const std::vector<Outcome> done{kDone}, failed{kDone, kFailed},
       nothing{kDone, kNothing, kFailed}, lost{kDone, kFailed, kLost},
-      all{kDone, kNothing, kFailed, kLost};
+      all{kDone, kNothing, kFailed, kLost}, decided{kDone, kDoubtful, kNothing};
   switch (primitive) {
     case Primitive::kLook:
     case Primitive::kTouch:
@@ -69,6 +73,8 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
       return all;
     case Primitive::kWait:
       return done;
+    case Primitive::kDecide:
+      return decided;
   }
   return done;
 }

@@ -23,14 +23,17 @@ enum class Primitive {
   kRelease,   // opens the hand
   kRetreat,   // away from the object, along the plan or back the way it came
   kWait,
+  kDecide,  // what is worth most: to grasp now, to feel it first, or to leave it
 };
 
 /// How an action ends.
 enum class Outcome {
   kDone,
-  kNothing,  // look: none is left; touch: met nothing; move: the plan has no place
+  kNothing,  // look: none is left; touch: met nothing; move: the plan has no place; decide: it
+             // is not worth an attempt
   kFailed,
-  kLost,  // what was held is
+  kLost,      // what was held is
+  kDoubtful,  // decide: it is to be felt first
 };
 
 std::string to_string(Primitive primitive);  // "look", as in a task's file
@@ -42,8 +45,9 @@ struct Action {
   enum class Goal { kPlace, kLowered, kLifted };  // of kMove
   Primitive primitive = Primitive::kLook;
   Goal goal = Goal::kPlace;
-  double share = 1;    // of the lift's height, in (0, 1], of kLowered
-  double seconds = 0;  // s, >= 0, of kWait
+  double share = 1;     // of the lift's height, in (0, 1], of kLowered
+  double seconds = 0;   // s, >= 0, of kWait
+  bool gently = false;  // of kGrasp: until it touches, and no further
 };
 
 /// Where a task ends. As indices of states.

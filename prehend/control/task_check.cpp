@@ -15,6 +15,7 @@ enum class Standing {
   kAway,      // hand open and away, no object chosen
   kChosen,    // the same, a grasp chosen
   kAtObject,  // hand open round the object
+  kTouched,   // closed until it touches, the object stands
   kGripped,   // closed, the object stands
   kRaised,    // held as high as it is lifted
   kHalfway,   // held, lower
@@ -33,6 +34,8 @@ const char* words_of(Standing standing) {
       return "the hand is away from the object";
     case Standing::kAtObject:
       return "the hand is open round the object";
+    case Standing::kTouched:
+      return "the object is touched, not gripped";
     case Standing::kGripped:
       return "the object is gripped and stands";
     case Standing::kRaised:
@@ -71,7 +74,7 @@ Rule rule_of(const Action& action) {
     case Primitive::kTouch:
       return {{kChosen}, kAtObject, {{Outcome::kNothing, kAtObject}}};
     case Primitive::kGrasp:
-      return {{kAtObject}, kGripped};
+      return {{kAtObject}, action.gently ? kTouched : kGripped};
     case Primitive::kLift:
       return {{kGripped}, kRaised};
     case Primitive::kMove:
@@ -88,11 +91,13 @@ Rule rule_of(const Action& action) {
       return {{kAbovePlace}, kAtPlace};
     case Primitive::kRelease:
       // A hand that does not open is no reason to stay where it is.
-      return {{kAtObject, kGripped, kLowered, kAtPlace, kUnsure},
+      return {{kAtObject, kTouched, kGripped, kLowered, kAtPlace, kUnsure},
               kOpened,
               {{Outcome::kFailed, kOpened}}};
     case Primitive::kRetreat:
       return {{kAtObject, kOpened}, kAway};
+    case Primitive::kDecide:
+      return {{kChosen}, kChosen, {{Outcome::kDoubtful, kChosen}, {Outcome::kNothing, kAway}}};
     case Primitive::kWait:
       break;
   }

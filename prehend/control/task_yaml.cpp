@@ -17,10 +17,10 @@
 namespace prehend::control {
 namespace {
 
-constexpr Primitive kPrimitives[] = {Primitive::kLook,   Primitive::kApproach, Primitive::kTouch,
-                                     Primitive::kGrasp,  Primitive::kLift,     Primitive::kMove,
-                                     Primitive::kPlace,  Primitive::kRelease,  Primitive::kWait,
-                                     Primitive::kRetreat};
+constexpr Primitive kPrimitives[] = {Primitive::kLook,    Primitive::kApproach, Primitive::kTouch,
+                                     Primitive::kGrasp,   Primitive::kLift,     Primitive::kMove,
+                                     Primitive::kPlace,   Primitive::kRelease,  Primitive::kWait,
+                                     Primitive::kRetreat, Primitive::kDecide};
 constexpr int kMostStates = 100;
 constexpr int kMostTimes = 1000;
 
@@ -173,6 +173,7 @@ class TaskReader {
         map.fail("seconds", "must be above 0 and at most 3600", "Give how long it waits");
       }
     }
+    if (action.primitive == Primitive::kGrasp) map.read("gently", action.gently);
     if (action.primitive != Primitive::kMove) return;
     using Goal = Action::Goal;
     map.choose("to",

@@ -53,6 +53,12 @@ struct Grasp {
   double score = 0;              // what the list is ranked by, 0 to 1
   double robustness =
       -1;  // share of UncertaintyOptions.samples in which it holds; -1: not assessed
+  /// The same on each shape that the object may have, the predicted one first; robustness is their
+  /// mean by the shapes' weights. NaN: it had no sample. Empty: not assessed.
+  std::vector<double> held_on_shapes;
+  /// rad or m, where the motors stop when it is executed on each of these shapes; a shape's are
+  /// empty where the hand meets nothing. Empty: not asked for, or the hand's closing cannot tell.
+  std::vector<Eigen::VectorXd> stops_on_shapes;
   double guessed_contact = 0;  // share of the contact's force on surface that nobody saw
   PredictedPercepts predicted;
   std::vector<GraspContact> contacts;

@@ -304,12 +304,13 @@ void Planner::assess_robustness(std::vector<Listed>* best) const {
   if (options_.robust_count > 0) {
     assessed = std::min(assessed, static_cast<std::size_t>(options_.robust_count));
   }
-  const std::size_t samples = disturbances_.size();
+  const std::vector<double> weights = shape_weights(object_);
+  const std::size_t samples = disturbances_.size(), shapes = weights.size();
   std::vector<std::optional<bool>> held(assessed * samples);
   for_each_index(held.size(), options_.threads, [&](std::size_t i) {
     if (time_is_up()) return;
     const Grasp& grasp = (*best)[i / samples].grasp();
-    const std::size_t shape = i % samples % (alternatives.size() + 1);
+    const std::size_t shape = i % samples % shapes;
     const Closing& closing = shape == 0 ? *closing_ : *alternatives[shape - 1]->closing;
     const Disturbance& one = disturbances_[i % samples];
     held[i] = closing.holds(grasp, grasp.X_WG * one.X_GD, one.friction);
@@ -317,7 +318,14 @@ void Planner::assess_robustness(std::vector<Listed>* best) const {
   for (std::size_t g = 0; g < best->size(); ++g) {
     Grasp& grasp = (*best)[g].grasp();
     if (g < assessed) {
-      grasp.robustness = share_held(held, g * samples, samples).value_or(grasp.robustness);
+      grasp.held_on_shapes = shares_held(held, g * samples, samples, shapes);
+      grasp.robustness = mean_share(grasp.held_on_shapes, weights).value_or(grasp.robustness);
+      if (!grasp.held_on_shapes.empty() && shapes > 1) {
+        grasp.stops_on_shapes = {grasp.closed};
+        for (const auto& other : alternatives) {
+          grasp.stops_on_shapes.push_back(other->closing->stops(grasp));
+        }
+      }
     }
     grasp.score *= 1 - options_.robust_weight * (1 - std::max(0.0, grasp.robustness));
   }

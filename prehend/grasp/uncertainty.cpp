@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "prehend/geometry/errors.h"
 #include "prehend/text/require.h"
 
 namespace prehend::grasp {
@@ -62,12 +63,47 @@ std::vector<Disturbance> disturbances(const UncertaintyOptions& options) {
   return all;
 }
 
-std::optional<double> share_held(const std::vector<std::optional<bool>>& held, std::size_t first,
-                                 std::size_t count) {
-  const auto begin = held.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto end = begin + static_cast<std::ptrdiff_t>(count);
-  if (std::find(begin, end, std::nullopt) != end) return std::nullopt;
-  return static_cast<double>(std::count(begin, end, true)) / static_cast<double>(count);
+std::vector<double> shape_weights(const surface::ObjectModel& object) {
+  const std::size_t shapes = 1 + object.alternatives_W.size();
+  std::vector<double> weights = object.shape_weights;
+  if (weights.empty()) weights.assign(shapes, 1);
+  double sum = 0;
+  bool known = weights.size() == shapes;
+  for (const double weight : weights) {
+    known = known && weight >= 0;
+    sum += weight;
+  }
+  if (!known || !(sum > 0) || !std::isfinite(sum)) {
+    throw geometry::InputError("The object's weights are not those of its shapes",
+                               "Give one, not negative, for the mesh and for each alternative");
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+std::vector<double> shares_held(const std::vector<std::optional<bool>>& held, std::size_t first,
+                                std::size_t count, std::size_t shapes) {
+  std::vector<double> held_on(shapes, 0), tried_on(shapes, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::optional<bool>& one = held[first + i];
+    if (!one) return {};
+    tried_on[i % shapes] += 1;
+    held_on[i % shapes] += *one ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < shapes; ++k) held_on[k] /= tried_on[k];
+  return held_on;
+}
+
+std::optional<double> mean_share(const std::vector<double>& shares,
+                                 const std::vector<double>& weights) {
+  double sum = 0, of = 0;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    if (std::isnan(shares[k])) continue;
+    sum += weights[k] * shares[k];
+    of += weights[k];
+  }
+  if (!(of > 0)) return std::nullopt;
+  return sum / of;
 }
 
 }  // namespace prehend::grasp

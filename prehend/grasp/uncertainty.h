@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/surface/object_model.h"
 
 namespace prehend::grasp {
 
@@ -39,8 +40,17 @@ void add_remark(const std::string& more, std::string* remark);
 /// `options.samples` of them, the same for every grasp, so that grasps differ by what they are.
 std::vector<Disturbance> disturbances(const UncertaintyOptions& options);
 
-/// The share of the samples [first, first + count) that held; none when one was not assessed.
-std::optional<double> share_held(const std::vector<std::optional<bool>>& held, std::size_t first,
-                                 std::size_t count);
+/// ObjectModel::shape_weights, of all its shapes, of all 1, also where they are all alike.
+/// @throws geometry::InputError for weights that are not of these shapes, negative or not finite.
+std::vector<double> shape_weights(const surface::ObjectModel& object);
+
+/// The share of the samples [first, first + count) that held, of each of so many shapes, which take
+/// turns; NaN of a shape without sample; empty when one was not assessed.
+std::vector<double> shares_held(const std::vector<std::optional<bool>>& held, std::size_t first,
+                                std::size_t count, std::size_t shapes);
+
+/// The mean of those that are no NaN by their weights; none without any.
+std::optional<double> mean_share(const std::vector<double>& shares,
+                                 const std::vector<double>& weights);
 
 }  // namespace prehend::grasp

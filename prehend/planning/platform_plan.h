@@ -8,6 +8,7 @@
 
 #include "prehend/grasp/closing/close_fingers.h"
 #include "prehend/grasp/known/grasp_memory.h"
+#include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/planning/remedies.h"
 #include "prehend/planning/touch_prediction.h"
@@ -37,6 +38,9 @@ struct PlatformPlan : grasp::PlanAnswer {
   std::vector<PlannedPick> picks;  // those with a motion, best first, then the others, best first
   std::vector<grasp::Rejection> rejections;           // where other candidates fell
   std::vector<motion::PickRejection> arm_rejections;  // where grasps fell for want of a motion
+  /// What may be done with it, best first, by the grasps with a motion; empty: their chances are
+  /// not known.
+  std::vector<Choice> choices;
   Remedies remedies;       // where no grasp can be executed; in `problem`, too
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
@@ -60,6 +64,7 @@ struct PlatformPlanOptions {
   /// leaves of its budget; none: it is not.
   std::optional<TouchPredictionOptions> touch;
   RemedyOptions remedies;  // beside the budgets of the others
+  DecisionOptions decision;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -91,6 +96,8 @@ class PlatformPlanner {
                    const robot::Positions& start, const PlatformPlanOptions& options,
                    PlatformPlan* plan) const;
 
+  void decide_on(const surface::ObjectModel& object, const DecisionOptions& options,
+                 PlatformPlan* plan) const;
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
                      const PlatformPlanOptions& options, PlatformPlan* plan) const;
 

@@ -62,6 +62,10 @@ struct SymmetryHypothesis {
   double unseen = 0;        // fraction of which the view says nothing: beside the image
 };
 
+/// Of two mirrors, one whose vote is worse by this is less likely by e: fitted to views of known
+/// objects (eval_belief --fit-prior).
+inline constexpr double kVoteScale = 0.4;
+
 /// `p` mirrored at the plane of `symmetry`.
 inline Eigen::Vector3d mirrored(const SymmetryHypothesis& symmetry, const Eigen::Vector3d& p_W) {
   return p_W - 2 * symmetry.normal_W.dot(p_W - symmetry.point_W) * symmetry.normal_W;

@@ -1,6 +1,8 @@
 #include "prehend/surface/model.h"
 
 #include <chrono>
+#include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -107,6 +109,12 @@ geometry::TriangleMesh mesh_at_any_rate(const shape::CompletedShape& shape,
       "Look at it from another side or from nearer, so that more of it is seen");
 }
 
+/// Of an alternative, where the winner's is 1: by their votes; other methods have none that tells.
+double vote_weight(const shape::CompletedShape& other, const shape::CompletedShape& winner) {
+  if (winner.method != shape::CompletionMethod::kMirror) return 1;
+  return std::exp((winner.symmetry.vote - other.symmetry.vote) / shape::kVoteScale);
+}
+
 }  // namespace
 
 geometry::TriangleMesh mesh_of(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -148,13 +156,17 @@ ObjectModel make_object_model(const shape::CompletedShape& shape, const geometry
   spent.normals = normals;
   spent.poisson = poisson;
   stopwatch.lap();
+  std::vector<double> weights{1};
   for (const shape::CompletedShape& other : shape.alternatives) {
     try {
       model.alternatives_W.push_back(surface_of(other, table_W, shape, options));
+      weights.push_back(vote_weight(other, shape));
     } catch (const geometry::InputError&) {
       // A shape that gives no mesh is no alternative; that of the winner counts.
     }
   }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (const double weight : weights) model.shape_weights.push_back(weight / sum);
   spent.alternatives = stopwatch.lap();
   if (times) *times = spent;
   return model;

@@ -45,6 +45,8 @@ struct ObjectModel {
   std::string substitute;
   // Other solids that it may be as well, best first: of CompletedShape::alternatives.
   std::vector<geometry::TriangleMesh> alternatives_W;
+  /// How likely mesh_W is the right one, and each of alternatives_W: of all 1. Empty: all alike.
+  std::vector<double> shape_weights;
 };
 
 }  // namespace prehend::surface

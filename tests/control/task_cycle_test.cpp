@@ -1,5 +1,6 @@
 // Tasks as the cycle carries them out, with a gripper that feels its grip and with fingers.
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -149,6 +150,67 @@ states:
   in_vain.start({grasp_at(0)});
   run_to_the_end(in_vain);
   EXPECT_FALSE(in_vain.result().success());
+}
+
+TEST_F(TaskOfTheGripper, FeelsFirstWhereThePlanSaysSo) {
+  ArmCycle deciding{doing(task_named("decide_and_pick")), arm, hand};
+  deciding.start({grasp_at(0), grasp_at(0.001)}, "", {Advice::Act::kTouch, 1, "feel it"});
+  double most_felt = 0;
+  bool felt = false;
+  for (int i = 0; i < 60000 && !deciding.finished(); ++i) {
+    step(deciding);
+    felt = felt || deciding.result().touches == 1;
+    if (deciding.result().attempts > 0) continue;
+    EXPECT_LE(deciding.grasp_index(), 1);
+    for (const PadPercept& pad : world.percepts().pads) most_felt = std::max(most_felt, pad.sum);
+  }
+  EXPECT_TRUE(deciding.result().success()) << deciding.result().reason;
+  EXPECT_TRUE(felt);
+  EXPECT_EQ(deciding.result().touches, 1);
+  EXPECT_EQ(deciding.result().attempts, 1) << "what is felt is no attempt";
+  EXPECT_GT(most_felt, 0.3) << "it was touched";
+  EXPECT_LT(most_felt, 6) << "and not gripped, where 12 N are wanted";
+  EXPECT_THAT(states_of(deciding),
+              ElementsAre("look", "decide", "reach", "feel", "let_go", "back", "look", "decide",
+                          "approach", "grasp", "lift", "carry", "put_down", "release", "leave",
+                          "success"));
+}
+
+// An object that may be felt once is not felt again, whatever the next plan says.
+TEST_F(TaskOfTheGripper, FeelsNoMoreThanItMay) {
+  ArmCycleOptions options = doing(task_named("decide_and_pick"));
+  options.look_timeout = 5;
+  ArmCycle deciding{options, arm, hand};
+  const Advice touch{Advice::Act::kTouch, 0, "feel it"};
+  deciding.start({grasp_at(0)}, "", touch);
+  run_until_it_looks(deciding);
+  EXPECT_FALSE(deciding.any_object()) << "the same object";
+  EXPECT_THAT(deciding.detail(), HasSubstr("felt it"));
+  deciding.take_plan({grasp_at(0)}, "", touch);
+  run_to_the_end(deciding);
+  EXPECT_TRUE(deciding.result().success()) << deciding.result().reason;
+  EXPECT_EQ(deciding.result().touches, 1);
+  EXPECT_EQ(deciding.result().plans, 2);
+}
+
+TEST_F(TaskOfTheGripper, LeavesWhatIsNotWorthAnAttempt) {
+  ArmCycle deciding{doing(task_named("decide_and_pick")), arm, hand};
+  deciding.start({grasp_at(0)}, "", {Advice::Act::kGiveUp, 0, "leave it: worth -3 s"});
+  run_to_the_end(deciding);
+  EXPECT_FALSE(deciding.result().success());
+  EXPECT_THAT(deciding.result().reason, HasSubstr("leave it: worth -3 s"));
+  EXPECT_THAT(states_of(deciding), ElementsAre("look", "decide", "failure"));
+}
+
+TEST(TaskOfTheArm, FingersThatFeelDoNotPress) {
+  Fakes f;
+  ArmCycle cycle(doing(task_named("decide_and_pick"), {}), f.arm, f.hand);
+  cycle.step(f.now);
+  cycle.start({fake_grasp(), fake_grasp()}, "", {Advice::Act::kTouch, 0, "feel it"});
+  f.run(cycle);
+  EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+  EXPECT_EQ(cycle.result().touches, 1);
+  EXPECT_EQ(cycle.result().attempts, 1);
 }
 
 TEST(TaskOfTheArm, WorkCycleGoesBackTheWayItCame) {

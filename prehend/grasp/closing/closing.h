@@ -57,6 +57,9 @@ class Closing {
   /// the open hand meets nothing on its way, closes, and carries the weight.
   virtual bool holds(const Grasp& grasp, const geometry::RigidTransform& X_WG,
                      double friction) const = 0;
+  /// rad or m, of the motors, where they stop when the grasp is executed as it is; empty: the hand
+  /// meets nothing, or it cannot be told.
+  virtual Eigen::VectorXd stops(const Grasp& /*grasp*/) const { return {}; }
   /// Its reasons in the order of its tests: who fails late was nearly a grasp.
   virtual std::span<const Reason> stages() const = 0;
   /// Says that nothing of this outline's width [m], its narrowest, fits into the hand; empty: it
@@ -86,6 +89,6 @@ class ClosingMethod {
 
 /// Of ClosingMethod, Closing and what they are given: a plug-in that was built for another one is
 /// not loaded.
-constexpr int kClosingInterface = 3;
+constexpr int kClosingInterface = 4;
 
 }  // namespace prehend::grasp

@@ -74,6 +74,11 @@ class ClosingHeldToItsWord final : public Closing {
              double friction) const override {
     return plug_in_->holds(grasp, X_WG, friction);
   }
+  Eigen::VectorXd stops(const Grasp& grasp) const override {
+    Eigen::VectorXd stops = plug_in_->stops(grasp);
+    require(stops.size() == 0 || stops.size() == hand_.size(), "stops have not one for each motor");
+    return stops;
+  }
   std::span<const Reason> stages() const override { return plug_in_->stages(); }
   std::string too_wide(double narrowest) const override { return plug_in_->too_wide(narrowest); }
   std::string explain(Reason reason) const override { return plug_in_->explain(reason); }

@@ -37,6 +37,13 @@ geometry::TriangleMesh obstacle_mesh(const Obstacles& obstacles) {
   return all;
 }
 
+/// The positions of the motors among those of all joints.
+Eigen::VectorXd motors_of(const robot::HandModel& hand, const Eigen::VectorXd& all) {
+  Eigen::VectorXd motors(hand.size());
+  for (int i = 0; i < hand.size(); ++i) motors[i] = all[hand.actuated[static_cast<std::size_t>(i)]];
+  return motors;
+}
+
 /// Whether balls of two links overlap by more than kMeeting.
 bool overlap(const LinkBalls& a, const RigidTransform& X_WA, const LinkBalls& b,
              const RigidTransform& X_WB, int node_a = 0, int node_b = 0) {
@@ -188,11 +195,7 @@ std::optional<Refusal> FingerClosing::close(const robot::Preshape& preshape, Tou
   }
   grasp->closed_all = std::move(closed.all);
   grasp->contacts = std::move(closed.contacts);
-  const robot::HandModel& hand = *hand_.hand;
-  grasp->closed.resize(hand.size());
-  for (int i = 0; i < hand.size(); ++i) {
-    grasp->closed[i] = grasp->closed_all[hand.actuated[static_cast<std::size_t>(i)]];
-  }
+  grasp->closed = motors_of(*hand_.hand, grasp->closed_all);
   return std::nullopt;
 }
 
@@ -291,6 +294,16 @@ bool FingerClosing::holds(const Grasp& grasp, const RigidTransform& X_WG, double
   return way.what == Touched::kNothing &&
          !close(preshape, Touched::kNothing, &tried, &wrenches, friction) &&
          hold(forces(tried), load()).share <= 1;
+}
+
+Eigen::VectorXd FingerClosing::stops(const Grasp& grasp) const {
+  const robot::Preshape& preshape = hand_.hand->preshape(grasp.preshape);
+  const TouchScene scene{&grid_, table_, obstacle_grid_ ? &*obstacle_grid_ : nullptr};
+  const ClosedFingers closed =
+      close_fingers(hand_, grasp.X_WH, preshape, grasp.open, scene, options_.fingers.closing);
+  const bool touches = std::find(closed.finger_touches.begin(), closed.finger_touches.end(),
+                                 true) != closed.finger_touches.end();
+  return touches ? motors_of(*hand_.hand, closed.all) : Eigen::VectorXd();
 }
 
 double FingerClosing::score(const Grasp& grasp) const {

@@ -28,6 +28,7 @@ class FingerClosing : public Closing {
   bool same(const Grasp& a, const Grasp& b) const override;
   bool holds(const Grasp& grasp, const geometry::RigidTransform& X_WG,
              double friction) const override;
+  Eigen::VectorXd stops(const Grasp& grasp) const override;
   std::span<const Reason> stages() const override;
 
  private:

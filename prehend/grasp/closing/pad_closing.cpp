@@ -357,4 +357,12 @@ bool PadClosing::holds(const Grasp& grasp, const RigidTransform& X_WG, double fr
          wrench_hull(wrenches_of(hand, X_WG, friction), {.closure_only = true}).closed;
 }
 
+Eigen::VectorXd PadClosing::stops(const Grasp& grasp) const {
+  const ClosedHand hand = close_hand(query_W_, grasp.X_WG, pregrasp_opening(grasp), grasp.force,
+                                     gripper_, options_.pads.closing);
+  if (hand.outcome == ClosingOutcome::kTooWide || hand.outcome == ClosingOutcome::kMissed)
+    return {};
+  return jaws_at(hand.opening_at_touch);
+}
+
 }  // namespace prehend::grasp

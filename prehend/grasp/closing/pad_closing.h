@@ -30,6 +30,7 @@ class PadClosing : public Closing {
   bool same(const Grasp& /*a*/, const Grasp& /*b*/) const override { return false; }
   bool holds(const Grasp& grasp, const geometry::RigidTransform& X_WG,
              double friction) const override;
+  Eigen::VectorXd stops(const Grasp& grasp) const override;
   std::span<const Reason> stages() const override;
   std::string too_wide(double narrowest) const override;
   std::string explain(Reason reason) const override;

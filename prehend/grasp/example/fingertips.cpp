@@ -54,6 +54,7 @@ class ClosingByTips final : public Closing {
              double friction) const override {
     return fingers_->holds(grasp, X_WG, friction);
   }
+  Eigen::VectorXd stops(const Grasp& grasp) const override { return fingers_->stops(grasp); }
   std::span<const Reason> stages() const override { return stages_; }
   std::string explain(Reason reason) const override {
     return reason == Reason::kFinger ? "more than fingertips would touch it" : "";

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/grasp/grasp.h"
+#include "prehend/text/knob.h"
+
+// What is to be done with an object next: to grasp it, to feel it first, to look at it from another
+// side, or to leave it; by what each is worth.
+namespace prehend::planning {
+
+/// From 1: a message with 0 does not say.
+enum class Act {
+  kGrasp = 1,  // and lift it
+  kTouch,      // close gently, let go, and plan again by where the hand stopped
+  kLook,       // from where its shape can be told
+  kGiveUp,
+};
+/// "grasp", "touch", "look", "give up".
+const char* to_string(Act act);
+
+/// What acts cost and bring. Value and costs are of one unit, seconds: what is worth a minute is
+/// what one would work for a minute to get.
+struct DecisionOptions {
+  double value = 120;   // s, > 0, of an object that is lifted
+  double attempt = 20;  // s, > 0, of an attempt that succeeds
+  double failure = 30;  // s, >= 0, of one that fails, beyond that: what is felled or moved
+  double touch = 15;    // s, > 0, of feeling it first, with the new look and plan after it
+  double look = 0;      // s, >= 0, of a look that tells its shape; 0: there is no camera for it
+  int attempts = 3;     // >= 1, with one object
+  int touches = 1;      // >= 0, of one object
+  /// Of success where a grasp holds in none of its disturbed trials, and in all: in between it is
+  /// in proportion. Measured: docs/planning.md, "Decide".
+  double success_of_none = 0.6;
+  double success_of_all = 0.96;
+  double stop_deviation_angle = 0.05;     // rad, > 0, standard, of where a motor stops on a shape
+  double stop_deviation_length = 0.0015;  // m, > 0, the same of a jaw
+
+  /// See text/knob.h.
+  template <class Self, class Visit>
+  static void knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"value", self.value, "s", 0.001, 1e6, "that a lifted object is worth"});
+    visit(Knob{"attempt_cost", self.attempt, "s", 0.001, 1e6, "of an attempt that succeeds"});
+    visit(Knob{"failure_cost", self.failure, "s", 0, 1e6, "of one that fails, beyond that"});
+    visit(Knob{"touch_cost", self.touch, "s", 0.001, 1e6,
+               "of feeling an object before it is lifted, with the new look and plan"});
+    visit(Knob{"look_cost", self.look, "s", 0, 1e6,
+               "of a look that tells the shape; 0: no camera can get there"});
+    visit(Knob{"touches", self.touches, "", 0, 10, "of one object, before it is lifted"});
+    visit(Knob{"success_of_none", self.success_of_none, "", 0, 1,
+               "probability that a grasp succeeds that holds in no disturbed trial"});
+    visit(Knob{"success_of_all", self.success_of_all, "", 0, 1,
+               "probability that a grasp succeeds that holds in every disturbed trial"});
+  }
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
+};
+
+/// What is known of one grasp: of each shape that the object may have.
+struct GraspChances {
+  std::vector<double> held;  // share of its disturbed trials, NaN: none
+  /// rad or m, where the motors stop; empty: they meet nothing. No shapes: it is not known.
+  std::vector<Eigen::VectorXd> stops;
+};
+GraspChances chances_of(const grasp::Grasp& grasp);
+
+/// One act and what it is worth.
+struct Choice {
+  Act act = Act::kGiveUp;
+  int grasp = -1;      // of the list, of kGrasp and kTouch
+  double success = 0;  // that it is lifted: by that attempt; after a touch or look by the best then
+  double worth = 0;    // s, expected, with all that follows
+  std::string text;    // "grasp 0 now: lifted with 0.93, worth 84 s"
+};
+
+/// Probability of success of a grasp that holds in this share of its disturbed trials.
+double success_of(double held, const DecisionOptions& options);
+/// The same over shapes of these weights, of all 1. A shape without a trial counts as the others
+/// do.
+double success_of(const GraspChances& grasp, const std::vector<double>& weights,
+                  const DecisionOptions& options);
+
+/// What is worth most, best first; never empty. The first grasp is the one to be tried next; the
+/// others are there for after it, and to feel the object with.
+///
+/// The worth of grasping is P value - attempt - (1 - P) failure, and after a failure, which speaks
+/// against the shapes on which the grasp would have held, what is worth most then, as long as there
+/// are attempts. That of touching is minus its cost and the expectation, over where the hand may
+/// stop, of what is worth most when the shapes are weighed by that (preposterior analysis: H.
+/// Raiffa and R. Schlaifer, "Applied Statistical Decision Theory", 1961, chapter 4); stops scatter
+/// normally about those of each shape, taken at three points (Gauss-Hermite). That of a look is
+/// with the shape known. Giving up is worth 0. Without `look` the look is told, but not chosen: it
+/// is the last.
+///
+/// @param jaws the motors slide: DecisionOptions::stop_deviation_length is theirs.
+/// @throws std::invalid_argument for options out of range, weights that are not positive numbers of
+/// sum 1, or grasps of other shapes.
+std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
+                           const std::vector<double>& weights, bool jaws,
+                           const DecisionOptions& options);
+
+}  // namespace prehend::planning
