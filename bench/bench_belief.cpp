@@ -3,9 +3,12 @@
 
 #include <benchmark/benchmark.h>
 
+#include "prehend/belief/attempt_memory.h"
 #include "prehend/belief/probe.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/robot/robot_files.h"
 #include "prehend/shape/symmetry.h"
+#include "prehend/surface/model.h"
 #include "tests/shape/synthetic_view.h"
 
 namespace {
@@ -81,5 +84,27 @@ void BM_FirstBelief(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(belief::ObjectBelief(box(), kTable));
 }
 BENCHMARK(BM_FirstBelief)->Unit(benchmark::kMillisecond);
+
+/// All that the node does when a touched object is seen again: it is found, the belief is made anew
+/// of what is seen now, and told what was felt; the corrected model with its convex pieces.
+void BM_Recall(benchmark::State& state) {
+  belief::AttemptMemory memory(robot::read_hand_model("config/robots/pg70.yaml"));
+  belief::Act act;
+  act.contacts.push_back({{-0.03, 0, 0.06}, -Eigen::Vector3d::UnitX(), 0.0007});
+  memory.add({act}, box(), kTable, surface::mesh_of(box(), kTable));
+  for (auto _ : state) {
+    auto known = memory.recall(box(), kTable);
+    if (!known) state.SkipWithError("the box is not found again");
+    benchmark::DoNotOptimize(known);
+  }
+}
+BENCHMARK(BM_Recall)->Unit(benchmark::kMillisecond);
+
+/// Of it: the model of a mesh that is known already.
+void BM_ModelOfShape(benchmark::State& state) {
+  const geometry::TriangleMesh mesh_W = surface::mesh_of(box(), kTable);
+  for (auto _ : state) benchmark::DoNotOptimize(surface::model_of_shape(mesh_W, box()));
+}
+BENCHMARK(BM_ModelOfShape)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -17,7 +17,9 @@
 #include "eval/grasp/grasp_trials.h"
 #include "eval/grasp/platform_under_test.h"
 #include "eval/text_files.h"
+#include "prehend/control/task.h"
 #include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
 
 namespace {
 
@@ -36,6 +38,7 @@ struct Options {
   std::vector<std::string> platforms{"stage_pg70"};
   bool open_loop = false;
   std::string evidence = kEvidence.back().first;
+  std::string task = "pick_and_place";
   fs::path robots = "config/robots";
 };
 
@@ -62,8 +65,11 @@ std::optional<eval::GraspCase> known_result(const fs::path& file,
 
 int run(const Options& options) {
   std::deque<eval::PlatformUnderTest> platforms;
+  const eval::ExecutionChoice choice{
+      !options.open_loop,
+      control::read_task(control::task_file(text::tree_file("config/tasks"), options.task))};
   for (const std::string& name : options.platforms) {
-    platforms.emplace_back(robot::platform_file(options.robots, name), !options.open_loop);
+    platforms.emplace_back(robot::platform_file(options.robots, name), choice);
   }
   const std::vector<eval::PlannerSetting> settings = eval::compared_settings();
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
@@ -76,6 +82,7 @@ int run(const Options& options) {
   std::vector<std::string> names;
   for (const eval::PlatformUnderTest& platform : platforms) {
     std::string run = platform.name() + (options.open_loop ? "_open_loop_" : "_");
+    if (options.task != control::pick_and_place().name) run += options.task + "_";
     if (evidence->second != kEvidence.back().second) run += evidence->first + "_";
     for (const eval::Case& one : views) {
       cases.push_back({one, &platform});
@@ -135,6 +142,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--open-loop", options.open_loop,
                "the approach does not stop where the hand touches");
+  app.add_option("--task", options.task,
+                 "that is executed: pick_and_place, or decide_and_pick, which feels first where "
+                 "the plan says that this is worth it")
+      ->check(CLI::IsMember({"pick_and_place", "decide_and_pick"}))
+      ->capture_default_str();
   app.add_option("--robots", options.robots, "folder of the platforms' files")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();

@@ -22,17 +22,17 @@ constexpr Figure kFigures[] = {{"plan_seconds", &GraspTrial::plan_seconds},
                                {"area_error", &GraspTrial::area_error},
                                {"opening_error", &GraspTrial::opening_error},
                                {"robustness", &GraspTrial::robustness},
+                               {"first_robustness", &GraspTrial::first_robustness},
                                {"best_robustness", &GraspTrial::best_robustness},
                                {"guessed_contact", &GraspTrial::guessed_contact}};
 struct Count {
   const char* name;
   int GraspTrial::*value;
 };
-constexpr Count kCounts[] = {{"candidates", &GraspTrial::candidates},
-                             {"grasps", &GraspTrial::grasps},
-                             {"attempts", &GraspTrial::attempts},
-                             {"plans", &GraspTrial::plans},
-                             {"recalled", &GraspTrial::recalled}};
+constexpr Count kCounts[] = {
+    {"candidates", &GraspTrial::candidates}, {"grasps", &GraspTrial::grasps},
+    {"attempts", &GraspTrial::attempts},     {"touches", &GraspTrial::touches},
+    {"plans", &GraspTrial::plans},           {"recalled", &GraspTrial::recalled}};
 
 template <class Value>
 void put(YAML::Emitter& out, const char* key, const Value& value) {

@@ -24,6 +24,7 @@ struct GraspTrial {
   int candidates = 0;               // of the plan
   int grasps = 0;                   // in the plan
   int attempts = 0;                 // that were executed
+  int touches = 0;                  // of the object before it was lifted
   int plans = 1;                    // that they were of: 1 + those of new looks
   int recalled = 0;                 // of those, with what attempts before had found out
   bool lifted = false;              // and carried, and put down
@@ -35,8 +36,9 @@ struct GraspTrial {
   double area_error = kUnknown;
   /// m, of the opening at the touch, felt less predicted; of grippers that regulate their grip.
   double opening_error = kUnknown;
-  double robustness = kUnknown;  // predicted of the executed grasp
-  double best_robustness = 0;    // predicted, of all grasps
+  double robustness = kUnknown;        // predicted of the executed grasp, the last
+  double first_robustness = kUnknown;  // the same of the first attempt's
+  double best_robustness = 0;          // predicted, of all grasps
   double guessed_contact = kUnknown;
   std::vector<control::Surprise> surprises;  // of all attempts; reactions and tolerances left out
 

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "eval/grasp/success_fit.h"
 #include "eval/grasp/surprise_totals.h"
 #include "eval/text_files.h"
+#include "prehend/planning/decision.h"
 #include "prehend/report/charts.h"
 #include "prehend/report/page.h"
 #include "prehend/text/json.h"
@@ -248,6 +250,38 @@ std::vector<Goal> goals_of(const std::vector<GraspCase>& cases) {
   return goals;
 }
 
+const std::vector<std::string> kSuccessHeader{
+    "predicted shapes", "first attempts", "lifted",           "held in none / all trials",
+    "Brier score",      "of the share",   "calibration error"};
+
+constexpr std::size_t kLeastAttempts = 10;  // that a line is fitted to
+
+// How well the share of disturbed trials in which a grasp holds foretells its first attempt: of
+// each platform and of all, by the line of the other objects, and of all by the one that ships.
+std::vector<std::vector<std::string>> success_rows(const std::vector<GraspCase>& cases) {
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const std::string& name, const SuccessLine& line,
+                       const SuccessCalibration& c) {
+    rows.push_back({name, fmt::format("{}", c.attempts), fmt::format("{}", c.lifted),
+                    fmt::format("{:.3f} / {:.3f}", line.of_none, line.of_all),
+                    fmt::format("{:.4f}", c.brier), fmt::format("{:.4f}", c.brier_of_constant),
+                    fmt::format("{:.1f} %", 100 * c.calibration_error)});
+  };
+  const auto fitted = [&](const std::string& name, const std::vector<KnownSuccess>& known) {
+    if (known.size() >= kLeastAttempts) add(name, fit_success(known), cross_validated(known));
+  };
+  for (const auto& platform : platforms_of(cases)) {
+    fitted(platform, first_attempts(selected(
+                         cases, [&](const GraspCase& c) { return c.platform == platform; })));
+  }
+  const std::vector<KnownSuccess> known = first_attempts(cases);
+  fitted("all", known);
+  const planning::DecisionOptions ships;
+  const SuccessLine line{ships.success_of_none, ships.success_of_all};
+  if (known.size() >= kLeastAttempts) add("all, as ships", line, calibration_of(known, line));
+  return rows;
+}
+
 std::string success_chart(const std::vector<GraspCase>& cases, const std::string& platform) {
   report::BarChart chart;
   chart.title = "Lifted at the first attempt: " + platform;
@@ -314,7 +348,8 @@ std::string grasp_text(const std::vector<GraspCase>& cases) {
   std::string text = table_text(kTotalsHeader, totals_rows(cases)) +
                      table_text(objects_header(cases), objects_rows(cases)) +
                      table_text(kReasonsHeader, reasons_rows(cases)) +
-                     table_text(surprises_header(), surprises_rows(cases));
+                     table_text(surprises_header(), surprises_rows(cases)) +
+                     table_text(kSuccessHeader, success_rows(cases));
   for (const Goal& goal : goals_of(cases)) {
     text += fmt::format("{} {}\n", goal.met ? "met:   " : "missed:", goal.text);
   }
@@ -384,6 +419,8 @@ void write_grasp_report(const std::filesystem::path& folder, const std::vector<G
       "What was predicted against what was felt, each time that an act compared it; a surprise is "
       "beyond the tolerance of the cycle.");
   page.add_table(surprises_header(), surprises_rows(cases));
+  page.add_heading("How sure grasps are");
+  page.add_table(kSuccessHeader, success_rows(cases));
   page.write(folder / "index.html");
   write_text(folder / "cases.csv", cases_csv(cases));
 }

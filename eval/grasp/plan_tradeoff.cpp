@@ -79,7 +79,7 @@ std::vector<MeasuredPlan> measure_plan_tradeoff(
       fidelity::apply_plan_setting(setting, options);
     };
   }
-  const PlatformUnderTest stage(text::tree_file("config/robots/stage_pg70.yaml"), true);
+  const PlatformUnderTest stage(text::tree_file("config/robots/stage_pg70.yaml"));
   for (const Case& one : cases) {
     progress(one.name());
     const GraspCase result = run_grasp_case(one, stage, planners);

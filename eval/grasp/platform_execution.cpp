@@ -20,9 +20,10 @@ constexpr double kStands = 0.01;         // m, over the table, of what was put d
 constexpr double kSettled = 0.5;         // s, after the end of the cycle
 constexpr double kPatience = 1;          // s, for a new look, which takes no time here
 
-control::ArmCycleOptions cycle_options(bool reacts) {
+control::ArmCycleOptions cycle_options(const ExecutionChoice& choice) {
   control::ArmCycleOptions options;
-  options.reacts = reacts;
+  options.reacts = choice.reacts;
+  options.task = choice.task;
   options.look_timeout = kPatience;
   return options;
 }
@@ -37,11 +38,11 @@ double mean_distance(const std::vector<Eigen::Vector3d>& points_W,
 }  // namespace
 
 PlatformExecution::PlatformExecution(const robot::Platform& platform, const std::string& home,
-                                     bool reacts, const TrueObject& truth)
+                                     const ExecutionChoice& choice, const TrueObject& truth)
     : platform_(platform),
       truth_(truth),
       world_(world_under_test(platform, home, truth)),
-      cycle_(world_->robot(), cycle_options(reacts)),
+      cycle_(world_->robot(), cycle_options(choice)),
       attempt_watch_(platform, control::ArmCycleOptions().contact_force),
       start_(world_->object()) {
   if (auto judge = control::GripJudge::of(platform)) cycle_.judge_grips(std::move(*judge));
@@ -59,6 +60,7 @@ void PlatformExecution::record(GraspTrial* trial) const {
   const control::CycleResult& result = cycle_.cycle().result();
   const ObjectReading end = world_->object();
   trial->attempts = result.attempts;
+  trial->touches = result.touches;
   trial->plans = result.plans;
   trial->stage = stage_;
   trial->outcome = stage_.empty() ? result.reason : why_;
@@ -83,6 +85,7 @@ void PlatformExecution::record(GraspTrial* trial) const {
       mean_distance(grasp::contact_points(*grasp_),
                     geometry::MeshQuery(geometry::transformed(truth_.mesh_W, X_moved_)));
   trial->robustness = grasp_->robustness;
+  trial->first_robustness = first_robustness_;
   trial->guessed_contact = grasp_->guessed_contact;
 }
 
@@ -114,6 +117,7 @@ void PlatformExecution::watch() {
     grasp_ = tried_.at(static_cast<std::size_t>(cycle.grasp_index()));
     p_HB_.reset();
   }
+  if (cycle.result().attempts == 1) first_robustness_ = grasp_->robustness;
   const bool failed = !cycle.failure().empty() || cycle.phase() == Phase::kFailed;
   if (failed && attempts_ <= 1 && stage_.empty()) {
     stage_ = to_string(phase_);

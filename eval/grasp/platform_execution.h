@@ -14,14 +14,19 @@
 
 namespace prehend::eval {
 
+/// What of the cycle an evaluation chooses.
+struct ExecutionChoice {
+  bool reacts = true;  // as control::ArmCycleOptions::reacts
+  control::Task task = control::pick_and_place();
+};
+
 /// Executes a platform's plans by the shipped cycle (control::CycleInWorld), and watches the
 /// object.
 class PlatformExecution {
  public:
-  /// The platform stands at `home` and outlives it. @param reacts as
-  /// control::ArmCycleOptions::reacts. @throws as world_under_test().
-  PlatformExecution(const robot::Platform& platform, const std::string& home, bool reacts,
-                    const TrueObject& truth);
+  /// The platform stands at `home` and outlives it. @throws as world_under_test().
+  PlatformExecution(const robot::Platform& platform, const std::string& home,
+                    const ExecutionChoice& choice, const TrueObject& truth);
 
   /// To the end of the cycle. @param plan_again on a new look after a failed attempt, when what was
   /// at p_W is at X_moved * p_W, with what that attempt found out.
@@ -51,7 +56,8 @@ class PlatformExecution {
   control::Phase phase_ = control::Phase::kWaiting;
   int attempts_ = 0;
   double raised_ = 0, slip_ = 0;  // m
-  std::string stage_, why_;       // of a first attempt that failed
+  double first_robustness_ = kUnknown;
+  std::string stage_, why_;  // of a first attempt that failed
 };
 
 }  // namespace prehend::eval

@@ -22,9 +22,9 @@ std::string start_of(const robot::Platform& platform) {
 
 }  // namespace
 
-PlatformUnderTest::PlatformUnderTest(const std::filesystem::path& file, bool reacts)
+PlatformUnderTest::PlatformUnderTest(const std::filesystem::path& file, ExecutionChoice choice)
     : planner_(in_reach(robot::read_platform(file))),
-      reacts_(reacts),
+      choice_(std::move(choice)),
       home_(start_of(planner_.platform())) {
   if (planner_.platform().hand_port == robot::HandPort::kGripper) {
     simulation::carrier_of(planner_.platform(), home_);
@@ -60,7 +60,7 @@ GraspTrial PlatformUnderTest::grasp(const Belief& believed, const TrueObject& tr
     trial.stage = first.arm_rejections.empty() ? "plan" : "arm";
     return trial;
   }
-  PlatformExecution execution(planner_.platform(), home_, reacts_, truth);
+  PlatformExecution execution(planner_.platform(), home_, choice_, truth);
   execution.run(first,
                 [&](const geometry::RigidTransform& X_moved, const belief::Attempt& attempt) {
                   try {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "eval/grasp/platform_execution.h"
 #include "eval/grasp/trial_setup.h"
 #include "prehend/planning/platform_plan.h"
 
@@ -14,10 +15,9 @@ namespace prehend::eval {
 /// processes share the cores, and times are of one.
 class PlatformUnderTest {
  public:
-  /// @param reacts as control::ArmCycleOptions::reacts.
   /// @throws geometry::InputError as robot::read_platform(), in_reach() and, of a gripper that is
   /// moved by its drive, simulation::carrier_of().
-  PlatformUnderTest(const std::filesystem::path& file, bool reacts);
+  explicit PlatformUnderTest(const std::filesystem::path& file, ExecutionChoice choice = {});
 
   const std::string& name() const { return planner_.platform().name; }
   const robot::HandModel& hand() const { return planner_.platform().hand; }
@@ -30,7 +30,7 @@ class PlatformUnderTest {
   planning::PlatformPlan plan(const Belief& belief, const PlannerSetting& setting) const;
 
   planning::PlatformPlanner planner_;
-  bool reacts_;
+  ExecutionChoice choice_;
   std::string home_;
 };
 

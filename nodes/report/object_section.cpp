@@ -151,6 +151,15 @@ void add_model(Page& page, const Collected& collected, const msgs::ObjectModel& 
   add_grasp(page, collected, message.id(), model.mesh_W, robot);
 }
 
+void add_choices(Page& page, const msgs::GraspPlan& plan) {
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& choice : plan.choices()) {
+    rows.push_back({fmt::format("{:.0f}", choice.worth()), fmt::format("{:.2f}", choice.success()),
+                    choice.text()});
+  }
+  if (!rows.empty()) page.add_table({"worth [s]", "lifted", "what may be done with it"}, rows);
+}
+
 void add_remedies(Page& page, const msgs::GraspPlan& plan) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& remedy : plan.remedies()) {
@@ -198,6 +207,7 @@ void add_object(report::Page& page, const Collected& collected, const msgs::Comp
                                    plan->second.candidates()));
     report::add_rejections(page, rejections_of(plan->second),
                            static_cast<int>(plan->second.candidates()), "candidates");
+    add_choices(page, plan->second);
     add_remedies(page, plan->second);
   });
 }

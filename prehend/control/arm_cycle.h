@@ -224,7 +224,8 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// (touch::HoldSlip, long before anybody sees it), while nothing else bears it. Then the hand holds
 /// it `slip_force_factor` times as hard, as often as needed, within what its motors can and
 /// `largest_grip_force`. Where that is not enough while it is lifted, it is put down again, and the
-/// attempt has failed; on the way to a place, it goes on, as nothing else is nearer.
+/// attempt has failed; on the way to a place, it goes on, as nothing else is nearer. The next grasp
+/// of the object begins with that much more than it slipped with.
 ///
 /// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
 /// beside its prediction, tell by where they were stopped how far it is beside
@@ -340,6 +341,7 @@ class ArmCycle : public Cycle {
   bool bears_alone() const;  // what is held
   bool hold_harder();
   /// Reacts when what is held slips; true when the step has ended by that.
+  void remember_slip();
   bool watch_slip();
   void set_down();
   void after_setting_down();
@@ -397,7 +399,8 @@ class ArmCycle : public Cycle {
   double pressed_since_ = 0;                // s
   bool put_down_ = false;                   // what is held stands where it stood, or at its place
   std::optional<JointTrajectory> lowered_;  // the last way down
-  bool gently_ = false;                     // closes until it touches
+  double least_force_ = 0;  // N, per pad, of grasps of this object, by how it slipped
+  bool gently_ = false;     // closes until it touches
   bool lowers_fully_ = false;
   std::string refused_;          // why a segment could not begin
   double gripped_ = 0;           // rad, closure() when it had gripped

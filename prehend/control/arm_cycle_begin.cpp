@@ -15,7 +15,14 @@ using motion::SegmentKind;
 
 void ArmCycle::prepare_attempt() {
   watch_.begin(now());
-  hand_.prepare(grasp());
+  if (is_first_try()) least_force_ = 0;
+  ArmGrasp& grasp = grasps_[static_cast<std::size_t>(grasp_index())];
+  if (grasp.force > 0 && grasp.force < least_force_) {
+    grasp.tactile_sum *= least_force_ / grasp.force;
+    grasp.contact_area = 0;  // at that force it is not predicted
+    grasp.force = least_force_;
+  }
+  hand_.prepare(grasp);
   gone_.clear();
   clears_ = false;
   lowered_.reset();

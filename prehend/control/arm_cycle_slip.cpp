@@ -42,6 +42,14 @@ bool ArmCycle::bears_alone() const {
   }
 }
 
+// It has slipped with what the pads feel now: the next grasp of it begins with more.
+void ArmCycle::remember_slip() {
+  const MeanTouch felt = mean_touch(percepts_.pads, options_.touch_force, options_.stale_time);
+  double force = options_.slip_force_factor * felt.sum;
+  if (options_.largest_grip_force > 0) force = std::min(force, options_.largest_grip_force);
+  least_force_ = std::max(least_force_, force);
+}
+
 bool ArmCycle::hold_harder() {
   if (hand_.feels_its_grip()) {
     return hand_.hold_harder(options_.slip_force_factor, options_.largest_grip_force);
@@ -67,6 +75,7 @@ bool ArmCycle::watch_slip() {
   if (!felt.slips || !bears_alone()) return false;
   const double slide = felt.slide;
   slid_ += slide;
+  remember_slip();
   if (options_.slip_force_factor > 1 && hold_harder()) {
     // What is felt while the force rises is compared with nothing.
     hold_slip_.begin(now() + options_.slip_settle_time);

@@ -165,7 +165,9 @@ class Cycle {
   /// is the surprise of one that had none.
   void give_up(const std::string& reason, SurpriseKind kind = SurpriseKind::kMotion,
                Outcome outcome = Outcome::kFailed);
-  Primitive primitive() const;                    // of the present action
+  Primitive primitive() const;  // of the present action
+  /// The present one is the first with this object, to lift or to feel it.
+  bool is_first_try() const { return attempts_ + touches_ <= 1; }
   bool is_at_place() const { return at_place_; }  // the object was put there
 
   std::string detail_ = "waiting for a plan";

@@ -41,7 +41,7 @@ void PadGripper::set_gripper(const robot::GripperModel& gripper) {
 }
 
 void PadGripper::prepare(const ArmGrasp& grasp) {
-  force_ = grasp.force;
+  force_ = std::min(grasp.force, std::max(0.0, most()));
   predicted_opening_ = 2 * grasp.hand.closed[0];
 }
 

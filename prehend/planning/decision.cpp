@@ -217,4 +217,16 @@ std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
   return choices;
 }
 
+std::vector<Choice> decide_on(const surface::ObjectModel& object,
+                              const std::vector<const grasp::Grasp*>& grasps, bool jaws,
+                              const DecisionOptions& options) {
+  std::vector<GraspChances> chances;
+  for (const grasp::Grasp* grasp : grasps) {
+    if (grasp->held_on_shapes.empty()) break;
+    chances.push_back(chances_of(*grasp));
+  }
+  if (chances.empty()) return {};
+  return decide(chances, grasp::shape_weights(object), jaws, options);
+}
+
 }  // namespace prehend::planning

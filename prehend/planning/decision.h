@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "prehend/grasp/grasp.h"
+#include "prehend/surface/object_model.h"
 #include "prehend/text/knob.h"
 
 // What is to be done with an object next: to grasp it, to feel it first, to look at it from another
@@ -102,5 +103,11 @@ double success_of(const GraspChances& grasp, const std::vector<double>& weights,
 std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
                            const std::vector<double>& weights, bool jaws,
                            const DecisionOptions& options);
+
+/// The same of planned grasps of an object, as many of the first as were assessed; empty: the first
+/// was not. @throws as decide(), and as grasp::shape_weights().
+std::vector<Choice> decide_on(const surface::ObjectModel& object,
+                              const std::vector<const grasp::Grasp*>& grasps, bool jaws,
+                              const DecisionOptions& options);
 
 }  // namespace prehend::planning

@@ -84,22 +84,14 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
                                      plan.rejections, options.remedies),
                  asked, &plan);
   }
-  decide_on(object, options.decision, &plan);
+  std::vector<const grasp::Grasp*> executable;
+  for (const PlannedPick& pick : plan.picks) {
+    if (!pick.segments.empty()) executable.push_back(&pick.grasp);
+  }
+  plan.choices =
+      decide_on(object, executable, platform_.hand.gripper.has_value(), options.decision);
   if (options.touch) predict_touch(object, table_W, options, &plan);
   return plan;
-}
-
-// By the grasps that can be executed, as many of the first as were assessed.
-void PlatformPlanner::decide_on(const surface::ObjectModel& object, const DecisionOptions& options,
-                                PlatformPlan* plan) const {
-  std::vector<GraspChances> chances;
-  for (const PlannedPick& pick : plan->picks) {
-    if (pick.segments.empty() || pick.grasp.held_on_shapes.empty()) break;
-    chances.push_back(chances_of(pick.grasp));
-  }
-  if (chances.empty()) return;
-  plan->choices =
-      decide(chances, grasp::shape_weights(object), platform_.hand.gripper.has_value(), options);
 }
 
 // The grasps that the arm can execute, best first, and then the others; or why there is none.

@@ -96,8 +96,6 @@ class PlatformPlanner {
                    const robot::Positions& start, const PlatformPlanOptions& options,
                    PlatformPlan* plan) const;
 
-  void decide_on(const surface::ObjectModel& object, const DecisionOptions& options,
-                 PlatformPlan* plan) const;
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
                      const PlatformPlanOptions& options, PlatformPlan* plan) const;
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/control/gripper_cycle_fixture.h"
 
@@ -115,6 +117,26 @@ TEST_F(GripperCycleTest, WhatSlipsIsHeldNoHarderThanTheObjectBears) {
   }
   EXPECT_NE(hand.grip().find("14.0 N"), std::string::npos) << hand.grip();
   EXPECT_NE(careful.result().reason.find("put down again"), std::string::npos);
+}
+
+TEST_F(GripperCycleTest, TheNextGraspOfWhatSlippedBeginsWithMore) {
+  world.needed_force = 1000;
+  ArmCycleOptions options = reacting();
+  options.largest_grip_force = 14;
+  ArmCycle careful(options, arm, hand);
+  careful.start({grasp_at(0), grasp_at(0.02)});
+  for (int i = 0; i < 40000 && !careful.finished(); ++i) {
+    careful.step(world.percepts());
+    world.advance();
+  }
+  ASSERT_EQ(careful.result().attempts, 2);
+  std::vector<std::string> reactions;
+  for (const Surprise& s : careful.surprises()) {
+    if (s.kind == SurpriseKind::kSlip) reactions.push_back(s.reaction);
+  }
+  const std::string gives_up = "cannot hold harder: puts it down and looks again";
+  EXPECT_EQ(reactions, (std::vector<std::string>{"holds harder", gives_up, gives_up}))
+      << "12 N, 14 N; then 14 N at once";
 }
 
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.

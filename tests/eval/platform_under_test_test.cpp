@@ -28,7 +28,7 @@ int count_of(const GraspTrial& trial, SurpriseKind kind, bool surprising) {
 }
 
 TEST(PlatformUnderTest, LiftsWhatIsThereAndTellsWhatItFelt) {
-  const PlatformUnderTest platform("config/robots/kr5_pg70.yaml", true);
+  const PlatformUnderTest platform("config/robots/kr5_pg70.yaml");
   EXPECT_EQ(platform.name(), "kr5_pg70");
   const TrueObject truth{simulation::make_standing_box({0.04, 0.05, 0.12}), 0.2, {}};
   const GraspTrial trial = platform.grasp(belief_of(truth.mesh_W, {}), truth, on_truth(), nullptr);
@@ -47,7 +47,7 @@ TEST(PlatformUnderTest, LiftsWhatIsThereAndTellsWhatItFelt) {
 // The gripper that regulates its grip, on its stage: another world and another hand port, the same
 // way.
 TEST(PlatformUnderTest, LiftsByAGripperThatIsMovedThroughItsDrive) {
-  const PlatformUnderTest platform("config/robots/stage_pg70.yaml", true);
+  const PlatformUnderTest platform("config/robots/stage_pg70.yaml");
   const TrueObject truth{simulation::make_standing_box({0.04, 0.05, 0.12}), 0.2, {}};
   const GraspTrial trial = platform.grasp(belief_of(truth.mesh_W, {}), truth, on_truth(), nullptr);
   EXPECT_TRUE(trial.lifted_at_first()) << trial.problem << trial.outcome;
@@ -63,7 +63,7 @@ TEST(PlatformUnderTest, LiftsByAGripperThatIsMovedThroughItsDrive) {
 // What is believed to be there is not: every attempt fails where the fingers close, with a
 // surprise.
 TEST(PlatformUnderTest, SaysAtWhichStageItFailed) {
-  const PlatformUnderTest platform("config/robots/kr5_sdh.yaml", true);
+  const PlatformUnderTest platform("config/robots/kr5_sdh.yaml");
   const geometry::TriangleMesh box_W = simulation::make_standing_box({0.05, 0.05, 0.14});
   geometry::RigidTransform elsewhere = geometry::RigidTransform::Identity();
   elsewhere.translation() = Eigen::Vector3d(0.3, 0.4, 0);
@@ -90,7 +90,7 @@ TEST(PlatformUnderTest, SaysAtWhichStageItFailed) {
 }
 
 TEST(PlatformUnderTest, WhatNoHandCanHoldEndsAtThePlan) {
-  const PlatformUnderTest platform("config/robots/kr5_pg70.yaml", true);
+  const PlatformUnderTest platform("config/robots/kr5_pg70.yaml");
   const TrueObject truth{simulation::make_standing_box({0.3, 0.3, 0.3}), 0.2, {}};
   const GraspTrial trial = platform.grasp(belief_of(truth.mesh_W, {}), truth, on_truth(), nullptr);
   EXPECT_EQ(trial.grasps, 0);

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "prehend/grasp/planner_options.h"
+#include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
@@ -128,6 +129,9 @@ void add_plan_options(CLI::App& command, PlanChoices& choices) {
   planning::PlatformPickOptions arm;
   planning::PlatformPickOptions::knobs(
       arm, OfferKnobs{command, &choices.arm_knobs, "The arm's motion", "arm_"});
+  planning::DecisionOptions decision;
+  planning::DecisionOptions::knobs(
+      decision, OfferKnobs{command, &choices.decision_knobs, "What acts are worth", "decide_"});
 }
 
 }  // namespace prehend::tools

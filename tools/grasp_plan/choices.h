@@ -28,9 +28,9 @@ struct PlanChoices {
   std::vector<std::string> generators;
   std::vector<std::string> preshapes;
   std::vector<double> move;
-  std::string path_planner, collision_checker;           // of the arm; empty: the defaults
-  double remedy_budget = 10;                             // s
-  std::map<std::string, double> grasp_knobs, arm_knobs;  // that were given, by name
+  std::string path_planner, collision_checker;  // of the arm; empty: the defaults
+  double remedy_budget = 10;                    // s
+  std::map<std::string, double> grasp_knobs, arm_knobs, decision_knobs;  // that were given, by name
   std::uint64_t seed = 1;
   int rows = 10;
   std::string config = own_config();

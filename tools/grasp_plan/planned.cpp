@@ -122,6 +122,28 @@ std::vector<planning::PlatformGrasp> picks_of(const Planned& planned) {
   return grasps;
 }
 
+// Of the grasp that is executed and the two best ones beside it.
+std::vector<planning::Choice> choices_of(const PlanChoices& choices, const PlanTarget& target,
+                                         const Planned& planned) {
+  constexpr std::size_t kMost = 3;
+  planning::DecisionOptions options;
+  std::map<std::string, double> given = choices.decision_knobs;
+  planning::DecisionOptions::knobs(options, text::SetKnobs{&given});
+  options.validate();
+  const auto& grasps = planned.plan.grasps;
+  std::size_t first = 0;
+  if (planned.arm) {
+    if (!planned.arm->motion.found()) return {};
+    first = static_cast<std::size_t>(planned.arm->grasp);
+  }
+  std::vector<const grasp::Grasp*> tried;
+  if (first < grasps.size()) tried.push_back(&grasps[first]);
+  for (std::size_t i = 0; i < grasps.size() && tried.size() < kMost; ++i) {
+    if (i != first) tried.push_back(&grasps[i]);
+  }
+  return planning::decide_on(target.object, tried, planned.hand.gripper.has_value(), options);
+}
+
 }  // namespace
 
 Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress& progress) {
@@ -168,6 +190,7 @@ Planned make_plan(const PlanChoices& choices, const PlanTarget& target, Progress
       stage("remedies");
     }
   }
+  planned.choices = choices_of(choices, target, planned);
   if (planned.plan.grasps.empty() && remedy.budget > 0) {
     progress.stage("finding out what would help");
     planned.remedies =

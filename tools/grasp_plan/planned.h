@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "prehend/grasp/known/grasp_memory.h"
+#include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/planning/remedies.h"
 #include "tools/grasp_plan/target.h"
@@ -18,7 +19,8 @@ struct Planned {
   grasp::Remembered remembered;  // what the database had to do with it
   std::string chosen;            // by the budget from the measured front, in words
   std::optional<planning::PlatformPick> arm;
-  planning::Remedies remedies;  // where there is no grasp, or no motion
+  std::vector<planning::Choice> choices;  // what may be done with it, best first
+  planning::Remedies remedies;            // where there is no grasp, or no motion
   StageTimes times;
 };
 

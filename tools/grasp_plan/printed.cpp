@@ -83,6 +83,16 @@ Rows arm_ledger_rows(const Planned& planned) {
   return rows;
 }
 
+const std::vector<std::string> kChoiceHeader{"WORTH [s]", "WHAT IS WORTH MOST"};
+
+Rows choice_rows(const Planned& planned) {
+  Rows rows;
+  for (const planning::Choice& choice : planned.choices) {
+    rows.push_back({fmt::format("{:.0f}", choice.worth), choice.text});
+  }
+  return rows;
+}
+
 // What would help, then what was tried and would not.
 const std::vector<std::string> kRemedyHeader{"WHAT WOULD HELP"};
 
@@ -199,6 +209,19 @@ std::vector<std::string> notes_of(const PlanChoices& choices, const PlanTarget& 
   return notes;
 }
 
+Json choices_json(const std::vector<planning::Choice>& choices) {
+  Json list = Json::array();
+  for (const planning::Choice& choice : choices) {
+    list.add(Json::object()
+                 .set("act", planning::to_string(choice.act))
+                 .set("grasp", choice.grasp)
+                 .set("success", choice.success)
+                 .set("worth_s", choice.worth)
+                 .set("text", choice.text));
+  }
+  return list;
+}
+
 Json remedies_json(const planning::Remedies& remedies) {
   Json found = Json::array(), in_vain = Json::array();
   for (const planning::Remedy& remedy : remedies.found) {
@@ -265,6 +288,7 @@ Json json_of(const PlanChoices& choices, const PlanTarget& target, const Planned
       .set("problem", succeeded(planned) ? std::string() : verdict(planned))
       .set("grasps", grasps)
       .set("ledger", ledger)
+      .set("choices", choices_json(planned.choices))
       .set("remedies", remedies_json(planned.remedies))
       .set("seconds", times);
   if (planned.arm) {
@@ -346,6 +370,7 @@ void print_plan(const PlanChoices& choices, const PlanTarget& target, const Plan
     print_rows(kArmLedgerHeader, arm_ledger_rows(planned));
     print_rows(kSegmentHeader, segment_rows(planned));
   }
+  print_rows(kChoiceHeader, choice_rows(planned));
   print_rows(kRemedyHeader, remedy_rows(planned));
   print_rows(kTimeHeader, time_rows(target, planned));
   std::printf("%s\n", verdict(planned).c_str());
@@ -381,6 +406,10 @@ void write_plan_page(const PlanChoices& choices, const PlanTarget& target, const
   page.add_table(kGraspHeader, grasp_rows(choices, planned));
   page.add_heading("Where the other candidates fell");
   report::add_rejections(page, fallen_candidates(planned), planned.plan.candidates, "candidates");
+  if (const Rows rows = choice_rows(planned); !rows.empty()) {
+    page.add_heading("What is worth most");
+    page.add_table(kChoiceHeader, rows);
+  }
   if (const Rows rows = remedy_rows(planned); !rows.empty()) {
     page.add_heading("What would help");
     page.add_table(kRemedyHeader, rows);
