@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/mend.h"
 #include "msgs/convert/outcomes.h"

@@ -230,7 +230,7 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
   result.before = belief.shapes();
   result.X_moved = X;
   result.looks = static_cast<int>(object.looks.size());
-  const geometry::TriangleMesh predicted_W = belief.mesh();
+  const geometry::TriangleMesh predicted_W = belief.coarse_mesh();
   tell(object, seen_W, &belief);
   belief.update();
   if (belief.contradicted()) {
@@ -250,7 +250,7 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
     if (result.after[i].weight < kLeastAlternative) break;
     if (result.model.alternatives_W.size() == kMostAlternatives) break;
     try {
-      result.model.alternatives_W.push_back(belief.mesh(i));
+      result.model.alternatives_W.push_back(belief.coarse_mesh(i));
       result.model.shape_weights.push_back(result.after[i].weight);
     } catch (const geometry::InputError&) {
       // A shape that gives no mesh is no alternative.

@@ -43,6 +43,13 @@ double spacing_for(const Eigen::AlignedBox3d& room, const BeliefOptions& options
                                    : std::max(1e-6, room.sizes().maxCoeff() / kAcross);
 }
 
+surface::SurfaceOptions coarse(const BeliefOptions& options) {
+  surface::SurfaceOptions surface = options.surface;
+  int& resolution = surface.fast_poisson.resolution;
+  resolution = std::min(resolution, options.coarse_resolution);
+  return surface;
+}
+
 }  // namespace
 
 void BeliefOptions::validate() const {
@@ -52,6 +59,7 @@ void BeliefOptions::validate() const {
       throw std::invalid_argument(std::string("BeliefOptions.") + name + " is out of range");
     }
   };
+  require(coarse_resolution >= 16 && coarse_resolution <= 1024, "coarse_resolution");
   require(swept_tolerance >= 0 && std::isfinite(swept_tolerance), "swept_tolerance");
   require(swept_spacing >= 0 && std::isfinite(swept_spacing), "swept_spacing");
 }
@@ -156,14 +164,21 @@ const std::vector<Displacement::Moved>& ObjectBelief::moved() const {
   return shape(0).displacement().moved();
 }
 
-geometry::TriangleMesh ObjectBelief::mesh(std::size_t i) const {
+geometry::TriangleMesh ObjectBelief::mesh(std::size_t i) const { return mesh(i, options_.surface); }
+
+geometry::TriangleMesh ObjectBelief::coarse_mesh(std::size_t i) const {
+  return mesh(i, coarse(options_));
+}
+
+geometry::TriangleMesh ObjectBelief::mesh(std::size_t i,
+                                          const surface::SurfaceOptions& surface) const {
   surface::EmptySpace empty;
   for (const shape::SeenSpace& space : seen_spaces_) {
     if (!space.empty_until.empty()) empty.seen.push_back(&space);
   }
   if (!swept_.empty()) empty.swept = &swept_;
   return surface::reconstruct(shape(i).displaced(evidence(), seen_spaces_.front()), table_W_,
-                              options_.surface, empty, shape(i).hypothesis().bounds_W);
+                              surface, empty, shape(i).hypothesis().bounds_W);
 }
 
 std::vector<ObjectBelief::Site> ObjectBelief::sites() const {

@@ -21,6 +21,8 @@ namespace prehend::belief {
 struct BeliefOptions {
   ShapePrior prior;
   surface::SurfaceOptions surface;
+  /// Nodes along the grid of coarse_mesh(); no more than those of `surface`.
+  int coarse_resolution = 64;
   double swept_tolerance = 0.0015;  // m, >= 0: what is no deeper in swept space may be there
   double swept_spacing = 0;         // m, of its voxels, >= 0; 0: 1/64 of the object's extent
 
@@ -86,6 +88,8 @@ class ObjectBelief {
 
   /// The surface of shapes()[i], with the object where it was first seen. @throws as reconstruct().
   geometry::TriangleMesh mesh(std::size_t i = 0) const;
+  /// The same with BeliefOptions::coarse_resolution, several times as fast.
+  geometry::TriangleMesh coarse_mesh(std::size_t i = 0) const;
   /// Some of the likeliest shape's points, spread over it, where they are thought to be, with the
   /// standard deviation of that along their normals [m].
   struct Site {
@@ -105,6 +109,7 @@ class ObjectBelief {
  private:
   const ShapeEvidence& shape(std::size_t i) const { return *all_[order_.at(i)]; }
   Evidence evidence() const;
+  geometry::TriangleMesh mesh(std::size_t i, const surface::SurfaceOptions& surface) const;
 
   BeliefOptions options_;
   geometry::Plane table_W_;
