@@ -82,6 +82,11 @@ bool ArmCycle::watch_slip() {
     add_surprise(SurpriseKind::kSlip, 0, slide, "holds harder");
     return false;
   }
+  if (options_.slip_force_factor > 1 && slid_ <= options_.largest_slide) {
+    hold_slip_.begin(now() + options_.slip_settle_time);
+    add_surprise(SurpriseKind::kSlip, 0, slide, "carries on, as it cannot hold harder");
+    return false;
+  }
   holds_ = false;  // it is said once: there is nothing more to be done about it
   const bool lifted = step_ == Step::kLift || step_ == Step::kCheck || step_ == Step::kRaise;
   if (options_.slip_force_factor <= 1 || !lifted || !segment(motion::SegmentKind::kLift)) {

@@ -75,8 +75,8 @@ std::string in_words(const Remedies& remedies);
 /// kMass, which begins with `hollow_share` of it.
 ///
 /// The same input gives the same remedies in the same order; a budget that is used up leaves out
-/// the last of them, never parts of one (Remedies::complete). It does not say what another look
-/// would change: how sure the completion would be then is not known before.
+/// the last of them, never parts of one (Remedies::complete). What another look
+/// would change is decision.h's.
 /// @param ledger of the plan without grasps.
 /// @throws as plan_grasps(); std::invalid_argument for a budget out of range.
 Remedies remedies_for_grasps(const surface::ObjectModel& object, const geometry::Plane& table_W,

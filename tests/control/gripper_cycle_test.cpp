@@ -92,23 +92,47 @@ TEST_F(GripperCycleTest, WhatSlipsIsHeldHarderAndStays) {
 
 TEST_F(GripperCycleTest, WhatSlipsThoughHeldAsHardAsCanBeIsPutDownAgain) {
   world.needed_force = 1000;
+  ArmCycleOptions options = reacting();
+  options.largest_slide = 0.002;
+  ArmCycle slipping(options, arm, hand);
+  slipping.start({grasp_at(0)});
   double height = 1;  // m, of the hand when it opens again
-  run(1, [&] {
-    if (cycle.detail().find("; opening") != std::string::npos) height = world.height();
-  });
-  EXPECT_FALSE(cycle.result().success());
-  EXPECT_NE(cycle.result().reason.find("cannot hold harder: put down again"), std::string::npos)
-      << cycle.result().reason;
+  for (int i = 0; i < 20000 && !slipping.finished(); ++i) {
+    if (slipping.detail().find("; opening") != std::string::npos) height = world.height();
+    slipping.step(world.percepts());
+    world.advance();
+  }
+  EXPECT_FALSE(slipping.result().success());
+  EXPECT_NE(slipping.result().reason.find("cannot hold harder: put down again"), std::string::npos)
+      << slipping.result().reason;
   EXPECT_NEAR(height, 0.04, 0.005) << "it is not dropped";
-  const auto slips = std::count_if(cycle.surprises().begin(), cycle.surprises().end(),
+  const auto slips = std::count_if(slipping.surprises().begin(), slipping.surprises().end(),
                                    [](const Surprise& s) { return s.kind == SurpriseKind::kSlip; });
   EXPECT_GE(slips, 3) << "12, 18, 27 N, ... were not enough";
+}
+
+// Regression: a box that slid by 1.5 mm and came to rest was put down, and tried in vain twice
+// more.
+TEST_F(GripperCycleTest, WhatSlipsALittleIsCarriedOn) {
+  world.needed_force = 15;
+  ArmCycleOptions options = reacting();
+  options.largest_grip_force = 12;
+  options.largest_slide = 0.5;
+  ArmCycle carrying(options, arm, hand);
+  carrying.start({grasp_at(0)});
+  for (int i = 0; i < 20000 && !carrying.finished(); ++i) {
+    carrying.step(world.percepts());
+    world.advance();
+  }
+  EXPECT_TRUE(carrying.result().success()) << carrying.result().reason;
+  EXPECT_NE(carrying.result().reason.find("although it slipped"), std::string::npos);
 }
 
 TEST_F(GripperCycleTest, WhatSlipsIsHeldNoHarderThanTheObjectBears) {
   world.needed_force = 1000;
   ArmCycleOptions options = reacting();
   options.largest_grip_force = 14;
+  options.largest_slide = 0.001;
   ArmCycle careful(options, arm, hand);
   careful.start({grasp_at(0)});
   for (int i = 0; i < 20000 && !careful.finished(); ++i) {
@@ -123,6 +147,7 @@ TEST_F(GripperCycleTest, TheNextGraspOfWhatSlippedBeginsWithMore) {
   world.needed_force = 1000;
   ArmCycleOptions options = reacting();
   options.largest_grip_force = 14;
+  options.largest_slide = 0.001;
   ArmCycle careful(options, arm, hand);
   careful.start({grasp_at(0), grasp_at(0.02)});
   for (int i = 0; i < 40000 && !careful.finished(); ++i) {
@@ -134,9 +159,12 @@ TEST_F(GripperCycleTest, TheNextGraspOfWhatSlippedBeginsWithMore) {
   for (const Surprise& s : careful.surprises()) {
     if (s.kind == SurpriseKind::kSlip) reactions.push_back(s.reaction);
   }
-  const std::string gives_up = "cannot hold harder: puts it down and looks again";
-  EXPECT_EQ(reactions, (std::vector<std::string>{"holds harder", gives_up, gives_up}))
-      << "12 N, 14 N; then 14 N at once";
+  EXPECT_EQ(reactions.front(), "holds harder") << "12 N";
+  EXPECT_EQ(std::count(reactions.begin(), reactions.end(), "holds harder"), 1)
+      << "14 N, and then 14 N at once";
+  EXPECT_EQ(std::count(reactions.begin(), reactions.end(),
+                       "cannot hold harder: puts it down and looks again"),
+            2);
 }
 
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.
