@@ -94,7 +94,9 @@ class ActsOfCase {
           SurpriseCase* result) {
     try {
       SurpriseAct done{truth, off, act(mesh_W, mass, friction)};
-      const bool fits = truth == ActTruth::kRight   ? is_held(done.act)
+      // Where the open hand touches what is there, it is not as predicted, whatever the contacts
+      // say.
+      const bool fits = truth == ActTruth::kRight   ? is_held(done.act) && !done.act.begins_in_touch
                         : truth == ActTruth::kSlips ? !is_held(done.act)
                                                     : true;
       if (fits) result->acts.push_back(std::move(done));

@@ -49,6 +49,7 @@ class Perceiver {
   ~Perceiver() { act_.after_step = nullptr; }
   Perceiver(const Perceiver&) = delete;
 
+  bool began_in_touch() const { return began_in_touch_; }
   void closed() {
     act_.after_step = nullptr;
     note(kClosed);
@@ -69,6 +70,7 @@ class Perceiver {
     const RobotWorld& world = act_.world();
     if (world.time() < next_) return;
     next_ += kLookEvery;
+    if (looks_ == 0) began_in_touch_ = act_.object().touches_robot;
     const simulation::ContactWrench wrench = world.wrist_wrench();
     force_ += wrench.force;
     torque_ += wrench.torque;
@@ -126,6 +128,7 @@ class Perceiver {
   double start_ = 0, next_ = 0;  // s
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), torque_ = Eigen::Vector3d::Zero();
   int looks_ = 0;
+  bool began_in_touch_ = false;
   std::vector<double> times_;  // s
   std::vector<Eigen::VectorXd> ways_;
 };
@@ -153,7 +156,8 @@ SimulatedAct perform(const robot::HandModel& hand, HandAct& act, const planning:
   const RigidTransform X_HB = in_hand();
   const double height = act.object().height;
   act.lift(options.lift_height, options.lift_time);
-  SimulatedAct done{perceiver.lifted(), 0, act.object().height - height};
+  SimulatedAct done{perceiver.lifted(), perceiver.began_in_touch(), 0,
+                    act.object().height - height};
   done.slide = (in_hand().translation() - X_HB.translation()).norm();
   // An object that flies off has no pose; what is perceived of it must have one.
   check_percepts(done.percepts);

@@ -70,6 +70,9 @@ struct ActOptions {
 /// What an act gave, and what became of the object.
 struct SimulatedAct {
   Percepts percepts;
+  /// The open hand touched the object before it began to close: a hand on an arm would not have got
+  /// there.
+  bool begins_in_touch = false;
   double slide = 0;   // m, of the object in the hand, from when it had closed to after the lift
   double raised = 0;  // m, of the object's lowest point, by the lift
 };

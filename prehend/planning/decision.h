@@ -36,8 +36,8 @@ struct DecisionOptions {
   int touches = 1;      // >= 0, of one object
   /// Of success where a grasp holds in none of its disturbed trials, and in all: in between it is
   /// in proportion. Measured: docs/planning.md, "Decide".
-  double success_of_none = 0.6;
-  double success_of_all = 0.96;
+  double success_of_none = 0.835;
+  double success_of_all = 0.965;
   double stop_deviation_angle = 0.05;     // rad, > 0, standard, of where a motor stops on a shape
   double stop_deviation_length = 0.0015;  // m, > 0, the same of a jaw
 

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "msgs/convert/decision.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "prehend/geometry/errors.h"
@@ -145,6 +146,40 @@ TEST(ArmGrasps, RefusesSegmentsOfAnUnknownKind) {
                     testing::HasSubstr(fmt::format("unknown ({})", kind)),
                     testing::HasSubstr("Mend or update the node that published it"))));
   }
+}
+
+TEST(Advice, IsTheBestOfAPlansChoices) {
+  msgs::GraspPlan plan;
+  EXPECT_EQ(advice_of(plan).act, control::Advice::Act::kGrasp) << "nothing is known";
+  plan.add_grasps();
+  plan.add_grasps();
+  add_choices({{planning::Act::kTouch, 1, 0.9, 80, "feel it"},
+               {planning::Act::kGrasp, 0, 0.5, 40, "grasp it now"}},
+              &plan);
+  ASSERT_EQ(plan.choices_size(), 2);
+  EXPECT_EQ(plan.choices(1).worth(), 40);
+  const control::Advice advice = advice_of(plan);
+  EXPECT_EQ(advice.act, control::Advice::Act::kTouch);
+  EXPECT_EQ(advice.grasp, 1);
+  EXPECT_EQ(advice.why, "feel it");
+  plan.mutable_choices(0)->set_act(msgs::Choice::GIVE_UP);
+  EXPECT_EQ(advice_of(plan).act, control::Advice::Act::kGiveUp);
+  plan.mutable_choices(0)->set_act(msgs::Choice::LOOK);
+  EXPECT_EQ(advice_of(plan).act, control::Advice::Act::kGrasp);
+}
+
+TEST(Advice, ThatMakesNoSenseIsRefused) {
+  msgs::GraspPlan plan;
+  msgs::Choice& choice = *plan.add_choices();
+  EXPECT_THROW(advice_of(plan), geometry::InputError) << "it names no act";
+  choice.set_act(static_cast<msgs::Choice::Act>(9));
+  EXPECT_THROW(advice_of(plan), geometry::InputError);
+  choice.set_act(msgs::Choice::TOUCH);
+  EXPECT_THROW(advice_of(plan), geometry::InputError) << "there are no grasps";
+  plan.add_grasps();
+  EXPECT_NO_THROW(advice_of(plan));
+  choice.set_grasp(-1);
+  EXPECT_THROW(advice_of(plan), geometry::InputError);
 }
 
 TEST(Surprises, TravelWithTheirKind) {
