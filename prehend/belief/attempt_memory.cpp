@@ -229,6 +229,7 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
   Recollection result;
   result.before = belief.shapes();
   result.X_moved = X;
+  result.explained = found->explained;
   result.looks = static_cast<int>(object.looks.size());
   const geometry::TriangleMesh predicted_W = belief.coarse_mesh();
   tell(object, seen_W, &belief);

@@ -28,7 +28,7 @@ struct AttemptMemoryOptions {
   BeliefOptions belief;
   surface::ModelOptions model;
   double tolerance = 0.004;        // m, > 0, of a seen point on the surface that it was on before
-  double least_explained = 0.5;    // share of the seen points, in (0, 1], for it to be that object
+  double least_explained = 0.8;    // share of the seen points, in (0, 1], for it to be that object
   double largest_motion = 0.12;    // m, > 0, of an object between two looks
   double placement = 0.001;        // m, >= 0, standard: of the object's estimated motion, ...
   double turn = 0.02;              // rad, >= 0, ... about the table's normal
@@ -43,6 +43,7 @@ struct Recollection {
   surface::ObjectModel model;  // alternatives: the less likely shapes
   std::vector<BelievedShape> before, after;
   geometry::RigidTransform X_moved = geometry::RigidTransform::Identity();  // since the last look
+  double explained = 0;           // share of what is seen now that is on what was believed then
   std::vector<Contact> contacts;  // as the object lies now
   int looks = 0;                  // before this one
   double change = 0;              // m, mean distance of its surface from what was predicted
