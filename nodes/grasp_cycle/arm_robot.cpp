@@ -98,8 +98,8 @@ void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& 
   if (platform.hand.pads.empty()) {
     constexpr const char* kNoPads = "its hand has no tactile pads";
     refuse({"grip_force", "touch_force", "touch_counts"}, kNoPads);
-    std::vector<std::string> slipping{"slip_force_factor", "largest_grip_force",
-                                      "slip_settle_time", "largest_slide"};
+    std::vector<std::string> slipping{"slip_force_factor", "largest_grip_force", "slip_settle_time",
+                                      "largest_slide"};
     touch::HoldSlipOptions slip;
     touch::HoldSlipOptions::knobs(slip, text::ListKnobs{kSlip, &slipping});
     refuse(slipping, kNoPads);

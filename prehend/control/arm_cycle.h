@@ -198,9 +198,10 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
                "give"});
     visit(Knob{"slip_settle_time", self.slip_settle_time, "s", 0, 10,
                "for the force to rise, before it is watched again whether what is held slips"});
-    visit(Knob{"largest_slide", self.largest_slide, "m", 0, 0.5,
-               "over the pads, since it was lifted, of what cannot be held harder: beyond it, it is "
-               "put down while it is lifted, up to it, most comes to rest"});
+    visit(
+        Knob{"largest_slide", self.largest_slide, "m", 0, 0.5,
+             "over the pads, since it was lifted, of what cannot be held harder: beyond it, it is "
+             "put down while it is lifted, up to it, most comes to rest"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -228,8 +229,9 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// (touch::HoldSlip, long before anybody sees it), while nothing else bears it. Then the hand holds
 /// it `slip_force_factor` times as hard, as often as needed, within what its motors can and
 /// `largest_grip_force`. Where that is not enough while it is lifted, and it slides by more than
-/// `largest_slide`, it is put down again, and the attempt has failed; on the way to a place, it goes on, as nothing else is nearer. The next grasp
-/// of the object begins with that much more than it slipped with.
+/// `largest_slide`, it is put down again, and the attempt has failed; on the way to a place, it
+/// goes on, as nothing else is nearer. The next grasp of the object begins with that much more than
+/// it slipped with.
 ///
 /// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
 /// beside its prediction, tell by where they were stopped how far it is beside

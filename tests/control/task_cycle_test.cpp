@@ -170,10 +170,9 @@ TEST_F(TaskOfTheGripper, FeelsFirstWhereThePlanSaysSo) {
   EXPECT_EQ(deciding.result().attempts, 1) << "what is felt is no attempt";
   EXPECT_GT(most_felt, 0.3) << "it was touched";
   EXPECT_LT(most_felt, 6) << "and not gripped, where 12 N are wanted";
-  EXPECT_THAT(states_of(deciding),
-              ElementsAre("look", "decide", "reach", "feel", "let_go", "back", "look", "decide",
-                          "approach", "grasp", "lift", "carry", "put_down", "release", "leave",
-                          "success"));
+  EXPECT_THAT(states_of(deciding), ElementsAre("look", "decide", "reach", "feel", "let_go", "back",
+                                               "look", "decide", "approach", "grasp", "lift",
+                                               "carry", "put_down", "release", "leave", "success"));
 }
 
 // An object that may be felt once is not felt again, whatever the next plan says.

@@ -77,8 +77,8 @@ TEST(Decide, ItIsFeltFirstExactlyWhereThatCostsLessThanItSaves) {
 TEST(Decide, WhatTellsNothingIsWorthNothing) {
   const DecisionOptions options = sure();
   const std::vector<Choice> choices = decide(grasp_for_each(0), {0.5, 0.5}, true, options);
-  EXPECT_NEAR(of(choices, Act::kTouch, 0).worth,
-              of(choices, Act::kGrasp).worth - options.touch, 1e-9);
+  EXPECT_NEAR(of(choices, Act::kTouch, 0).worth, of(choices, Act::kGrasp).worth - options.touch,
+              1e-9);
   DecisionOptions none = options;
   none.touches = 0;
   EXPECT_THROW(of(decide(grasp_for_each(9), {0.5, 0.5}, true, none), Act::kTouch),
