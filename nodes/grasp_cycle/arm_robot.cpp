@@ -187,6 +187,9 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
     grasps.push_back(convert::arm_grasp_from_message(*grasp));
   }
   advice_ = convert::advice_of(*view.plans.at(target.id));
+  if (static_cast<std::size_t>(advice_.grasp) >= grasps.size()) {
+    throw std::runtime_error("the plan would feel it with a grasp that has no motion of the arm");
+  }
   prepared_ = std::move(grasps);
   return destination(*target.grasps.front());
 }

@@ -200,18 +200,20 @@ void Cycle::look() {
 // The plan's advice holds once: after a touch that told nothing new there is none.
 void Cycle::decide() {
   const Advice advice = std::exchange(advice_, {});
-  if (advice.act == Advice::Act::kGiveUp) {
+  const bool touches = advice.act == Advice::Act::kTouch && touches_ < shared_.largest_touches;
+  const bool gives_up = advice.act == Advice::Act::kGiveUp;
+  if (!touches && !gives_up) return ended(Outcome::kDone);
+  // Neither is an attempt. An object that is left counts all the same, or it is looked at for ever.
+  --result_.attempts;
+  order_.put_back(grasp_index_);
+  if (gives_up) {
     failure_ = advice.why;
     failed_attempts_.add(0, advice.why);
     return ended(Outcome::kNothing, advice.why);
   }
-  const bool touches = advice.act == Advice::Act::kTouch && touches_ < shared_.largest_touches;
-  if (!touches) return ended(Outcome::kDone);
+  --attempts_;
   ++touches_;
   ++result_.touches;
-  --attempts_;
-  --result_.attempts;
-  order_.put_back(grasp_index_);
   result_.grasp_index = grasp_index_ = advice.grasp;
   touched_ = true;
   prepare_attempt();

@@ -199,6 +199,7 @@ TEST_F(TaskOfTheGripper, LeavesWhatIsNotWorthAnAttempt) {
   EXPECT_FALSE(deciding.result().success());
   EXPECT_THAT(deciding.result().reason, HasSubstr("leave it: worth -3 s"));
   EXPECT_THAT(states_of(deciding), ElementsAre("look", "decide", "failure"));
+  EXPECT_EQ(deciding.result().attempts, 0);
 }
 
 TEST(TaskOfTheArm, FingersThatFeelDoNotPress) {
