@@ -142,6 +142,7 @@ const char* to_string(Act act) {
 void DecisionOptions::validate() const {
   const text::Require require{"DecisionOptions."};
   knobs(*this, text::CheckKnobs{require.of});
+  require(std::isfinite(look) && look >= 0, "look must not be negative");
   require(attempts >= 1, "attempts must be at least 1");
   require(success_of_all >= success_of_none, "success_of_all must not be below success_of_none");
   require(std::isfinite(stop_deviation_angle) && stop_deviation_angle > 0,

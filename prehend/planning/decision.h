@@ -31,9 +31,11 @@ struct DecisionOptions {
   double attempt = 20;  // s, > 0, of an attempt that succeeds
   double failure = 30;  // s, >= 0, of one that fails, beyond that: what is felled or moved
   double touch = 15;    // s, > 0, of feeling it first, with the new look and plan after it
-  double look = 0;      // s, >= 0, of a look that tells its shape; 0: there is no camera for it
-  int attempts = 3;     // >= 1, with one object
-  int touches = 1;      // >= 0, of one object
+  /// s, >= 0, of a look that tells its shape; 0: there is no camera for it. No knob: no platform
+  /// has a camera that moves.
+  double look = 0;
+  int attempts = 3;  // >= 1, with one object
+  int touches = 1;   // >= 0, of one object
   /// Of success where a grasp holds in none of its disturbed trials, and in all: in between it is
   /// in proportion. Measured: docs/planning.md, "Decide".
   double success_of_none = 0.835;
@@ -50,8 +52,6 @@ struct DecisionOptions {
     visit(Knob{"failure_cost", self.failure, "s", 0, 1e6, "of one that fails, beyond that"});
     visit(Knob{"touch_cost", self.touch, "s", 0.001, 1e6,
                "of feeling an object before it is lifted, with the new look and plan"});
-    visit(Knob{"look_cost", self.look, "s", 0, 1e6,
-               "of a look that tells the shape; 0: no camera can get there"});
     visit(Knob{"touches", self.touches, "", 0, 10, "of one object, before it is lifted"});
     visit(Knob{"success_of_none", self.success_of_none, "", 0, 1,
                "probability that a grasp succeeds that holds in no disturbed trial"});

@@ -287,6 +287,13 @@ class GripperCycleTest : public testing::Test {
     }
     EXPECT_TRUE(cycle.finished()) << cycle.detail();
   }
+  void run_to_the_end(ArmCycle& driven) {
+    for (int i = 0; i < 60000 && !driven.finished(); ++i) {
+      driven.step(world.percepts());
+      world.advance();
+    }
+    ASSERT_TRUE(driven.finished()) << driven.detail();
+  }
   const Surprise* surprise(SurpriseKind kind) const {
     const auto found = std::find_if(cycle.surprises().begin(), cycle.surprises().end(),
                                     [kind](const Surprise& s) { return s.kind == kind; });

@@ -120,10 +120,7 @@ TEST_F(GripperCycleTest, WhatSlipsALittleIsCarriedOn) {
   options.largest_slide = 0.5;
   ArmCycle carrying(options, arm, hand);
   carrying.start({grasp_at(0)});
-  for (int i = 0; i < 20000 && !carrying.finished(); ++i) {
-    carrying.step(world.percepts());
-    world.advance();
-  }
+  run_to_the_end(carrying);
   EXPECT_TRUE(carrying.result().success()) << carrying.result().reason;
   EXPECT_NE(carrying.result().reason.find("although it slipped"), std::string::npos);
 }
@@ -135,10 +132,7 @@ TEST_F(GripperCycleTest, WhatSlipsIsHeldNoHarderThanTheObjectBears) {
   options.largest_slide = 0.001;
   ArmCycle careful(options, arm, hand);
   careful.start({grasp_at(0)});
-  for (int i = 0; i < 20000 && !careful.finished(); ++i) {
-    careful.step(world.percepts());
-    world.advance();
-  }
+  run_to_the_end(careful);
   EXPECT_NE(hand.grip().find("14.0 N"), std::string::npos) << hand.grip();
   EXPECT_NE(careful.result().reason.find("put down again"), std::string::npos);
 }
@@ -150,10 +144,7 @@ TEST_F(GripperCycleTest, TheNextGraspOfWhatSlippedBeginsWithMore) {
   options.largest_slide = 0.001;
   ArmCycle careful(options, arm, hand);
   careful.start({grasp_at(0), grasp_at(0.02)});
-  for (int i = 0; i < 40000 && !careful.finished(); ++i) {
-    careful.step(world.percepts());
-    world.advance();
-  }
+  run_to_the_end(careful);
   ASSERT_EQ(careful.result().attempts, 2);
   std::vector<std::string> reactions;
   for (const Surprise& s : careful.surprises()) {

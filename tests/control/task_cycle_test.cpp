@@ -35,10 +35,6 @@ class TaskOfTheGripper : public GripperCycleTest {
     driven.step(world.percepts());
     world.advance();
   }
-  void run_to_the_end(ArmCycle& driven) {
-    for (int i = 0; i < 60000 && !driven.finished(); ++i) step(driven);
-    ASSERT_TRUE(driven.finished()) << driven.detail();
-  }
   void run_until_it_looks(ArmCycle& driven) {
     for (int i = 0; i < 60000 && !driven.finished() && !driven.looks_since(); ++i) step(driven);
     ASSERT_TRUE(driven.looks_since()) << driven.detail();
