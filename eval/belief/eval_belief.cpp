@@ -64,10 +64,10 @@ int run_surprise(const Options& options) {
   if (options.choice.quick) std::erase_if(cases, [](const auto& one) { return one.orientation; });
   if (options.choice.list) return eval::list_cases(cases);
   const std::string name = options.hand.empty() ? "kr5_sdh" : options.hand;
-  const eval::TouchingHand hand(name);
+  const eval::SurprisedPlatform platform(name);
   std::vector<eval::SurpriseCase> results;
   for (const eval::Case& one : cases) {
-    results.push_back(eval::run_surprise_trial(one, hand));
+    results.push_back(eval::run_surprise_trial(one, platform));
     const eval::SurpriseCase& done = results.back();
     std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
                  done.name.c_str(), done.acts.size(), done.problem.c_str());
@@ -153,7 +153,8 @@ int main(int argc, char** argv) {
                  "are planned; else a fingertip touches")
       ->check(CLI::IsMember(hands));
   app.add_flag("--surprise", options.surprise,
-               "in place of touching, closes --hand (kr5_sdh) on objects that are as predicted, "
+               "in place of touching, lets the platform --hand (kr5_sdh) pick objects that are as "
+               "predicted, "
                "or of another size, moved, fallen, slippery, not there, and says how many bits of "
                "surprise that is; one process, always fresh");
   app.add_option("--fit", options.fit,

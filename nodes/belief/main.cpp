@@ -12,6 +12,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
+#include "nodes/belief/act_forecasts.h"
 #include "nodes/platform_source/platform_source.h"
 #include "prehend/belief/attempt_memory.h"
 #include "prehend/geometry/errors.h"
@@ -49,6 +50,7 @@ class BeliefNode {
                                                   .description = "wall time that a predicted model "
                                                                  "waits for its shape",
                                                   .read_only = true})),
+        forecasts_(node, platform_),
         models_(node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects))),
         beliefs_(node.advertise<msgs::Belief>("/belief", graph::QoS::latched(kMostObjects))),
         shapes_(node.subscribe<msgs::CompletedShape>(
@@ -100,8 +102,8 @@ class BeliefNode {
          .read_only = true});
     belief::AttemptMemoryOptions options;
     options.use = kUses.at(use);
-    hand_ = robot::read_platform(robot::platform_file(platforms, platform)).hand;
-    return belief::AttemptMemory(hand_, options);
+    platform_ = robot::read_platform(robot::platform_file(platforms, platform));
+    return belief::AttemptMemory(platform_.hand, options);
   }
 
   View& view_of(std::int64_t stamp) {
@@ -113,9 +115,9 @@ class BeliefNode {
   }
 
   void remember(const msgs::AttemptEvidence& message) {
-    if (message.hand() != hand_.name) {
+    if (message.hand() != platform_.hand.name) {
       throw geometry::InputError(
-          "it was made with the hand " + message.hand() + ", not with " + hand_.name,
+          "it was made with the hand " + message.hand() + ", not with " + platform_.hand.name,
           "Give this node the platform that the cycle has");
     }
     const auto view = views_.find(message.header().stamp());
@@ -164,6 +166,7 @@ class BeliefNode {
         if (!problem.empty()) node_.report(graph::Health::kWarning, problem);
       }
       if (model.valid()) view.meshes_W[model.id()] = convert::from_message(model.mesh());
+      forecasts_.seen(model);
       models_.publish(std::move(model));
     }
     waiting_ = std::move(still);
@@ -216,9 +219,10 @@ class BeliefNode {
   }
 
   graph::Node& node_;
-  robot::HandModel hand_;
+  robot::Platform platform_;
   belief::AttemptMemory memory_;
-  double patience_;                     // s
+  double patience_;  // s
+  nodes::ActForecasts forecasts_;
   std::map<std::int64_t, View> views_;  // by the stamp [ns]
   std::deque<Waiting> waiting_;
   graph::Publisher<msgs::ObjectModel> models_;
@@ -238,7 +242,9 @@ const prehend::graph::RegisteredNodeProgram registered(
      "predicted of a view (/predicted_models: remap the meshing's /models to it) with their shapes "
      "(/shapes), and what attempts felt and went through (/cycle/evidence). Publishes each model "
      "on /models: as it is, or, of an object that was touched before, as it is believed now, and "
-     "what was made of the evidence on /belief."},
+     "what was made of the evidence on /belief. Foretells what the act that begins is to perceive "
+     "(/percepts/forecast), and says in bits how surprising is what it perceived "
+     "(/percepts/surprise)."},
     run);
 
 }  // namespace

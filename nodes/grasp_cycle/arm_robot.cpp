@@ -140,6 +140,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
       node.subscribe<msgs::Wrench>("/wrench", QoS::latest(), [this](const auto& message) {
         // What cannot be read leaves the older one in place, which soon is too old to move by.
         wrist_force_ = convert::from_message(message->wrench().force());
+        wrist_torque_ = convert::from_message(message->wrench().torque());
         wrist_stamp_ = message->header().stamp();
       }));
   for (const robot::HandPad& pad : platform.hand.pads) {
@@ -154,6 +155,7 @@ void ArmRobot::step() {
   const control::ArmPercepts now = percepts();
   cycle_->step(now);
   attempt_watch_->step(*cycle_, now);
+  percept_watch_->step(*cycle_, now);
 }
 
 std::string ArmRobot::lacks(const msgs::Grasp& grasp) const {
@@ -173,6 +175,7 @@ void ArmRobot::start() {
     platform_.set_gripper(*gripper);
   }
   attempt_watch_.emplace(platform_, contact_force_, touch_force_);
+  percept_watch_.emplace(platform_, touch_force_, touch_counts_);
   cycle_->start(prepared_, "", advice_);
 }
 
@@ -226,6 +229,7 @@ control::ArmPercepts ArmRobot::percepts() const {
     percepts.joints_age = percepts.time - graph::seconds(joints_->header().stamp());
   }
   percepts.wrist_force = wrist_force_;
+  percepts.wrist_torque = wrist_torque_;
   percepts.wrist_age = percepts.time - graph::seconds(wrist_stamp_);
   for (const auto& [name, frame] : pads_) {
     const contact::PadLayout& layout = *hand_pads_.at(name).layout;

@@ -14,6 +14,7 @@
 #include "prehend/control/arm_cycle.h"
 #include "prehend/control/attempt_watch.h"
 #include "prehend/control/pad_gripper.h"
+#include "prehend/control/percept_watch.h"
 #include "prehend/graph/node.h"
 #include "prehend/robot/grip.h"
 #include "prehend/robot/platform.h"
@@ -69,6 +70,8 @@ class ArmRobot {
   const std::string& hand_name() const { return platform_.hand.name; }
   /// What the attempts of the running cycle find out.
   const control::AttemptWatch& attempt_watch() const { return *attempt_watch_; }
+  /// What they perceive.
+  const control::PerceptWatch& percept_watch() const { return *percept_watch_; }
 
  private:
   bool has_gripper() const { return pad_gripper_ != nullptr; }
@@ -87,11 +90,12 @@ class ArmRobot {
   robot::Platform platform_;
   double contact_force_, touch_force_;  // N
   std::optional<control::AttemptWatch> attempt_watch_;
+  std::optional<control::PerceptWatch> percept_watch_;
   std::vector<graph::Subscription> subscriptions_;
   std::shared_ptr<const msgs::JointState> joints_;
   std::shared_ptr<const msgs::GripperState> gripper_state_;
-  std::optional<Eigen::Vector3d> wrist_force_;  // N
-  std::int64_t wrist_stamp_ = 0;                // ns
+  std::optional<Eigen::Vector3d> wrist_force_, wrist_torque_;  // N, N m
+  std::int64_t wrist_stamp_ = 0;                               // ns
   int touch_counts_;
   std::map<std::string, std::shared_ptr<const msgs::TactileFrame>> pads_;  // that have spoken
   std::map<std::string, robot::HandPad> hand_pads_;                        // all, by name

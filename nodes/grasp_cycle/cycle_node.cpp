@@ -10,6 +10,7 @@
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
+#include "msgs/convert/percepts.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/graph/knob_parameters.h"
@@ -79,7 +80,8 @@ CycleNode::CycleNode(graph::Node& node)
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),
       tasks_(node.advertise<msgs::Task>("/cycle/task", graph::QoS::latched(1))),
-      evidence_(node.advertise<msgs::AttemptEvidence>("/cycle/evidence", graph::QoS::latched(32))) {
+      evidence_(node.advertise<msgs::AttemptEvidence>("/cycle/evidence", graph::QoS::latched(32))),
+      percepts_(node.advertise<msgs::ActPercepts>("/cycle/percepts", graph::QoS::latched(32))) {
   tasks_.publish(convert::to_message(task_, node_.clock().now()));
   predicted_.listen();
   subscribe();
@@ -153,6 +155,7 @@ void CycleNode::tick() {
       predicted_.watch();
       robot_->step();
       publish_evidence();
+      publish_percepts();
       if (const auto since = robot_->cycle().looks_since()) look_again(*since);
     });
     if (!failure.empty()) robot_->cycle().abort("a step of the cycle failed: " + failure);
@@ -237,7 +240,7 @@ void CycleNode::start(const View& view) {
 
 void CycleNode::begin() {
   surprises_sent_ = surprises_before_ = 0;
-  evidence_sent_ = 0;
+  evidence_sent_ = percepts_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
@@ -301,6 +304,20 @@ void CycleNode::publish_evidence() {
   message.set_attempt(static_cast<std::uint32_t>(evidence_sent_));
   message.set_hand(robot_->hand_name());
   evidence_.publish(std::move(message));
+}
+
+void CycleNode::publish_percepts() {
+  const control::PerceptWatch& watch = robot_->percept_watch();
+  if (watch.concluded() == percepts_sent_) return;
+  percepts_sent_ = watch.concluded();
+  msgs::ActPercepts message;
+  message.mutable_header()->set_stamp(view_stamp_);
+  message.set_object_id(target_);
+  message.set_grasp_index(static_cast<std::uint32_t>(watch.grasp_index()));
+  message.set_attempt(static_cast<std::uint32_t>(watch.tries()));
+  message.set_hand(robot_->hand_name());
+  *message.mutable_percepts() = convert::to_message(watch.percepts());
+  percepts_.publish(std::move(message));
 }
 
 void CycleNode::publish_progress() {

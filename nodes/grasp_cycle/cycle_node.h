@@ -9,6 +9,7 @@
 
 #include "msgs/belief.pb.h"
 #include "msgs/grasp.pb.h"
+#include "msgs/percepts.pb.h"
 #include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/look_again.h"
 #include "nodes/grasp_cycle/predicted_objects.h"
@@ -43,6 +44,8 @@ class CycleNode {
   void publish_progress();
   /// What an attempt has found out, once it lifts or has failed.
   void publish_evidence();
+  /// What it has perceived, once it has closed, and lifted or not.
+  void publish_percepts();
   void publish_state(control::Phase phase, int grasp_index, const std::string& detail);
   void finish(const control::CycleResult& result);
   void fail(const std::string& reason);
@@ -62,6 +65,7 @@ class CycleNode {
   graph::Publisher<msgs::CycleResult> results_;
   graph::Publisher<msgs::Task> tasks_;
   graph::Publisher<msgs::AttemptEvidence> evidence_;
+  graph::Publisher<msgs::ActPercepts> percepts_;
   std::vector<graph::Subscription> subscriptions_;
   graph::Service start_service_;
   graph::Node::Timer timer_;
@@ -76,8 +80,8 @@ class CycleNode {
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
-  int evidence_sent_ = 0;             // attempts of this cycle
-  std::size_t surprises_before_ = 0;  // the present attempt
+  int evidence_sent_ = 0, percepts_sent_ = 0;  // attempts of this cycle
+  std::size_t surprises_before_ = 0;           // the present attempt
   std::optional<std::chrono::steady_clock::time_point> robot_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
   int exit_code_ = 0;

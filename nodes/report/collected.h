@@ -11,6 +11,7 @@
 #include "msgs/geometry.pb.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
+#include "msgs/percepts.pb.h"
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
 #include "prehend/control/cycle.h"
@@ -48,6 +49,7 @@ struct Collected {
   // By stamp and object, the newest of a run: as it was predicted, and as it is believed.
   std::map<std::pair<std::int64_t, std::uint32_t>, msgs::ObjectModel> predicted, believed;
   std::vector<msgs::Surprise> surprises;
+  std::vector<msgs::PerceptSurprise> percept_surprises;  // as they came
   std::optional<msgs::CycleResult> result;
   std::optional<msgs::Task> task;
 

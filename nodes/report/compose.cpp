@@ -15,6 +15,7 @@
 #include "nodes/report/belief_section.h"
 #include "nodes/report/charts_section.h"
 #include "nodes/report/object_section.h"
+#include "nodes/report/surprise_section.h"
 #include "nodes/report/task_section.h"
 #include "nodes/report/touch_section.h"
 #include "prehend/control/surprise.h"
@@ -242,6 +243,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
     section(page, "What was done", [&] { add_task(page, *collected.task, collected.result); });
   }
   section(page, "What the pads felt", [&] { add_touch(page, collected); });
+  if (!collected.percept_surprises.empty()) {
+    section(page, "How surprising it was", [&] { add_surprises(page, collected); });
+  }
   if (!collected.beliefs.empty()) {
     section(page, "What touch changed", [&] { add_beliefs(page, collected); });
   }

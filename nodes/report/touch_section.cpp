@@ -46,11 +46,11 @@ Eigen::Vector3d triple(const google::protobuf::RepeatedField<double>& values, in
   return {values.Get(3 * i), values.Get(3 * i + 1), values.Get(3 * i + 2)};
 }
 
-// The frame's cells as one sees them who looks at the pad along its mean normal, P's y up; none for
+// The cells as one sees them who looks at the pad along its mean normal, P's y up; none for
 // a pad that is a flat grid, whose rows and columns show it, or whose cells are not known.
-std::vector<report::DrawnCell> cells_of(const msgs::TactileFrame& frame,
+std::vector<report::DrawnCell> cells_of(const std::vector<double>& values,
                                         const msgs::PadCells& pad) {
-  const int count = frame.intensity_size();
+  const int count = static_cast<int>(values.size());
   if (count == 0 || pad.area_size() != count || pad.position_size() != 3 * count ||
       pad.normal_size() != 3 * count) {
     return {};
@@ -73,27 +73,15 @@ std::vector<report::DrawnCell> cells_of(const msgs::TactileFrame& frame,
   for (int i = 0; i < count; ++i) {
     if (!(pad.area(i) > 0)) continue;
     const Eigen::Vector3d p = triple(pad.position(), i);
-    cells.push_back({normal.dot(p),
-                     {{right.dot(p), up.dot(p)},
-                      std::sqrt(pad.area(i)),
-                      static_cast<double>(frame.intensity(i))}});
+    cells.push_back(
+        {normal.dot(p),
+         {{right.dot(p), up.dot(p)}, std::sqrt(pad.area(i)), values[static_cast<std::size_t>(i)]}});
   }
   std::stable_sort(cells.begin(), cells.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<report::DrawnCell> in_order;
   for (auto& [height, cell] : cells) in_order.push_back(cell);
   return in_order;
-}
-
-geometry::ColorImage picture_of(const msgs::TactileFrame& frame, const std::string& pad,
-                                const Collected& collected, double full) {
-  if (const auto found = collected.cells.find(pad); found != collected.cells.end()) {
-    const std::vector<report::DrawnCell> cells = cells_of(frame, found->second);
-    if (!cells.empty()) return report::draw_cells(cells, full);
-  }
-  const std::vector<double> values(frame.intensity().begin(), frame.intensity().end());
-  return report::draw_tactile(values, static_cast<int>(frame.rows()),
-                              static_cast<int>(frame.columns()), full);
 }
 
 std::string place_text(const msgs::Vector3& p) {
@@ -159,6 +147,15 @@ void add_choice(report::Page& page, const msgs::GraspPlan& plan) {
 
 }  // namespace
 
+geometry::ColorImage draw_pad(const std::vector<double>& values, const std::string& pad, int rows,
+                              int columns, const Collected& collected, double full) {
+  if (const auto found = collected.cells.find(pad); found != collected.cells.end()) {
+    const std::vector<report::DrawnCell> cells = cells_of(values, found->second);
+    if (!cells.empty()) return report::draw_cells(cells, full);
+  }
+  return report::draw_tactile(values, rows, columns, full);
+}
+
 std::string in_words(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
@@ -184,7 +181,9 @@ void add_touch(report::Page& page, const Collected& collected) {
   for (const auto& [name, frames] : shown) {
     for (const Shown& one : frames) {
       const msgs::TactileFrame& frame = *one.frame;
-      pictures.push_back(picture_of(frame, name, collected, full));
+      pictures.push_back(draw_pad({frame.intensity().begin(), frame.intensity().end()}, name,
+                                  static_cast<int>(frame.rows()), static_cast<int>(frame.columns()),
+                                  collected, full));
       captions.push_back(
           fmt::format("{} pad, {}: {:.1f} N", in_words(name), one.when, frame.sum()));
     }

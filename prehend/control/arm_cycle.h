@@ -124,6 +124,8 @@ struct ArmPercepts {
   double joints_age = 0;                     // s, at `time`; 0: read in the same instant
   double wrist_age = 0;                      // s
   std::optional<GripperPercept> gripper = std::nullopt;  // of a hand that is one
+  /// N m, with wrist_force, about the origin of the hand's root frame; none: not known.
+  std::optional<Eigen::Vector3d> wrist_torque = std::nullopt;
 };
 
 struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
@@ -258,6 +260,9 @@ class ArmCycle : public Cycle {
   /// Keeps references to the ports. @throws std::invalid_argument for options out of range.
   ArmCycle(const ArmCycleOptions& options, ArmPort& arm, HandPort& hand);
 
+  /// That is tried now, or was last. @pre it has begun to try one
+  const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
+
   /// From now on it says how likely lifts hold. @pre not started
   void judge_grips(GripJudge judge) { judge_ = std::move(judge); }
 
@@ -387,7 +392,6 @@ class ArmCycle : public Cycle {
   void open_less();
   void go_back();
   void fail(const std::string& reason);
-  const ArmGrasp& grasp() const { return grasps_[static_cast<std::size_t>(grasp_index())]; }
 
   ArmCycleOptions options_;
   ArmPort& arm_;

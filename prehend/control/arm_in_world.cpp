@@ -63,7 +63,9 @@ ArmPercepts ArmInWorld::percepts(int touch_counts) {
     percepts.names.push_back(joint.name);
     percepts.positions.push_back(joint.position);
   }
-  percepts.wrist_force = world_.wrist_wrench().force;
+  const auto wrench = world_.wrist_wrench();
+  percepts.wrist_force = wrench.force;
+  percepts.wrist_torque = wrench.torque;
   for (const simulation::HandPadReading& pad : world_.pads()) {
     const auto& felt = felt_.at(pad.name);
     percepts.pads.push_back(

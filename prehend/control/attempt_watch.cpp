@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
-#include "prehend/touch/hand_touch.h"
+#include "prehend/control/hand_sample.h"
 
 namespace prehend::control {
 namespace {
@@ -36,31 +35,6 @@ AttemptWatch::AttemptWatch(const robot::Platform& platform, double contact_force
       evidence_(platform.hand),
       contact_force_(contact_force),
       touch_force_(touch_force) {}
-
-// Joints of a hand that slide are jaws, each half of the opening from the middle.
-std::optional<HandSample> AttemptWatch::hand_now() const {
-  robot::Positions q(chain_.size());
-  for (int i = 0; i < chain_.size(); ++i) {
-    const auto found = std::find(percepts_.names.begin(), percepts_.names.end(),
-                                 chain_.joints()[static_cast<std::size_t>(i)].name);
-    if (found == percepts_.names.end()) return std::nullopt;
-    q[i] = percepts_.positions.at(static_cast<std::size_t>(found - percepts_.names.begin()));
-  }
-  std::vector<std::string> names = percepts_.names;
-  std::vector<double> positions = percepts_.positions;
-  if (percepts_.gripper) {
-    for (const std::string& name : platform_.hand.actuated_names()) {
-      names.push_back(name);
-      positions.push_back(percepts_.gripper->opening / 2);
-    }
-  }
-  try {
-    return HandSample{platform_.X_WB * chain_.forward(q) * platform_.X_FH,
-                      touch::joint_positions(platform_.hand, names, positions)};
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;  // nothing says where the hand's joints are
-  }
-}
 
 double AttemptWatch::force_of(const std::string& pad) const {
   const auto found = std::find_if(percepts_.pads.begin(), percepts_.pads.end(),
@@ -133,7 +107,7 @@ double AttemptWatch::farthest(const HandSample& from, const HandSample& to) cons
 
 void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   percepts_ = percepts;
-  const std::optional<HandSample> hand = hand_now();
+  const std::optional<HandSample> hand = hand_sample(platform_, chain_, percepts);
   if (!hand) return;
   moments_.push_back({percepts.time, *hand});
   if (moments_.size() > kMoments) moments_.pop_front();

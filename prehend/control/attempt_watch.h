@@ -45,7 +45,6 @@ class AttemptWatch {
     belief::HandSample hand;
   };
   void begin(const ArmCycle& cycle);
-  std::optional<belief::HandSample> hand_now() const;
   double force_of(const std::string& pad) const;  // N
   bool pads_touch() const;
   /// Of the pads that are believed and touch: each as the hand was when it spoke.

@@ -71,7 +71,9 @@ ArmPercepts StageInWorld::percepts(int touch_counts) {
   for (const robot::ChainJoint& joint : stage_.drive().chain().joints()) {
     percepts.names.push_back(joint.name);
   }
-  percepts.wrist_force = world_.wrist_wrench().force;
+  const auto wrench = world_.wrist_wrench();
+  percepts.wrist_force = wrench.force;
+  percepts.wrist_torque = wrench.torque;
   for (const auto side : {simulation::PadSide::kLeft, simulation::PadSide::kRight}) {
     const bool left = side == simulation::PadSide::kLeft;
     const auto& felt = left ? left_ : right_;

@@ -114,18 +114,20 @@ std::vector<PredictedTouch> predict_touches(const robot::HandModel& hand,
   return touches;
 }
 
+GraspToFeel grasp_to_feel(const grasp::Grasp& grasp) {
+  constexpr double kLeastEffort = 1e-3;  // share
+  return {grasp.X_WG,   grasp.preshape, grasp.open,
+          grasp.closed, grasp.force,    std::clamp(grasp.effort, kLeastEffort, 1.0)};
+}
+
 std::vector<PredictedTouch> add_touch(const robot::HandModel& hand,
                                       const surface::ObjectModel& object,
                                       const geometry::Plane& table,
                                       const TouchPredictionOptions& options,
                                       std::vector<grasp::Grasp>* grasps) {
-  constexpr double kLeastEffort = 1e-3;  // share; of grasps that need next to none
   if (grasps->empty()) return {};
   std::vector<GraspToFeel> to_feel;
-  for (const grasp::Grasp& grasp : *grasps) {
-    to_feel.push_back({grasp.X_WG, grasp.preshape, grasp.open, grasp.closed, grasp.force,
-                       std::clamp(grasp.effort, kLeastEffort, 1.0)});
-  }
+  for (const grasp::Grasp& grasp : *grasps) to_feel.push_back(grasp_to_feel(grasp));
   const ObjectToFeel body{object.mesh_W, table, grasps->front().predicted.lifted_mass};
   std::vector<PredictedTouch> touches = predict_touches(hand, to_feel, body, options);
   for (std::size_t i = 0; i < grasps->size(); ++i) {

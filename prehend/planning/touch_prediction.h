@@ -26,6 +26,9 @@ struct GraspToFeel {
   double effort = 1;             // share of what the hand can that is thought to hold it, (0, 1]
 };
 
+/// Of a planned grasp. One that needs next to no effort has the least that can be simulated.
+GraspToFeel grasp_to_feel(const grasp::Grasp& grasp);
+
 /// What is to be felt: one rigid body on its table.
 struct ObjectToFeel {
   geometry::TriangleMesh mesh_W;

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "prehend/belief/percept_forecast.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/whole_file.h"
 #include "prehend/simulation/shapes.h"
