@@ -64,17 +64,17 @@ int run_surprise(const Options& options) {
   if (options.choice.quick) std::erase_if(cases, [](const auto& one) { return one.orientation; });
   if (options.choice.list) return eval::list_cases(cases);
   const std::string name = options.hand.empty() ? "kr5_sdh" : options.hand;
-  const eval::SurprisedPlatform platform(name);
+  const eval::TouchingHand hand(name);
   std::vector<eval::SurpriseCase> results;
   for (const eval::Case& one : cases) {
-    results.push_back(eval::run_surprise_trial(one, platform));
+    results.push_back(eval::run_surprise_trial(one, hand));
     const eval::SurpriseCase& done = results.back();
     std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
                  done.name.c_str(), done.acts.size(), done.problem.c_str());
   }
-  const belief::SurpriseModel model =
-      options.fit.empty() ? belief::SurpriseModel::load(text::tree_file(kModelOfSurprise))
-                          : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
+  belief::SurpriseModel model = options.fit.empty()
+                                    ? belief::SurpriseModel::load(text::tree_file(kModelOfSurprise))
+                                    : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
   const eval::SurpriseFindings findings = eval::surprise_findings(results, model);
   const std::string said = eval::surprise_text(findings);
   std::printf("\n%s", said.c_str());
@@ -84,6 +84,7 @@ int run_surprise(const Options& options) {
   eval::write_surprise_report(options.choice.out, findings, results, model);
   std::printf("\n%s\n", (options.choice.out / "index.html").c_str());
   if (!options.fit.empty()) {
+    model.hand = hand.model().name;
     model.save(options.fit, fmt::format("Fitted by eval_belief --surprise --fit FILE --hand {} on "
                                         "the {} objects; measured there:\n{}",
                                         name, kFitGroup, said));
@@ -153,8 +154,7 @@ int main(int argc, char** argv) {
                  "are planned; else a fingertip touches")
       ->check(CLI::IsMember(hands));
   app.add_flag("--surprise", options.surprise,
-               "in place of touching, lets the platform --hand (kr5_sdh) pick objects that are as "
-               "predicted, "
+               "in place of touching, closes --hand (kr5_sdh) on objects that are as predicted, "
                "or of another size, moved, fallen, slippery, not there, and says how many bits of "
                "surprise that is; one process, always fresh");
   app.add_option("--fit", options.fit,

@@ -112,11 +112,10 @@ std::vector<std::string> row(const SenseScore& score) {
 std::string summary(const SurpriseFindings& findings) {
   return fmt::format(
       "{} cases, {} of them without a grasp or a prediction, {} acts left out as none of what is "
-      "asked for, {} others than right ones ended by the cycle before the hand closed; a "
-      "prediction takes {:.2f} s of processor for each shape (median); right "
+      "asked for; a prediction takes {:.2f} s of processor for each shape (median); right "
       "predictions give {:.1f} bits, standard deviation {:.1f}.\n",
-      findings.cases, findings.without, findings.left_out, findings.stopped,
-      findings.prediction_seconds, findings.bits_right, findings.deviation_right);
+      findings.cases, findings.without, findings.left_out, findings.prediction_seconds,
+      findings.bits_right, findings.deviation_right);
 }
 
 }  // namespace
@@ -130,7 +129,6 @@ SurpriseFindings surprise_findings(const std::vector<SurpriseCase>& cases,
     ++findings.cases;
     findings.without += !one.problem.empty();
     findings.left_out += one.left_out;
-    findings.stopped += one.stopped;
     if (one.shapes > 0) seconds.push_back(one.prediction_seconds);
     if (!one.acts.empty()) groups.insert(one.group);
   }
@@ -180,7 +178,6 @@ std::string surprise_json(const SurpriseFindings& findings) {
   json.set("cases", static_cast<double>(findings.cases));
   json.set("without", static_cast<double>(findings.without));
   json.set("left_out", static_cast<double>(findings.left_out));
-  json.set("stopped", static_cast<double>(findings.stopped));
   json.set("prediction_seconds", findings.prediction_seconds);
   json.set("bits_right", findings.bits_right);
   json.set("deviation_right", findings.deviation_right);

@@ -25,7 +25,6 @@ struct SenseScore {
 struct SurpriseFindings {
   int cases = 0, without = 0;                  // cases; those with a problem
   int left_out = 0;                            // acts that were nothing that is asked for
-  int stopped = 0;                             // of others, that the cycle ended before it closed
   double prediction_seconds = 0;               // of processor, for a shape: median
   double bits_right = 0, deviation_right = 0;  // of the total: mean, standard deviation
   std::vector<SenseScore> scores;

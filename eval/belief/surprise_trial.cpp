@@ -6,16 +6,12 @@
 
 #include <Eigen/Geometry>
 
-#include "eval/grasp/in_reach.h"
-#include "eval/grasp/platform_under_test.h"
+#include "eval/belief/predicted_case.h"
 #include "eval/grasp/resting_pose.h"
-#include "eval/grasp/seen_object.h"
 #include "eval/processor_time.h"
-#include "prehend/belief/percept_forecast.h"
+#include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/robot/robot_files.h"
-#include "prehend/text/tree_file.h"
 
 namespace prehend::eval {
 namespace {
@@ -25,18 +21,26 @@ using geometry::TriangleMesh;
 
 constexpr double kRightWithin = 0.003, kWrongBeyond = 0.008;  // m
 constexpr double kSlid = 0.01, kRaised = 0.02;                // m
+constexpr double kWristForceNoise = 0.1;                      // N, of the FT 300
 constexpr int kRightActs = 4;
-constexpr double kFar = 1;  // m
+constexpr double kFar = 1;       // m
+constexpr double kStep = 0.002;  // s, of the acts; predictions have 4 ms
 
 /// What the acts of a case have in common.
 class ActsOfCase {
  public:
-  ActsOfCase(const Case& one, const SurprisedPlatform& platform, const planning::PlannedPick& pick)
-      : platform_(platform),
-        pick_(pick),
+  ActsOfCase(const Case& one, const TouchingHand& hand, const grasp::Grasp& grasp)
+      : hand_(hand.model()),
+        planned_(grasp),
         truth_W_(geometry::transformed(*one.data_set->mesh_B, one.X_WB())),
         mass_(household_mass(geometry::mass_properties(truth_W_).volume)),
         random_(static_cast<std::uint32_t>(one.seed * 1000003 + 17 * one.orientation + 5)) {}
+
+  planning::GraspToFeel to_feel() const {
+    constexpr double kLeastEffort = 1e-3;  // as planning::add_touch()
+    return {planned_.X_WG,   planned_.preshape, planned_.open,
+            planned_.closed, planned_.force,    std::clamp(planned_.effort, kLeastEffort, 1.0)};
+  }
 
   void run(SurpriseCase* result) {
     int held = 0;
@@ -64,21 +68,24 @@ class ActsOfCase {
   }
   double off(const TriangleMesh& mesh_W) const {
     const geometry::MeshQuery query(mesh_W);
-    const std::vector<Eigen::Vector3d> points = grasp::contact_points(pick_.grasp);
+    const std::vector<Eigen::Vector3d> points = grasp::contact_points(planned_);
     double sum = 0;
     for (const auto& p_W : points) sum += query.nearest(p_W)->distance;
     return sum / static_cast<double>(points.size());
   }
 
-  PlatformAct act(const TriangleMesh& mesh_W, double mass, double friction) {
-    simulation::TactileOptions tactile;
-    tactile.sensor = simulation::TactileSensorOptions::realistic();
-    tactile.sensor.seed = static_cast<std::uint32_t>(random_());
-    tactile.foam = contact::FoamMemory::realistic();
-    return act_once(platform_.platform(), platform_.home(), pick_, {mesh_W, mass, {}, friction},
-                    tactile);
+  belief::SimulatedAct act(const TriangleMesh& mesh_W, double mass, double friction) {
+    belief::ActOptions options;
+    options.touch.world.step = kStep;
+    options.touch.world.tactile.sensor = simulation::TactileSensorOptions::realistic();
+    options.touch.world.tactile.sensor.seed = static_cast<std::uint32_t>(random_());
+    options.touch.world.tactile.foam = contact::FoamMemory::realistic();
+    options.touch.world.wrench.emplace();
+    options.touch.world.wrench->force_noise = kWristForceNoise;
+    options.touch.friction = friction;
+    return belief::simulate_act(hand_, to_feel(), {mesh_W, {}, mass}, options);
   }
-  static bool is_held(const PlatformAct& act) {
+  static bool is_held(const belief::SimulatedAct& act) {
     return act.slide <= kSlid && act.raised >= kRaised;
   }
 
@@ -87,11 +94,9 @@ class ActsOfCase {
           SurpriseCase* result) {
     try {
       SurpriseAct done{truth, off, act(mesh_W, mass, friction)};
-      if (!done.act.closed) {
-        (truth == ActTruth::kRight ? result->left_out : result->stopped) += 1;
-        return 0;
-      }
-      const bool fits = truth == ActTruth::kRight   ? is_held(done.act)
+      // Where the open hand touches what is there, it is not as predicted, whatever the contacts
+      // say.
+      const bool fits = truth == ActTruth::kRight   ? is_held(done.act) && !done.act.begins_in_touch
                         : truth == ActTruth::kSlips ? !is_held(done.act)
                                                     : true;
       if (fits) result->acts.push_back(std::move(done));
@@ -165,12 +170,24 @@ class ActsOfCase {
     add(ActTruth::kAbsent, kFar, shifted(truth_W_, {kFar, 0, 0}), mass_, 0.7, result);
   }
 
-  const SurprisedPlatform& platform_;
-  const planning::PlannedPick& pick_;
+  const robot::HandModel& hand_;
+  const grasp::Grasp& planned_;
   TriangleMesh truth_W_;
   double mass_;  // kg
   std::mt19937 random_;
 };
+
+std::vector<belief::PossibleShape> shapes_of(const belief::ObjectBelief& belief) {
+  std::vector<belief::PossibleShape> shapes;
+  for (std::size_t i = 0; i < belief.shapes().size(); ++i) {
+    const belief::BelievedShape& shape = belief.shapes()[i];
+    if (shape.weight < belief::PerceptOptions().least_weight * belief.shapes()[0].weight) continue;
+    planning::ObjectToFeel object{belief.mesh(i), belief.table_W(), 0};
+    object.mass = household_mass(geometry::mass_properties(object.mesh_W).volume);
+    shapes.push_back({shape.name, std::move(object), shape.weight});
+  }
+  return shapes;
+}
 
 }  // namespace
 
@@ -198,45 +215,28 @@ const std::vector<ActTruth>& act_truths() {
   return all;
 }
 
-SurprisedPlatform::SurprisedPlatform(const std::string& name)
-    : planner_(in_reach(
-          robot::read_platform(robot::platform_file(text::tree_file("config/robots"), name)))),
-      home_(start_of(planner_.platform())) {}
-
-planning::PlatformPlan SurprisedPlatform::plan(const Belief& belief) const {
-  planning::PlatformPlanOptions options(platform().hand);
-  options.grasps.threads = 1;
-  options.touch.emplace().threads = 1;
-  return planner_.plan(belief.object, {}, belief.others, {}, platform().home(home_).arm, options);
-}
-
-SurpriseCase run_surprise_trial(const Case& one, const SurprisedPlatform& platform) {
-  constexpr int kAlternatives = 2;  // as the node shape_completion has them
+SurpriseCase run_surprise_trial(const Case& one, const TouchingHand& hand) {
   SurpriseCase result;
   result.name = one.name();
   result.group = one.data_set->group;
   try {
-    const Belief belief =
-        believed_object(one, see_object(one, one.X_WB(), 0), PlannedOn::kPredicted, kAlternatives);
-    const planning::PlatformPlan plan = platform.plan(belief);
-    if (plan.picks.empty() || plan.picks.front().segments.empty()) {
-      throw geometry::InputError("No grasp of it can be executed: " + grasp::in_words(plan),
-                                 "Take another platform");
-    }
-    const planning::PlannedPick& pick = plan.picks.front();
+    const PredictedCase predicted = predict_case(one);
+    belief::ObjectBelief belief(predicted.shape, predicted.support_W);
+    belief.update();
+    const std::vector<grasp::Grasp> grasps = hand.grasps(belief);
+    if (grasps.empty()) throw geometry::InputError("No grasp of it is found", "Take another hand");
+    ActsOfCase acts(one, hand, grasps.front());
+    const std::vector<belief::PossibleShape> possible = shapes_of(belief);
     const double start = processor_time();
-    const auto shapes =
-        belief::possible_shapes(belief.object, {}, pick.grasp.predicted.lifted_mass);
-    result.predicted = belief::predict_percepts(platform.platform().hand,
-                                                planning::grasp_to_feel(pick.grasp), shapes);
+    result.predicted = belief::predict_percepts(hand.model(), acts.to_feel(), possible);
     if (result.predicted.possible.empty()) {
       throw geometry::InputError("Nothing is predicted: " + result.predicted.problems.front(),
                                  "Look again");
     }
     result.shapes = static_cast<int>(
-        std::min<std::size_t>(shapes.size(), belief::PerceptOptions().most_shapes));
+        std::min<std::size_t>(possible.size(), belief::PerceptOptions().most_shapes));
     result.prediction_seconds = (processor_time() - start) / result.shapes;
-    ActsOfCase(one, platform, pick).run(&result);
+    acts.run(&result);
   } catch (const std::exception& error) {
     result.problem = error.what();
   }

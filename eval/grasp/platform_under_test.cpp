@@ -10,13 +10,17 @@
 #include "prehend/simulation/stage_arm.h"
 
 namespace prehend::eval {
+namespace {
 
+// As launch files have it: out of the camera's view.
 std::string start_of(const robot::Platform& platform) {
   const auto& homes = platform.homes;
   const bool has_side =
       std::any_of(homes.begin(), homes.end(), [](const auto& one) { return one.name == "side"; });
   return has_side ? "side" : "home";
 }
+
+}  // namespace
 
 PlatformUnderTest::PlatformUnderTest(const std::filesystem::path& file, ExecutionChoice choice)
     : planner_(in_reach(robot::read_platform(file))),

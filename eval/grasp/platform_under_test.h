@@ -9,12 +9,9 @@
 
 namespace prehend::eval {
 
-/// The home `side` of a platform, as launch files have it: out of the camera's view; else `home`.
-std::string start_of(const robot::Platform& platform);
-
 /// An arm and its hand as they ship: plans with the arm's motion (planning::PlatformPlanner),
 /// executes with the cycle (PlatformExecution), and looks again after a failed attempt. The arm
-/// starts from start_of(); the platform is in_reach(). Planning takes one thread:
+/// starts from its home `side`, else `home`; the platform is in_reach(). Planning takes one thread:
 /// processes share the cores, and times are of one.
 class PlatformUnderTest {
  public:

@@ -199,7 +199,8 @@ void ActForecasts::foretell(const Job& job) {
 void ActForecasts::judge(const msgs::ActPercepts& act, const belief::PerceptForecast& forecast) {
   node_.shield(fmt::format("object {}, attempt {}: surprise", act.object_id(), act.attempt()), [&] {
     const belief::Percepts percepts = convert::from_message(act.percepts());
-    const belief::PerceptSurprise surprise = belief::percept_surprise(forecast, percepts, model_);
+    belief::PerceptSurprise surprise = belief::percept_surprise(forecast, percepts, model_);
+    if (model_.hand != platform_.hand.name) surprise.forget_thresholds();
     msgs::PerceptSurprise message = convert::to_message(surprise, forecast, percepts);
     *message.mutable_header() = act.header();
     message.set_object_id(act.object_id());

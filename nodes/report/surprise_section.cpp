@@ -15,15 +15,18 @@
 namespace prehend::nodes {
 namespace {
 
-const char* said(bool alarm) { return alarm ? "a surprise" : "as expected"; }
+std::string said(const msgs::PerceptSurprise& surprise) {
+  if (!(surprise.threshold() > 0)) return "of a hand to which no threshold was fitted";
+  return fmt::format("{} (more than {:.1f} are one)",
+                     surprise.alarm() ? "a surprise" : "as expected", surprise.threshold());
+}
 
 std::string bits_text(const msgs::PerceptSurprise& surprise) {
   const msgs::PossiblePercepts& likeliest = surprise.likeliest();
   std::string text = fmt::format(
-      "Attempt {} at object {}: {:.1f} bits, {} (more than {:.1f} are one); 0 is as expected, 10 "
+      "Attempt {} at object {}: {:.1f} bits, {}; 0 is as expected, 10 "
       "are 1000 times less likely. Of what it might perceive, it comes nearest to that of the {}",
-      surprise.attempt(), surprise.object_id(), surprise.bits(), said(surprise.alarm()),
-      surprise.threshold(), likeliest.shape());
+      surprise.attempt(), surprise.object_id(), surprise.bits(), said(surprise), likeliest.shape());
   if (likeliest.along() != 0 || likeliest.across() != 0) {
     text += fmt::format(" {:.1f} mm beside where it is believed to be",
                         1e3 * std::hypot(likeliest.along(), likeliest.across()));
@@ -42,7 +45,8 @@ void add_bits(report::Page& page, const msgs::PerceptSurprise& surprise) {
     thresholds.values.push_back(sense.threshold());
   }
   if (chart.categories.empty()) return;
-  chart.series = {bits, thresholds};
+  chart.series = {bits};
+  if (surprise.threshold() > 0) chart.series.push_back(thresholds);
   page.add_chart(report::draw_bar_chart(chart),
                  "How surprising what each sense said is. They do not add up to the whole, as they "
                  "share what may be perceived.");

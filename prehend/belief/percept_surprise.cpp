@@ -275,6 +275,17 @@ SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false
   return model;
 }
 
+void PerceptSurprise::forget_thresholds() {
+  threshold = 0;
+  alarm = false;
+  for (std::vector<SenseSurprise>* list : {&senses, &parts}) {
+    for (SenseSurprise& one : *list) {
+      one.threshold = 0;
+      one.alarm = false;
+    }
+  }
+}
+
 SurpriseModel SurpriseModel::load(const std::filesystem::path& file) {
   text::YamlMap map(text::load_yaml_map(file), file, "percept surprise");
   SurpriseModel model = unfitted();
@@ -287,6 +298,7 @@ SurpriseModel SurpriseModel::load(const std::filesystem::path& file) {
   }
   map.read("wrong_touch", model.wrong_touch);
   map.read("touch_force", model.touch_force);
+  map.read("hand", model.hand);
   const auto read = [&](const std::string& key, std::map<std::string, double>& values) {
     const YAML::Node node = map.child(key);
     if (!node.IsDefined()) map.fail(key, "is missing", mend);
@@ -318,6 +330,7 @@ void SurpriseModel::save(const std::filesystem::path& file, const std::string& m
   for (std::string line; std::getline(lines, line);) text += "# " + line + "\n";
   text += fmt::format("version: {}\nwrong_touch: {:.6g}\ntouch_force: {:.6g}\n", kSurpriseVersion,
                       wrong_touch, touch_force);
+  if (!hand.empty()) text += "hand: " + hand + "\n";
   const auto write = [&](const char* key, const std::map<std::string, double>& values) {
     text += fmt::format("{}:\n", key);
     for (const auto& [name, value] : values) text += fmt::format("  {}: {:.6g}\n", name, value);

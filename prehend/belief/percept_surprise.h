@@ -22,6 +22,9 @@ struct SurpriseModel {
   std::map<std::string, double> thresholds;
   double wrong_touch = 0.02;  // probability that a pad touches against the prediction, in (0, 0.5)
   double touch_force = 0.3;   // N, > 0, of a pad that touches
+  /// Whose percepts it was fitted to, HandModel::name; of others its thresholds say nothing. Empty:
+  /// not fitted to any.
+  std::string hand;
 
   /// Scales, shares and thresholds that no truth was asked for; alarms at 30 bits.
   static SurpriseModel unfitted();
@@ -51,6 +54,8 @@ struct PerceptSurprise {
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
   std::size_t likeliest = 0;          // of PerceptForecast::possible, by what was perceived
   std::string to_string() const;      // "31.2 bits (tactile 20.1!, joints 3.0)"; ! is an alarm
+  /// Of a hand that the model was not fitted to: no alarms, all thresholds 0.
+  void forget_thresholds();
 };
 
 /// The surprise of percepts y is

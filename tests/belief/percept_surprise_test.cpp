@@ -249,11 +249,13 @@ TEST(SurpriseModel, IsReadAsItWasWritten) {
   std::filesystem::create_directories(folder);
   SurpriseModel model = SurpriseModel::unfitted();
   model.scales["closure"] = 0.0125;
+  model.hand = "sdh2";
   model.save(folder / "model.yaml", "by a test");
   const SurpriseModel read = SurpriseModel::load(folder / "model.yaml");
   EXPECT_EQ(read.scales, model.scales);
   EXPECT_EQ(read.shares, model.shares);
   EXPECT_EQ(read.thresholds, model.thresholds);
+  EXPECT_EQ(read.hand, "sdh2");
   geometry::write_whole_file(folder / "bad.yaml", "version: 1\nscales: {closures: 1}\n", "A model");
   EXPECT_THROW(SurpriseModel::load(folder / "bad.yaml"), geometry::InputError);
   model.scales["closure"] = 0;
