@@ -24,13 +24,13 @@ void run(graph::Node& node) {
   const std::string right = declare_file(node, "right", "right image of the same size");
   const std::string calibration_file =
       declare_file(node, "calibration",
-                   "OpenCV YAML (M1 D1 M2 D2 R T, or K and baseline), plain YAML {width, height, "
-                   "fx, fy, cx, cy, "
-                   "baseline}, or text with the nine numbers of K and the baseline");
-  const std::string right_calibration_file = declare_file(
-      node, "calibration_right",
-      "camera_info YAML of the right camera of a ROS stereo pair; `calibration` is then the left "
-      "one's");
+                   "left camera's ROS camera_info YAML, or the folder that has left.yaml and "
+                   "right.yaml; OpenCV YAML (M1 D1 M2 D2 R T, or K and baseline), plain YAML "
+                   "{width, height, fx, fy, cx, cy, baseline}, or text with the nine numbers of K "
+                   "and the baseline");
+  const std::string right_calibration_file =
+      declare_file(node, "calibration_right",
+                   "right camera's camera_info YAML; empty where calibration says all");
   for (const auto& [name, value] : {std::pair{"left", left}, std::pair{"right", right},
                                     std::pair{"calibration", calibration_file}}) {
     if (value.empty()) {
@@ -38,9 +38,7 @@ void run(graph::Node& node) {
     }
   }
   const perception::StereoCalibration calibration =
-      right_calibration_file.empty()
-          ? perception::read_stereo_calibration(calibration_file)
-          : perception::read_ros_stereo_calibration(calibration_file, right_calibration_file);
+      perception::read_stereo_calibration(calibration_file, right_calibration_file);
   perception::RectifiedPair pair = perception::rectify(
       perception::read_color_image(left), perception::read_color_image(right), calibration);
   node.log_info("{} x {} pixels, fx {:.1f} px, baseline {:.4f} m{}", pair.camera.left.width,

@@ -7,15 +7,15 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/perception/calibration_document.h"
+#include "prehend/perception/camera_calibration.h"
 
 namespace prehend::perception {
 namespace {
 
 using geometry::InputError;
 
-void set_baseline(StereoCalibration& calibration, const std::filesystem::path& path,
-                  double baseline) {
-  check_baseline(path, baseline, "baseline");
+void set_baseline(StereoCalibration& calibration, const std::string& place, double baseline) {
+  check_baseline(place, baseline, "baseline");
   calibration.X_RL.translation() = Eigen::Vector3d(-baseline, 0, 0);
 }
 
@@ -47,15 +47,11 @@ std::optional<std::vector<double>> plain_numbers(const std::string& text) {
 }
 
 void read_stereo_pose(const CalibrationDocument& document, StereoCalibration& calibration) {
-  const std::filesystem::path& path = document.path();
-  const Eigen::Matrix3d R = document.matrix({"R"});
+  const Eigen::Matrix3d R = document.rotation({"R"});
   const std::vector<double> T = document.numbers({"T"}, 3);
-  if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0) {
-    fail_calibration(path, "has an 'R' that is not a rotation", "Correct it or calibrate again");
-  }
   // Printed digits leave R off by a little; the nearest rotation.
   calibration.X_RL = geometry::make_transform(Eigen::Quaterniond(R), {T[0], T[1], T[2]});
-  check_baseline(path, calibration.baseline(), "T");
+  check_baseline(document.place({"T"}), calibration.baseline(), "T");
 }
 
 StereoCalibration from_document(const CalibrationDocument& document) {
@@ -78,29 +74,29 @@ StereoCalibration from_document(const CalibrationDocument& document) {
     calibration.K_left(0, 2) = document.number({"cx"});
     calibration.K_left(1, 1) = document.number({"fy"});
     calibration.K_left(1, 2) = document.number({"cy"});
-    check_pinhole(path, calibration.K_left, "fx, fy");
+    check_pinhole(document.place({"fx"}), calibration.K_left, "fx, fy");
     calibration.K_right = calibration.K_left;
-    set_baseline(calibration, path, document.number({"baseline"}));
+    set_baseline(calibration, document.place({"baseline"}), document.number({"baseline"}));
     return calibration;
   }
   calibration.K_left = document.matrix(kLeft);
-  check_pinhole(path, calibration.K_left, "M1");
+  check_pinhole(document.place(kLeft), calibration.K_left, "M1");
   if (document.find(kLeftDistortion)) {
     calibration.distortion_left = document.numbers(kLeftDistortion);
-    check_distortion(path, calibration.distortion_left, "D1");
+    check_distortion(document.place(kLeftDistortion), calibration.distortion_left, "D1");
   }
   const bool one_matrix = !document.find(kRight) && document.find({"baseline"});
   if (one_matrix) {
     calibration.K_right = calibration.K_left;
     calibration.distortion_right = calibration.distortion_left;
-    set_baseline(calibration, path, document.number({"baseline"}));
+    set_baseline(calibration, document.place({"baseline"}), document.number({"baseline"}));
     return calibration;
   }
   calibration.K_right = document.matrix(kRight);
-  check_pinhole(path, calibration.K_right, "M2");
+  check_pinhole(document.place(kRight), calibration.K_right, "M2");
   if (document.find(kRightDistortion)) {
     calibration.distortion_right = document.numbers(kRightDistortion);
-    check_distortion(path, calibration.distortion_right, "D2");
+    check_distortion(document.place(kRightDistortion), calibration.distortion_right, "D2");
   }
   read_stereo_pose(document, calibration);
   return calibration;
@@ -115,16 +111,44 @@ bool StereoCalibration::is_rectified() const {
     }
     return true;
   };
+  if (rectification) {  // which may turn and magnify images that correspond already
+    const geometry::PinholeCamera& camera = rectification->camera.left;
+    Eigen::Matrix3d P;
+    P << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+    const bool same = rectification->R_left.isIdentity(1e-9) &&
+                      rectification->R_right.isIdentity(1e-9) && P.isApprox(K_left, 1e-9);
+    if (!same) return false;
+  }
   const Eigen::Vector3d& T = X_RL.translation();
   return none(distortion_left) && none(distortion_right) && K_left.isApprox(K_right, 1e-9) &&
          K_left(0, 1) == 0 && X_RL.linear().isIdentity(1e-9) && T.x() < 0 &&
          T.tail<2>().norm() <= 1e-6 * T.norm();
 }
 
-StereoCalibration read_stereo_calibration(const std::filesystem::path& path) {
+StereoCalibration read_stereo_calibration(const std::filesystem::path& path,
+                                          const std::filesystem::path& right) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    if (!right.empty()) {
+      fail_calibration(path, "is a folder, with which no file of the right camera can go",
+                       "Leave '" + right.string() + "' away, or name the left camera's file");
+    }
+    return read_stereo_calibration(path / "left.yaml", path / "right.yaml");
+  }
+  if (!right.empty()) {
+    const CameraCalibration left_camera = read_camera_calibration(path);
+    const CameraCalibration right_camera = read_camera_calibration(right);
+    return stereo_calibration(left_camera, right_camera, right.string());
+  }
   const std::string text = read_calibration_text(path);
   if (const auto values = plain_numbers(text)) return from_plain_text(path, *values);
-  return from_document(CalibrationDocument(path, text));
+  const CalibrationDocument document(path, text);
+  if (document.find({"projection_matrix", "P", "p"})) {
+    fail_calibration(path, "is the camera_info of one camera",
+                     "Name the right camera's file, too, or the folder that has left.yaml and "
+                     "right.yaml");
+  }
+  return from_document(document);
 }
 
 geometry::StereoCamera rectified_camera(const StereoCalibration& calibration, int width,

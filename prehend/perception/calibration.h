@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,6 +10,13 @@
 #include "prehend/geometry/rigid_transform.h"
 
 namespace prehend::perception {
+
+/// Rotations that turn two cameras' images into a rectified pair, and the camera of that pair.
+struct StereoRectification {
+  Eigen::Matrix3d R_left = Eigen::Matrix3d::Identity();  // p_rectified = R_left p_L
+  Eigen::Matrix3d R_right = Eigen::Matrix3d::Identity();
+  geometry::StereoCamera camera;
+};
 
 /// Calibration of two cameras L (left) and R (right) with lens distortion, as OpenCV's
 /// stereoCalibrate gives it.
@@ -20,6 +28,8 @@ struct StereoCalibration {
   std::vector<double> distortion_left;  // k1 k2 p1 p2 [k3 [k4 k5 k6 ...]] of OpenCV; may be empty
   std::vector<double> distortion_right;
   geometry::RigidTransform X_RL = geometry::RigidTransform::Identity();  // p_R = X_RL p_L
+  /// How its images are rectified, where the files say it; otherwise rectification() chooses.
+  std::optional<StereoRectification> rectification;
 
   double baseline() const { return X_RL.translation().norm(); }  // m
   /// True when the images need no rectification: no distortion, equal pinhole matrices, no relative
@@ -27,25 +37,19 @@ struct StereoCalibration {
   bool is_rectified() const;
 };
 
-/// Reads a stereo calibration. Three kinds are understood by their content:
+/// Reads a stereo calibration. What is understood, by its content:
+///  - ROS camera_info YAML (camera_calibration.h) of the left camera at `path` and of the right one
+///    at `right`; or a folder that has both as left.yaml and right.yaml;
 ///  - OpenCV YAML with matrices M1, D1, M2, D2, R, T (also named K1/K2, cameraMatrix1/2,
 ///    distCoeffs1/2), or with one matrix K (M1 alone) and `baseline`; optional width and height or
 ///    image_width/image_height;
 ///  - plain YAML {width, height, fx, fy, cx, cy, baseline};
 ///  - text: the nine numbers of K row by row, then the baseline.
-/// Lengths are metres. @throws geometry::InputError that names the file, the key and the mend for a
-/// missing or foreign file, a missing key, a zero or negative baseline or focal length, NaN, or a
-/// baseline over 10 m (millimetres?).
-StereoCalibration read_stereo_calibration(const std::filesystem::path& path);
-
-/// Reads the two camera_info files of a ROS stereo camera, as camera_calibration writes them
-/// (camera_matrix, distortion_coefficients, rectification_matrix, projection_matrix) or as
-/// `rostopic echo` prints them (K, D, R, P). The cameras' relative pose follows from the
-/// rectification, p_rectified = R p, and the right projection's fx * baseline: P[3] = -fx * B.
-/// @throws geometry::InputError as read_stereo_calibration; also for sizes that differ, a fisheye
-/// (`equidistant`) model, or files whose projections are no stereo pair (swapped: says so).
-StereoCalibration read_ros_stereo_calibration(const std::filesystem::path& left,
-                                              const std::filesystem::path& right);
+/// Lengths are metres. @throws geometry::InputError that names the file, where known the line, the
+/// key and the mend for a missing or foreign file, a missing key, a zero or negative baseline or
+/// focal length, NaN, or a baseline over 10 m (millimetres?).
+StereoCalibration read_stereo_calibration(const std::filesystem::path& path,
+                                          const std::filesystem::path& right = {});
 
 /// The camera of a rectified calibration for images of the given size [pixels].
 /// @throws geometry::InputError when the calibration is not rectified or states another size.

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "prehend/geometry/errors.h"
 
 namespace prehend::perception {
@@ -18,9 +20,8 @@ constexpr double kLargestBaseline = 10;           // m
 
 }  // namespace
 
-void fail_calibration(const std::filesystem::path& path, const std::string& what,
-                      const std::string& mend) {
-  throw InputError("Calibration '" + path.string() + "' " + what, mend);
+void fail_calibration(const std::string& place, const std::string& what, const std::string& mend) {
+  throw InputError("Calibration '" + place + "' " + what, mend);
 }
 
 std::string read_calibration_text(const std::filesystem::path& path) {
@@ -68,6 +69,13 @@ std::optional<YAML::Node> CalibrationDocument::find(Names names) const {
   return std::nullopt;
 }
 
+std::string CalibrationDocument::place(Names names) const {
+  const std::optional<YAML::Node> found = find(names);
+  if (!found) return path_;
+  const YAML::Node node = found->IsMap() && (*found)["data"] ? (*found)["data"] : *found;
+  return path_.string() + ":" + std::to_string(node.Mark().line + 1);
+}
+
 std::vector<double> CalibrationDocument::numbers(Names names) const {
   const std::optional<YAML::Node> found = find(names);
   if (!found) {
@@ -81,7 +89,8 @@ std::vector<double> CalibrationDocument::numbers(Names names) const {
     if (!value.IsScalar() || !YAML::convert<double>::decode(value, number) ||
         !std::isfinite(number)) {
       fail_calibration(
-          path_, std::string("has a value of '") + *names.begin() + "' that is not a finite number",
+          path_.string() + ":" + std::to_string(value.Mark().line + 1),
+          std::string("has a value of '") + *names.begin() + "' that is not a finite number",
           "Correct it or calibrate again");
     }
     values.push_back(number);
@@ -103,7 +112,7 @@ std::vector<double> CalibrationDocument::numbers(Names names) const {
 std::vector<double> CalibrationDocument::numbers(Names names, std::size_t count) const {
   std::vector<double> values = numbers(names);
   if (values.size() != count) {
-    fail_calibration(path_,
+    fail_calibration(place(names),
                      std::string("has ") + std::to_string(values.size()) + " values of '" +
                          *names.begin() + "', not " + std::to_string(count),
                      "Correct it or calibrate again");
@@ -116,45 +125,55 @@ Eigen::Matrix3d CalibrationDocument::matrix(Names names) const {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v.data());
 }
 
+Eigen::Matrix3d CalibrationDocument::rotation(Names names) const {
+  const Eigen::Matrix3d R = matrix(names);
+  if (!(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0) {
+    fail_calibration(place(names),
+                     std::string("has a '") + *names.begin() + "' that is not a rotation",
+                     "Correct it or calibrate again");
+  }
+  return R;
+}
+
 int CalibrationDocument::size(Names names) const {
   if (!find(names)) return 0;
   const double value = number(names);
   if (value < 1 || value > 100000 || value != std::floor(value)) {
-    fail_calibration(path_, std::string("has a '") + *names.begin() + "' that is no size in pixels",
+    fail_calibration(place(names),
+                     std::string("has a '") + *names.begin() + "' that is no size in pixels",
                      "Correct it");
   }
   return static_cast<int>(value);
 }
 
-void check_pinhole(const std::filesystem::path& path, const Eigen::Matrix3d& K, const char* name) {
+void check_pinhole(const std::string& place, const Eigen::Matrix3d& K, const char* name) {
   const bool good = K.allFinite() && K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 && K(2, 0) == 0 &&
                     K(2, 1) == 0 && std::abs(K(2, 2) - 1) < 1e-9;
   if (!good) {
-    fail_calibration(path,
+    fail_calibration(place,
                      std::string("has no pinhole matrix in '") + name +
                          "' (fx 0 cx; 0 fy cy; 0 0 1 with fx, fy > 0)",
                      "Correct it or calibrate again");
   }
 }
 
-void check_baseline(const std::filesystem::path& path, double baseline, const char* name) {
+void check_baseline(const std::string& place, double baseline, const char* name) {
   if (!std::isfinite(baseline) || baseline <= 0) {
-    fail_calibration(path, std::string("has a '") + name + "' that is not a positive length",
+    fail_calibration(place, std::string("has a '") + name + "' that is not a positive length",
                      "State the distance of the two cameras in metres");
   }
   if (baseline > kLargestBaseline) {
-    fail_calibration(path,
+    fail_calibration(place,
                      std::string("has a '") + name + "' of " + std::to_string(baseline) +
                          " m, which looks like millimetres",
                      "State lengths in metres");
   }
 }
 
-void check_distortion(const std::filesystem::path& path, const std::vector<double>& d,
-                      const char* name) {
+void check_distortion(const std::string& place, const std::vector<double>& d, const char* name) {
   const std::size_t n = d.size();
   if (n != 0 && n != 4 && n != 5 && n != 8 && n != 12 && n != 14) {
-    fail_calibration(path,
+    fail_calibration(place,
                      std::string("has ") + std::to_string(n) + " distortion coefficients in '" +
                          name + "'; OpenCV knows 4, 5, 8, 12 or 14",
                      "Correct it or calibrate again");

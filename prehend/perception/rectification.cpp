@@ -46,22 +46,19 @@ ColorImage remapped(const ColorImage& image, const cv::Mat& K, const cv::Mat& di
 
 }  // namespace
 
-RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
-                      const StereoCalibration& calibration) {
-  if (left.empty() || left.width != right.width || left.height != right.height) {
-    throw InputError("Left and right image differ in size or are empty",
-                     "Pass the two images of one instant");
-  }
+StereoRectification rectification(const StereoCalibration& calibration, int width, int height) {
   const bool sized = calibration.width > 0 && calibration.height > 0;
-  if (sized && (calibration.width != left.width || calibration.height != left.height)) {
-    throw InputError("The images are " + std::to_string(left.width) + " x " +
-                         std::to_string(left.height) + " pixels, the calibration is for " +
-                         std::to_string(calibration.width) + " x " +
-                         std::to_string(calibration.height),
+  if (sized && (calibration.width != width || calibration.height != height)) {
+    throw InputError("The images are " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, the calibration is for " + std::to_string(calibration.width) +
+                         " x " + std::to_string(calibration.height),
                      "Pass the calibration of these images");
   }
+  if (calibration.rectification) return *calibration.rectification;
+  StereoRectification result;
   if (calibration.is_rectified()) {
-    return {left, right, rectified_camera(calibration, left.width, left.height)};
+    result.camera = rectified_camera(calibration, width, height);
+    return result;
   }
   const Eigen::Vector3d& T = calibration.X_RL.translation();
   if (std::abs(T.y()) > std::abs(T.x()) || T.x() >= 0) {
@@ -70,33 +67,53 @@ RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
             ", " + std::to_string(T.y()) + ", " + std::to_string(T.z()) + " m)",
         "Swap the two images and calibrate in that order");
   }
-  const cv::Mat K_left = matrix(calibration.K_left);
-  const cv::Mat K_right = matrix(calibration.K_right);
-  const cv::Mat distortion_left = column(calibration.distortion_left);
-  const cv::Mat distortion_right = column(calibration.distortion_right);
   cv::Mat R_left;
   cv::Mat R_right;
   cv::Mat P_left;
   cv::Mat P_right;
   cv::Mat Q;
-  cv::stereoRectify(K_left, distortion_left, K_right, distortion_right,
-                    cv::Size(left.width, left.height), matrix(calibration.X_RL.linear()),
+  cv::stereoRectify(matrix(calibration.K_left), column(calibration.distortion_left),
+                    matrix(calibration.K_right), column(calibration.distortion_right),
+                    cv::Size(width, height), matrix(calibration.X_RL.linear()),
                     column({T.x(), T.y(), T.z()}), R_left, R_right, P_left, P_right, Q,
                     cv::CALIB_ZERO_DISPARITY, 0.0);
-  RectifiedPair pair;
-  pair.left = remapped(left, K_left, distortion_left, R_left, P_left);
-  pair.right = remapped(right, K_right, distortion_right, R_right, P_right);
-  geometry::PinholeCamera& camera = pair.camera.left;
-  camera.width = left.width;
-  camera.height = left.height;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      result.R_left(i, j) = R_left.at<double>(i, j);
+      result.R_right(i, j) = R_right.at<double>(i, j);
+    }
+  }
+  geometry::PinholeCamera& camera = result.camera.left;
+  camera.width = width;
+  camera.height = height;
   camera.fx = P_left.at<double>(0, 0);
   camera.fy = P_left.at<double>(1, 1);
   camera.cx = P_left.at<double>(0, 2);
   camera.cy = P_left.at<double>(1, 2);
-  pair.camera.baseline = -P_right.at<double>(0, 3) / P_right.at<double>(0, 0);
-  if (!std::isfinite(camera.fx) || camera.fx <= 0 || !(pair.camera.baseline > 0)) {
+  result.camera.baseline = -P_right.at<double>(0, 3) / P_right.at<double>(0, 0);
+  if (!std::isfinite(camera.fx) || camera.fx <= 0 || !(result.camera.baseline > 0)) {
     throw InputError("The calibration cannot be rectified", "Calibrate the cameras again");
   }
+  return result;
+}
+
+RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
+                      const StereoCalibration& calibration) {
+  if (left.empty() || left.width != right.width || left.height != right.height) {
+    throw InputError("Left and right image differ in size or are empty",
+                     "Pass the two images of one instant");
+  }
+  const StereoRectification rectified = rectification(calibration, left.width, left.height);
+  if (calibration.is_rectified()) return {left, right, rectified.camera};
+  const geometry::PinholeCamera& camera = rectified.camera.left;
+  Eigen::Matrix3d P;
+  P << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  RectifiedPair pair;
+  pair.left = remapped(left, matrix(calibration.K_left), column(calibration.distortion_left),
+                       matrix(rectified.R_left), matrix(P));
+  pair.right = remapped(right, matrix(calibration.K_right), column(calibration.distortion_right),
+                        matrix(rectified.R_right), matrix(P));
+  pair.camera = rectified.camera;
   return pair;
 }
 
