@@ -7,6 +7,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
 #include "nodes/platform_source/platform_source.h"
+#include "nodes/simulation/arm_commands.h"
 #include "nodes/simulation/camera.h"
 #include "nodes/simulation/motion_actions.h"
 #include "nodes/simulation/reader_pace.h"
@@ -215,6 +216,7 @@ void run_stage(graph::Node& node, const Settings& settings, simulation::Scene sc
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot);
   const ArmAction arm(node, robot);
+  const ArmCommands commands(node, robot);
   node.log_info("robot {}", platform.name);
   robot.start();
   node.spin();
@@ -247,6 +249,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
   World world(node, settings, scene, robot);
   pictures.set_camera(world.camera());
   const RobotActions actions(node, robot);
+  const ArmCommands commands(node, robot);
   node.log_info("robot {}", platform.name);
   robot.start();
   node.spin();
@@ -303,8 +306,10 @@ const prehend::graph::RegisteredNodeProgram registered(
      "Stands in for the robot: table, objects, a platform (robot) and a stereo camera, from a "
      "scene "
      "file. Publishes /clock, /camera/info, /camera/stereo, /joint_states, /tactile/PAD, "
-     "/tactile/cells, /wrench and /ground_truth; takes the action /arm/follow and the services "
-     "/arm/stop, "
+     "/tactile/cells, /wrench and /ground_truth; takes the action /arm/follow, the topic "
+     "/arm/command (set points of all its joints, one a cycle of whoever interpolates; braked 0.2 "
+     "s "
+     "after the last one while moving) and the services /arm/stop, "
      "/simulation/spawn, /simulation/render and /clock/control (pause, resume, step, speed). A "
      "hand that is moved by its joints has the action /hand/move, the topic /hand/command (stopped "
      "0.2 s after the last one while moving) and the service /hand/stop. A "

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "msgs/actions.pb.h"
-#include "nodes/simulation/arm_action.h"
+#include "nodes/arm_action/arm_action.h"
 #include "nodes/simulation/robot_runner.h"
 #include "prehend/graph/node.h"
 

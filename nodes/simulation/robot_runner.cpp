@@ -21,13 +21,18 @@ RobotRunner::RobotRunner(graph::Node& node, simulation::RobotWorld world, graph:
           std::move(on_pace)) {}
 
 void RobotRunner::slice() {
-  bool watchdog_fired = false;
+  bool watchdog_fired = false, arm_stopped = false;
   {
     const std::lock_guard lock(mutex_);
     for (int i = 0; i < steps_; ++i) {
       world_.step();
       if (hand_commanded_ && world_.time() - command_time_ > kWatchdog) {
         watchdog_fired = world_.stop_commanded_hand() || watchdog_fired;
+      }
+      if (arm_commanded_ && world_.time() - arm_command_time_ > kWatchdog) {
+        arm_stopped = !world_.arm().is_idle();
+        world_.arm().stop();
+        arm_commanded_ = false;
       }
     }
     readings_ = read();
@@ -36,6 +41,7 @@ void RobotRunner::slice() {
   slice_done_.notify_all();
   if (watchdog_fired)
     node_.log_warning("no hand command for {} s while moving: stopped", kWatchdog);
+  if (arm_stopped) node_.log_warning("no arm command for {} s while moving: stopped", kWatchdog);
 }
 
 RobotReadings RobotRunner::read() const {
@@ -52,6 +58,7 @@ RobotReadings RobotRunner::read() const {
 
 std::uint64_t RobotRunner::take_arm() {
   const std::lock_guard lock(mutex_);
+  arm_commanded_ = false;
   return ++arm_ticket_;
 }
 
@@ -68,6 +75,7 @@ void RobotRunner::stop_arm(std::uint64_t ticket) {
 void RobotRunner::follow(const simulation::TrajectoryRequest& request,
                          const std::vector<double>& tolerance, double contact_force) {
   const std::lock_guard lock(mutex_);
+  arm_commanded_ = false;
   try {
     world_.follow(request, tolerance);
   } catch (const std::invalid_argument&) {
@@ -75,6 +83,25 @@ void RobotRunner::follow(const simulation::TrajectoryRequest& request,
     throw;
   }
   if (contact_force > 0) world_.stop_on_contact(contact_force);
+}
+
+bool RobotRunner::command_arm(const std::vector<std::string>& joints,
+                              const std::vector<double>& positions) {
+  const std::lock_guard lock(mutex_);
+  if (joints.empty()) {
+    world_.arm().stop();
+    ++arm_ticket_;
+    arm_commanded_ = false;
+    return false;
+  }
+  const robot::Positions goal =
+      simulation::check_set_point(world_.arm().chain(), joints, positions);
+  world_.arm().track(goal);
+  arm_command_time_ = world_.time();
+  if (std::exchange(arm_commanded_, true)) return false;
+  world_.stop_on_contact(0);
+  ++arm_ticket_;
+  return true;
 }
 
 MovedArm::State RobotRunner::arm_state() {

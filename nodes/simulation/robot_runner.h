@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/simulation/arm_action.h"
+#include "nodes/simulation/arm_commands.h"
 #include "nodes/simulation/paced_loop.h"
 #include "prehend/simulation/hand_request.h"
 #include "prehend/simulation/robot_world.h"
@@ -27,7 +27,7 @@ struct RobotReadings {
 
 /// A world with an arm and a hand, and its clock: like SimulatedRobot. Commands may come from any
 /// thread; the arm and the hand belong to who asked last, known by a ticket.
-class RobotRunner : public MovedArm {
+class RobotRunner : public CommandedArm {
  public:
   RobotRunner(graph::Node& node, simulation::RobotWorld world, graph::ClockPacer& pacer,
               std::int64_t slice, std::function<void(const RobotReadings&)> on_readings,
@@ -50,6 +50,8 @@ class RobotRunner : public MovedArm {
   void follow(const simulation::TrajectoryRequest& request, const std::vector<double>& tolerance,
               double contact_force) override;
   State arm_state() override;
+  bool command_arm(const std::vector<std::string>& joints,
+                   const std::vector<double>& positions) override;
   /// A motion of the hand; returns a ticket that loss_of_hand() knows until the next one.
   /// `stamp`: see command_hand(). @throws std::invalid_argument as RobotWorld::move_hand().
   std::uint64_t move_hand(const simulation::HandCommand& command, std::int64_t stamp);
@@ -79,6 +81,8 @@ class RobotRunner : public MovedArm {
   std::uint64_t slices_ = 0, arm_ticket_ = 0, hand_ticket_ = 0;
   std::string hand_taker_;       // who made the ticket, in words for the one before
   std::int64_t hand_stamp_ = 0;  // ns, of the last move_hand
+  bool arm_commanded_ = false;   // by command_arm
+  double arm_command_time_ = 0;  // s, simulated
   bool hand_commanded_ = false;  // by command_hand
   double command_time_ = 0;      // s, simulated
   PacedLoop loop_;

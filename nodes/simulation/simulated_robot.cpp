@@ -36,10 +36,15 @@ SimulatedRobot::SimulatedRobot(graph::Node& node, const simulation::Scene& scene
           std::move(on_pace)) {}
 
 void SimulatedRobot::slice() {
-  bool watchdog_fired = false;
+  bool watchdog_fired = false, arm_stopped = false;
   {
     const std::lock_guard lock(mutex_);
     step_slice();
+    if (arm_commanded_ && world_.time() - arm_command_time_ > kWatchdog) {
+      arm_stopped = !arm_.drive().is_idle();
+      arm_.stop();
+      arm_commanded_ = false;
+    }
     readings_ = read();
     ++slices_;
     watchdog_fired = std::exchange(watchdog_fired_, false);
@@ -47,6 +52,7 @@ void SimulatedRobot::slice() {
   slice_done_.notify_all();
   if (watchdog_fired)
     node_.log_warning("no gripper command for {} s while moving: stopped", kWatchdog);
+  if (arm_stopped) node_.log_warning("no arm command for {} s while moving: stopped", kWatchdog);
 }
 
 void SimulatedRobot::step_slice() {
@@ -146,6 +152,7 @@ bool SimulatedRobot::acknowledge_gripper() {
 
 std::uint64_t SimulatedRobot::take_arm() {
   const std::lock_guard lock(mutex_);
+  arm_commanded_ = false;
   return ++arm_ticket_;
 }
 
@@ -163,6 +170,7 @@ void SimulatedRobot::stop_arm(std::uint64_t ticket) {
 void SimulatedRobot::follow(const simulation::TrajectoryRequest& request,
                             const std::vector<double>& tolerance, double contact_force) {
   const std::lock_guard lock(mutex_);
+  arm_commanded_ = false;
   try {
     arm_.follow(request, tolerance, world_);
   } catch (const std::invalid_argument&) {
@@ -170,6 +178,24 @@ void SimulatedRobot::follow(const simulation::TrajectoryRequest& request,
     throw;
   }
   arm_.stop_on_contact(contact_force);
+}
+
+bool SimulatedRobot::command_arm(const std::vector<std::string>& joints,
+                                 const std::vector<double>& positions) {
+  const std::lock_guard lock(mutex_);
+  if (joints.empty()) {
+    if (arm_.moves()) arm_.stop();
+    ++arm_ticket_;
+    arm_commanded_ = false;
+    return false;
+  }
+  const robot::Positions goal =
+      simulation::check_set_point(arm_.drive().chain(), joints, positions);
+  arm_.track(goal, world_);
+  arm_command_time_ = world_.time();
+  if (std::exchange(arm_commanded_, true)) return false;
+  ++arm_ticket_;
+  return true;
 }
 
 MovedArm::State SimulatedRobot::arm_state() {

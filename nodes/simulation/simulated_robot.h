@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/simulation/arm_action.h"
+#include "nodes/simulation/arm_commands.h"
 #include "nodes/simulation/paced_loop.h"
 #include "prehend/simulation/robot_world.h"
 #include "prehend/simulation/stage_arm.h"
@@ -31,7 +31,7 @@ struct SensorReadings {
 /// The world of a stage with its clock: a thread steps it in slices of about 10 ms of simulated
 /// time, as the pacer allows, and hands out readings after each slice, outside the lock. Commands
 /// may come from any thread.
-class SimulatedRobot : public MovedArm {
+class SimulatedRobot : public CommandedArm {
  public:
   static constexpr double kSlice = 0.01;  // s, simulated
 
@@ -82,6 +82,8 @@ class SimulatedRobot : public MovedArm {
   void follow(const simulation::TrajectoryRequest& request, const std::vector<double>& tolerance,
               double contact_force) override;
   State arm_state() override;
+  bool command_arm(const std::vector<std::string>& joints,
+                   const std::vector<double>& positions) override;
   void wait_for_slice() override;
 
  private:
@@ -104,7 +106,9 @@ class SimulatedRobot : public MovedArm {
   std::uint32_t gripper_error_ = 0;
   std::int64_t action_stamp_ = 0;  // ns, of the last move_gripper
   bool continuous_command_ = false;
-  double command_time_ = 0;  // s, simulated
+  double command_time_ = 0;      // s, simulated
+  bool arm_commanded_ = false;   // by command_arm
+  double arm_command_time_ = 0;  // s, simulated
   bool watchdog_fired_ = false;
 
   PacedLoop loop_;

@@ -19,6 +19,7 @@ using robot::Positions;
 constexpr double kLimitSlack = 1e-6;    // rad or m
 constexpr double kSpeedSlack = 1.0001;  // of the velocity limit
 constexpr double kSettled = 1e-4;       // rad or m, from the goal
+constexpr double kTracked = 1e-6;  // rad or m, from a set point, and in a hundredth of a second
 
 [[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
 
@@ -58,6 +59,12 @@ Positions ordered(const std::vector<double>& values, const std::vector<std::size
     refuse(fmt::format("point {} has a {} that is no finite number", point, what));
   }
   return result;
+}
+
+void check_position(const ChainJoint& joint, double p, const std::string& where) {
+  if (p >= joint.lower - kLimitSlack && p <= joint.upper + kLimitSlack) return;
+  refuse(fmt::format("{}: joint '{}' at {:.4f} is outside {:.4f} to {:.4f}", where, joint.name, p,
+                     joint.lower, joint.upper));
 }
 
 // Quintic Hermite polynomial of one joint over T, at s in [0, 1]; with accelerations chosen by the
@@ -151,10 +158,7 @@ ArmTrajectory check_trajectory(const robot::KinematicChain& chain, const Traject
     for (int i = 0; i < chain.size(); ++i) {
       const ChainJoint& joint = chain.joints()[static_cast<std::size_t>(i)];
       const double p = point.position[i];
-      if (p < joint.lower - kLimitSlack || p > joint.upper + kLimitSlack) {
-        refuse(fmt::format("point {}: joint '{}' at {:.4f} is outside {:.4f} to {:.4f}", k,
-                           joint.name, p, joint.lower, joint.upper));
-      }
+      check_position(joint, p, fmt::format("point {}", k));
       double speed = trajectory.has_velocity ? std::abs(point.velocity[i]) : 0.0;
       if (!trajectory.has_velocity && k > 0) {
         const ArmTrajectory::Point& before = trajectory.points.back();
@@ -180,6 +184,17 @@ ArmTrajectory check_trajectory(const robot::KinematicChain& chain, const Traject
   return trajectory;
 }
 
+robot::Positions check_set_point(const robot::KinematicChain& chain,
+                                 const std::vector<std::string>& names,
+                                 const std::vector<double>& values) {
+  const std::vector<std::size_t> order = order_of(chain, names);
+  const Positions goal = ordered(values, order, "position", 0);
+  for (int i = 0; i < chain.size(); ++i) {
+    check_position(chain.joints()[static_cast<std::size_t>(i)], goal[i], "the set point");
+  }
+  return goal;
+}
+
 ArmDrive::ArmDrive(robot::KinematicChain chain, const Eigen::Ref<const Eigen::VectorXd>& start,
                    const ArmDriveOptions& options)
     : chain_(std::move(chain)), options_(options), q_(start) {
@@ -193,6 +208,7 @@ ArmDrive::ArmDrive(robot::KinematicChain chain, const Eigen::Ref<const Eigen::Ve
     contact::require_positive(most, "ArmDriveOptions::accelerations");
   }
   contact::require_positive(options.bandwidth, "ArmDriveOptions::bandwidth");
+  contact::require_positive(options.tracking_bandwidth, "ArmDriveOptions::tracking_bandwidth");
   contact::require(start.size() == chain_.size() && start.allFinite(), "the arm's start",
                    "one finite position a joint");
   v_.setZero(q_.size());
@@ -214,8 +230,14 @@ void ArmDrive::follow(const ArmTrajectory& trajectory, const std::vector<double>
   reason_.clear();
 }
 
+void ArmDrive::track(const robot::Positions& goal) {
+  if (status_ != Status::kTracking) forget();
+  status_ = Status::kTracking;
+  desired_ = goal;
+}
+
 void ArmDrive::stop() {
-  if (status_ == Status::kMoving) status_ = Status::kStopped;
+  if (status_ == Status::kMoving || status_ == Status::kTracking) status_ = Status::kStopped;
 }
 
 void ArmDrive::forget() {
@@ -226,15 +248,20 @@ void ArmDrive::forget() {
 }
 
 void ArmDrive::step(double h) {
-  const bool follows = status_ == Status::kMoving;
-  if (!follows && at_rest()) return;
+  if (is_idle()) return;
+  const bool tracks = status_ == Status::kTracking;
+  const bool follows = status_ == Status::kMoving || tracks;
   ArmTrajectory::Point goal;
-  if (follows) {
+  if (tracks) {
+    goal.position = desired_;
+    goal.velocity.setZero(q_.size());
+    goal.acceleration.setZero(q_.size());
+  } else if (follows) {
     time_ += h;
     goal = trajectory_.at(time_);
     desired_ = goal.position;
   }
-  const double w = options_.bandwidth;
+  const double w = tracks ? options_.tracking_bandwidth : options_.bandwidth;
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const ChainJoint& joint = chain_.joints()[static_cast<std::size_t>(i)];
     const double most = options_.accelerations[static_cast<std::size_t>(i)];
@@ -254,7 +281,7 @@ void ArmDrive::step(double h) {
     v_[i] = (next - q_[i]) / h;
     if (std::abs(v_[i]) < 1e-12) v_[i] = 0;
     q_[i] = next;
-    if (!follows) continue;
+    if (!follows || tracks) continue;
     const double off = std::abs(q_[i] - goal.position[i]);
     largest_error_ = std::max(largest_error_, off);
     if (off > tolerance_[static_cast<std::size_t>(i)] && status_ == Status::kMoving) {
@@ -262,6 +289,14 @@ void ArmDrive::step(double h) {
       reason_ =
           fmt::format("joint '{}' is {:.4f} off the path after {:.2f} s", joint.name, off, time_);
     }
+  }
+  if (tracks) {
+    const bool there = (q_ - desired_).cwiseAbs().maxCoeff() < kTracked &&
+                       v_.cwiseAbs().maxCoeff() < 100 * kTracked;
+    if (!there) return;
+    q_ = desired_;
+    v_.setZero();
+    return;
   }
   if (status_ != Status::kMoving || time_ < trajectory_.duration()) return;
   const double away = (q_ - goal.position).cwiseAbs().maxCoeff();

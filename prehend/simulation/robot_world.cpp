@@ -175,7 +175,7 @@ void RobotWorld::Implementation::add(BodyModel model, double friction, const Rig
 
 void RobotWorld::Implementation::move_carried() {
   if (arm) {
-    if (arm->status() != ArmDrive::Status::kMoving && arm->at_rest()) return;
+    if (arm->is_idle()) return;
     arm->step(options.step);
     set_arm_positions();
   } else {

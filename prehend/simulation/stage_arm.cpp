@@ -91,6 +91,13 @@ void StageArm::follow(const TrajectoryRequest& request, const std::vector<double
   stop_on_contact(0);
 }
 
+void StageArm::track(const robot::Positions& goal, const World& world) {
+  if (!moves_) drive_ = ArmDrive(drive_.chain(), stage_position(world), options_);
+  drive_.track(goal);
+  moves_ = true;
+  stop_on_contact(0);
+}
+
 void StageArm::let_go() {
   drive_.forget();
   moves_ = false;
@@ -105,8 +112,7 @@ void StageArm::stop_on_contact(double force) {
 
 bool StageArm::stands(const World& world) const {
   const robot::Positions way = drive_.position() - stage_position(world);
-  return drive_.status() != ArmDrive::Status::kMoving && drive_.at_rest() &&
-         way.cwiseAbs().maxCoeff() < kSamePose;
+  return drive_.is_idle() && way.cwiseAbs().maxCoeff() < kSamePose;
 }
 
 void StageArm::drive(World& world) {

@@ -27,6 +27,8 @@ class StageArm {
   /// @throws std::invalid_argument (check_trajectory).
   void follow(const TrajectoryRequest& request, const std::vector<double>& tolerance,
               const World& world);
+  /// To a set point, as ArmDrive::track(), from where the carrier stands or moves.
+  void track(const robot::Positions& goal, const World& world);
   void stop() { drive_.stop(); }
   /// Forgets the last trajectory, and leaves the carrier to others.
   void let_go();

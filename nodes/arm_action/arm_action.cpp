@@ -1,4 +1,4 @@
-#include "nodes/simulation/arm_action.h"
+#include "nodes/arm_action/arm_action.h"
 
 #include <stdexcept>
 
@@ -91,7 +91,7 @@ msgs::FollowTrajectoryResult ArmAction::follow(const msgs::FollowTrajectoryGoal&
     }
     if (now.status != ArmDrive::Status::kMoving && now.at_rest) {
       result.set_contact(now.contact);
-      if (now.status == ArmDrive::Status::kOffPath) return finish(now.reason);
+      if (!now.reason.empty()) return finish(now.reason);
       return finish(now.contact ? "stopped by contact" : "stopped before the goal");
     }
     if (slice % kArmSlicesPerFeedback != 0) continue;
@@ -101,7 +101,7 @@ msgs::FollowTrajectoryResult ArmAction::follow(const msgs::FollowTrajectoryGoal&
     put_positions(now.actual, feedback.mutable_actual());
     context.feedback(feedback);
   }
-  return finish("the simulation ends");
+  return finish("the server ends");
 }
 
 }  // namespace prehend::nodes

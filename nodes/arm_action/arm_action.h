@@ -10,8 +10,8 @@
 
 namespace prehend::nodes {
 
-/// An arm in a simulation, or a stage, that belongs to who asked last, known by a ticket. May be
-/// asked from any thread.
+/// An arm, or a stage, be it simulated or real, that belongs to who asked last, known by a ticket.
+/// May be asked from any thread.
 class MovedArm {
  public:
   virtual ~MovedArm() = default;
@@ -21,7 +21,7 @@ class MovedArm {
     bool at_rest = true, contact = false;  // contact: it was stopped by it
     double time = 0, largest_error = 0;    // s, on the trajectory; rad or m
     robot::Positions desired, actual;
-    std::string reason;
+    std::string reason;  // why it ended short of the goal, where more is known than the status
   };
 
   /// Takes the arm over from whoever had it.
