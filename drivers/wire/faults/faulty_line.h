@@ -42,10 +42,16 @@ class FaultyLine {
   }
   /// The next item that is due at `now`.
   std::optional<Item> pop(Time now) {
+    auto next = next_due(now);
+    if (!next) return std::nullopt;
+    return std::move(next->second);
+  }
+  /// The same, and when it was due.
+  std::optional<std::pair<Time, Item>> next_due(Time now) {
     if (items_.empty() || items_.front().first > now) return std::nullopt;
-    Item item = std::move(items_.front().second);
+    std::pair<Time, Item> next = std::move(items_.front());
     items_.pop_front();
-    return item;
+    return next;
   }
   void clear() { items_.clear(); }
 
