@@ -27,11 +27,13 @@ LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
     fail(scope, key, "argument " + argument.name + " has a name that is already taken");
   }
   if (value.IsNull()) return argument;
-  check_keys(scope, value, "argument " + argument.name, {"default", "type", "description"});
+  check_keys(scope, value, "argument " + argument.name,
+             {"default", "type", "description", "choices"});
   if (value["type"]) argument.type = type_named(scope, value["type"]);
   if (value["description"]) {
     argument.description = text_of(scope, value["description"], "description");
   }
+  argument.choices = text_list_of(scope, value["choices"], "choices of " + argument.name);
   if (value["default"]) {
     argument.default_value =
         argument.type == LaunchArgument::Type::kList
@@ -44,7 +46,8 @@ LaunchArgument argument_of(const LaunchScope& scope, const YAML::Node& key,
 
 void check_mapping(const LaunchScope& scope, const YAML::Node& list) {
   if (!list || list.IsNull() || list.IsMap()) return;
-  fail(scope, list, "arguments must be a mapping of names to {default, type, description}");
+  fail(scope, list,
+       "arguments must be a mapping of names to {default, type, description, choices}");
 }
 
 }  // namespace
@@ -93,6 +96,33 @@ void take_arguments(LaunchScope& scope, const YAML::Node& root,
     throw LaunchError(given_at + ": " + scope.file + " has no argument \"" + name + "\"" +
                       text::nearest_match_hint(name, declared));
   }
+}
+
+void take_values(LaunchScope& scope, const YAML::Node& list) {
+  if (!list || list.IsNull()) return;
+  if (!list.IsMap()) {
+    fail(scope, list, "values must be a mapping of names to {then, if, otherwise}");
+  }
+  for (const auto& entry : list) {
+    const std::string& name = entry.first.Scalar();
+    const std::string what = "value " + name;
+    if (scope.values.count(name) > 0) {
+      fail(scope, entry.first, what + " has a name that is already taken");
+    }
+    check_keys(scope, entry.second, what, {"then", "if", "otherwise"});
+    for (const char* key : {"then", "if", "otherwise"}) {
+      if (!entry.second[key]) fail(scope, entry.second, what + " needs the key \"" + key + "\"");
+    }
+    const bool holds = condition_of(scope, entry.second["if"]);
+    scope.values[name] = text_of(scope, entry.second[holds ? "then" : "otherwise"], what);
+  }
+}
+
+std::vector<std::string> value_names(const YAML::Node& list) {
+  std::vector<std::string> names;
+  if (!list || !list.IsMap()) return names;
+  for (const auto& entry : list) names.push_back(entry.first.Scalar());
+  return names;
 }
 
 }  // namespace prehend::launch

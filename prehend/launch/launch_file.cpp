@@ -48,7 +48,7 @@ void check_top_level(const LaunchScope& scope, const YAML::Node& root) {
   if (root.IsNull()) throw LaunchError(scope.file + ": the launch file is empty");
   check_keys(scope, root, "the launch file",
              with_settings({"nodes", "include", "groups", "arguments", "hosts", "registry_host",
-                            "log_directory", "warnings"}));
+                            "log_directory", "warnings", "values", "refusals"}));
 }
 
 class Loader {
@@ -79,6 +79,8 @@ class Loader {
     take_arguments(scope, root, given, given_at, missing_, graph_.missing_arguments);
     ArgumentUse use;
     scope.use = &use;
+    take_values(scope, root["values"]);
+    refuse(scope, root["refusals"]);
     take_launch_keys(scope, root, is_top);
     add_warnings(scope, root["warnings"]);
     add_content(scope, root, settings_of(scope, root, inherited, graph_.hosts));
@@ -88,6 +90,7 @@ class Loader {
       graph_.arguments = scope.values;
       graph_.arguments.erase("launch_dir");
       graph_.arguments.erase("root");
+      for (const std::string& name : value_names(root["values"])) graph_.arguments.erase(name);
     }
     return use;
   }
@@ -159,6 +162,19 @@ class Loader {
              "host " + host.name + " needs an address like 10.0.0.1, without tcp://");
       }
       graph_.hosts.push_back(host);
+    }
+  }
+
+  // What the file does not offer, said before anything of it is looked at.
+  void refuse(const LaunchScope& scope, const YAML::Node& list) {
+    check_list(scope, list, "refusals must be a list of {text: ..., if: ...}");
+    for (const YAML::Node& entry : list) {
+      check_keys(scope, entry, "a refusal", {"text", "if"});
+      if (!entry["text"] || !entry["if"]) {
+        fail(scope, entry, "a refusal needs the keys \"text\" and \"if\"");
+      }
+      if (condition_of(scope, entry["if"]))
+        fail(scope, entry, text_of(scope, entry["text"], "text"));
     }
   }
 

@@ -22,6 +22,7 @@ struct LaunchArgument {
   Type type = Type::kString;
   std::optional<std::string> default_value;  ///< none: a value must be given
   std::string description;
+  std::vector<std::string> choices;  ///< empty: any value of its type
 };
 
 /// Whether a process is started again when it dies, and when.

@@ -1,6 +1,7 @@
 #include "prehend/launch/launch_values.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -226,6 +227,11 @@ void check_type(const LaunchScope& scope, const YAML::Node& place, const LaunchA
     expect(is_number<long long>(value), "an integer");
   if (argument.type == LaunchArgument::Type::kNumber) expect(is_number<double>(value), "a number");
   if (argument.type == LaunchArgument::Type::kList) expect(is_list(value), "a list, as in [a, b]");
+  const auto& choices = argument.choices;
+  if (choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  fail(scope, place,
+       fmt::format("argument {} must be one of {}, is \"{}\"{}", argument.name,
+                   fmt::join(choices, ", "), value, text::nearest_match_hint(value, choices)));
 }
 
 }  // namespace prehend::launch

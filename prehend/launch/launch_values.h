@@ -66,7 +66,7 @@ std::map<std::string, std::string> text_map_of(
 /// The value of an `if:` key: true | false | a == b | a != b. True when the key is not there.
 bool condition_of(const LaunchScope& scope, const YAML::Node& node);
 
-/// Reads `value` as the argument's type; throws unless it is one.
+/// Reads `value` as the argument's type; throws unless it is one, and one of its choices.
 void check_type(const LaunchScope& scope, const YAML::Node& place, const LaunchArgument& argument,
                 const std::string& value);
 

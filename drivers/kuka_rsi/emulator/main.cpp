@@ -156,7 +156,7 @@ void run(graph::Node& node) {
   node.log_info("arm of {}; telegrams every {} ms to {}:{}", s.platform, 1e3 * s.controller.cycle,
                 s.served.host, s.served.port);
   node.spin();
-  linger();
+  drivers::linger();  // not the socket option of that name
 }
 
 const graph::RegisteredNodeProgram registered(

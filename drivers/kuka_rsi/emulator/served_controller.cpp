@@ -58,6 +58,7 @@ void ServedController::run() {
       next = now;
     }
     next += cycle;
+    note_changes();  // the pause begins with the end
     {
       const std::lock_guard lock(mutex_);
       const bool is_off = controller_.state() != Controller::State::kRunning;

@@ -23,7 +23,7 @@ TEST(RsiFaults, TenThousandMoveNothingUnsafely) {
   robot.begin();
   int faults = 0, motions = 0, reached = 0, driver_restarts = 0, controller_restarts = 0;
   while (faults < kFaults) {
-    // One fault a time in one direction, for one to a few telegrams, or many.
+    // In one direction at a time, for one to a few telegrams, or many.
     auto& line = below(2) ? robot.out : robot.in;
     LineFaults harm;
     int lasts = below(10) == 0 ? below(40) : 1 + below(3);
@@ -45,7 +45,9 @@ TEST(RsiFaults, TenThousandMoveNothingUnsafely) {
         harm.corrupted = 1;
         break;
       case 7:
-        if (below(8) == 0) {
+        if (below(8) != 0) {
+          harm.dropped = 1;
+        } else {
           robot.driver = nullptr;
           robot.run(0.001 * below(400));
           robot.restart_driver();
@@ -53,7 +55,9 @@ TEST(RsiFaults, TenThousandMoveNothingUnsafely) {
         }
         break;
       case 8:
-        if (below(8) == 0) {
+        if (below(8) != 0) {
+          harm.duplicated = 1;
+        } else {
           robot.controller.end("emergency stop");
           robot.run(0.2 + 0.001 * below(500));
           robot.controller.begin();
