@@ -146,6 +146,13 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
       ->needs("--scan");
   command.add_option("--dsa", devices.dsa, "Line of a tactile controller, or tcp://HOST:PORT");
   command.add_option("--ft300", devices.ft300, "Line of an FT 300, or tcp://HOST:PORT");
+  command
+      .add_option("--rsi", devices.rsi_port,
+                  "UDP port that a KUKA's controller sends to: listens there, answers nothing")
+      ->check(CLI::Range(1, 65535));
+  command.add_option("--rsi-host", devices.rsi_host, "Address of this machine of the same")
+      ->default_val("0.0.0.0")
+      ->needs("--rsi");
   command.add_option("--unit", devices.unit, "Its Modbus address")
       ->check(CLI::Range(1, 247))
       ->capture_default_str();

@@ -9,6 +9,8 @@
 
 #include "drivers/dsa/driver/probe.h"
 #include "drivers/ft300/driver/probe.h"
+#include "drivers/kuka_rsi/driver/probe.h"
+#include "drivers/kuka_rsi/transport/udp_socket.h"
 #include "drivers/pg70/driver/probe.h"
 #include "drivers/wire/stream/line_users.h"
 #include "prehend/geometry/errors.h"
@@ -119,6 +121,18 @@ Findings ask_gripper(const DeviceChoices& choices) {
   return findings;
 }
 
+Findings listen_for_arm(const DeviceChoices& choices) {
+  try {
+    return {finding_of("arm", drivers::kuka_rsi::probe(choices.rsi_host, choices.rsi_port))};
+  } catch (const drivers::kuka_rsi::UdpPortTaken&) {
+    return {
+        {Level::kWarning, "arm",
+         fmt::format("UDP port {} is in use, by its driver it is hoped, so nobody listened there",
+                     choices.rsi_port),
+         "see what this page says of node kuka_rsi, or stop it and ask again"}};
+  }
+}
+
 }  // namespace
 
 Findings examine_devices(const DeviceChoices& choices) {
@@ -141,6 +155,7 @@ Findings examine_devices(const DeviceChoices& choices) {
           drivers::ft300::probe(choices.ft300, kBaud, static_cast<std::uint8_t>(choices.unit)))};
     }));
   }
+  if (choices.rsi_port > 0) add(examine("arm", "", [&] { return listen_for_arm(choices); }));
   return findings;
 }
 

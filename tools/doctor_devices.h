@@ -14,9 +14,11 @@ struct DeviceChoices {
   bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
   std::string dsa, ft300;
-  int unit = 9;  ///< Modbus address of the force sensor
+  int unit = 9;          ///< Modbus address of the force sensor
+  int rsi_port = 0;      ///< UDP port that a KUKA sends to; 0: not listened to
+  std::string rsi_host;  ///< address of this machine of the same
 
-  bool any() const { return !can.empty() || !dsa.empty() || !ft300.empty(); }
+  bool any() const { return !can.empty() || !dsa.empty() || !ft300.empty() || rsi_port > 0; }
 };
 
 /// Asks the devices by the drivers' own codecs, nothing of which moves them: whether the line can

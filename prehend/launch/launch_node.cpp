@@ -195,6 +195,8 @@ void take_program(const LaunchScope& scope, const YAML::Node& entry, const std::
 std::map<std::string, std::string> remaps_of(const LaunchScope& scope, const YAML::Node& list,
                                              const std::string& name_space) {
   std::map<std::string, std::string> remaps = text_map_of(scope, list, "remap", Values::kSingle);
+  // What a prefix that may be empty leaves as it is.
+  std::erase_if(remaps, [](const auto& remap) { return remap.first == remap.second; });
   for (auto& [from, to] : remaps) {
     const std::string what = "remap " + from + ": " + to;
     const bool whole_graph = to.starts_with("//");

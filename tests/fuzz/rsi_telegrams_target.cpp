@@ -1,5 +1,5 @@
-// What a KUKA's controller, or who says to be one, sends: `kind byte | text`, of odd kind a telegram,
-// of even kind an answer to one.
+// What a KUKA's controller, or who says to be one, sends: `kind byte | text`, of odd kind a
+// telegram, of even kind an answer to one.
 
 #include <array>
 #include <cmath>

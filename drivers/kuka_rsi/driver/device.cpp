@@ -26,6 +26,8 @@ Device::Device(const DeviceOptions& options, const Limits& limits, const Note& n
   if (!options.controller.empty()) peer_at(options.controller, 0);
   note(false, "waits for the controller on UDP " + socket_.here().name());
   thread_ = std::thread([this] { run(); });
+  // Locking memory takes milliseconds, in which the first telegrams would be late.
+  is_ready_.wait(false);
 }
 
 Device::~Device() {
@@ -89,6 +91,8 @@ void Device::run() {
     missing_real_time_ = missing;
   }
   std::array<char, 2 * XmlReader::kLongestText> buffer{};
+  is_ready_ = true;
+  is_ready_.notify_all();
   while (!ends_) turn(buffer);
 }
 

@@ -97,7 +97,7 @@ class Device {
   std::string missing_real_time_;
 
   std::mutex start_mutex_;
-  std::atomic<bool> ends_ = false;
+  std::atomic<bool> is_ready_ = false, ends_ = false;
   std::thread thread_;
 };
 

@@ -102,9 +102,9 @@ void Controller::move() {
         next[i] > options_.upper[i] + kPositionSlack) {
       return end("software limit switch of " + axis);
     }
-    if (std::abs(next[i] - set_point_[i]) > kSpeedSlack * options_.speed[i] * options_.cycle) {
-      return end("axis speed exceeded at " + axis);
-    }
+    const double step = std::abs(next[i] - set_point_[i]) / (options_.speed[i] * options_.cycle);
+    largest_step_ = std::max(largest_step_, step);
+    if (step > kSpeedSlack) return end("axis speed exceeded at " + axis);
   }
   set_point_ = next;
   plant_.command(set_point_);

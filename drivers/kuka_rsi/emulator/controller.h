@@ -54,7 +54,9 @@ class Controller {
   std::uint64_t delay() const { return delay_; }   // of this session
   std::uint64_t late_in_all() const { return late_in_all_; }
   std::uint64_t telegrams() const { return telegrams_; }
-  const Axes& actual() const { return actual_; }        // rad
+  const Axes& actual() const { return actual_; }  // rad
+  /// Of any axis' set point in a cycle, as part of what its speed allows.
+  double largest_step() const { return largest_step_; }
   const Axes& set_point() const { return set_point_; }  // rad, program and correction
 
  private:
@@ -73,6 +75,7 @@ class Controller {
   Time sent_{};
   std::uint64_t delay_ = 0, late_in_all_ = 0, telegrams_ = 0;
   int late_in_row_ = 0;
+  double largest_step_ = 0;
 };
 
 }  // namespace prehend::drivers::kuka_rsi

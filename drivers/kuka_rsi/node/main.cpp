@@ -3,6 +3,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/kuka_rsi/driver/device.h"
@@ -154,10 +155,8 @@ Limits limits_of(graph::Node& node, NodeSettings& s, const robot::Platform& plat
 class JointReport {
  public:
   JointReport(graph::Node& node, const Device& device, const robot::KinematicChain& chain,
-              const std::string& other)
-      : node_(node),
-        device_(device),
-        publisher_(node.advertise<msgs::JointState>("/joint_states", graph::QoS::queue(100))) {
+              const std::string& other, graph::Publisher<msgs::JointState> publisher)
+      : node_(node), device_(device), publisher_(std::move(publisher)) {
     for (const robot::ChainJoint& joint : chain.joints()) names_.push_back(joint.name);
     if (other.empty()) return;
     others_ = node.subscribe<msgs::JointState>(
@@ -225,6 +224,7 @@ class Watcher {
 
  private:
   static constexpr double kPeriod = 0.1;            // s
+  static constexpr double kGrace = 2;               // s at first: the controller may be starting
   static constexpr int kSample = 5, kPublish = 10;  // periods
 
   void look() {
@@ -236,8 +236,10 @@ class Watcher {
       quality_.sample(now.telegrams, harmed, 1 / options_.driver.cycle, steady_now());
     }
     tell_events(now);
-    report_.tell(health_of(now, device_.peer(), quality_.problem(), device_.missing_real_time(),
-                           options_.port));
+    const bool is_early = now.telegrams == 0 && looks_ * kPeriod < kGrace;
+    report_.tell(is_early ? Health{Health::Level::kOk, "waits for the controller"}
+                          : health_of(now, device_.peer(), quality_.problem(),
+                                      device_.missing_real_time(), options_.port));
     if (looks_++ % kPublish != 0) return;
     msgs::DeviceStatus status;
     status.mutable_header()->set_stamp(node_.clock().now());
@@ -295,6 +297,8 @@ void tell_answer_times(graph::Node& node, const Device& device) {
 
 void run(graph::Node& node) {
   NodeSettings settings = declare_settings(node);
+  // --help and --describe end here, before anything is read or opened.
+  auto joint_publisher = node.advertise<msgs::JointState>("/joint_states", graph::QoS::queue(100));
   const robot::Platform platform =
       robot::read_platform(robot::platform_file(settings.platforms, settings.platform));
   const Limits limits = limits_of(node, settings, platform);
@@ -318,7 +322,8 @@ void run(graph::Node& node) {
         device.release();
         return acknowledged(was_latched, was_latched ? "" : "there was nothing to acknowledge");
       });
-  JointReport joints(node, device, limits.chain(), settings.other_joints);
+  JointReport joints(node, device, limits.chain(), settings.other_joints,
+                     std::move(joint_publisher));
   constexpr double kJointPeriod = 0.01;  // s
   const WallTimer timer(kJointPeriod, [&] { joints.tell(); });
   const Watcher watcher(node, device, settings.device);

@@ -51,7 +51,8 @@ void RsiArm::stop_arm(std::uint64_t ticket) {
 void RsiArm::follow(const simulation::TrajectoryRequest& request,
                     const std::vector<double>& tolerance, double contact_force) {
   const Snapshot now = device_.snapshot();
-  if (now.latched || now.state != kuka_rsi::State::kHolding) throw std::invalid_argument(obstacle(now));
+  if (now.latched || now.state != kuka_rsi::State::kHolding)
+    throw std::invalid_argument(obstacle(now));
   if (!tolerance.empty() && tolerance.size() != kAxes) {
     throw std::invalid_argument("path_tolerance is empty or one number a joint");
   }

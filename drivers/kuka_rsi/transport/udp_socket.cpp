@@ -11,8 +11,6 @@
 #include <cstring>
 #include <ctime>
 
-#include "prehend/geometry/errors.h"
-
 namespace prehend::drivers::kuka_rsi {
 namespace {
 
@@ -62,13 +60,14 @@ UdpSocket::UdpSocket(const std::string& host, int port) : here_(peer_at(host, po
   if (descriptor_ < 0 || ::bind(descriptor_, address, sizeof here_.address) != 0) {
     const int error = errno;
     if (descriptor_ >= 0) ::close(descriptor_);
-    const std::string mend =
-        error == EADDRINUSE
-            ? "Another program has it: stop that one, or take another port, here and in the "
-              "controller's RSI_EthernetConfig"
-            : "Give an address of this machine (ip -4 address), and a port above 1023";
-    throw geometry::InputError("Cannot listen on UDP " + here_.name() + ": " + std::strerror(error),
-                               mend);
+    const std::string what = "Cannot listen on UDP " + here_.name() + ": " + std::strerror(error);
+    if (error == EADDRINUSE) {
+      throw UdpPortTaken(what,
+                         "Another program has it: stop that one, or take another port, here and in "
+                         "the controller's RSI_EthernetConfig");
+    }
+    throw geometry::InputError(
+        what, "Give an address of this machine (ip -4 address), and a port above 1023");
   }
   socklen_t size = sizeof here_.address;
   ::getsockname(descriptor_, reinterpret_cast<sockaddr*>(&here_.address), &size);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "drivers/wire/time/time.h"
+#include "prehend/geometry/errors.h"
 
 namespace prehend::drivers::kuka_rsi {
 
@@ -25,11 +26,18 @@ struct UdpPeer {
 /// @throws geometry::InputError where `host` is no IPv4 address.
 UdpPeer peer_at(const std::string& host, int port);
 
+/// Another program has the port.
+class UdpPortTaken : public geometry::InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A UDP socket. After its making it allocates nothing.
 class UdpSocket {
  public:
   /// Binds to the IPv4 address `host`, "0.0.0.0" for all, and `port`; 0: any free one.
-  /// @throws geometry::InputError naming the port and the mend: in use, no such address.
+  /// @throws geometry::InputError naming the port and the mend: no such address, no permission;
+  /// UdpPortTaken.
   UdpSocket(const std::string& host, int port);
   ~UdpSocket();
   UdpSocket(const UdpSocket&) = delete;

@@ -51,7 +51,8 @@ TEST(RsiLoop, AllocatesNothing) {
     counts_allocations = true;
     robot.driver->feel(1, robot.now);
     robot.driver->on_time(robot.now);
-    robot.driver->on_packet({damaged.data(), static_cast<std::size_t>(cycle) % telegram.size()}, robot.now);
+    robot.driver->on_packet({damaged.data(), static_cast<std::size_t>(cycle) % telegram.size()},
+                            robot.now);
     const std::string_view answer =
         cycle % 50 == 49 ? std::string_view() : robot.driver->on_packet(telegram, robot.now);
     robot.driver->on_packet(telegram, robot.now);

@@ -132,8 +132,7 @@ TEST(Answers, AreWhatTheManualPrints) {
   TelegramNames names;
   names.decimals = 4;
   std::array<char, 512> out;
-  const std::size_t size =
-      write_sensor_telegram(out, names, Axes{}, *Ipoc::parse("4208163634"));
+  const std::size_t size = write_sensor_telegram(out, names, Axes{}, *Ipoc::parse("4208163634"));
   EXPECT_EQ(std::string(out.data(), size),
             R"(<Sen Type="ImFree"><EStr></EStr><AKorr A1="0.0000" A2="0.0000" A3="0.0000" )"
             R"(A4="0.0000" A5="0.0000" A6="0.0000"/><IPOC>4208163634</IPOC></Sen>)");

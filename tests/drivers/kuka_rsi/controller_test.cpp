@@ -34,8 +34,7 @@ class RsiController : public ::testing::Test {
     names.type = type;
     std::array<char, 512> out;
     const auto stamp = telegram_.ipoc.value + static_cast<std::uint64_t>(stamp_off);
-    const std::size_t size =
-        write_sensor_telegram(out, names, Axes{a1}, Ipoc::of(stamp), message);
+    const std::size_t size = write_sensor_telegram(out, names, Axes{a1}, Ipoc::of(stamp), message);
     controller.receive({out.data(), size}, now_ + delay);
   }
   SimpleArm arm_{Axes{}};

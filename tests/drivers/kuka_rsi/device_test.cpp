@@ -71,8 +71,7 @@ TEST_F(RsiDevice, MovesTheArmAndTellsHowLongAnswersTook) {
   start_controller();
   ASSERT_TRUE(holds());
   ASSERT_TRUE(move(0.5, 0.6));
-  EXPECT_TRUE(
-      eventually([&] { return device_->snapshot().end == Snapshot::End::kReached; }));
+  EXPECT_TRUE(eventually([&] { return device_->snapshot().end == Snapshot::End::kReached; }));
   EXPECT_NEAR(controller_->with_controller([](Controller& c) { return c.actual()[0]; }), 0.5, 5e-3);
   std::uint64_t answers = 0;
   const AnswerTimes times = device_->answer_times();
@@ -90,8 +89,7 @@ TEST_F(RsiDevice, TakesControllersOfFourMilliseconds) {
   start_controller();
   ASSERT_TRUE(holds());
   ASSERT_TRUE(move(0.3, 0.5));
-  EXPECT_TRUE(
-      eventually([&] { return device_->snapshot().end == Snapshot::End::kReached; }));
+  EXPECT_TRUE(eventually([&] { return device_->snapshot().end == Snapshot::End::kReached; }));
 }
 
 TEST_F(RsiDevice, RefusesMotionsWithoutAController) {
@@ -157,8 +155,7 @@ TEST_F(RsiDevice, ProbeHearsTheControllerAndMovesNothing) {
   EXPECT_EQ(heard.result, Probe::Result::kAnswers) << heard.what;
   EXPECT_THAT(heard.what, AllOf(HasSubstr("controller at 127.0.0.1:"),
                                 HasSubstr("axes at 0.0 -90.0 90.0 0.0 90.0 0.0 degrees")));
-  EXPECT_EQ(controller_->with_controller([](Controller& c) { return c.actual(); }),
-            home_of_kuka());
+  EXPECT_EQ(controller_->with_controller([](Controller& c) { return c.actual(); }), home_of_kuka());
   controller_.reset();
   const Probe silent = probe("127.0.0.1", port_, {}, 0.1);
   EXPECT_EQ(silent.result, Probe::Result::kSilent);

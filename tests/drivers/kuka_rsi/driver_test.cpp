@@ -278,9 +278,9 @@ TEST(RsiDriver, TelegramsWithoutWhatItNeedsAreNotAnswered) {
     for (int i = 0; i < 5; ++i) {
       robot.now += std::chrono::milliseconds(12);
       const std::string ipoc = std::to_string(1000 + 12 * i);
-      EXPECT_TRUE(robot.driver
-                      ->on_packet("<Rob>" + content + "<IPOC>" + ipoc + "</IPOC></Rob>", robot.now)
-                      .empty());
+      EXPECT_TRUE(
+          robot.driver->on_packet("<Rob>" + content + "<IPOC>" + ipoc + "</IPOC></Rob>", robot.now)
+              .empty());
     }
     EXPECT_EQ(robot.snapshot().state, State::kRefused);
     EXPECT_EQ(robot.snapshot().refusal, Reason::kNoSignals);
@@ -299,8 +299,8 @@ TEST(RsiDriver, ArmThatDoesNotFollowIsStopped) {
     robot.now += std::chrono::milliseconds(12);
     ipoc += 12;
     const std::string axes = R"(A1="0" A2="-90" A3="90" A4="0" A5="90" A6="0"/>)";
-    robot.driver->on_packet("<Rob><AIPos " + axes + "<ASPos " + axes +
-                                R"(<Delay D="0"/><IPOC>)" + std::to_string(ipoc) + "</IPOC></Rob>",
+    robot.driver->on_packet("<Rob><AIPos " + axes + "<ASPos " + axes + R"(<Delay D="0"/><IPOC>)" +
+                                std::to_string(ipoc) + "</IPOC></Rob>",
                             robot.now);
   };
   for (int i = 0; i < 20; ++i) telegram();
@@ -322,8 +322,7 @@ TEST(RsiDriver, OptionsOutOfRangeAreRefused) {
   EXPECT_THROW(made([](DriverOptions& o) { o.lag = 100; }), std::invalid_argument);
   EXPECT_THROW(made([](DriverOptions& o) { o.loss_cycles = 3; }), std::invalid_argument);
   EXPECT_THROW(made([](DriverOptions& o) { o.late_limit = 0; }), std::invalid_argument);
-  EXPECT_THROW(made([](DriverOptions& o) { o.settle_time = std::nan(""); }),
-               std::invalid_argument);
+  EXPECT_THROW(made([](DriverOptions& o) { o.settle_time = std::nan(""); }), std::invalid_argument);
 }
 
 }  // namespace

@@ -32,9 +32,8 @@ Axes with_a1(double a1) {
 }
 
 TEST(SetPoints, AreTheTrajectoryAtTheCycles) {
-  const auto points =
-      set_points_of(way(home_of_kuka(), with_a1(1), 1.2), home_of_kuka(), home_of_kuka(),
-                    limits_of_kuka(), kCycle);
+  const auto points = set_points_of(way(home_of_kuka(), with_a1(1), 1.2), home_of_kuka(),
+                                    home_of_kuka(), limits_of_kuka(), kCycle);
   ASSERT_EQ(points.size(), 100u);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double s = static_cast<double>(k + 1) / 100;
@@ -78,8 +77,8 @@ TEST(SetPoints, OutOfTheToolsBoxAreRefused) {
   EXPECT_EQ(refusal(way(home_of_kuka(), with_a1(0.1), 2), home_of_kuka(), limits), "taken");
 }
 
-// The set points stay inside, but two axes that hold each other's way up would brake apart: A1 turns
-// the tool to the side and back at once with A6 ... so each axis' own braking is looked at.
+// The set points stay inside, but two axes that hold each other's way up would brake apart: A1
+// turns the tool to the side and back at once with A6 ... so each axis' own braking is looked at.
 TEST(SetPoints, FromWhichTheToolCouldNotStopInsideAreRefused) {
   Limits::Options options = wide_limits();
   const Eigen::Vector3d p_W = limits_of_kuka().tool_at(home_of_kuka());
@@ -89,8 +88,8 @@ TEST(SetPoints, FromWhichTheToolCouldNotStopInsideAreRefused) {
   to[2] -= 0.6;
   const simulation::ArmTrajectory both = way(home_of_kuka(), to, 0.62);
   double most = p_W.x(), least_z = p_W.z();
-  for (const Axes& q : set_points_of(both, home_of_kuka(), home_of_kuka(), limits_of_kuka(options),
-                                     kCycle)) {
+  for (const Axes& q :
+       set_points_of(both, home_of_kuka(), home_of_kuka(), limits_of_kuka(options), kCycle)) {
     most = std::max(most, limits_of_kuka().tool_at(q).x());
     least_z = std::min(least_z, limits_of_kuka().tool_at(q).z());
   }
