@@ -193,6 +193,57 @@ include: [{file: b.yaml}]
   EXPECT_THAT(error_of("warnings: no\nnodes: [{node: report}]"), HasSubstr("must be a list"));
 }
 
+TEST_F(LaunchFileTest, ValuesSayOnceWhatArgumentsAmountTo) {
+  const std::string text = R"(
+arguments: {arm: {default: sim, choices: [sim, rsi]}, hand: {default: sim}}
+values:
+  time: {then: wall, if: $(arm) $(hand) == rsi sdh, otherwise: simulated}
+  prefix: {then: "", if: $(arm) == sim, otherwise: /unused}
+  told: {then: "$(time) $(arm)",
+                    if : $(time) == wall, otherwise : nothing
+}
+clock: $(time)
+nodes: [{node: simulation, parameters: {told: $(told)}, remap: {/arm/stop: $(prefix)/arm/stop}}]
+)";
+  const LaunchGraph simulated = load(text);
+EXPECT_EQ(simulated.nodes[0].clock, "simulated");
+EXPECT_TRUE(simulated.nodes[0].remaps.empty());  // by an empty prefix nothing is renamed
+EXPECT_EQ(simulated.arguments.count("time"), 0u);
+EXPECT_EQ(load(describe(simulated)).nodes[0].parameters, simulated.nodes[0].parameters);
+const LaunchGraph real = load(text, {"arm:=rsi", "hand:=sdh"});
+EXPECT_EQ(real.nodes[0].clock, "wall");
+EXPECT_EQ(real.nodes[0].parameters.at("told"), "wall rsi");
+EXPECT_EQ(real.nodes[0].remaps.at("/arm/stop"), "/unused/arm/stop");
+const std::string nodes = "\nnodes: [{node: report}]\n";
+EXPECT_THAT(error_of("values: {a: {then: 1, if: true}}" + nodes),
+            HasSubstr("value a needs the key \"otherwise\""));
+EXPECT_THAT(error_of("values: {a: {then: 1, iff: true, otherwise: 2}}" + nodes),
+            HasSubstr("did you mean \"if\"?"));
+EXPECT_THAT(error_of("values: {root: {then: 1, if: true, otherwise: 2}}" + nodes),
+            HasSubstr("value root has a name that is already taken"));
+EXPECT_THAT(error_of("values: {a: {then: $(b), if: true, otherwise: 2}}" + nodes),
+            HasSubstr("unknown argument $(b)"));
+EXPECT_THAT(error_of("values: [a]" + nodes), HasSubstr("values must be a mapping"));
+EXPECT_THAT(error_of(text, {"time:=wall"}), HasSubstr("has no argument \"time\""));
+}
+
+TEST_F(LaunchFileTest, WhatIsNotOfferedIsRefusedByName) {
+  const std::string text = R"(
+arguments: {arm: {default: sim, choices: [sim, rsi]}, platform: {default: stage}}
+refusals: [{text: "arm:=$(arm) needs an arm, $(platform) has none", if: $(arm) $(platform) == rsi stage}]
+nodes: [{node: report}]
+)";
+  EXPECT_EQ(load(text).nodes.size(), 1u);
+  EXPECT_THAT(error_of(text, {"arm:=rsi"}),
+              AllOf(HasSubstr("a.yaml:3"), HasSubstr("arm:=rsi needs an arm, stage has none")));
+  EXPECT_THAT(error_of(text, {"arm:=rsj"}),
+              HasSubstr("argument arm must be one of sim, rsi, is \"rsj\"; did you mean \"rsi\"?"));
+  EXPECT_THAT(error_of("arguments: {a: {default: x, choices: [y]}}\nnodes: [{node: report}]"),
+              HasSubstr("must be one of y"));
+  EXPECT_THAT(error_of("refusals: [{text: no}]\nnodes: [{node: report}]"),
+              HasSubstr("a refusal needs the keys"));
+}
+
 TEST_F(LaunchFileTest, TheClockIsInheritedByIncludes) {
   write("b.yaml", "nodes: [{node: report}]\n");
   write("c.yaml", "clock: wall\nnodes: [{node: simulation}]\n");

@@ -113,6 +113,42 @@ TEST(StageArm, BrakesWithinItsAcceleration) {
               1e-3);
 }
 
+// Set points as a controller streams them, a step each 12 ms.
+TEST(StageArm, TracksSetPointsWithinItsLimits) {
+  for (const bool adaptive : {false, true}) {
+    Stage stage(adaptive);
+    const robot::Positions from = stage_position(stage.world);
+    double fastest = 0;
+    for (int k = 1; k <= 125; ++k) {
+      robot::Positions goal = from;
+      goal[0] += 0.3 * k / 125;  // 0.2 m/s
+      stage.arm.track(goal, stage.world);
+      stage.run(0.012);
+      fastest = std::max(fastest, stage.world.carrier().velocity.norm());
+    }
+    EXPECT_NEAR(fastest, 0.2, 0.03);
+    EXPECT_NEAR(stage_position(stage.world)[0] - from[0], 0.3 - 0.2 * 2 / 30, 5e-3);  // its lag
+    stage.run(1.5);
+    EXPECT_NEAR(stage_position(stage.world)[0], from[0] + 0.3, 1e-5);
+    EXPECT_FALSE(stage.world.carrier().moving);
+    // A step is no jump either.
+    robot::Positions goal = stage_position(stage.world);
+    goal[1] += 0.2;
+    stage.arm.track(goal, stage.world);
+    const double limit = stage.arm.drive().chain().joints()[1].max_velocity;
+    double sharpest = 0;
+    for (double before = 0; stage.world.time() < 6;) {
+      stage.run(0.01);
+      const double speed = stage.world.carrier().velocity.y();
+      EXPECT_LE(speed, limit + 1e-9);
+      sharpest = std::max(sharpest, std::abs(speed - before) / 0.01);
+      before = speed;
+    }
+    EXPECT_LE(sharpest, 2 * 1.0 * 1.05);  // m/s^2: the platform's, twice over
+    EXPECT_NEAR(stage_position(stage.world)[1], goal[1], 1e-5);
+  }
+}
+
 TEST(StageArm, StopsWhereTheWristFeelsMore) {
   Stage stage;
   const double tip = stage.world.scene().gripper.tip_z();

@@ -14,6 +14,7 @@ constexpr double kSameProgram = 2e-5;  // rad; four decimals of a degree are 2e-
 constexpr double kSamePlace = 0.01;    // rad, of an arm that holds what was sent last
 constexpr int kOffPathCycles = 3;
 constexpr int kCalmCycles = 100;
+constexpr double kLeastPace = 0.6;         // of the cycle, between telegrams at the beginning
 constexpr std::uint64_t kEarlyCycles = 5;  // by which time stamps may be ahead of this machine
 
 Axes to_radians(const Axes& degrees) {
@@ -88,6 +89,8 @@ const char* to_string(Reason reason) {
       return "actual and programmed axes differ at the start";
     case Reason::kMidway:
       return "RSI runs already, and what it was sent before is not known";
+    case Reason::kCycle:
+      return "its telegrams come faster than the cycle that the driver was given";
   }
   return "?";
 }
@@ -138,8 +141,11 @@ std::string_view Driver::on_packet(std::string_view text, Time now) {
 }
 
 std::string_view Driver::refuse(Reason reason) {
+  // Unanswered because of its cycle, RSI is met under way from then on.
+  const bool is_sequel =
+      now_.state == State::kRefused && now_.refusal == Reason::kCycle && reason == Reason::kMidway;
   now_.state = State::kRefused;
-  now_.refusal = reason;
+  if (!is_sequel) now_.refusal = reason;
   answered_ = false;
   return {};
 }
@@ -178,6 +184,7 @@ std::string_view Driver::begin(const RobotTelegram& telegram, Time now) {
   step_ = confirmed ? way : 0;
   velocity_ = {};
   begun_ = trouble_ = calm_ = 0;
+  begun_time_ = now;
   unaccepted_ = 0;
   delay_before_ = *telegram.delay;
   now_.actual = actual;
@@ -253,7 +260,10 @@ std::string_view Driver::go_on(const RobotTelegram& telegram, Time now) {
   }
   if (step_ == 0) {
     const auto cycle = static_cast<std::uint64_t>(std::llround(options_.cycle * 1e3));
-    step_ = (telegram.ipoc.value - last_ipoc_.value) % cycle == 0 ? cycle : 1;
+    const std::uint64_t way = telegram.ipoc.value - last_ipoc_.value;
+    // Stamps are in ms: a set point a telegram would be a motion three times too fast.
+    if (way == 4 && cycle == 12) return last_telegram_ = now, refuse(Reason::kCycle);
+    step_ = way % cycle == 0 ? cycle : 1;
   }
   last_telegram_ = now;
   take_state(telegram);
@@ -267,8 +277,14 @@ std::string_view Driver::go_on(const RobotTelegram& telegram, Time now) {
     trail_next_ = (trail_next_ + 1) % trail_size_;
   }
   if (now_.state == State::kBeginning) {
-    begun_ = largest_difference(now_.actual, pending_) <= kSamePlace ? begun_ + 1 : 0;
-    if (begun_ >= kBeginTelegrams) now_.state = State::kHolding;
+    const bool is_there = largest_difference(now_.actual, pending_) <= kSamePlace;
+    begun_ = is_there ? begun_ + 1 : 0;
+    if (begun_ == 0) begun_time_ = now;
+    if (begun_ >= kBeginTelegrams) {
+      const double pace = to_seconds(now - begun_time_) / begun_;
+      if (pace < kLeastPace * options_.cycle) return refuse(Reason::kCycle);
+      now_.state = State::kHolding;
+    }
   }
   mind_force(now);
   watch_path();

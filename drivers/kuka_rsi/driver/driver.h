@@ -56,6 +56,7 @@ enum class Reason {
   kNoSignals,  ///< telegrams lack axes or delay
   kCorrected,  ///< at the start actual and programmed axes differ
   kMidway,     ///< RSI had begun before, and what was sent then is not known
+  kCycle,      ///< telegrams come faster than options.cycle says
 };
 const char* to_string(Reason reason);
 
@@ -104,7 +105,7 @@ class Driver {
  public:
   static constexpr std::size_t kMostLag = 512;     // cycles
   static constexpr std::uint64_t kFreshDelay = 3;  // telegrams: RSI has just begun
-  static constexpr int kBeginTelegrams = 5;        // compared before motions are taken
+  static constexpr int kBeginTelegrams = 10;       // compared before motions are taken
 
   /// @throws std::invalid_argument for options out of range.
   Driver(const DriverOptions& options, Limits limits);
@@ -177,8 +178,9 @@ class Driver {
   std::uint64_t unaccepted_ = 0;  // telegrams in a row
   int trouble_ = 0, calm_ = 0;    // unaccepted ones of late; accepted ones since
   int begun_ = 0;                 // telegrams since begin
-  Time last_telegram_{};          // believed
-  RobotTelegram candidate_;       // that may begin a session, with the next one
+  Time begun_time_{};
+  Time last_telegram_{};     // believed
+  RobotTelegram candidate_;  // that may begin a session, with the next one
   bool has_candidate_ = false;
 
   double force_ = 0;

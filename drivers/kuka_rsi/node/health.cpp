@@ -9,6 +9,8 @@ const char* mend_of(Reason refusal) {
       return "add DEF_AIPos and DEF_Delay to SEND of its RSI_EthernetConfig";
     case Reason::kCorrected:
       return "its program has to switch RSI on where it stands, with absolute corrections";
+    case Reason::kCycle:
+      return "set cycle (rsi_cycle:=) to the controller's, 4 or 12 ms";
     default:
       return "it ends RSI by itself; start its program again";
   }

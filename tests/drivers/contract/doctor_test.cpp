@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include "drivers/dsa/emulator/controller.h"
 #include "drivers/ft300/driver/probe.h"
 #include "drivers/ft300/emulator/sensor.h"
+#include "drivers/kuka_rsi/emulator/served_controller.h"
 #include "drivers/pg70/driver/probe.h"
 #include "drivers/pg70/emulator/served_module.h"
 #include "drivers/wire/can/can_interface.h"
@@ -206,6 +208,38 @@ TEST_F(DoctorAsksDevices, LineOfARunningDriverIsLeftAlone) {
   EXPECT_THAT(ask({"--dsa", line}).output,
               HasSubstr(line + " is in use by dsa (process " + std::to_string(driver.pid()) +
                         "), so it was not asked"));
+}
+
+TEST_F(DoctorAsksDevices, HearsWhetherAControllerOfAnArmSends) {
+  int port = 0;
+  {
+    const kuka_rsi::UdpSocket any("127.0.0.1", 0);
+    port = ntohs(any.here().address.sin_port);
+  }
+  const std::vector<std::string> options{"--rsi", std::to_string(port), "--rsi-host", "127.0.0.1"};
+  EXPECT_THAT(ask(options).output,
+              AllOf(HasSubstr("no controller sends to UDP 127.0.0.1:" + std::to_string(port)),
+                    HasSubstr("RSI_EthernetConfig")));
+  kuka_rsi::SimpleArm arm({0, -1.5, 1.5, 0, 1, 0});
+  kuka_rsi::ControllerOptions controller;
+  controller.lower.fill(-3);
+  controller.upper.fill(3);
+  controller.speed.fill(4);
+  controller.late_limit = 1000000;  // nobody answers
+  kuka_rsi::ServedOptions served;
+  served.port = port;
+  kuka_rsi::ServedController sends(arm, controller, served, [](const std::string&) {});
+  const auto heard = ask(options);
+  EXPECT_EQ(heard.exit_code, 0) << heard.output;
+  EXPECT_THAT(heard.output, AllOf(HasSubstr("ok"), HasSubstr("arm: controller at 127.0.0.1:"),
+                                  HasSubstr("axes at 0.0 -85.9")));
+  const kuka_rsi::UdpSocket driver("127.0.0.1", port);
+  EXPECT_THAT(ask(options).output, HasSubstr("UDP port " + std::to_string(port) + " is in use"));
+}
+
+TEST_F(DriversDoctor, NamesTheControllerThatDoesNotSend) {
+  EXPECT_THAT(page_of("kuka_rsi", {"port:=49999"}, "no controller sends"),
+              HasSubstr("no controller sends to UDP port 49999. Start its RSI program"));
 }
 
 TEST_F(DriversDoctor, StatesThatDoNotFitTheLineAreRefusedAtTheStart) {

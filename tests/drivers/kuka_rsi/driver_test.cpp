@@ -287,6 +287,23 @@ TEST(RsiDriver, TelegramsWithoutWhatItNeedsAreNotAnswered) {
   }
 }
 
+// A set point a telegram would move the arm three times as fast as it was asked to.
+TEST(RsiDriver, ControllerOfAShorterCycleThanToldIsNotAnswered) {
+  for (const std::uint64_t step : {4, 1}) {
+    ControllerOptions controller = controller_of_kuka();
+    controller.cycle = controller.answer_time = 0.004;
+    controller.ipoc_step = step;
+    VirtualRobot robot({}, controller);
+    robot.begin();
+    EXPECT_EQ(robot.snapshot().state, State::kRefused) << step;
+    EXPECT_EQ(robot.snapshot().refusal, Reason::kCycle) << step;
+    EXPECT_FALSE(robot.move(beside_home(0.3), 2));
+    robot.run(1);
+    EXPECT_EQ(robot.controller.state(), Controller::State::kStopped);
+    EXPECT_LT(robot.fastest, 1e-6);
+  }
+}
+
 TEST(RsiDriver, ArmThatDoesNotFollowIsStopped) {
   VirtualRobot robot;
   robot.begin();
