@@ -194,37 +194,35 @@ include: [{file: b.yaml}]
 }
 
 TEST_F(LaunchFileTest, ValuesSayOnceWhatArgumentsAmountTo) {
-  const std::string text = R"(
+  const std::string text = R"yaml(
 arguments: {arm: {default: sim, choices: [sim, rsi]}, hand: {default: sim}}
 values:
   time: {then: wall, if: $(arm) $(hand) == rsi sdh, otherwise: simulated}
   prefix: {then: "", if: $(arm) == sim, otherwise: /unused}
-  told: {then: "$(time) $(arm)",
-                    if : $(time) == wall, otherwise : nothing
-}
+  told: {then: "$(time) $(arm)", if: $(time) == wall, otherwise: nothing}
 clock: $(time)
 nodes: [{node: simulation, parameters: {told: $(told)}, remap: {/arm/stop: $(prefix)/arm/stop}}]
-)";
+)yaml";
   const LaunchGraph simulated = load(text);
-EXPECT_EQ(simulated.nodes[0].clock, "simulated");
-EXPECT_TRUE(simulated.nodes[0].remaps.empty());  // by an empty prefix nothing is renamed
-EXPECT_EQ(simulated.arguments.count("time"), 0u);
-EXPECT_EQ(load(describe(simulated)).nodes[0].parameters, simulated.nodes[0].parameters);
-const LaunchGraph real = load(text, {"arm:=rsi", "hand:=sdh"});
-EXPECT_EQ(real.nodes[0].clock, "wall");
-EXPECT_EQ(real.nodes[0].parameters.at("told"), "wall rsi");
-EXPECT_EQ(real.nodes[0].remaps.at("/arm/stop"), "/unused/arm/stop");
-const std::string nodes = "\nnodes: [{node: report}]\n";
-EXPECT_THAT(error_of("values: {a: {then: 1, if: true}}" + nodes),
-            HasSubstr("value a needs the key \"otherwise\""));
-EXPECT_THAT(error_of("values: {a: {then: 1, iff: true, otherwise: 2}}" + nodes),
-            HasSubstr("did you mean \"if\"?"));
-EXPECT_THAT(error_of("values: {root: {then: 1, if: true, otherwise: 2}}" + nodes),
-            HasSubstr("value root has a name that is already taken"));
-EXPECT_THAT(error_of("values: {a: {then: $(b), if: true, otherwise: 2}}" + nodes),
-            HasSubstr("unknown argument $(b)"));
-EXPECT_THAT(error_of("values: [a]" + nodes), HasSubstr("values must be a mapping"));
-EXPECT_THAT(error_of(text, {"time:=wall"}), HasSubstr("has no argument \"time\""));
+  EXPECT_EQ(simulated.nodes[0].clock, "simulated");
+  EXPECT_TRUE(simulated.nodes[0].remaps.empty());  // by an empty prefix nothing is renamed
+  EXPECT_EQ(simulated.arguments.count("time"), 0u);
+  EXPECT_EQ(load(describe(simulated)).nodes[0].parameters, simulated.nodes[0].parameters);
+  const LaunchGraph real = load(text, {"arm:=rsi", "hand:=sdh"});
+  EXPECT_EQ(real.nodes[0].clock, "wall");
+  EXPECT_EQ(real.nodes[0].parameters.at("told"), "wall rsi");
+  EXPECT_EQ(real.nodes[0].remaps.at("/arm/stop"), "/unused/arm/stop");
+  const std::string nodes = "\nnodes: [{node: report}]\n";
+  EXPECT_THAT(error_of("values: {a: {then: 1, if: true}}" + nodes),
+              HasSubstr("value a needs the key \"otherwise\""));
+  EXPECT_THAT(error_of("values: {a: {then: 1, iff: true, otherwise: 2}}" + nodes),
+              HasSubstr("did you mean \"if\"?"));
+  EXPECT_THAT(error_of("values: {root: {then: 1, if: true, otherwise: 2}}" + nodes),
+              HasSubstr("value root has a name that is already taken"));
+  EXPECT_THAT(error_of("values: {a: {then: $(b), if: true, otherwise: 2}}" + nodes),
+              HasSubstr("unknown argument $(b)"));
+  EXPECT_THAT(error_of("values: [a]" + nodes), HasSubstr("values must be a mapping"));
+  EXPECT_THAT(error_of(text, {"time:=wall"}), HasSubstr("has no argument \"time\""));
 }
 
 TEST_F(LaunchFileTest, WhatIsNotOfferedIsRefusedByName) {
