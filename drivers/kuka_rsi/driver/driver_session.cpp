@@ -18,11 +18,8 @@ constexpr std::uint64_t kEarlyCycles = 5;  // by which time stamps may be ahead 
 }  // namespace
 
 std::string_view Driver::refuse(Reason reason) {
-  // Unanswered because of its cycle, RSI is met under way from then on.
-  const bool is_sequel =
-      now_.state == State::kRefused && now_.refusal == Reason::kCycle && reason == Reason::kMidway;
   now_.state = State::kRefused;
-  if (!is_sequel) now_.refusal = reason;
+  now_.refusal = reason;
   answered_ = false;
   return {};
 }
@@ -30,6 +27,11 @@ std::string_view Driver::refuse(Reason reason) {
 // One damaged telegram must not begin anything, so two have to agree; one, where two of its own
 // parts do.
 std::string_view Driver::begin(const RobotTelegram& telegram, Time now) {
+  // Of a cycle that is not the driver's, until the controller has ended RSI.
+  if (now_.state == State::kRefused && now_.refusal == Reason::kCycle) {
+    last_telegram_ = now;
+    return {};
+  }
   const auto cycle = static_cast<std::uint64_t>(std::llround(options_.cycle * 1e3));
   const Axes actual = to_radians(*telegram.actual_axes);
   const double tolerance = options_.start_tolerance;

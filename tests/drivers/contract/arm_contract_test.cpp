@@ -251,7 +251,10 @@ TEST_P(ArmContract, CancelledGoalBrakesTheArm) {
 TEST_P(ArmContract, NewerGoalBeginsWhereTheArmThenStands) {
   const auto first = arm_->follow.send(turn(1.0, 4));
   ASSERT_TRUE(eventually([&] { return position()[0] > home() + 0.15; }));
-  const Result second = follow(turn(-3.0, 9));  // planned from elsewhere by then
+  const Goal late = turn(-3.0, 9);
+  const double planned_at = position()[0];
+  ASSERT_TRUE(eventually([&] { return position()[0] > planned_at + 0.1; }));
+  const Result second = follow(late);  // planned from elsewhere
   EXPECT_FALSE(second.reached());
   EXPECT_EQ(first.wait(20s).status(), graph::Status::kPreempted);
   EXPECT_TRUE(eventually([&] { return stands(); }));

@@ -294,7 +294,8 @@ TEST(RsiDriver, ControllerOfAShorterCycleThanToldIsNotAnswered) {
     controller.cycle = controller.answer_time = 0.004;
     controller.ipoc_step = step;
     VirtualRobot robot({}, controller);
-    robot.begin();
+    robot.controller.begin();
+    robot.run(0.1);
     EXPECT_EQ(robot.snapshot().state, State::kRefused) << step;
     EXPECT_EQ(robot.snapshot().refusal, Reason::kCycle) << step;
     EXPECT_FALSE(robot.move(beside_home(0.3), 2));
