@@ -58,8 +58,15 @@ class Device {
   /// Waits for the thread, some cycles at most. One caller at a time.
   bool start(std::unique_ptr<Motion> motion);
   void stop() { asked_ |= kStop; }
-  void latch() { asked_ |= kLatch; }
-  void release() { asked_ |= kRelease; }
+  void latch() {
+    is_latched_ = true;
+    asked_ |= kLatch;
+  }
+  /// Whether there was a latch() to release.
+  bool release() {
+    asked_ |= kRelease;
+    return is_latched_.exchange(false);
+  }
   void feel(double force) {
     force_ = force;
     force_time_ = steady_now().count();
@@ -87,6 +94,7 @@ class Device {
   std::atomic<Motion*> incoming_ = nullptr, outgoing_ = nullptr;
   std::atomic<std::uint64_t> taken_ = 0;  // motions that the thread has looked at
   std::atomic<bool> started_ = false;     // the last of them
+  std::atomic<bool> is_latched_ = false;  // as asked for; told_ has it a cycle later
   std::atomic<std::uint64_t> strangers_ = 0;
 
   mutable std::mutex mutex_;  // guards what follows; the thread only tries it

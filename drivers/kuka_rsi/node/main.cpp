@@ -318,8 +318,7 @@ void run(graph::Node& node) {
       });
   const graph::Service acknowledge =
       node.serve<msgs::Empty, msgs::Acknowledge>("/arm/acknowledge", [&](const msgs::Empty&) {
-        const bool was_latched = device.snapshot().latched;
-        device.release();
+        const bool was_latched = device.release();
         return acknowledged(was_latched, was_latched ? "" : "there was nothing to acknowledge");
       });
   JointReport joints(node, device, limits.chain(), settings.other_joints,
