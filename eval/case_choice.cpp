@@ -31,8 +31,11 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
          "--groups", choice.groups,
          "of bodies: household; scanned (with PREHEND_SHARED_DATA); hard: vessels, stacks, hidden, "
          "cut, tiny and dark things; held: the same in other shapes, for closing tables only; "
+         "varied: scenes drawn at random, see --drawn; "
          "default: household and scanned")
       ->check(CLI::IsMember(known_groups()));
+  app.add_option("--drawn", choice.drawn,
+                 "seeds from which the scenes of the group varied are drawn, 18 each; default: 1");
   app.add_option(
          "--meshes", choice.meshes,
          "evaluate the OBJ, PLY and STL meshes (closed, metres, z up) of this folder instead")
@@ -49,7 +52,18 @@ void add_case_options(CLI::App& app, CaseChoice& choice) {
 }
 
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice) {
-  return data_sets_to_evaluate(choice.meshes, choice.groups);
+  if (choice.drawn.empty()) return data_sets_to_evaluate(choice.meshes, choice.groups);
+  const std::vector<std::string>& groups = choice.groups;
+  if (std::find(groups.begin(), groups.end(), "varied") == groups.end()) {
+    throw geometry::InputError("--drawn gives seeds of scenes that are not evaluated",
+                               "Give --groups varied, too");
+  }
+  std::vector<std::uint64_t> seeds = choice.drawn;
+  std::sort(seeds.begin(), seeds.end());
+  if (std::adjacent_find(seeds.begin(), seeds.end()) != seeds.end()) {
+    throw geometry::InputError("--drawn gives a seed twice", "Give every seed once");
+  }
+  return data_sets_to_evaluate(choice.meshes, groups, choice.drawn);
 }
 
 std::vector<Case> chosen_cases(const std::vector<DataSet>& sets, const CaseChoice& choice) {

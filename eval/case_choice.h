@@ -20,6 +20,7 @@ struct CaseChoice {
   std::filesystem::path json;
   std::filesystem::path meshes;
   std::vector<std::string> groups;
+  std::vector<std::uint64_t> drawn;  // seeds of the group varied; empty: 1
   std::vector<std::string> only;
   bool quick = false;
   bool fresh = false;
@@ -33,10 +34,11 @@ struct CaseChoice {
 
 /// @param out the folder, unless --out names another one.
 CaseChoice default_choice(const std::filesystem::path& out);
-/// --out, --json, --groups, --meshes, --only, --quick, --list, --fresh, --seed, --processes.
+/// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --fresh, --seed, --processes.
 void add_case_options(CLI::App& app, CaseChoice& choice);
 
 /// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate().
+/// @throws geometry::InputError when --drawn has nothing to apply to, or a seed twice.
 std::vector<DataSet> chosen_data_sets(const CaseChoice& choice);
 
 /// The chosen cases of `sets`, which must outlive them: 8 orientations, 2 when quick.

@@ -14,6 +14,7 @@
 #include "eval/household_objects.h"
 #include "eval/process_pool.h"
 #include "eval/text_files.h"
+#include "eval/varied_scenes.h"
 #include "prehend/geometry/errors.h"
 
 namespace prehend::eval {
@@ -60,10 +61,13 @@ void show_progress(const PoolProgress& progress, std::size_t known) {
 
 }  // namespace
 
-std::vector<std::string> known_groups() { return {"household", "scanned", "hard", "held"}; }
+std::vector<std::string> known_groups() {
+  return {"household", "scanned", "hard", "held", "varied"};
+}
 
 std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
-                                           const std::vector<std::string>& groups) {
+                                           const std::vector<std::string>& groups,
+                                           const std::vector<std::uint64_t>& drawn) {
   if (!meshes.empty()) {
     const fs::path folder = fs::canonical(meshes);
     return make_data_sets(folder.filename().string(), objects_of_folder(folder));
@@ -85,6 +89,9 @@ std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
     if (group == "household") objects = household_objects();
     if (group == "hard") objects = hard_objects();
     if (group == "held") objects = held_out_objects();
+    for (const std::uint64_t seed : group == "varied" ? drawn : std::vector<std::uint64_t>{}) {
+      for (EvaluationObject& one : varied_scenes(seed)) objects.push_back(std::move(one));
+    }
     if (group == "scanned") {
       if (!has_scans) {
         throw geometry::InputError("The group scanned needs its meshes",
@@ -94,7 +101,7 @@ std::vector<DataSet> data_sets_to_evaluate(const fs::path& meshes,
     }
     if (objects.empty()) {
       throw geometry::InputError("There is no group '" + group + "'",
-                                 "Give some of household, scanned, hard, held");
+                                 "Give some of household, scanned, hard, held, varied");
     }
     const std::vector<DataSet> made = make_data_sets(group, objects);
     sets.insert(sets.end(), made.begin(), made.end());

@@ -11,16 +11,18 @@
 
 namespace prehend::eval {
 
-/// Names of groups: "household", "scanned", "hard" and "held", see household_objects.h and
-/// hard_objects.h.
+/// Names of groups: "household", "scanned", "hard", "held" and "varied", see household_objects.h,
+/// hard_objects.h and varied_scenes.h.
 std::vector<std::string> known_groups();
 
 /// The data sets of `groups`; of none: household and, where PREHEND_SHARED_DATA names their folder,
-/// scanned (says so when not). Or those of the folder `meshes` alone, if that is not empty.
+/// scanned (says so when not). Or those of the folder `meshes` alone, if that is not empty. The
+/// group varied has the scenes of each of `drawn`, the seeds.
 /// @throws geometry::InputError as objects_of_folder() and scanned_objects(), for an unknown group,
 /// and for scanned without PREHEND_SHARED_DATA.
 std::vector<DataSet> data_sets_to_evaluate(const std::filesystem::path& meshes,
-                                           const std::vector<std::string>& groups = {});
+                                           const std::vector<std::string>& groups = {},
+                                           const std::vector<std::uint64_t>& drawn = {1});
 
 /// How many cases are run.
 struct CaseRunOptions {

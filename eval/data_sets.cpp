@@ -32,6 +32,13 @@ std::uint32_t content_of(const DataSet& set) {
       hash_of(std::vector<double>{static_cast<double>(s.sensor), s.elevation, s.distance,
                                   s.look_aside.x(), s.look_aside.y(), s.missing},
               2166136261U);
+  for (const simulation::Texture& t : s.textures) {
+    hash = hash_of(
+        std::vector<double>{static_cast<double>(t.pattern), t.color.x(), t.color.y(), t.color.z(),
+                            t.second_color.x(), t.second_color.y(), t.second_color.z(), t.contrast,
+                            t.scale, static_cast<double>(t.seed)},
+        hash);
+  }
   hash = hash_of(set.mesh_B->triangles, hash_of(set.mesh_B->vertices, hash));
   for (const auto& other : s.others_B) {
     hash = hash_of(other->triangles, hash_of(other->vertices, hash));
@@ -125,7 +132,9 @@ RenderedScene scene_of(const Case& one, const Appearance& appearance) {
     body.name = name;
     body.mesh_B = mesh_B;
     body.X_WB = one.X_WB();
-    body.texture = texture_of(name, one.seed, appearance.texture_contrast);
+    body.texture = viewing.textures.empty()
+                       ? texture_of(name, one.seed, appearance.texture_contrast)
+                       : viewing.textures.at(rendered.bodies.size());
     body.height = geometry::bounds(*mesh_B).max().z();
     rendered.bodies.push_back(std::move(body));
   };

@@ -53,7 +53,8 @@ struct Appearance {
 };
 
 /// The scene (default table and light, camera as the viewing says) and the bodies that
-/// render_stereo() takes for a case. Colours and patterns follow from the data set's name.
+/// render_stereo() takes for a case. Colours and patterns follow from the data set's name, unless
+/// the viewing has its own.
 struct RenderedScene {
   simulation::Scene scene;
   std::vector<simulation::VisibleBody> bodies;  // the case's first

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "prehend/geometry/triangle_mesh.h"
+#include "prehend/simulation/texture.h"
 
 namespace prehend::eval {
 
@@ -22,6 +23,8 @@ struct Viewing {
   double distance = 0;   // m from the camera to what it looks at; 0: the default camera
   Eigen::Vector2d look_aside = Eigen::Vector2d::Zero();  // of the object, parts of half the image
   double missing = 0;  // part of the object that gives no depth: dark, shiny
+  /// Of the object and each of `others_B`; empty: as follows from the object's name.
+  std::vector<simulation::Texture> textures;
 };
 
 /// A body whose true shape is known.
