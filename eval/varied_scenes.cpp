@@ -97,35 +97,41 @@ Group pair(double gap, bool level, Drawn& drawn) {
   return made;
 }
 
-// Boxes and cylinders on each other, anything on top.
+// Boxes or cylinders on each other, anything on top.
 Group stack(int count, Drawn& drawn) {
   Group made;
+  const bool round = drawn.chance(0.25);
   Vector3d room(drawn.length(0.09, 0.2), drawn.length(0.08, 0.16), 0);  // of the next one
+  if (round) room.y() = room.x();
   Vector3d foot = Vector3d::Zero();
-  const double most_height = 0.3 / count;
   for (int k = 0; k < count; ++k) {
-    DrawnSolid next;
-    const double height = std::min(drawn.length(0.025, 0.1), most_height);
+    const double width = std::min(room.x(), room.y());
+    const double height = std::min({drawn.length(0.025, 0.1), 0.3 / count, 1.2 * width});
     const bool top = k + 1 == count;
-    if (top && drawn.chance(0.4)) {
-      next = drawn_solid(upright_kind(drawn), std::min(room.x(), room.y()), drawn);
-    } else if (drawn.chance(0.25)) {
-      next = drawn_cylinder(std::min(room.x(), room.y()) / 2, height);
-    } else {
-      next = drawn_box({room.x(), room.y(), height});
-    }
+    DrawnSolid next =
+        round ? drawn_cylinder(width / 2, height) : drawn_box({room.x(), room.y(), height});
+    if (top && drawn.chance(0.4)) next = drawn_solid(upright_kind(drawn), width, drawn);
     made.meshes.push_back(placed(*next.mesh, foot));
     made.symmetric.push_back(next.symmetric);
-    const Vector3d sides = geometry::bounds(*next.mesh).sizes();
-    foot.z() += sides.z();
-    if (top) break;
-    // The next one's sides are flush with this one's or up to 30 mm within them.
+    foot.z() += extent(*next.mesh, 2);
+    // The next one's sides are flush with this one's or up to 30 mm within them; few put cans
+    // exactly on each other.
+    const Vector3d before = room;
+    if (round) {
+      const double smaller = drawn.between(0, 0.04), most = std::min(smaller / 2, 0.012);
+      room.x() = room.y() = std::max(room.x() - smaller, 0.5 * room.x());
+      if (drawn.chance(0.7)) {
+        foot.x() += drawn.between(-most, most);
+        foot.y() += drawn.between(-most, most);
+      }
+      continue;
+    }
     for (int axis = 0; axis < 2; ++axis) {
       const double low = drawn.chance(0.4) ? 0 : drawn.between(0.003, 0.03);
       const double high = drawn.chance(0.4) ? 0 : drawn.between(0.003, 0.03);
-      const double inner = next.round ? sides[axis] * std::numbers::sqrt2 / 2 : sides[axis];
-      room[axis] = std::max(inner - low - high, 0.5 * inner);
-      foot[axis] += next.round ? 0 : (low - high) / 2 * (room[axis] > 0.5 * inner ? 1 : 0);
+      const double scale = std::min(1.0, 0.4 * before[axis] / std::max(low + high, 1e-9));
+      room[axis] -= scale * (low + high);
+      foot[axis] += scale * (low - high) / 2;
     }
   }
   made.object = static_cast<std::size_t>(drawn.one_of(count));

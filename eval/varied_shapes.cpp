@@ -35,7 +35,7 @@ std::shared_ptr<const geometry::TriangleMesh> meshed(const Implicit& solid, cons
       standing(mesh_of(solid, {low - margin, high + margin}, cell)));
 }
 
-DrawnSolid turned(const Outline& outline, bool level_top = false) {
+DrawnSolid turned(const Outline& outline) {
   double radius = 0, height = 0;
   for (const Vector2d& p : outline) {
     radius = std::max(radius, p.x());
@@ -43,7 +43,7 @@ DrawnSolid turned(const Outline& outline, bool level_top = false) {
   }
   return {meshed([&](const Vector3d& p) { return solids::revolution(p, outline); },
                  {-radius, -radius, 0}, {radius, radius, height}),
-          true, true, level_top};
+          true, true};
 }
 
 // An open vessel: a wall from the foot to the rim, a floor.
@@ -170,18 +170,15 @@ const char* name_of(DrawnKind kind) {
 }
 
 DrawnSolid drawn_box(const Vector3d& sides) {
-  DrawnSolid made;
-  made.mesh = meshed(
+  return {meshed(
       [&](const Vector3d& p) {
         return solids::rounded_box(p, {0, 0, sides.z() / 2}, sides, 0.02 * sides.minCoeff());
       },
-      {-sides.x() / 2, -sides.y() / 2, 0}, {sides.x() / 2, sides.y() / 2, sides.z()});
-  made.level_top = true;
-  return made;
+      {-sides.x() / 2, -sides.y() / 2, 0}, {sides.x() / 2, sides.y() / 2, sides.z()})};
 }
 
 DrawnSolid drawn_cylinder(double radius, double height) {
-  return turned({{0, 0}, {radius, 0}, {radius, height}, {0, height}}, true);
+  return turned({{0, 0}, {radius, 0}, {radius, height}, {0, height}});
 }
 
 DrawnSolid drawn_solid(DrawnKind kind, double size, Drawn& drawn) {

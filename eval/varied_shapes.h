@@ -51,16 +51,15 @@ struct DrawnSolid {
   std::shared_ptr<const geometry::TriangleMesh> mesh;  // closed, manifold
   bool symmetric = true;                               // has a vertical plane of symmetry
   bool round = false;                                  // about the vertical
-  bool level_top = false;                              // carries what stands on it
 };
 
 /// A solid whose longest side is `size` [m], of random proportions; none is thinner than 5 mm or a
 /// twelfth of its size or higher than 0.4 m.
 DrawnSolid drawn_solid(DrawnKind kind, double size, Drawn& drawn);
 
-/// A box of the given sides with its edges rounded a little. @param level_top as it stands
+/// A box of the given sides [m] with its edges rounded a little.
 DrawnSolid drawn_box(const Eigen::Vector3d& sides);
-/// A cylinder.
+/// An upright cylinder [m].
 DrawnSolid drawn_cylinder(double radius, double height);
 
 /// `mesh` turned about the vertical by `yaw` [rad], then moved.

@@ -10,6 +10,7 @@
 #include "eval/household_objects.h"
 #include "eval/implicit_mesh.h"
 #include "eval/structured_light.h"
+#include "eval/varied_scenes.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_files.h"
 #include "tests/eval/temporary_folder.h"
@@ -66,6 +67,54 @@ TEST(HardObjects, AreClosedRestOnTheTableAndHaveNamesOfTheirOwn) {
         lowest = std::min(lowest, geometry::bounds(*other).min().z());
       }
       EXPECT_NEAR(lowest, 0, 0.003);
+    }
+  }
+}
+
+TEST(VariedScenes, AreClosedStandOnTheTableAndFollowFromTheirSeed) {
+  const std::vector<EvaluationObject> scenes = varied_scenes(3);
+  ASSERT_EQ(scenes.size(), 18U);
+  std::set<std::string> names;
+  for (const EvaluationObject& object : scenes) {
+    SCOPED_TRACE(object.name);
+    EXPECT_TRUE(names.insert(object.name).second);
+    EXPECT_EQ(object.viewing.textures.size(), 1 + object.viewing.others_B.size());
+    EXPECT_GE(object.viewing.elevation, 15);
+    EXPECT_LE(object.viewing.elevation, 75);
+    std::vector<std::shared_ptr<const geometry::TriangleMesh>> bodies = object.viewing.others_B;
+    bodies.push_back(object.mesh_B);
+    double lowest = 1;
+    for (const auto& body : bodies) {
+      EXPECT_TRUE(geometry::find_defects(*body).watertight());
+      EXPECT_GT(geometry::mass_properties(*body).volume, 0);
+      lowest = std::min(lowest, geometry::bounds(*body).min().z());
+    }
+    EXPECT_NEAR(lowest, 0, 0.003);
+  }
+  const std::vector<EvaluationObject> again = varied_scenes(3), others = varied_scenes(4);
+  int alike = 0;
+  for (std::size_t k = 0; k < scenes.size(); ++k) {
+    EXPECT_EQ(scenes[k].mesh_B->vertices, again[k].mesh_B->vertices);
+    EXPECT_EQ(scenes[k].viewing.elevation, again[k].viewing.elevation);
+    alike += scenes[k].mesh_B->vertices == others[k].mesh_B->vertices ? 1 : 0;
+  }
+  EXPECT_EQ(alike, 0);
+}
+
+TEST(VariedScenes, BodiesOfAStackStandOnEachOther) {
+  for (const std::uint64_t seed : {1, 2}) {
+    for (const EvaluationObject& object : varied_scenes(seed)) {
+      if (object.name.find("stack") == std::string::npos) continue;
+      SCOPED_TRACE(object.name);
+      std::vector<Eigen::AlignedBox3d> boxes{geometry::bounds(*object.mesh_B)};
+      for (const auto& other : object.viewing.others_B) boxes.push_back(geometry::bounds(*other));
+      std::sort(boxes.begin(), boxes.end(),
+                [](const auto& a, const auto& b) { return a.min().z() < b.min().z(); });
+      EXPECT_EQ(object.name.back() - '0', static_cast<int>(boxes.size()));
+      EXPECT_NEAR(boxes.front().min().z(), 0, 0.003);
+      for (std::size_t k = 1; k < boxes.size(); ++k) {
+        EXPECT_NEAR(boxes[k].min().z(), boxes[k - 1].max().z(), 0.003);
+      }
     }
   }
 }
