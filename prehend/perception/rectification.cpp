@@ -1,7 +1,9 @@
 #include "prehend/perception/rectification.h"
 
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -30,18 +32,6 @@ cv::Mat matrix(const Eigen::Matrix3d& m) {
 
 cv::Mat column(const std::vector<double>& values) {
   return cv::Mat(values, true).reshape(1, static_cast<int>(values.size()));
-}
-
-ColorImage remapped(const ColorImage& image, const cv::Mat& K, const cv::Mat& distortion,
-                    const cv::Mat& rotation, const cv::Mat& projection) {
-  cv::Mat map_x;
-  cv::Mat map_y;
-  cv::initUndistortRectifyMap(K, distortion, rotation, projection,
-                              cv::Size(image.width, image.height), CV_32FC1, map_x, map_y);
-  ColorImage result(image.width, image.height);
-  cv::Mat target = view(result);
-  cv::remap(view(image), target, map_x, map_y, cv::INTER_LINEAR);
-  return result;
 }
 
 }  // namespace
@@ -97,24 +87,89 @@ StereoRectification rectification(const StereoCalibration& calibration, int widt
   return result;
 }
 
-RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
-                      const StereoCalibration& calibration) {
+// Where each pixel of the rectified image is in the raw one, in OpenCV's fixed point.
+struct ImageRectifier::Maps {
+  int width = 0;
+  int height = 0;
+  cv::Mat places;     // CV_16SC2, rounded down
+  cv::Mat fractions;  // CV_16UC1, of a pixel
+  cv::Mat nearest;    // CV_16SC2, rounded
+};
+
+ImageRectifier::ImageRectifier(const Eigen::Matrix3d& K, const std::vector<double>& distortion,
+                               const Eigen::Matrix3d& R, const geometry::PinholeCamera& rectified) {
+  Eigen::Matrix3d P;
+  P << rectified.fx, 0, rectified.cx, 0, rectified.fy, rectified.cy, 0, 0, 1;
+  auto maps = std::make_shared<Maps>();
+  maps->width = rectified.width;
+  maps->height = rectified.height;
+  cv::Mat x;
+  cv::Mat y;
+  cv::initUndistortRectifyMap(matrix(K), column(distortion), matrix(R), matrix(P),
+                              cv::Size(rectified.width, rectified.height), CV_32FC1, x, y);
+  cv::Mat none;
+  cv::convertMaps(x, y, maps->places, maps->fractions, CV_16SC2, false);
+  cv::convertMaps(x, y, maps->nearest, none, CV_16SC2, true);
+  maps_ = std::move(maps);
+}
+
+void ImageRectifier::check_size(int width, int height) const {
+  if (width == maps_->width && height == maps_->height) return;
+  throw InputError("The images are " + std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels, the calibration is for " + std::to_string(maps_->width) + " x " +
+                       std::to_string(maps_->height),
+                   "Pass the calibration of these images");
+}
+
+ColorImage ImageRectifier::operator()(const ColorImage& image) const {
+  check_size(image.width, image.height);
+  ColorImage result(image.width, image.height);
+  cv::Mat target = view(result);
+  cv::remap(view(image), target, maps_->places, maps_->fractions, cv::INTER_LINEAR);
+  return result;
+}
+
+geometry::DepthImage ImageRectifier::operator()(const geometry::DepthImage& depth) const {
+  check_size(depth.width, depth.height);
+  geometry::DepthImage result(depth.width, depth.height);
+  const cv::Mat source(depth.height, depth.width, CV_32F, const_cast<float*>(depth.data.data()));
+  cv::Mat target(depth.height, depth.width, CV_32F, result.data.data());
+  cv::remap(source, target, maps_->nearest, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+            std::numeric_limits<float>::quiet_NaN());
+  return result;
+}
+
+PairRectifier::PairRectifier(const StereoCalibration& calibration, int width, int height) {
+  const StereoRectification rectified = rectification(calibration, width, height);
+  camera_ = rectified.camera;
+  if (calibration.is_rectified()) return;
+  left_.emplace(calibration.K_left, calibration.distortion_left, rectified.R_left, camera_.left);
+  right_.emplace(calibration.K_right, calibration.distortion_right, rectified.R_right,
+                 camera_.left);
+}
+
+RectifiedPair PairRectifier::operator()(const ColorImage& left, const ColorImage& right) const {
   if (left.empty() || left.width != right.width || left.height != right.height) {
     throw InputError("Left and right image differ in size or are empty",
                      "Pass the two images of one instant");
   }
-  const StereoRectification rectified = rectification(calibration, left.width, left.height);
-  if (calibration.is_rectified()) return {left, right, rectified.camera};
-  const geometry::PinholeCamera& camera = rectified.camera.left;
-  Eigen::Matrix3d P;
-  P << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  RectifiedPair pair;
-  pair.left = remapped(left, matrix(calibration.K_left), column(calibration.distortion_left),
-                       matrix(rectified.R_left), matrix(P));
-  pair.right = remapped(right, matrix(calibration.K_right), column(calibration.distortion_right),
-                        matrix(rectified.R_right), matrix(P));
-  pair.camera = rectified.camera;
-  return pair;
+  if (left.width != camera_.left.width || left.height != camera_.left.height) {
+    throw InputError("The images are " + std::to_string(left.width) + " x " +
+                         std::to_string(left.height) + " pixels, not " +
+                         std::to_string(camera_.left.width) + " x " +
+                         std::to_string(camera_.left.height),
+                     "Pass the calibration of these images");
+  }
+  if (!left_) return {left, right, camera_};
+  return {(*left_)(left), (*right_)(right), camera_};
+}
+
+RectifiedPair rectify(const ColorImage& left, const ColorImage& right,
+                      const StereoCalibration& calibration) {
+  if (left.empty()) {
+    throw InputError("The left image is empty", "Pass the two images of one instant");
+  }
+  return PairRectifier(calibration, left.width, left.height)(left, right);
 }
 
 }  // namespace prehend::perception
