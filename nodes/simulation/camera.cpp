@@ -5,18 +5,22 @@
 #include <utility>
 #include <vector>
 
+#include "msgs/convert/camera_images.h"
 #include "msgs/convert/images.h"
 
 namespace prehend::nodes {
 
 Camera::Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
-               const simulation::RenderOptions& options)
+               const simulation::RenderOptions& options, bool depth)
     : node_(node),
       view_(std::move(view)),
       scene_(scene),
       options_(options),
       info_(node.advertise<msgs::CameraInfo>("/camera/info", graph::QoS::latched())),
       stereo_(node.advertise<msgs::StereoPair>("/camera/stereo", graph::QoS::latched())) {
+  if (depth) {
+    depth_ = node.advertise<msgs::DepthImage>("/camera/depth", graph::QoS::latched());
+  }
   msgs::CameraInfo info = convert::to_message(scene.camera.camera, scene.camera.X_WC());
   info.mutable_header()->set_frame_id("camera");
   info_.publish(info);
@@ -60,11 +64,21 @@ void Camera::render(std::uint64_t looks) {
   simulation::StereoImages images =
       simulation::render_stereo(scene_, view.bodies, frame_++, options_);
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+  msgs::DepthImage depth;
+  if (depth_) {
+    constexpr double kUnit = 1e-4;  // m
+    depth = convert::to_message(convert::ColoredDepth{std::move(images.depth), images.left}, kUnit);
+  }
   msgs::StereoPair message =
       convert::to_message(convert::StereoImages{std::move(images.left), std::move(images.right)});
   message.mutable_header()->set_stamp(std::llround(view.time * 1e9));
   message.mutable_header()->set_frame_id("camera");
   message.set_scene_generation(view.generation + looks);
+  if (depth_) {
+    *depth.mutable_header() = message.header();
+    depth.set_scene_generation(message.scene_generation());
+    depth_->publish(std::move(depth));
+  }
   stereo_.publish(std::move(message));
   node_.log_info("stereo pair of {:.2f} s simulated time, rendered in {:.2f} s", view.time,
                  duration.count());

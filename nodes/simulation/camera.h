@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "msgs/camera.pb.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/graph/node.h"
 #include "prehend/simulation/stereo_renderer.h"
@@ -14,7 +16,8 @@
 namespace prehend::nodes {
 
 /// The simulated stereo camera: publishes /camera/info and, whenever asked to, /camera/stereo (both
-/// latched). A thread of its own renders, so that a picture holds up neither physics nor commands.
+/// latched); where it is a depth camera, too, /camera/depth: the left image and its true depth. A
+/// thread of its own renders, so that a picture holds up neither physics nor commands.
 class Camera {
  public:
   struct View {
@@ -25,7 +28,7 @@ class Camera {
 
   /// `view` tells what there is to see; it is called by the camera's thread.
   Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
-         const simulation::RenderOptions& options);
+         const simulation::RenderOptions& options, bool depth);
   ~Camera();
 
   /// Asks for a picture of the world as it is when the thread comes to it. Requests merge.
@@ -42,6 +45,7 @@ class Camera {
   simulation::RenderOptions options_;
   graph::Publisher<msgs::CameraInfo> info_;
   graph::Publisher<msgs::StereoPair> stereo_;
+  std::optional<graph::Publisher<msgs::DepthImage>> depth_;
   std::uint32_t frame_ = 0;
 
   std::mutex mutex_;

@@ -35,6 +35,7 @@ struct Settings {
   bool show_robot = true;
   bool paused = false;
   bool camera = true;
+  bool depth = false;
   double camera_period = 0;
   int noise_seed = -1;
   simulation::RenderOptions render;
@@ -78,6 +79,16 @@ Settings declare_settings(graph::Node& node) {
        .default_value = true,
        .description = "publish /camera/info and a stereo pair at the start",
        .read_only = true});
+  s.depth = node.declare_parameter<bool>(
+      {.name = "depth",
+       .default_value = false,
+       .description = "the camera is a depth camera, too: /camera/depth, the left image and its "
+                      "true depth",
+       .read_only = true});
+  if (s.depth && !s.camera) {
+    throw geometry::InputError("Parameter depth is of the camera, and camera is false",
+                               "Leave depth away");
+  }
   s.camera_period = node.declare_parameter<double>(
       {.name = "camera_period",
        .default_value = 0.0,
@@ -144,7 +155,7 @@ class World {
                                          world.scene_generation()};
             });
           },
-          scene, settings.render);
+          scene, settings.render, settings.depth);
       camera_->request();
     }
     spawn_ = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(

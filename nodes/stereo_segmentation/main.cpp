@@ -1,15 +1,20 @@
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "msgs/camera.pb.h"
+#include "msgs/convert/camera_images.h"
 #include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
 #include "nodes/segmentation_parameters/segmentation_parameters.h"
 #include "nodes/segmentation_parameters/stage_clock.h"
+#include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/perception/dark_background.h"
 #include "prehend/perception/refinement.h"
@@ -71,10 +76,17 @@ void declare_stereo_parameters(graph::Node& node) {
        .description = "frame of the objects: that of the camera's pose, or made from the table, as "
                       "it is for cameras without a known pose"});
   node.declare_parameter<std::string>(
+      {.name = "input",
+       .default_value = "stereo",
+       .choices = {"stereo", "depth"},
+       .description = "what is looked at: /camera/stereo, or /camera/depth of a depth camera, of "
+                      "which nothing is matched",
+       .read_only = true});
+  node.declare_parameter<std::string>(
       {.name = "process",
        .default_value = "once_per_scene",
        .choices = {"once_per_scene", "every"},
-       .description = "which pairs are looked at: the first after the simulated scene changed "
+       .description = "which images are looked at: the first after the simulated scene changed "
                       "(recordings: each), or every one"});
   node.declare_parameter<double>({.name = "minimum_depth",
                                   .default_value = o.min_depth,
@@ -109,6 +121,20 @@ void declare_stereo_parameters(graph::Node& node) {
                                 .description = "the full two-pass algorithm"});
 }
 
+// A depth image is not matched: what is given for it would do nothing.
+void refuse_stereo_parameters(const graph::Node& node) {
+  for (const char* name :
+       {"method", "match_both_ways", "filter", "minimum_confidence", "minimum_depth",
+        "maximum_depth", "block_size", "small_step_penalty", "large_step_penalty", "gradient_cap",
+        "uniqueness_percent", "speckle_size", "speckle_range", "left_right_tolerance",
+        "eight_directions"}) {
+    if (!node.is_parameter_given(name)) continue;
+    throw geometry::InputError(
+        std::string("Parameter ") + name + " is of stereo matching, and input is depth",
+        "Leave it away");
+  }
+}
+
 perception::StereoOptions stereo_options(const graph::Node& node) {
   perception::StereoOptions o;
   o.min_depth = node.parameter<double>("minimum_depth");
@@ -137,42 +163,55 @@ class StereoSegmentation {
     declare_stereo_parameters(node);
     declare_method_parameters(node);
     nodes::declare_segmentation_parameters(node, false);
+    const bool takes_depth = node.parameter<std::string>("input") == "depth";
+    if (takes_depth) refuse_stereo_parameters(node);
     publisher_ = node.advertise<msgs::ObjectHypotheses>("/objects", graph::QoS::latched());
     camera_ = node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::queue(1),
                                                [this](const graph::Received<msgs::CameraInfo>& m) {
                                                  info_ = m.shared();
                                                  process_pending();
                                                });
-    stereo_ = node.subscribe<msgs::StereoPair>("/camera/stereo", graph::QoS::latest(),
-                                               [this](const graph::Received<msgs::StereoPair>& m) {
-                                                 pending_ = m.shared();
-                                                 process_pending();
-                                               });
+    images_ = takes_depth ? take<msgs::DepthImage>("/camera/depth")
+                          : take<msgs::StereoPair>("/camera/stereo");
   }
 
  private:
+  template <class Images>
+  graph::Subscription take(const char* topic) {
+    return node_.subscribe<Images>(topic, graph::QoS::latest(),
+                                   [this](const graph::Received<Images>& m) {
+                                     pending_ = [this, images = m.shared()] { process(*images); };
+                                     process_pending();
+                                   });
+  }
+
   void process_pending() {
     if (!info_ || !pending_) return;
-    const std::shared_ptr<const msgs::StereoPair> pair = std::move(pending_);
-    pending_ = nullptr;
-    const std::uint64_t generation = pair->scene_generation();
+    const auto work = std::exchange(pending_, nullptr);
+    work();
+  }
+
+  template <class Images>
+  void process(const Images& images) {
+    const std::uint64_t generation = images.scene_generation();
     const bool seen = generation != 0 && generation == last_generation_;
     if (seen && node_.parameter<std::string>("process") == "once_per_scene") return;
     last_generation_ = generation;
-    publish(*pair);
+    publish(images);
   }
 
-  void publish(const msgs::StereoPair& pair) {
+  template <class Images>
+  void publish(const Images& images) {
     msgs::ObjectHypotheses message;
-    const std::string problem = node_.shield("picture", [&] { message = segment(pair); });
+    const std::string problem = node_.shield("picture", [&] { message = segment(images); });
     if (!problem.empty()) {
       message.Clear();
       *message.mutable_camera() = *info_;
       message.set_problem(problem);
     }
-    *message.mutable_header() = pair.header();
+    *message.mutable_header() = images.header();
     message.mutable_header()->set_frame_id("world");
-    *message.mutable_camera()->mutable_header() = pair.header();
+    *message.mutable_camera()->mutable_header() = images.header();
     if (message.problem().empty()) {
       node_.report(graph::Health::kOk,
                    fmt::format("{} objects on the table", message.objects_size()));
@@ -187,7 +226,6 @@ class StereoSegmentation {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
     const geometry::StereoCamera camera = convert::from_message(*info_);
-    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
     const convert::StereoImages images = convert::from_message(pair);
     const perception::DisparityImage disparity =
         perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
@@ -196,6 +234,33 @@ class StereoSegmentation {
     const geometry::PointCloud cloud_C =
         perception::cloud_from_disparity(disparity, camera, images.left);
     clock.end_stage(times, "cloud");
+    return segment(cloud_C, images.left, camera, clock, std::move(times));
+  }
+
+  msgs::ObjectHypotheses segment(const msgs::DepthImage& message) {
+    nodes::StageClock clock;
+    msgs::ObjectHypotheses times;
+    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const convert::ColoredDepth image = convert::from_message(message);
+    const geometry::PointCloud cloud_C =
+        perception::cloud_from_depth(image.depth, camera.left, image.color);
+    clock.end_stage(times, "cloud");
+    if (image.color.empty() && (node_.parameter<std::string>("background") == "dark" ||
+                                node_.parameter<bool>("refine_masks"))) {
+      throw geometry::InputError(
+          "The depth image has no colour, which background=dark and "
+          "refine_masks look at",
+          "Start the depth camera with colour, or leave them away");
+    }
+    return segment(cloud_C, image.color, camera, clock, std::move(times));
+  }
+
+  // `colors` are the cloud's pixels, or empty.
+  msgs::ObjectHypotheses segment(const geometry::PointCloud& cloud_C,
+                                 const geometry::ColorImage& colors,
+                                 const geometry::StereoCamera& camera, nodes::StageClock& clock,
+                                 msgs::ObjectHypotheses times) {
+    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
     std::optional<Eigen::Vector3d> up_C;
     if (X_WC) up_C = X_WC->linear().transpose() * Eigen::Vector3d::UnitZ();
     perception::SegmentedScene scene;
@@ -204,8 +269,8 @@ class StereoSegmentation {
       perception::DarkBackgroundOptions dark;
       dark.max_distance = options.max_distance;
       dark.max_objects = options.max_objects;
-      scene = perception::segment_on_dark_background(cloud_C, images.left, camera.left, up_C, X_WC,
-                                                     dark);
+      scene =
+          perception::segment_on_dark_background(cloud_C, colors, camera.left, up_C, X_WC, dark);
     } else {
       const perception::Table table =
           perception::find_table(cloud_C, nodes::table_options(node_), up_C);
@@ -216,7 +281,7 @@ class StereoSegmentation {
     if (node_.parameter<std::string>("world") == "table") {
       scene = perception::in_table_world(std::move(scene));
     }
-    if (node_.parameter<bool>("refine_masks")) perception::refine_masks(scene, images.left);
+    if (node_.parameter<bool>("refine_masks")) perception::refine_masks(scene, colors);
     clock.end_stage(times, "segmentation");
 
     msgs::ObjectHypotheses message = convert::to_message(scene);
@@ -229,10 +294,10 @@ class StereoSegmentation {
   graph::Node& node_;
   graph::Publisher<msgs::ObjectHypotheses> publisher_;
   std::shared_ptr<const msgs::CameraInfo> info_;
-  std::shared_ptr<const msgs::StereoPair> pending_;
+  std::function<void()> pending_;  // the newest images, not yet looked at
   std::uint64_t last_generation_ = 0;
   graph::Subscription camera_;
-  graph::Subscription stereo_;
+  graph::Subscription images_;
 };
 
 void run(graph::Node& node) {
@@ -242,10 +307,10 @@ void run(graph::Node& node) {
 
 const prehend::graph::RegisteredNodeProgram registered(
     {"stereo_segmentation",
-     "Finds the table and the objects on it in a rectified stereo pair. Takes /camera/info and "
-     "/camera/stereo, publishes /objects (latched). Of several pairs that wait only the newest "
-     "is "
-     "looked at. When there is no table or no object, /objects says why in `problem`."},
+     "Finds the table and the objects on it in a rectified stereo pair or a depth image. Takes "
+     "/camera/info and /camera/stereo or /camera/depth (input), publishes /objects (latched). Of "
+     "several images that wait only the newest is looked at. When there is no table or no object, "
+     "/objects says why in `problem`."},
     run);
 
 }  // namespace
