@@ -40,6 +40,7 @@ pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET GLOBAL sqlite3)
 pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET GLOBAL libcrypto)
 pkg_check_modules(HIGHWAY REQUIRED IMPORTED_TARGET GLOBAL libhwy)
 pkg_check_modules(MODBUS REQUIRED IMPORTED_TARGET GLOBAL libmodbus)
+pkg_check_modules(OPENNI REQUIRED IMPORTED_TARGET GLOBAL libopenni2)
 
 # PCL's and OpenCV's own CMake packages drag in VTK and Qt; only these single libraries are used.
 # prehend_find_library(target header-folder probe-header library): an INTERFACE target.
@@ -62,7 +63,7 @@ prehend_find_library(bullet::hacd bullet HACD/hacdHACD.h HACD bullet::linear_mat
 prehend_find_library(bullet::convex_decomposition bullet
                      ConvexDecomposition/ConvexDecomposition.h ConvexDecomposition
                      bullet::linear_math)
-foreach(module core imgproc calib3d imgcodecs)
+foreach(module core imgproc calib3d imgcodecs videoio)
   prehend_find_library(opencv::${module} opencv4 opencv2/${module}.hpp opencv_${module})
 endforeach()
 foreach(module common io kdtree search sample_consensus filters features segmentation surface)

@@ -104,18 +104,21 @@ function(prehend_program NAME)
   prehend_build_fast(${NAME} "${PREHEND_PRECOMPILED}")
 endfunction()
 
-# prehend_node(NAME SOURCES main.cpp ... DEPENDS ...)
+# prehend_node(NAME [ALONE] SOURCES main.cpp ... DEPENDS ...)
 # A node's program (it has a RegisteredNodeProgram NAME): an executable build/bin/NAME, and objects
-# that the container links too. In a project that has prehend by add_subdirectory, the executable is
-# where that project has its programs, and no container links it.
+# that the container links too, unless it is ALONE, as its libraries take long to load. In a project
+# that has prehend by add_subdirectory, the executable is where that project has its programs, and no
+# container links it.
 function(prehend_node NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(prehend_node_${NAME} OBJECT ${ARG_SOURCES})
   target_link_libraries(prehend_node_${NAME} PUBLIC prehend_compile_flags ${ARG_DEPENDS})
   prehend_build_fast(prehend_node_${NAME} "${PREHEND_PRECOMPILED}")
   add_executable(${NAME} $<TARGET_OBJECTS:prehend_node_main>)
   target_link_libraries(${NAME} PRIVATE prehend_node_${NAME} prehend::graph)
-  set_property(GLOBAL APPEND PROPERTY PREHEND_NODES prehend_node_${NAME})
+  if(NOT ARG_ALONE)
+    set_property(GLOBAL APPEND PROPERTY PREHEND_NODES prehend_node_${NAME})
+  endif()
 endfunction()
 
 # A test of the list PREHEND_QUICK_TESTS gets the label quick, and the target quick_tests builds it.

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "drivers/camera/codec/depth_wire.h"
 #include "drivers/dsa/codec/frame.h"
 #include "drivers/dsa/codec/packet.h"
 #include "drivers/dsa/codec/structures.h"
@@ -115,11 +116,23 @@ void fuzz_modbus(Bytes bytes) {
   while (take_tcp(buffer, broken)) FUZZ_CHECK(!broken);
 }
 
+void fuzz_depth_wire(Bytes bytes) {
+  if (const auto number = camera::decode_question(bytes)) {
+    FUZZ_CHECK(std::ranges::equal(camera::encode_question(*number), bytes));
+  }
+  if (bytes.size() < camera::kAnswerHeaderSize) return;
+  auto picture = camera::decode_answer_header(bytes.first(camera::kAnswerHeaderSize));
+  if (!picture || bytes.size() != camera::kAnswerHeaderSize + camera::picture_size(*picture))
+    return;
+  camera::decode_picture(bytes.subspan(camera::kAnswerHeaderSize), *picture);
+  if (picture->width > 0) FUZZ_CHECK(std::ranges::equal(camera::encode_answer(*picture), bytes));
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzInput input(data, size);
-  switch (input.byte() % 4) {
+  switch (input.byte() % 5) {
     case 0:
       fuzz_can(input);
       break;
@@ -128,6 +141,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       break;
     case 2:
       fuzz_dsa(bytes_of(input.rest()));
+      break;
+    case 4:
+      fuzz_depth_wire(bytes_of(input.rest()));
       break;
     default:
       fuzz_modbus(bytes_of(input.rest()));

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/wire/health/health.h"
+#include "drivers/wire/health/link_quality.h"
+#include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/wall_timer.h"
+#include "drivers/wire/time/time.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/geometry/rigid_transform.h"
+#include "prehend/graph/node.h"
+
+namespace prehend::drivers::camera {
+
+/// What the nodes of cameras have in common.
+struct ViewSettings {
+  std::optional<geometry::RigidTransform> X_WC;  // pose of the (left) camera in the world
+  double rate = 0;                               // 1/s of what is published, at most; 0: each
+  double stale_time = 1;                         // s
+};
+/// Declares `pose`, `rate` and `stale_time`. @throws geometry::InputError for a pose that is none.
+ViewSettings declare_view_settings(graph::Node& node);
+
+/// The graph's time of something that happened at `stamp` of steady_now().
+std::int64_t graph_stamp(const graph::Node& node, Time stamp);
+
+/// Health and counters of a camera, looked at in real time; health is also what /camera/device
+/// says.
+class CameraReport {
+ public:
+  struct State {
+    std::string trouble;       // "" while images come
+    std::string view_problem;  // what could not be done with the last one: another size
+    std::string remark;        // what is not as asked for
+    bool is_at_end = false;
+    std::uint64_t views = 0, unpaired = 0, connections = 0;
+  };
+  /// `state` is called in a thread of its own.
+  CameraReport(graph::Node& node, std::function<State()> state);
+
+ private:
+  void look();
+
+  graph::Node& node_;
+  std::function<State()> state_;
+  DeviceReport report_;
+  LinkQuality quality_;
+  int looks_ = 0;
+  graph::Publisher<msgs::DeviceStatus> publisher_;
+  WallTimer timer_;
+};
+
+}  // namespace prehend::drivers::camera
