@@ -156,6 +156,12 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
   command.add_option("--unit", devices.unit, "Its Modbus address")
       ->check(CLI::Range(1, 247))
       ->capture_default_str();
+  command.add_flag("--cameras", devices.cameras,
+                   "List V4L2 cameras, and depth cameras that OpenNI2 knows");
+  command.add_option("--camera", devices.camera, "V4L2 camera: /dev/video0; may be repeated");
+  command.add_option("--depth-camera", devices.depth_camera,
+                     "Depth camera: URI of OpenNI2, recording .oni, prehend://HOST:PORT; takes an "
+                     "image; may be repeated");
 }
 
 }  // namespace
@@ -171,7 +177,8 @@ void add_doctor_command(CLI::App& app, Outcome& outcome) {
   command->footer(
       "Exit code 1 when there are errors. Devices are asked who they are, and never moved.\n\n"
       "Examples:\n  prehend doctor\n"
-      "  prehend doctor --can can0 --module 12 --dsa /dev/ttyUSB0 --ft300 /dev/ttyUSB1");
+      "  prehend doctor --can can0 --module 12 --dsa /dev/ttyUSB0 --ft300 /dev/ttyUSB1\n"
+      "  prehend doctor --cameras --camera /dev/video0");
   command->callback([choices, &outcome] { outcome.exit_code = examine(*choices); });
 }
 

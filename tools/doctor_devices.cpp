@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "drivers/camera/driver/probe.h"
 #include "drivers/dsa/driver/probe.h"
 #include "drivers/ft300/driver/probe.h"
 #include "drivers/kuka_rsi/driver/probe.h"
@@ -156,6 +157,19 @@ Findings examine_devices(const DeviceChoices& choices) {
     }));
   }
   if (choices.rsi_port > 0) add(examine("arm", "", [&] { return listen_for_arm(choices); }));
+  if (choices.cameras) {
+    for (const Probe& probe : drivers::camera::find_cameras()) {
+      findings.push_back(finding_of("cameras", probe));
+    }
+  }
+  for (const std::string& device : choices.camera) {
+    add(examine("camera", device, [&] {
+      return Findings{finding_of("camera", drivers::camera::probe_camera(device))};
+    }));
+  }
+  for (const std::string& uri : choices.depth_camera) {
+    findings.push_back(finding_of("depth camera", drivers::camera::probe_depth_camera(uri)));
+  }
   return findings;
 }
 

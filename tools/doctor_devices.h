@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/finding.h"
 
@@ -14,11 +15,17 @@ struct DeviceChoices {
   bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
   std::string dsa, ft300;
-  int unit = 9;          ///< Modbus address of the force sensor
-  int rsi_port = 0;      ///< UDP port that a KUKA sends to; 0: not listened to
-  std::string rsi_host;  ///< address of this machine of the same
+  int unit = 9;                           ///< Modbus address of the force sensor
+  int rsi_port = 0;                       ///< UDP port that a KUKA sends to; 0: not listened to
+  std::string rsi_host;                   ///< address of this machine of the same
+  bool cameras = false;                   ///< lists V4L2 devices and depth cameras of OpenNI2
+  std::vector<std::string> camera;        ///< V4L2 devices: "/dev/video0"
+  std::vector<std::string> depth_camera;  ///< URIs of OpenNI2, recordings, prehend://HOST:PORT
 
-  bool any() const { return !can.empty() || !dsa.empty() || !ft300.empty() || rsi_port > 0; }
+  bool any() const {
+    return !can.empty() || !dsa.empty() || !ft300.empty() || rsi_port > 0 || cameras ||
+           !camera.empty() || !depth_camera.empty();
+  }
 };
 
 /// Asks the devices by the drivers' own codecs, nothing of which moves them: whether the line can
