@@ -163,8 +163,8 @@ TEST(LaunchFilesOfTheRepository, BringupTakesCalibrationsAndSaysWhatIsMissing) {
   }
   ChildProgram bringup("prehend", words, scratch.path("bringup.txt"));
   EXPECT_EQ(bringup.wait(seconds(30)), 0) << bringup.output();
-  for (const char* part : {"need nodes of yours that publish /camera/info", "[1, 0]", "[left]",
-                           "0.001", "grip", "-0.05", "inverted: true", "opening_per_position: 2"}) {
+  for (const char* part : {"no camera is named", "[1, 0]", "[left]", "0.001", "grip", "-0.05",
+                           "inverted: true", "opening_per_position: 2"}) {
     EXPECT_THAT(bringup.output(), HasSubstr(part));
   }
   EXPECT_THAT(bringup.output(), ::testing::Not(HasSubstr("grasp_cycle")));
@@ -177,6 +177,33 @@ TEST(LaunchFilesOfTheRepository, BringupTakesCalibrationsAndSaysWhatIsMissing) {
   EXPECT_EQ(cycle.wait(seconds(30)), 0) << cycle.output();
   EXPECT_THAT(cycle.output(), HasSubstr("grasp_cycle"));
   EXPECT_THAT(cycle.output(), HasSubstr("shape_completion"));
+}
+
+// A real camera publishes where the simulated one did; what is not its own is refused.
+TEST(LaunchFilesOfTheRepository, BringupTakesCameras) {
+  const ScratchDirectory scratch;
+  int calls = 0;
+  const auto dry_run = [&](std::vector<std::string> words, int exit_code) {
+    words.insert(words.begin(), {"launch", "--dry-run", "launch/bringup.yaml"});
+    ChildProgram program("prehend", words, scratch.path(std::to_string(calls++) + ".txt"));
+    EXPECT_EQ(program.wait(seconds(30)), exit_code) << program.output();
+    return program.output();
+  };
+  const std::string depth =
+      dry_run({"camera:=openni", "cycle:=true", "camera_pose:=[0, 0, 1, 0, 1, 0, 0]"}, 0);
+  for (const char* part : {"node: depth_camera", "/camera/stereo: /unused/camera/stereo",
+                           "input: depth", "[0, 0, 1, 0, 1, 0, 0]"}) {
+    EXPECT_THAT(depth, HasSubstr(part));
+  }
+  const std::string pair =
+      dry_run({"camera:=stereo", "camera_calibration:=K", "right_camera_source:=/dev/video4"}, 0);
+  EXPECT_THAT(pair, HasSubstr("kind: stereo"));
+  EXPECT_THAT(pair, HasSubstr("right_source: /dev/video4"));
+  EXPECT_THAT(dry_run({}, 0), ::testing::Not(HasSubstr("/unused/camera")));
+  EXPECT_THAT(dry_run({"camera:=openni", "cycle:=true"}, 1), HasSubstr("camera_pose"));
+  EXPECT_THAT(dry_run({"camera:=side_by_side"}, 1), HasSubstr("camera_calibration"));
+  EXPECT_THAT(dry_run({"camera:=openni", "right_camera_source:=a"}, 1), HasSubstr("no effect"));
+  EXPECT_THAT(dry_run({"camera:=openi"}, 1), HasSubstr("did you mean \"openni\""));
 }
 
 }  // namespace
