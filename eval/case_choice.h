@@ -34,7 +34,8 @@ struct CaseChoice {
 
 /// @param out the folder, unless --out names another one.
 CaseChoice default_choice(const std::filesystem::path& out);
-/// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --fresh, --seed, --processes.
+/// --out, --json, --groups, --drawn, --meshes, --only, --quick, --list, --fresh, --seed,
+/// --processes.
 void add_case_options(CLI::App& app, CaseChoice& choice);
 
 /// The data sets of the chosen groups or of the folder --meshes, see data_sets_to_evaluate().

@@ -14,8 +14,8 @@ void take_arguments(LaunchScope& scope, const YAML::Node& root,
                     const std::map<std::string, std::string>& given, const std::string& given_at,
                     Missing missing, std::vector<std::string>& open);
 
-/// Adds what a file's `values:` declares to `scope`: names for what arguments amount to, NAME: {then:
-/// TEXT, if: CONDITION, otherwise: TEXT}. Later ones may use earlier ones.
+/// Adds what a file's `values:` declares to `scope`: names for what arguments amount to, NAME:
+/// {then: TEXT, if: CONDITION, otherwise: TEXT}. Later ones may use earlier ones.
 void take_values(LaunchScope& scope, const YAML::Node& list);
 /// The names of those.
 std::vector<std::string> value_names(const YAML::Node& list);
