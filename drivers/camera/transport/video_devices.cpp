@@ -98,8 +98,10 @@ bool is_device_address(const std::string& address) { return address.starts_with(
 void check_video_device(const std::string& file, const VideoFolders& folders) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) {
+    const int problem = errno;
     const std::string there = those_there(folders);
-    if (errno == EACCES) throw InputError("no permission to look for " + file, "Check its folders");
+    if (problem == EACCES)
+      throw InputError("no permission to look for " + file, "Check its folders");
     throw InputError("there is no camera " + file,
                      there.empty() ? "No camera is plugged in that this kernel knows; look at the "
                                      "cable and at `sudo dmesg`"

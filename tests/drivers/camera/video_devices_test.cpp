@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iostream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -23,6 +25,7 @@ class VideoDevices : public ::testing::Test {
     std::string pattern = std::filesystem::temp_directory_path() / "prehend-video-XXXXXX";
     ASSERT_NE(mkdtemp(pattern.data()), nullptr);
     folder_ = pattern;
+    std::filesystem::permissions(folder_, std::filesystem::perms(0755));
     folders_ = {folder_ / "dev", folder_ / "sys"};
     std::filesystem::create_directories(folders_.devices);
   }
@@ -41,6 +44,14 @@ class VideoDevices : public ::testing::Test {
       return error.what();
     }
     return "no error";
+  }
+
+  // Prints what `look` says and ends the process, as somebody who is not root, who may open all.
+  [[noreturn]] static void as_nobody(const std::function<std::string()>& look) {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::setresuid(kNobody, kNobody, kNobody) != 0) ::_exit(2);
+    std::cerr << look() << std::endl;
+    ::_exit(0);
   }
 
   std::filesystem::path folder_;
@@ -74,9 +85,24 @@ TEST_F(VideoDevices, OneThatIsNotThereIsNamedWithThoseThatAre) {
 TEST_F(VideoDevices, WithoutPermissionTheGroupIsNamed) {
   const std::string file = add("video0", "Head");
   std::filesystem::permissions(file, std::filesystem::perms::none);
-  if (::access(file.c_str(), R_OK) == 0) GTEST_SKIP() << "root may open everything";
-  EXPECT_FALSE(video_devices(folders_).at(0).may_open);
-  EXPECT_THAT(error_of(file), AllOf(HasSubstr("no permission"), HasSubstr("usermod -aG")));
+  EXPECT_EXIT(as_nobody([&] {
+                return (video_devices(folders_).at(0).may_open ? "may open, " : "may not open, ") +
+                       error_of(file);
+              }),
+              ::testing::ExitedWithCode(0),
+              AllOf(HasSubstr("may not open"), HasSubstr("no permission to open"),
+                    HasSubstr("usermod -aG")));
+}
+
+TEST_F(VideoDevices, AFolderWithoutPermissionIsSaidWhateverElseIsThere) {
+  // One that is asked what it is, which has errors of its own.
+  std::filesystem::permissions(add("video0", "Head"), std::filesystem::perms(0666));
+  const std::filesystem::path closed = folder_ / "closed";
+  std::filesystem::create_directories(closed);
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  EXPECT_EXIT(as_nobody([&] { return error_of(closed / "video0"); }), ::testing::ExitedWithCode(0),
+              HasSubstr("no permission to look for"));
+  std::filesystem::permissions(closed, std::filesystem::perms::all);
 }
 
 }  // namespace
