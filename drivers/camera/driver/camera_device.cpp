@@ -50,7 +50,8 @@ CameraDevice::CameraDevice(const CameraOptions& options, Open open, OnView on_vi
       sides_(options.kind == CameraKind::kTwo ? 2 : 1),
       start_(begun_),
       exposure_(options.exposure),
-      gain_(options.gain) {
+      gain_(options.gain),
+      delivery_(options.most_rate) {
   check_option(options.most_rate >= 0 && std::isfinite(options.most_rate), "most_rate is below 0");
   check_option(options.pair_tolerance >= 0 && options.pair_tolerance < 1,
                "pair_tolerance is not 0 to 1 s");
@@ -271,12 +272,7 @@ void CameraDevice::take(std::size_t index, Frame frame) {
 
 void CameraDevice::deliver(CameraView view) {
   const std::lock_guard lock(view_mutex_);
-  if (options_.most_rate > 0 && last_delivered_ && view.stamp >= *last_delivered_ &&
-      view.stamp - *last_delivered_ < to_time(0.999 / options_.most_rate)) {
-    return;
-  }
-  last_delivered_ = view.stamp;
-  on_view_(std::move(view));
+  if (delivery_.lets_through(view.stamp)) on_view_(std::move(view));
 }
 
 }  // namespace prehend::drivers::camera

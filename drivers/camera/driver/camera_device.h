@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "drivers/camera/driver/delivery_rate.h"
 #include "drivers/camera/transport/frame_pairing.h"
 #include "drivers/camera/transport/frame_source.h"
 
@@ -120,7 +121,7 @@ class CameraDevice {
   std::uint64_t controls_ = 1;  // counts changes of exposure and gain
 
   std::mutex note_mutex_, view_mutex_;
-  std::optional<Time> last_delivered_;  // guarded by view_mutex_
+  DeliveryRate delivery_;  // guarded by view_mutex_
   std::atomic<bool> ends_ = false;
   std::vector<std::thread> threads_;
 };

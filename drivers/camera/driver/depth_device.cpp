@@ -19,7 +19,8 @@ DepthDevice::DepthDevice(const DepthDeviceOptions& options, Open open, OnView on
     : options_(options),
       open_(std::move(open)),
       on_view_(std::move(on_view)),
-      note_(std::move(note)) {
+      note_(std::move(note)),
+      delivery_(options.most_rate) {
   if (!(options.most_rate >= 0 && std::isfinite(options.most_rate) && options.stale_time > 0 &&
         options.retry > 0 && options.grace >= 0)) {
     throw std::invalid_argument("depth camera: a rate or time is below 0, or not finite");
@@ -102,12 +103,7 @@ void DepthDevice::take(DepthView view) {
     ++statistics_.views;
     last_view_ = steady_now();
   }
-  if (options_.most_rate > 0 && last_delivered_ && view.stamp >= *last_delivered_ &&
-      view.stamp - *last_delivered_ < to_time(0.999 / options_.most_rate)) {
-    return;
-  }
-  last_delivered_ = view.stamp;
-  on_view_(std::move(view));
+  if (delivery_.lets_through(view.stamp)) on_view_(std::move(view));
 }
 
 }  // namespace prehend::drivers::camera

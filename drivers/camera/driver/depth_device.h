@@ -5,10 +5,10 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 
+#include "drivers/camera/driver/delivery_rate.h"
 #include "drivers/camera/transport/depth_source.h"
 
 namespace prehend::drivers::camera {
@@ -58,7 +58,7 @@ class DepthDevice {
   Open open_;
   OnView on_view_;
   Note note_;
-  std::optional<Time> last_delivered_;
+  DeliveryRate delivery_;
   mutable std::mutex mutex_;  // guards what follows
   DepthStatistics statistics_;
   std::uint64_t unpaired_before_ = 0;  // of sources that are gone

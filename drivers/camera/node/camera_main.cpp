@@ -1,4 +1,3 @@
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -247,8 +246,7 @@ void run(graph::Node& node) {
   check_sources(settings, node.parameter<double>("exposure"), node.parameter<double>("gain"));
   DeviceReport notes(node);
   CameraPublisher publisher(node, settings);
-  std::mutex mutex;  // guards problem
-  std::string problem;
+  ViewProblem problem;
   CameraDevice device(
       settings.device,
       [&](std::size_t source, Time start) {
@@ -257,31 +255,19 @@ void run(graph::Node& node) {
         video.start = start;
         return open_video_source(video);
       },
-      [&](CameraView view) {
-        std::string words;
-        try {
-          publisher.publish(std::move(view));
-        } catch (const std::exception& error) {
-          words = error.what();
-        }
-        const std::lock_guard lock(mutex);
-        problem = words;
-      },
+      [&](CameraView view) { problem.shield([&] { publisher.publish(std::move(view)); }); },
       notes.taker());
   exposure.connect([&](double seconds) { device.set_exposure(seconds); });
   gain.connect([&](double value) { device.set_gain(value); });
   const CameraReport watcher(node, [&] {
     const CameraStatistics s = device.statistics();
-    CameraReport::State state;
-    state.trouble = device.trouble();
-    state.remark = device.remark();
-    state.is_at_end = device.is_at_end();
-    state.views = s.views;
-    state.unpaired = s.unpaired[0] + s.unpaired[1];
-    state.connections = s.connections;
-    const std::lock_guard lock(mutex);
-    state.view_problem = problem;
-    return state;
+    return CameraReport::State{.trouble = device.trouble(),
+                               .view_problem = problem.words(),
+                               .remark = device.remark(),
+                               .is_at_end = device.is_at_end(),
+                               .views = s.views,
+                               .unpaired = s.unpaired[0] + s.unpaired[1],
+                               .connections = s.connections};
   });
   node.spin();
 }

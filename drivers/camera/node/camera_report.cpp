@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "prehend/geometry/errors.h"
@@ -57,6 +58,22 @@ ViewSettings declare_view_settings(graph::Node& node) {
 
 std::int64_t graph_stamp(const graph::Node& node, Time stamp) {
   return node.clock().now() - std::max(Time::zero(), steady_now() - stamp).count();
+}
+
+void ViewProblem::shield(const std::function<void()>& publish) {
+  std::string words;
+  try {
+    publish();
+  } catch (const std::exception& error) {
+    words = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  words_ = std::move(words);
+}
+
+std::string ViewProblem::words() const {
+  const std::lock_guard lock(mutex_);
+  return words_;
 }
 
 CameraReport::CameraReport(graph::Node& node, std::function<State()> state)

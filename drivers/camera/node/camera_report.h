@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,18 @@ ViewSettings declare_view_settings(graph::Node& node);
 
 /// The graph's time of something that happened at `stamp` of steady_now().
 std::int64_t graph_stamp(const graph::Node& node, Time stamp);
+
+/// What could not be done with the last view, for CameraReport::State. Thread-safe.
+class ViewProblem {
+ public:
+  /// Calls `publish`; what it throws is the problem, until one that throws nothing.
+  void shield(const std::function<void()>& publish);
+  std::string words() const;  // "": none
+
+ private:
+  mutable std::mutex mutex_;
+  std::string words_;
+};
 
 /// Health and counters of a camera, looked at in real time; health is also what /camera/device
 /// says.

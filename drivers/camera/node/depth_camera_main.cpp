@@ -1,4 +1,3 @@
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -172,33 +171,20 @@ void run(graph::Node& node) {
   const DepthSettings settings = declare_settings(node);
   DeviceReport notes(node);
   DepthPublisher publisher(node, settings);
-  std::mutex mutex;  // guards problem
-  std::string problem;
+  ViewProblem problem;
   DepthDevice device(
       settings.device, [&] { return open_openni_source(settings.openni); },
-      [&](DepthView view) {
-        std::string words;
-        try {
-          publisher.publish(std::move(view));
-        } catch (const std::exception& error) {
-          words = error.what();
-        }
-        const std::lock_guard lock(mutex);
-        problem = words;
-      },
+      [&](DepthView view) { problem.shield([&] { publisher.publish(std::move(view)); }); },
       notes.taker());
   const CameraReport watcher(node, [&] {
     const DepthStatistics s = device.statistics();
-    CameraReport::State state;
-    state.trouble = device.trouble();
-    state.remark = device.remark();
-    state.is_at_end = device.is_at_end();
-    state.views = s.views;
-    state.unpaired = s.unpaired;
-    state.connections = s.connections;
-    const std::lock_guard lock(mutex);
-    state.view_problem = problem;
-    return state;
+    return CameraReport::State{.trouble = device.trouble(),
+                               .view_problem = problem.words(),
+                               .remark = device.remark(),
+                               .is_at_end = device.is_at_end(),
+                               .views = s.views,
+                               .unpaired = s.unpaired,
+                               .connections = s.connections};
   });
   node.spin();
 }

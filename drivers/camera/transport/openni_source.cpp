@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <limits>
 #include <mutex>
+#include <numbers>
 #include <thread>
 #include <utility>
 
@@ -81,7 +82,7 @@ class OpenniSource : public DepthSource,
     open_device();
     try {
       open_streams();
-    } catch (...) {
+    } catch (...) {  // whatever it is goes on, when the device is closed
       close();
       throw;
     }
@@ -122,11 +123,6 @@ class OpenniSource : public DepthSource,
   }
 
  private:
-  // What waits for its partner: depth or colour.
-  struct Half {
-    DepthView view;
-  };
-
   void onDeviceDisconnected(const openni::DeviceInfo* info) override {
     if (uri_ == info->getUri()) is_gone_ = true;
   }
@@ -195,7 +191,7 @@ class OpenniSource : public DepthSource,
     }
     if (color_.isValid()) {
       // Two of one instant have one stamp, or are a moment apart.
-      pairing_.emplace(FramePairing<Half>::half_a_frame(rate_));
+      pairing_.emplace(FramePairing<DepthView>::half_a_frame(rate_));
     }
     if (!device_.isFile()) set_controls();
   }
@@ -304,10 +300,10 @@ class OpenniSource : public DepthSource,
     // Paired by the device's own stamps. A recording that begins anew has earlier ones.
     if (device < last_device_stamp_ - to_time(1 / rate_)) pairing_->restart();
     last_device_stamp_ = device;
-    auto pair = pairing_->add(stream, device, Half{std::move(view)});
+    auto pair = pairing_->add(stream, device, std::move(view));
     if (!pair) return std::nullopt;
-    view = std::move(pair->first.item.view);
-    view.color = std::move(pair->second.item.view.color);
+    view = std::move(pair->first.item);
+    view.color = std::move(pair->second.item.color);
     if (view.color.width != view.depth.width || view.color.height != view.depth.height) {
       view.color = {};  // a recording of two sizes: the depth is not registered to it
     }
@@ -354,7 +350,7 @@ class OpenniSource : public DepthSource,
     // CoordinateConverter (pixel centres at whole numbers there, too).
     const double horizontal = depth_.getHorizontalFieldOfView();
     const double vertical = depth_.getVerticalFieldOfView();
-    constexpr double kPi = 3.14159265358979323846;
+    constexpr double kPi = std::numbers::pi;
     if (!(horizontal > 0 && horizontal < kPi && vertical > 0 && vertical < kPi)) {
       throw SourceLost(name_ + " does not say its angle of view");
     }
@@ -410,7 +406,7 @@ class OpenniSource : public DepthSource,
   OpenniOptions options_;
   openni::Device device_;
   openni::VideoStream depth_, color_;
-  std::optional<FramePairing<Half>> pairing_;
+  std::optional<FramePairing<DepthView>> pairing_;  // depth, and colour alone
   DeviceClock clock_;
   Time last_device_stamp_{};
   std::string uri_, name_, refused_;
