@@ -1,18 +1,13 @@
 // The simulation node with an arm and a hand: its topics, services and actions.
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
+#include <cstdint>
 #include <fstream>
-#include <functional>
-#include <iterator>
 #include <limits>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,9 +15,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/sensors.pb.h"
-#include "prehend/graph/node.h"
-#include "prehend/graph/registry.h"
-#include "tests/simulation/simulation_process.h"
+#include "tests/simulation/robot_node.h"
 
 namespace prehend {
 namespace {
@@ -30,125 +23,6 @@ namespace {
 using namespace std::chrono_literals;
 using graph::QoS;
 using ::testing::HasSubstr;
-
-constexpr double kAcceleration = 12;  // rad/s^2, of ArmDriveOptions
-
-class RobotNode : public ::testing::Test {
- protected:
-  RobotNode()
-      : output_(std::filesystem::temp_directory_path() /
-                ("prehend_robot_" + std::to_string(getpid()) + ".log")),
-        registry_({.endpoint = "tcp://127.0.0.1:*"}) {}
-
-  void SetUp() override {
-    simulation_ =
-        start_simulation({"--registry", registry_.endpoint(), "--param", "speed:=1", "--param",
-                          "camera:=false", "--param", "scene:=config/scenes/demo.yaml", "--param",
-                          "robot:=config/robots/kr5_sdh.yaml"},
-                         output_);
-    graph::NodeOptions options;
-    options.name = "tester";
-    options.registry = registry_.endpoint();
-    node_ = std::make_unique<graph::Node>(options);
-    joints_ = node_->subscribe<msgs::JointState>(
-        "/joint_states", QoS::queue(200), [this](const graph::Received<msgs::JointState>& m) {
-          const std::lock_guard lock(mutex_);
-          if (!states_.empty()) watch(states_.back(), *m);
-          states_.push_back(*m);
-        });
-    truth_ = node_->subscribe<msgs::GroundTruth>(
-        "/ground_truth", QoS::queue(100), [this](const graph::Received<msgs::GroundTruth>& m) {
-          const std::lock_guard lock(mutex_);
-          bodies_ = *m;
-        });
-    arm_ = node_->action_client<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
-                                msgs::FollowTrajectoryResult>("/arm/follow");
-    hand_ = node_->action_client<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult>(
-        "/hand/move");
-    node_->spin_in_background();
-    ASSERT_TRUE(wait_until([this] { return !states_.empty(); }));
-    start_ = position();
-  }
-
-  void TearDown() override {
-    node_.reset();
-    kill(simulation_, SIGTERM);
-    EXPECT_EQ(exit_code(simulation_), 0);
-    std::filesystem::remove(output_);
-    EXPECT_LT(sharpest_, kAcceleration * 1.02) << "of any joint of the arm";
-  }
-
-  // The arm's joints keep their acceleration limit whatever is asked.
-  void watch(const msgs::JointState& before, const msgs::JointState& now) {
-    const double h = 1e-9 * static_cast<double>(now.header().stamp() - before.header().stamp());
-    for (int i = 0; i < 6; ++i) {
-      sharpest_ = std::max(sharpest_, std::abs(now.velocity(i) - before.velocity(i)) / h);
-    }
-  }
-
-  bool wait_until(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + 30s;
-    while (std::chrono::steady_clock::now() < end) {
-      {
-        const std::lock_guard lock(mutex_);
-        if (condition()) return true;
-      }
-      std::this_thread::sleep_for(5ms);
-    }
-    return false;
-  }
-
-  std::vector<double> position() {
-    const std::lock_guard lock(mutex_);
-    return {states_.back().position().begin(), states_.back().position().begin() + 6};
-  }
-
-  /// From where the arm stands, joint 1 by `way` in `duration`, from and to a stand.
-  msgs::FollowTrajectoryGoal turn(double way, double duration) {
-    msgs::FollowTrajectoryGoal goal;
-    const std::vector<double> from = position();
-    for (int i = 1; i <= 6; ++i) {
-      goal.mutable_trajectory()->add_joint_name("arm_axis_" + std::to_string(i));
-    }
-    for (const double share : {0.0, 1.0}) {
-      msgs::JointTrajectoryPoint& point = *goal.mutable_trajectory()->add_points();
-      point.set_time(share * duration);
-      for (int i = 0; i < 6; ++i) {
-        point.add_position(from[static_cast<std::size_t>(i)] + (i == 0 ? share * way : 0.0));
-        point.add_velocity(0);
-      }
-    }
-    return goal;
-  }
-
-  msgs::FollowTrajectoryResult follow(const msgs::FollowTrajectoryGoal& goal) {
-    const auto outcome = arm_.send(goal).wait(40s);
-    EXPECT_TRUE(outcome.ok()) << outcome.error();
-    return outcome.ok() ? *outcome : msgs::FollowTrajectoryResult();
-  }
-
-  void expect_refused(const msgs::FollowTrajectoryGoal& goal, const std::string& words) {
-    const msgs::FollowTrajectoryResult result = follow(goal);
-    EXPECT_FALSE(result.reached());
-    EXPECT_THAT(result.reason(), HasSubstr(words));
-    EXPECT_EQ(position(), start_) << "nothing moved";
-  }
-
-  std::string output_;
-  graph::Registry registry_;
-  pid_t simulation_ = -1;
-  std::unique_ptr<graph::Node> node_;
-  graph::Subscription joints_, truth_;
-  graph::ActionClient<msgs::FollowTrajectoryGoal, msgs::FollowTrajectoryFeedback,
-                      msgs::FollowTrajectoryResult>
-      arm_;
-  graph::ActionClient<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult> hand_;
-  std::mutex mutex_;
-  std::vector<msgs::JointState> states_;
-  msgs::GroundTruth bodies_;
-  std::vector<double> start_;
-  double sharpest_ = 0;  // rad/s^2
-};
 
 TEST_F(RobotNode, FollowsATrajectory) {
   const msgs::FollowTrajectoryResult result = follow(turn(0.4, 0.8));
@@ -241,94 +115,6 @@ TEST_F(RobotNode, StopsAtOnceWhenAsked) {
   ASSERT_TRUE(outcome.ok()) << outcome.error();
   EXPECT_FALSE(outcome->reached());
   ASSERT_TRUE(wait_until([&] { return states_.back().velocity(0) == 0; }));
-}
-
-class ArmCommands : public RobotNode {
- protected:
-  void SetUp() override {
-    RobotNode::SetUp();
-    commands_ = node_->advertise<msgs::JointCommand>("/arm/command", QoS::queue(100));
-    ASSERT_TRUE(commands_.wait_for_subscribers(1, 10s));
-  }
-  /// A set point of all joints: where it began, and joint 1 by `way` from there.
-  msgs::JointCommand set_point(double way) const {
-    msgs::JointCommand command;
-    command.set_mode(msgs::JointCommand::POSITION);
-    for (int i = 0; i < 6; ++i) {
-      command.add_joint_name("arm_axis_" + std::to_string(i + 1));
-      command.add_value(start_[static_cast<std::size_t>(i)] + (i == 0 ? way : 0));
-    }
-    return command;
-  }
-  bool is_said(const std::string& words) {
-    return wait_until([&] {
-      std::ifstream file(output_);
-      return std::string(std::istreambuf_iterator<char>(file), {}).find(words) != std::string::npos;
-    });
-  }
-  bool stands() {
-    return wait_until([&] { return states_.back().velocity(0) == 0; });
-  }
-  graph::Publisher<msgs::JointCommand> commands_;
-};
-
-TEST_F(ArmCommands, MoveTheArmWhileTheyComeAndBrakeItWhenTheyCease) {
-  // Far: it goes there within its limits, and is on its way when they cease.
-  ASSERT_TRUE(wait_until([&] {
-    commands_.publish(set_point(2));
-    return states_.back().position(0) > start_[0] + 0.02;
-  }));
-  EXPECT_TRUE(is_said("no arm command for 0.2 s while moving: stopped"));
-  ASSERT_TRUE(stands());
-  EXPECT_LT(position()[0], start_[0] + 1.95);
-}
-
-TEST_F(ArmCommands, BelongToWhoAskedLast) {
-  auto goal = arm_.send(turn(1.2, 6));
-  ASSERT_TRUE(wait_until([&] { return states_.back().position(0) > start_[0] + 0.1; }));
-  commands_.publish(set_point(0.3));
-  const auto outcome = goal.wait(20s);
-  ASSERT_TRUE(outcome.ok()) << outcome.error();
-  EXPECT_FALSE(outcome->reached());
-  EXPECT_EQ(outcome->reason(), "stopped before the goal");
-  for (int i = 0; i < 300 && std::abs(position()[0] - start_[0] - 0.3) > 1e-4; ++i) {
-    commands_.publish(set_point(0.3));
-    std::this_thread::sleep_for(10ms);
-  }
-  EXPECT_NEAR(position()[0], start_[0] + 0.3, 1e-4);
-  EXPECT_TRUE(is_said("/arm/command moves the arm"));
-  ASSERT_TRUE(stands());
-  const msgs::FollowTrajectoryResult result = follow(turn(-0.2, 1));
-  EXPECT_TRUE(result.reached()) << result.reason();
-  commands_.publish(set_point(1));
-  ASSERT_TRUE(wait_until([&] { return states_.back().velocity(0) > 0; }));
-  msgs::JointCommand stop;
-  stop.set_mode(msgs::JointCommand::STOP);
-  commands_.publish(stop);
-  ASSERT_TRUE(stands());
-  EXPECT_LT(position()[0], start_[0] + 0.9);
-}
-
-TEST_F(ArmCommands, ThatCannotBeRightMoveNothingAndAreSaid) {
-  const auto refused = [&](const msgs::JointCommand& command, const std::string& words) {
-    commands_.publish(command);
-    EXPECT_TRUE(is_said("/arm/command refused: " + words)) << words;
-  };
-  msgs::JointCommand bad = set_point(0.3);
-  bad.set_value(0, 9);
-  refused(bad, "the set point: joint 'arm_axis_1' at 9.0000 is outside");
-  bad.set_value(0, std::numeric_limits<double>::quiet_NaN());
-  refused(bad, "point 0 has a position that is no finite number");
-  bad = set_point(0.3);
-  bad.mutable_value()->RemoveLast();
-  refused(bad, "it has not one value a joint");
-  bad = set_point(0.3);
-  bad.set_joint_name(0, "arm_axis_11");
-  refused(bad, "the arm has no joint 'arm_axis_11'");
-  bad = set_point(0.3);
-  bad.set_mode(msgs::JointCommand::VELOCITY);
-  refused(bad, "an arm takes POSITION and STOP alone");
-  EXPECT_EQ(position(), start_);
 }
 
 TEST_F(RobotNode, MovesTheHand) {
