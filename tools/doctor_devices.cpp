@@ -163,9 +163,11 @@ Findings examine_devices(const DeviceChoices& choices) {
     }
   }
   for (const std::string& device : choices.camera) {
-    add(examine("camera", device, [&] {
-      return Findings{finding_of("camera", drivers::camera::probe_camera(device))};
-    }));
+    // To ask it what it is disturbs nobody; what is no camera may be open anywhere.
+    const Probe probe = drivers::camera::probe_camera(device);
+    const Findings answer{finding_of("camera", probe)};
+    add(probe.result == Probe::Result::kAnswers ? examine("camera", device, [&] { return answer; })
+                                                : answer);
   }
   for (const std::string& uri : choices.depth_camera) {
     findings.push_back(finding_of("depth camera", drivers::camera::probe_depth_camera(uri)));

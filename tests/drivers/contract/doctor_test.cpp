@@ -142,6 +142,19 @@ TEST_F(DoctorAsksDevices, SilentLinesAndMissingOnes) {
 }
 
 // A scan sends to every id, which the other devices of a bus need not take well.
+TEST_F(DriversDoctor, NamesWhatIsNoCamera) {
+  const testing::Outcome doctor =
+      testing::run_program("prehend",
+                           {"doctor", "--registry", registry_.endpoint(), "--camera", "/dev/null",
+                            "--camera", "/dev/video_none", "--depth-camera", "nobody.oni"},
+                           std::chrono::seconds(20));
+  EXPECT_EQ(doctor.exit_code, 1);
+  // This process and others have /dev/null open, which does not make it a camera that is in use.
+  EXPECT_THAT(doctor.output, AllOf(HasSubstr("error    camera: /dev/null is no camera"),
+                                   HasSubstr("error    camera: there is no camera /dev/video_none"),
+                                   HasSubstr("error    depth camera: there is no recording")));
+}
+
 TEST_F(DoctorAsksDevices, ScanOfASharedBusIsNotMadeUnasked) {
   auto terminal = std::make_unique<PseudoTerminal>();
   const std::string line = "slcan:" + terminal->name();
