@@ -1,5 +1,6 @@
 #include "drivers/camera/codec/depth_wire.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -82,7 +83,8 @@ std::size_t picture_size(const DepthPicture& header) {
 void decode_picture(Bytes bytes, DepthPicture& picture) {
   const std::size_t pixels = picture_size(picture) / 5;
   picture.depth.resize(pixels);
-  std::memcpy(picture.depth.data(), bytes.data(), 2 * pixels);
+  // No memcpy, as a picture of no pixels has no memory.
+  std::copy_n(bytes.begin(), 2 * pixels, reinterpret_cast<std::uint8_t*>(picture.depth.data()));
   picture.color.assign(bytes.begin() + static_cast<std::ptrdiff_t>(2 * pixels), bytes.end());
 }
 

@@ -28,7 +28,11 @@ TEST(DepthWire, APictureComesAsItWent) {
   EXPECT_EQ(picture->depth, sent.depth);
   EXPECT_EQ(picture->color, sent.color);
   EXPECT_EQ(decode_question(encode_question(9)), 9u);
-  EXPECT_EQ(decode_answer_header(encode_nothing_new(3))->width, 0);
+  auto nothing = decode_answer_header(encode_nothing_new(3));
+  ASSERT_TRUE(nothing);
+  decode_picture({}, *nothing);
+  EXPECT_EQ(nothing->width, 0);
+  EXPECT_TRUE(nothing->depth.empty() && nothing->color.empty());
 }
 
 // Whatever comes: no header asks for more than the largest picture.
