@@ -296,7 +296,7 @@ INSTANTIATE_TEST_SUITE_P(
                       ArmKind{"EmulatedRsi3",
                               "launch/emulated_arm.yaml",
                               {"rsi_port:=PORT", "rsi:=3", "rsi_cycle:=4"}}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& kind) { return kind.param.name; });
 
 }  // namespace
 }  // namespace prehend::drivers
