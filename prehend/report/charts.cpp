@@ -69,7 +69,10 @@ void write_bar_script(const BarChart& chart, const std::filesystem::path& folder
   write_head(chart.title, out);
   bool bars = false;
   for (const auto& series : chart.series) bars = bars || !series.deviations.empty();
-  out << "set ylabel " << quoted(chart.y_label) << "\nset yrange [0:*]\nset style data histograms\n"
+  out << "set ylabel "
+      << quoted(chart.y_label)
+      // From 0 up, or down.
+      << "\nset yrange [*<0:0<*]\nset xzeroaxis lt -1\nset style data histograms\n"
       << "set style histogram " << (bars ? "errorbars gap 1.5 lw 1" : "clustered gap 1.5")
       << "\nset style fill solid 0.8\nset xtics rotate by -40 font ',9'\nset bmargin 7\n";
   std::ofstream data(folder / "bars.txt");

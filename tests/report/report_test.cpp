@@ -69,6 +69,9 @@ TEST(Charts, DrawErrorBarsMarksAndBars) {
   EXPECT_THAT(svg, HasSubstr("Ours"));
   bars.series[1].values.pop_back();
   EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
+  // Bits that are fewer than expected: all bars hang down.
+  bars.series = {{"bits", {-3, -10}}};
+  EXPECT_THAT(draw_bar_chart(bars), AllOf(HasSubstr("bits"), HasSubstr(">-10<")));
   bars.series = {{"nothing", {NAN, NAN}}};
   EXPECT_THROW(draw_bar_chart(bars), std::runtime_error);
 }
