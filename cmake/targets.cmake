@@ -130,15 +130,16 @@ function(prehend_quick_test NAME)
   endif()
 endfunction()
 
-# prehend_test(NAME SOURCES a_test.cpp DEPENDS ... [TIMEOUT seconds] [SERIAL] [REALTIME])
+# prehend_test(NAME SOURCES a_test.cpp DEPENDS ... [TIMEOUT seconds] [SHARDS n] [SERIAL] [REALTIME])
 # A GoogleTest program build/bin/test_NAME and one CTest test of the same name. Tests run with the
 # source tree as working directory. Where the folder ../shared/data of real recordings exists, its
-# path is in the environment variable PREHEND_SHARED_DATA. SERIAL: never beside another test.
+# path is in the environment variable PREHEND_SHARED_DATA. SHARDS: n CTest tests NAME_1 ... NAME_n that
+# share the program's cases, each with TIMEOUT of its own. SERIAL: never beside another test.
 # REALTIME: what it tests keeps pace with a clock (devices, emulators, leases), so that a machine that
 # is held up can make it late: such tests run after all others, as many at a time as there are
 # processors, and only they may run a second time.
 function(prehend_test NAME)
-  cmake_parse_arguments(ARG "SERIAL;REALTIME" "TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;REALTIME" "TIMEOUT;SHARDS" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -150,15 +151,28 @@ function(prehend_test NAME)
                                              GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_options(test_${NAME} PRIVATE ${PREHEND_QUICK_COMPILING})
   prehend_build_fast(test_${NAME} tests)
-  add_test(NAME ${NAME} COMMAND test_${NAME} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT}
-                       ENVIRONMENT "PREHEND_SHARED_DATA=${PREHEND_SHARED_DATA};PREHEND_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
-  if(ARG_SERIAL)
-    set_tests_properties(${NAME} PROPERTIES RUN_SERIAL ON)
+  set(environment "PREHEND_SHARED_DATA=${PREHEND_SHARED_DATA}" "PREHEND_BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
+                  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/thread_sanitizer.supp")
+  if(NOT ARG_SHARDS)
+    set(ARG_SHARDS 1)
   endif()
-  if(ARG_REALTIME)
-    set_tests_properties(${NAME} PROPERTIES LABELS realtime)
-  endif()
+  foreach(shard RANGE 1 ${ARG_SHARDS})
+    set(test ${NAME})
+    set(share "")
+    if(ARG_SHARDS GREATER 1)
+      set(test ${NAME}_${shard})
+      math(EXPR index "${shard} - 1")
+      set(share "GTEST_TOTAL_SHARDS=${ARG_SHARDS}" "GTEST_SHARD_INDEX=${index}")
+    endif()
+    add_test(NAME ${test} COMMAND test_${NAME} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    set_tests_properties(${test} PROPERTIES TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT "${environment};${share}")
+    if(ARG_SERIAL)
+      set_tests_properties(${test} PROPERTIES RUN_SERIAL ON)
+    endif()
+    if(ARG_REALTIME)
+      set_tests_properties(${test} PROPERTIES LABELS realtime)
+    endif()
+  endforeach()
   prehend_quick_test(${NAME})
 endfunction()
 
