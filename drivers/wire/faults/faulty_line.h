@@ -54,10 +54,15 @@ class FaultyLine {
     return next;
   }
   void clear() { items_.clear(); }
+  /// Faults so far.
+  std::uint64_t harmed() const { return harmed_; }
 
  private:
   bool happens(double probability) {
-    return probability > 0 && std::uniform_real_distribution<double>(0, 1)(random_) < probability;
+    const bool does =
+        probability > 0 && std::uniform_real_distribution<double>(0, 1)(random_) < probability;
+    harmed_ += does;
+    return does;
   }
   void insert(Item item, Time due) {
     const auto behind = std::upper_bound(
@@ -69,6 +74,7 @@ class FaultyLine {
   Corrupt corrupt_;
   std::mt19937_64 random_;
   LineFaults faults_;
+  std::uint64_t harmed_ = 0;
   std::deque<std::pair<Time, Item>> items_;  // by the time they are due
 };
 
