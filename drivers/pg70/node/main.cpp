@@ -3,8 +3,9 @@
 #include <string>
 
 #include "drivers/pg70/driver/health.h"
+#include "drivers/pg70/node/gripper_guard.h"
 #include "drivers/pg70/node/gripper_offers.h"
-#include "drivers/pg70/node/guarded.h"
+#include "drivers/wire/guardian/guarded.h"
 #include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
 #include "drivers/wire/node/wall_timer.h"
@@ -211,10 +212,10 @@ void run(graph::Node& node) {
   const auto publisher =
       node.advertise<msgs::GripperState>("/gripper/state", graph::QoS::queue(100));
   // Begins before the device, so that it lives on until the device has stopped the gripper.
-  const auto guarded =
-      settings.guardian
-          ? std::make_unique<Guarded>(settings.address, settings.guardian_time, report.taker())
-          : std::make_unique<Guarded>();
+  const auto guarded = settings.guardian
+                           ? std::make_unique<Guarded>(guardian_program(settings.address),
+                                                       settings.guardian_time, report.taker())
+                           : std::make_unique<Guarded>();
   std::atomic<Device*> itself = nullptr;
   Device device(
       settings.driver, [&] { return open_link(settings.address); },
@@ -223,7 +224,7 @@ void run(graph::Node& node) {
       },
       report.taker(), kRetry,
       [&](const Reading& reading) {
-        if (!guarded->progress(reading) || !itself) return;
+        if (!guarded->progress(watch_of(reading)) || !itself) return;
         itself.load()->begin_anew(
             "this driver made no progress, so its guardian stopped the gripper");
       });

@@ -12,8 +12,9 @@
 
 #include "drivers/pg70/driver/device.h"
 #include "drivers/pg70/emulator/served_module.h"
-#include "drivers/pg70/node/guarded.h"
+#include "drivers/pg70/node/gripper_guard.h"
 #include "drivers/wire/can/slcan.h"
+#include "drivers/wire/guardian/guarded.h"
 #include "drivers/wire/stream/pseudo_terminal.h"
 #include "tests/drivers/eventually.h"
 #include "tests/system/launched.h"
@@ -45,12 +46,12 @@ class Pg70Guardian : public ::testing::Test {
       const std::string line = words + "\n";
       if (::write(notes_[1], line.data(), line.size()) < 0) ::_exit(1);
     };
-    Guarded guarded(address_, kPatience, note);
+    Guarded guarded(guardian_program(address_), kPatience, note);
     std::atomic<Device*> itself = nullptr;
     Device device(
         {}, [this] { return open_link(address_); }, [](const Reading&) {}, note, 0.1,
         [&](const Reading& reading) {
-          if (guarded.progress(reading) && itself) itself.load()->begin_anew("it hung");
+          if (guarded.progress(watch_of(reading)) && itself) itself.load()->begin_anew("it hung");
         });
     itself = &device;
     while (device.reading().state != DriverState::kStanding) ::usleep(1000);
@@ -170,7 +171,7 @@ TEST_F(Pg70Guardian, UnansweredStopBecomesAFastStop) {
   ASSERT_EQ(::pipe(ends), 0);
   ::close(ends[1]);
   ::testing::internal::CaptureStderr();
-  EXPECT_EQ(guard(ends[0], address_, kPatience, 20), 0);
+  EXPECT_EQ(guard(ends[0], guarding(address_), kPatience, 20), 0);
   EXPECT_NE(::testing::internal::GetCapturedStderr().find("CMD FAST STOP was sent and answered"),
             std::string::npos);
   EXPECT_FALSE(moves());
@@ -179,7 +180,7 @@ TEST_F(Pg70Guardian, UnansweredStopBecomesAFastStop) {
 
 TEST_F(Pg70Guardian, LeavesTheGripperAloneAfterAGoodEnd) {
   {
-    Guardian guardian(address_);
+    Guardian guardian(guardian_program(address_));
     guardian.progress(Watch::kMoving);
   }
   EXPECT_EQ(stops(), 0u);
@@ -193,7 +194,7 @@ TEST_F(Pg70Guardian, SaysWhenNothingAnswers) {
   LinkAddress other = address_;
   other.module = 13;
   ::testing::internal::CaptureStderr();
-  EXPECT_EQ(guard(ends[0], other, kPatience, 0.2), 1);
+  EXPECT_EQ(guard(ends[0], guarding(other), kPatience, 0.2), 1);
   EXPECT_NE(::testing::internal::GetCapturedStderr().find("CANNOT BE STOPPED"), std::string::npos);
   ::close(ends[0]);
 }

@@ -1,4 +1,4 @@
-#include "drivers/pg70/node/guardian.h"
+#include "drivers/wire/guardian/guardian.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -14,11 +14,12 @@
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
-#include "drivers/pg70/node/guardian_words.h"
+#include "drivers/wire/guardian/guardian_words.h"
 
-namespace prehend::drivers::pg70 {
+namespace prehend::drivers {
 namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(20);  // of messages of progress
@@ -29,14 +30,15 @@ std::string last_error() { return std::strerror(errno); }
 
 }  // namespace
 
-Guardian::Guardian(const LinkAddress& address, double patience)
-    : address_(address), patience_(patience) {
+Guardian::Guardian(GuardianProgram program, double patience)
+    : program_(std::move(program)), patience_(patience) {
   start();
 }
 
 Guardian::~Guardian() {
   const char word = guardian_words::kAllIsWell;
-  if (socket_ >= 0 && ::send(socket_, &word, 1, MSG_NOSIGNAL) != 1) std::perror("pg70 guardian");
+  if (socket_ >= 0 && ::send(socket_, &word, 1, MSG_NOSIGNAL) != 1)
+    std::perror(program_.name.c_str());
   end(false);
 }
 
@@ -48,9 +50,10 @@ void Guardian::start() {
   }
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (self.parent_path() / "pg70_guardian").string();
-  std::vector<std::string> words{program, address_.line, std::to_string(address_.bit_rate),
-                                 std::to_string(address_.module), std::to_string(patience_)};
+  const std::string program = (self.parent_path() / program_.name).string();
+  std::vector<std::string> words{program};
+  words.insert(words.end(), program_.arguments.begin(), program_.arguments.end());
+  words.push_back(std::to_string(patience_));
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -95,7 +98,7 @@ void Guardian::end(bool kill) {
 
 void Guardian::replace(const std::string& words, News& news) {
   end(true);
-  news.stopped_gripper |= acts_;
+  news.stopped_device |= acts_;
   acts_ = false;
   try {
     start();
@@ -119,7 +122,7 @@ Guardian::News Guardian::progress(Watch watch) {
   for (ssize_t i = 0; i < count; ++i) {
     // Told when it answers again: then it has left the wire.
     const bool has_acted = answers[static_cast<std::size_t>(i)] == guardian_words::kStopped;
-    news.stopped_gripper |= acts_ && !has_acted;
+    news.stopped_device |= acts_ && !has_acted;
     acts_ = has_acted;
   }
   if (count > 0) unanswered_ = 0;
@@ -129,11 +132,11 @@ Guardian::News Guardian::progress(Watch watch) {
   last_sent_ = now;
   last_watch_ = watch;
   if (is_gone) {
-    replace("the guardian of the gripper died", news);
+    replace("the guardian of the " + program_.device + " died", news);
   } else if (++unanswered_ > kMostUnanswered) {
-    replace("the guardian of the gripper did not react any more", news);
+    replace("the guardian of the " + program_.device + " did not react any more", news);
   }
   return news;
 }
 
-}  // namespace prehend::drivers::pg70
+}  // namespace prehend::drivers
