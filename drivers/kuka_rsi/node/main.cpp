@@ -1,7 +1,4 @@
-#include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +8,7 @@
 #include "drivers/kuka_rsi/node/rsi_arm.h"
 #include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/joint_report.h"
 #include "drivers/wire/node/wall_timer.h"
 #include "msgs/joints.pb.h"
 #include "msgs/sensors.pb.h"
@@ -151,64 +149,21 @@ Limits limits_of(graph::Node& node, NodeSettings& s, const robot::Platform& plat
   return {platform.arm_chain(), s.limits};
 }
 
-/// /joint_states: the arm's, and with them what another topic tells of the hand's.
-class JointReport {
+/// Tells where the axes are, whenever a telegram has told that since the last time.
+class AxesTeller {
  public:
-  JointReport(graph::Node& node, const Device& device, const robot::KinematicChain& chain,
-              const std::string& other, graph::Publisher<msgs::JointState> publisher)
-      : node_(node), device_(device), publisher_(std::move(publisher)) {
-    for (const robot::ChainJoint& joint : chain.joints()) names_.push_back(joint.name);
-    if (other.empty()) return;
-    others_ = node.subscribe<msgs::JointState>(
-        other, graph::QoS::latest(), [this](const graph::Received<msgs::JointState>& message) {
-          const std::lock_guard lock(mutex_);
-          other_ = *message;
-          other_time_ = steady_now();
-        });
-  }
-
-  /// Tells where the axes are, if a telegram has told that since the last time.
+  AxesTeller(const Device& device, JointReport& joints) : device_(device), joints_(joints) {}
   void tell() {
     const Snapshot now = device_.snapshot();
     if (now.state == State::kSilent || now.telegrams == told_) return;
     told_ = now.telegrams;
-    msgs::JointState message;
-    message.mutable_header()->set_stamp(node_.clock().now());
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      message.add_name(names_[i]);
-      message.add_position(now.actual[i]);
-      message.add_velocity(now.velocity[i]);
-      message.add_effort(0);
-    }
-    add_others(message);
-    publisher_.publish(message);
+    joints_.tell(now.actual, now.velocity);
   }
 
  private:
-  static constexpr double kOtherAge = 0.25;  // s
-
-  void add_others(msgs::JointState& message) {
-    const std::lock_guard lock(mutex_);
-    if (!other_ || steady_now() - other_time_ > to_time(kOtherAge)) return;
-    const auto at = [](const auto& values, int i) { return i < values.size() ? values[i] : 0.0; };
-    for (int i = 0; i < std::min(other_->name_size(), other_->position_size()); ++i) {
-      if (std::find(names_.begin(), names_.end(), other_->name(i)) != names_.end()) continue;
-      message.add_name(other_->name(i));
-      message.add_position(other_->position(i));
-      message.add_velocity(at(other_->velocity(), i));
-      message.add_effort(at(other_->effort(), i));
-    }
-  }
-
-  graph::Node& node_;
   const Device& device_;
-  std::vector<std::string> names_;
+  JointReport& joints_;
   std::uint64_t told_ = 0;
-  graph::Publisher<msgs::JointState> publisher_;
-  std::mutex mutex_;  // guards what follows
-  std::optional<msgs::JointState> other_;
-  Time other_time_{};
-  graph::Subscription others_;
 };
 
 /// Health and counters.
@@ -321,10 +276,12 @@ void run(graph::Node& node) {
         const bool was_latched = device.release();
         return acknowledged(was_latched, was_latched ? "" : "there was nothing to acknowledge");
       });
-  JointReport joints(node, device, limits.chain(), settings.other_joints,
-                     std::move(joint_publisher));
+  std::vector<std::string> names;
+  for (const robot::ChainJoint& joint : limits.chain().joints()) names.push_back(joint.name);
+  JointReport joints(node, names, settings.other_joints, std::move(joint_publisher));
+  AxesTeller teller(device, joints);
   constexpr double kJointPeriod = 0.01;  // s
-  const WallTimer timer(kJointPeriod, [&] { joints.tell(); });
+  const WallTimer timer(kJointPeriod, [&] { teller.tell(); });
   const Watcher watcher(node, device, settings.device);
   node.spin();
   tell_answer_times(node, device);
