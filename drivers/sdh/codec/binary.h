@@ -15,14 +15,14 @@ namespace prehend::drivers::sdh {
 inline constexpr std::uint8_t kFirstBinary = 0x80;
 
 struct BinaryRequest {
-  std::uint8_t command = 0;              // Command
+  std::uint8_t command = 0;               // Command
   std::optional<AxisValues> values = {};  // none: it asks
 
   friend bool operator==(const BinaryRequest&, const BinaryRequest&) = default;
 };
 
 struct BinaryReply {
-  std::uint8_t command = 0;  // Command
+  std::uint8_t command = 0;    // Command
   std::uint8_t count = kAxes;  // of values that mean something
   std::uint8_t status = 0;     // ReturnCode
   AxisValues values{};         // binary32 on the wire; may be no finite numbers

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,7 @@ namespace prehend::drivers::sdh {
 /// 0: the pivot of fingers 1 and 3 (they turn opposite ways); 1, 2: proximal and distal joint of
 /// finger 1; 3, 4: of finger 2, the thumb; 5, 6: of finger 3 (SDHLibrary-CPP, sdh.h).
 inline constexpr std::size_t kAxes = 7;
+inline constexpr double kDegree = M_PI / 180;  // rad
 /// A value of each axis. On the wire in degree, degree/s, degree/s^2, A.
 using AxisValues = std::array<double, kAxes>;
 

@@ -37,8 +37,8 @@ struct LineReply {
 std::string encode(const LineRequest& request, bool as_integers = false);
 std::string encode(const LineReply& reply);
 
-/// A line without its CR LF. Blanks are allowed round = and numbers: the vendor's %12.3f makes them.
-/// Nothing for what is no command: the hand answers that with kCommandFormat.
+/// A line without its CR LF. Blanks are allowed round = and numbers: the vendor's %12.3f makes
+/// them. Nothing for what is no command: the hand answers that with kCommandFormat.
 std::optional<LineRequest> decode_line_request(std::string_view line);
 /// A line without its CR LF, as encode() makes it, but for its end.
 std::optional<LineReply> decode_line_reply(std::string_view line);

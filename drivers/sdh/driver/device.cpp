@@ -13,10 +13,11 @@ constexpr auto kWriteTime = std::chrono::milliseconds(50);
 }  // namespace
 
 Device::Device(const DriverOptions& options, Open open, OnState on_state, Driver::Note note,
-               double retry)
+               double retry, OnRound on_round)
     : power_off_at_end_(options.power_off_at_end),
       open_(std::move(open)),
       on_state_(std::move(on_state)),
+      on_round_(std::move(on_round)),
       note_(std::move(note)),
       reopening_(retry, note_),
       // Called with the lock held, by the driver. What cannot be written is lost; its answer is
@@ -79,6 +80,14 @@ void Device::serve() {
   if (is_news) on_state_(reading);
 }
 
+void Device::round() {
+  if (!on_round_) return;
+  const std::string why = on_round_(reading());
+  if (why.empty()) return;
+  with_driver([&](Driver& driver, Time now) { driver.begin_anew(why, now); });
+  on_round_(reading());
+}
+
 void Device::run() {
   while (!ends_) {
     if (line_) {  // set by this thread only
@@ -86,6 +95,7 @@ void Device::run() {
     } else {
       open_line();
     }
+    round();
   }
   stop_at_end();
 }
@@ -98,13 +108,15 @@ void Device::stop_at_end() {
     const Time end = steady_now() + kPatience;
     while (line_ && steady_now() < end) {
       serve();
+      if (on_round_) on_round_(reading());
       if (with_driver([](Driver& driver, Time) { return driver.is_settled(); })) return true;
     }
     return false;
   };
   if (state == DriverState::kHolding) {
-    return note_(true, "the hand holds something, so its axes stay on; powered for longer than 20 "
-                       "min it overheats");
+    return note_(true,
+                 "the hand holds something, so its axes stay on; powered for longer than 20 "
+                 "min it overheats");
   }
   with_driver([](Driver& driver, Time now) { driver.stop(now, "the driver ends"); });
   if (!serve_until_settled()) {

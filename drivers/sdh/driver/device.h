@@ -19,12 +19,16 @@ class Device {
  public:
   using Open = std::function<std::unique_ptr<ByteStream>()>;
   using OnState = std::function<void(const Reading&)>;
+  /// Returns why the connection has to begin anew; "" when it need not.
+  using OnRound = std::function<std::string(const Reading&)>;
 
   /// `open` throws std::runtime_error while there is no line; it is tried every `retry` seconds.
   /// `on_state` is called by the thread after each whole round of readings and whenever the
-  /// driver's state changes; `note` by any thread. Neither may call the device.
+  /// driver's state changes; `note` by any thread. `on_round` is called by the thread each time it
+  /// has served the line, at least every 25 ms: what stops being called is a driver that hangs.
+  /// None may call the device.
   Device(const DriverOptions& options, Open open, OnState on_state, Driver::Note note,
-         double retry = 0.5);
+         double retry = 0.5, OnRound on_round = {});
   /// Stops the hand and waits until that is seen, at most a second; then switches its axes off as
   /// the options say, unless it holds something.
   ~Device();
@@ -43,11 +47,13 @@ class Device {
   void run();
   void open_line();
   void serve();
+  void round();
   void stop_at_end();
 
   const bool power_off_at_end_;
   Open open_;
   OnState on_state_;
+  OnRound on_round_;
   Driver::Note note_;
   Reopening reopening_;
   std::mutex mutex_;  // guards what follows

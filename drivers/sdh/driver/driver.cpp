@@ -10,7 +10,6 @@
 namespace prehend::drivers::sdh {
 namespace {
 
-constexpr double kRadian = M_PI / 180;
 constexpr std::string_view kFlush = " \r\n";  // ends a half-typed command (SDHLibrary-CPP)
 constexpr double kDrainTime = 0.1;            // s, in which what comes is thrown away
 
@@ -53,9 +52,9 @@ Limits sdh2_limits() {
   for (std::size_t i = 0; i < kAxes; ++i) {
     constexpr double kRange = 90;
     constexpr double kSpeeds[kAxes] = {83, 140, 200, 140, 200, 140, 200};  // deg/s
-    limits.lower[i] = i == 0 ? 0 : -kRange * kRadian;
-    limits.upper[i] = kRange * kRadian;
-    limits.max_speed[i] = kSpeeds[i] * kRadian;
+    limits.lower[i] = i == 0 ? 0 : -kRange * kDegree;
+    limits.upper[i] = kRange * kDegree;
+    limits.max_speed[i] = kSpeeds[i] * kDegree;
     limits.max_current[i] = 1;
   }
   return limits;
@@ -120,14 +119,23 @@ void Driver::connected(Time now) {
 void Driver::disconnected(const std::string& why) {
   if (!has_line_) return;
   note_(true, reading_.moving
-                  ? why + "; nothing can be sent, so the motion goes on to its target, or where it "
-                          "is blocked"
+                  ? why +
+                        "; nothing can be sent, so the motion goes on to its target, or where it "
+                        "is blocked"
                   : why);
   has_line_ = lost_ = parks_ = powers_off_ = false;
   exchange_.reset();
   stopping_.reset();
   end_motion(why);
   reading_.blocked.fill(false);
+  update_state();
+}
+
+void Driver::begin_anew(const std::string& why, Time now) {
+  if (!has_line_) return;
+  note_(true, why);
+  end_motion(why);
+  begin_connecting(now);
   update_state();
 }
 
@@ -258,13 +266,13 @@ void Driver::next_exchange(Time now) {
     std::vector<double> here;
     for (std::size_t i = 0; i < kAxes; ++i) {
       const Limits& limits = options_.limits;
-      here.push_back(std::clamp(reading_.position[i], limits.lower[i], limits.upper[i]) / kRadian);
+      here.push_back(std::clamp(reading_.position[i], limits.lower[i], limits.upper[i]) / kDegree);
     }
     return ask(Command::kTarget, here, now);
   }
   const auto degrees = [](const AxisValues& values) {
     std::vector<double> converted;
-    for (const double value : values) converted.push_back(value / kRadian);
+    for (const double value : values) converted.push_back(value / kDegree);
     return converted;
   };
   switch (setup_) {
@@ -302,7 +310,7 @@ void Driver::next_of_connection(Time now) {
       for (std::size_t i = 0; i < kAxes; ++i) {
         const double most = max_acceleration_[i];
         ramps.push_back((most > 0 ? std::min(options_.acceleration, most) : options_.acceleration) /
-                        kRadian);
+                        kDegree);
       }
       return ask(Command::kAcceleration, ramps, now);
     }
@@ -342,15 +350,15 @@ void Driver::update_state() {
       reading_.axes, [](AxisState state) { return state == AxisState::kDisabled; });
   const bool is_unfit = std::ranges::any_of(
       reading_.axes, [](AxisState state) { return state == AxisState::kNotInitialised; });
-  reading_.state = !has_line_                    ? DriverState::kDisconnected
-                   : lost_                       ? DriverState::kLost
-                   : connect_ != Connect::kDone  ? DriverState::kConnecting
-                   : reading_.states == 0        ? DriverState::kConnecting
-                   : is_unfit                    ? DriverState::kFault
-                   : reading_.moving             ? DriverState::kMoving
-                   : reading_.is_blocked()       ? DriverState::kHolding
-                   : is_off                      ? DriverState::kOff
-                                                 : DriverState::kStanding;
+  reading_.state = !has_line_                   ? DriverState::kDisconnected
+                   : lost_                      ? DriverState::kLost
+                   : connect_ != Connect::kDone ? DriverState::kConnecting
+                   : reading_.states == 0       ? DriverState::kConnecting
+                   : is_unfit                   ? DriverState::kFault
+                   : reading_.moving            ? DriverState::kMoving
+                   : reading_.is_blocked()      ? DriverState::kHolding
+                   : is_off                     ? DriverState::kOff
+                                                : DriverState::kStanding;
 }
 
 }  // namespace prehend::drivers::sdh

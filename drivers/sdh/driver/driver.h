@@ -32,21 +32,21 @@ struct DriverOptions {
   /// Axes' values in the checked binary form, where the firmware has it; false: as text, which the
   /// hand repeats and the driver compares.
   bool binary = true;
-  bool has_checksum = true;      // of binary messages: RS-232, not TCP
-  double state_period = 0.03;    // s, of asking for states, positions and speeds
-  double watchdog = 0.2;         // s without command while moving by /hand/command -> stop
-  double loss_time = 0.6;        // s without any state -> stop, and report
-  double reply_time = 0.25;      // s to wait for an answer
-  int tries = 3;                 // of a command without answer
-  double stop_repeat = 0.1;      // s between stops that are not answered
-  double stop_time = 0.7;        // s of motion after a stop was answered -> power off
-  double start_time = 0.5;       // s that states may take to show a motion (ipa320's schunk_sdh)
-  double blocked_time = 0.15;    // s of standing before its target that count as blocked
-  double tolerance = 0.01;       // rad, within which a target counts as reached
-  double grip_give = 0.1;        // rad that what is held may give way before the grip is lost
-  double stretch = 0.5;          // s that a speed goes on ahead of its commands
+  bool has_checksum = true;       // of binary messages: RS-232, not TCP
+  double state_period = 0.03;     // s, of asking for states, positions and speeds
+  double watchdog = 0.2;          // s without command while moving by /hand/command -> stop
+  double loss_time = 0.6;         // s without any state -> stop, and report
+  double reply_time = 0.25;       // s to wait for an answer
+  int tries = 3;                  // of a command without answer
+  double stop_repeat = 0.1;       // s between stops that are not answered
+  double stop_time = 0.7;         // s of motion after a stop was answered -> power off
+  double start_time = 0.5;        // s that states may take to show a motion (ipa320's schunk_sdh)
+  double blocked_time = 0.15;     // s of standing before its target that count as blocked
+  double tolerance = 0.01;        // rad, within which a target counts as reached
+  double grip_give = 0.1;         // rad that what is held may give way before the grip is lost
+  double stretch = 0.5;           // s that a speed goes on ahead of its commands
   double temperature_period = 5;  // s
-  double hot = 65;               // degree Celsius that are told; the hand's own bound is not published
+  double hot = 65;  // degree Celsius that are told; the hand's own bound is not published
   bool power_off_at_end = true;  // unless it holds something; powered axes overheat in 20 min
 };
 
@@ -127,8 +127,8 @@ struct DriverCounters {
 };
 
 /// The hand as a state machine over bytes and time. It does no input or output itself: what it
-/// sends goes to `send`, which returns "" or why it could not. Call update() every few milliseconds.
-/// Not thread-safe. Same calls, same behaviour.
+/// sends goes to `send`, which returns "" or why it could not. Call update() every few
+/// milliseconds. Not thread-safe. Same calls, same behaviour.
 class Driver {
  public:
   using Send = std::function<std::string(Bytes)>;
@@ -138,6 +138,8 @@ class Driver {
 
   void connected(Time now);
   void disconnected(const std::string& why);
+  /// Somebody else has used the line: as after connected(), `stop` comes first.
+  void begin_anew(const std::string& why, Time now);
   void receive(Bytes bytes, Time now);
   void update(Time now);
 
@@ -161,12 +163,24 @@ class Driver {
   /// A stop or a power off is not yet seen to be done.
   bool is_stopping() const { return stopping_.has_value() || powers_off_; }
   /// Nothing moves or is on its way to, and no stop is under way.
-  bool is_settled() const { return !is_stopping() && !parks_ && !reading_.moving && setup_ == Setup::kNone; }
+  bool is_settled() const {
+    return !is_stopping() && !parks_ && !reading_.moving && setup_ == Setup::kNone;
+  }
 
  private:
   enum class Connect {
-    kStop, kVersion, kSpeedLimit, kAccelerationLimit, kController, kSetController, kProfile,
-    kAcceleration, kState, kPosition, kPark, kDone
+    kStop,
+    kVersion,
+    kSpeedLimit,
+    kAccelerationLimit,
+    kController,
+    kSetController,
+    kProfile,
+    kAcceleration,
+    kState,
+    kPosition,
+    kPark,
+    kDone
   };
   enum class Setup { kNone, kCurrent, kSpeed, kTarget, kGo };
   enum class Cycle { kState, kPosition, kVelocity, kTemperature };

@@ -50,9 +50,10 @@ std::string Driver::begin_motion(const HandGoal& goal, bool continuous, Time now
     if (!goal.moves[i]) continue;
     const std::string axis = "axis " + std::to_string(i);
     if (!std::isfinite(goal.position[i])) return "the position of " + axis + " is not finite";
-    if (goal.position[i] < limits.lower[i] - kSlack || goal.position[i] > limits.upper[i] + kSlack) {
-      return axis + " at " + number(goal.position[i]) + " rad is outside " + number(limits.lower[i]) +
-             " to " + number(limits.upper[i]);
+    if (goal.position[i] < limits.lower[i] - kSlack ||
+        goal.position[i] > limits.upper[i] + kSlack) {
+      return axis + " at " + number(goal.position[i]) + " rad is outside " +
+             number(limits.lower[i]) + " to " + number(limits.upper[i]);
     }
     if (!(goal.speed[i] > 0)) return "the speed of " + axis + " must be positive";
     if (!(std::isfinite(goal.current[i]) && goal.current[i] >= 0)) {
@@ -72,8 +73,7 @@ std::string Driver::begin_motion(const HandGoal& goal, bool continuous, Time now
     const double speed = moves ? std::min(goal.speed[i], max_speed_[i]) : 0.0;
     motion_.speed[i] = speed > 0 ? speed : (before.speed[i] > 0 ? before.speed[i] : max_speed_[i]);
     const double asked = moves ? goal.current[i] : before.current[i];
-    motion_.current[i] =
-        asked > 0 ? std::min(asked, limits.max_current[i]) : limits.max_current[i];
+    motion_.current[i] = asked > 0 ? std::min(asked, limits.max_current[i]) : limits.max_current[i];
     const double way = std::abs(motion_.target[i] - motion_.start[i]);
     motion_.duration = std::max(motion_.duration, way / motion_.speed[i]);
   }
@@ -153,7 +153,8 @@ bool Driver::has_room() const {
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (motion_.modes[i] != CommandMode::kVelocity || motion_.asked[i] == 0) continue;
     const double end = motion_.asked[i] > 0 ? options_.limits.upper[i] : options_.limits.lower[i];
-    if (!motion_.blocked[i] && std::abs(end - reading_.position[i]) > options_.tolerance) return true;
+    if (!motion_.blocked[i] && std::abs(end - reading_.position[i]) > options_.tolerance)
+      return true;
   }
   return false;
 }
@@ -169,8 +170,7 @@ void Driver::draw_out(Time now) {
   bool any = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (motion_.modes[i] != CommandMode::kVelocity || motion_.asked[i] == 0) continue;
-    const double end =
-        motion_.asked[i] > 0 ? options_.limits.upper[i] : options_.limits.lower[i];
+    const double end = motion_.asked[i] > 0 ? options_.limits.upper[i] : options_.limits.lower[i];
     if (std::abs(end - reading_.position[i]) > options_.tolerance) goes[i] = any = true;
   }
   if (!any) return;
@@ -248,12 +248,12 @@ void Driver::update_motion(Time now) {
   if (connect_ != Connect::kDone) return;
   if (motion_.continuous && !motion_.ended && now - last_command_ > to_time(options_.watchdog)) {
     const bool moves =
-        setup_ != Setup::kNone ||
-        std::ranges::any_of(reading_.axes, [](AxisState state) {
+        setup_ != Setup::kNone || std::ranges::any_of(reading_.axes, [](AxisState state) {
           return state == AxisState::kPositioning || state == AxisState::kSpeed;
         });
     if (moves) {
-      note_(true, "no hand command for " + number(options_.watchdog) + " s while moving: stop is sent");
+      note_(true,
+            "no hand command for " + number(options_.watchdog) + " s while moving: stop is sent");
       return stop(now, "no hand command came");
     }
   }
@@ -284,7 +284,8 @@ void Driver::freeze_fingers(Time now) {
     const double share =
         is_near(way, 0) ? 0 : std::clamp((reading_.position[i] - motion_.start[i]) / way, 0.0, 1.0);
     for (std::size_t k = 0; k < kAxes; ++k) {
-      if (k == i || kFingerOf[k] != kFingerOf[i] || motion_.blocked[k] || motion_.frozen[k]) continue;
+      if (k == i || kFingerOf[k] != kFingerOf[i] || motion_.blocked[k] || motion_.frozen[k])
+        continue;
       motion_.frozen[k] = true;
       motion_.target[k] = motion_.start[k] + share * (motion_.goal[k] - motion_.start[k]);
       changes = changes || std::abs(motion_.target[k] - motion_.goal[k]) > options_.tolerance;
@@ -303,8 +304,8 @@ void Driver::conclude_end(Time now) {
     all_done = false;
     const bool has_begun =
         motion_.seen_moving || now - motion_.accepted_at > to_time(options_.start_time);
-    any_elsewhere = any_elsewhere ||
-                    (has_begun && !is_busy(i) && !is_there(i) && stands(i, 2 * options_.blocked_time));
+    any_elsewhere = any_elsewhere || (has_begun && !is_busy(i) && !is_there(i) &&
+                                      stands(i, 2 * options_.blocked_time));
   }
   const bool is_blocked = std::ranges::any_of(motion_.blocked, [](bool on) { return on; });
   if (all_done) {

@@ -8,8 +8,6 @@
 namespace prehend::drivers::sdh {
 namespace {
 
-constexpr double kRadian = M_PI / 180;
-
 bool is_name_of(const std::string& name, Command command) { return command_named(name) == command; }
 
 std::vector<double> list_of(const AxisValues& values) { return {values.begin(), values.end()}; }
@@ -62,7 +60,8 @@ void Driver::take(const BinaryReply& reply, Time now) {
 // A code has no name: it may be of what a damaged line made of an earlier command. So it is tried
 // again before it counts.
 void Driver::refused(std::uint8_t code, Time now) {
-  if (exchange_->tries < options_.tries && code != static_cast<std::uint8_t>(ReturnCode::kOverTemperature)) {
+  if (exchange_->tries < options_.tries &&
+      code != static_cast<std::uint8_t>(ReturnCode::kOverTemperature)) {
     ++counters_.strange;
     return ask_again(now);
   }
@@ -72,9 +71,8 @@ void Driver::refused(std::uint8_t code, Time now) {
       std::string(to_string(exchange.command)) + " was refused: " + describe_code(code);
   if (connect_ != Connect::kDone) {
     // What an old firmware does not know it does not need.
-    const bool is_needed =
-        connect_ == Connect::kStop || connect_ == Connect::kVersion || connect_ == Connect::kState ||
-        connect_ == Connect::kPosition;
+    const bool is_needed = connect_ == Connect::kStop || connect_ == Connect::kVersion ||
+                           connect_ == Connect::kState || connect_ == Connect::kPosition;
     note_(true, words);
     if (!is_needed) connect_goes_on();
     return;
@@ -104,8 +102,8 @@ void Driver::answered(const std::vector<double>& values, const std::string& text
     if (exchange.tries < options_.tries) return ask_again(now);
     exchange_.reset();
     if (setup_ == Setup::kNone) return;
-    const std::string words =
-        std::string("the hand does not take ") + to_string(exchange.command) + ": another value is in force";
+    const std::string words = std::string("the hand does not take ") + to_string(exchange.command) +
+                              ": another value is in force";
     note_(true, words);
     return stop(now, words);
   }
@@ -162,7 +160,7 @@ void Driver::answered(const std::vector<double>& values, const std::string& text
       const bool is_due = has_temperatures_ && !reading_.moving &&
                           now - last_temperature_ > to_time(options_.temperature_period);
       cycle_ = is_due || (has_temperatures_ && reading_.temperatures.empty()) ? Cycle::kTemperature
-                                                                            : Cycle::kState;
+                                                                              : Cycle::kState;
       return;
     }
     case Command::kTemperature:
@@ -200,7 +198,7 @@ bool Driver::take_values(const Exchange& exchange, const std::vector<double>& va
       for (std::size_t i = 0; i < kAxes; ++i) {
         if (!std::isfinite(values[i])) return false;
       }
-      for (std::size_t i = 0; i < kAxes; ++i) reading_.velocity[i] = kRadian * values[i];
+      for (std::size_t i = 0; i < kAxes; ++i) reading_.velocity[i] = kDegree * values[i];
       return true;
     case Command::kSpeedLimit:
     case Command::kAccelerationLimit:
@@ -234,12 +232,13 @@ bool Driver::take_positions(const std::vector<double>& values) {
   constexpr double kBeyond = 0.2;  // rad beyond the range: no hand shows that
   if (values.size() < kAxes) return false;
   for (std::size_t i = 0; i < kAxes; ++i) {
-    const double angle = kRadian * values[i];
-    if (!(angle > options_.limits.lower[i] - kBeyond && angle < options_.limits.upper[i] + kBeyond)) {
+    const double angle = kDegree * values[i];
+    if (!(angle > options_.limits.lower[i] - kBeyond &&
+          angle < options_.limits.upper[i] + kBeyond)) {
       return false;
     }
   }
-  for (std::size_t i = 0; i < kAxes; ++i) reading_.position[i] = kRadian * values[i];
+  for (std::size_t i = 0; i < kAxes; ++i) reading_.position[i] = kDegree * values[i];
   return true;
 }
 
@@ -252,9 +251,9 @@ bool Driver::take_limits(const std::vector<double>& values) {
   }
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (of_speed) {
-      max_speed_[i] = std::min(options_.limits.max_speed[i], kRadian * values[i]);
+      max_speed_[i] = std::min(options_.limits.max_speed[i], kDegree * values[i]);
     } else {
-      max_acceleration_[i] = kRadian * values[i];
+      max_acceleration_[i] = kDegree * values[i];
     }
   }
   return true;
@@ -266,8 +265,9 @@ void Driver::connect_goes_on() {
       connect_ = firmware_.has_speed_limit() ? Connect::kSpeedLimit : Connect::kAcceleration;
       if (firmware_.has_smooth_ramp()) return;
       if (options_.profile == Profile::kRamp) {
-        note_(true, "firmware " + firmware_.text() + " has no ramp that may change on the way: it "
-                    "moves by its sine-square profile");
+        note_(true, "firmware " + firmware_.text() +
+                        " has no ramp that may change on the way: it "
+                        "moves by its sine-square profile");
       }
       return;
     case Connect::kSpeedLimit:

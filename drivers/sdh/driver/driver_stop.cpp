@@ -27,7 +27,8 @@ void Driver::stop(Time now, const std::string& why) {
   parks_ = false;
   if (!has_line_ || connect_ != Connect::kDone) return;  // a connection begins with one
   const bool moved = reading_.moving;
-  if (!stopping_) stopping_ = Stopping{.began = now, .last_sent = now, .moved = moved, .answered = {}};
+  if (!stopping_)
+    stopping_ = Stopping{.began = now, .last_sent = now, .moved = moved, .answered = {}};
   stopping_->moved = stopping_->moved || moved;
   drains_until_.reset();
   send_stop(now);

@@ -21,9 +21,10 @@ Health of_state(const Situation& s) {
                                  ". Check its supply (24 V) and line; one that was on for long may "
                                  "be too hot to answer: switch it off and let it cool"};
     case DriverState::kLost:
-      return {Level::kError,
-              "the hand's answers are missing; it is told to stop until it answers. Check supply and "
-              "line; one that is too hot does not answer either"};
+      return {
+          Level::kError,
+          "the hand's answers are missing; it is told to stop until it answers. Check supply and "
+          "line; one that is too hot does not answer either"};
     case DriverState::kFault:
       return {Level::kError,
               "an axis of the hand is not initialised. Switch its supply off and on"};
@@ -38,7 +39,8 @@ Health health_of(const Situation& s) {
   Health health = of_state(s);
   if (s.reading.state <= DriverState::kFault) return health;
   if (s.reading.error_code != 0) {
-    health = with_warning(health, "the last motion was refused: " + describe_code(s.reading.error_code));
+    health =
+        with_warning(health, "the last motion was refused: " + describe_code(s.reading.error_code));
   }
   if (!s.reading.temperatures.empty()) {
     const double hottest = std::ranges::max(s.reading.temperatures);
@@ -48,6 +50,7 @@ Health health_of(const Situation& s) {
                   hottest);
     if (hottest >= s.hot) health = with_warning(health, words);
   }
+  health = with_warning(health, s.guard_problem);
   return with_warning(health, s.link_problem);
 }
 

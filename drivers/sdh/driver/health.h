@@ -10,15 +10,17 @@ namespace prehend::drivers::sdh {
 /// What is known of a hand at one moment.
 struct Situation {
   Reading reading;
-  std::string line;          // its name
-  std::string line_problem;  // Device::line_problem
-  double connecting = 0;     // s that kConnecting lasts
-  double hot = 65;           // degree Celsius, DriverOptions::hot
-  std::string link_problem;  // LinkQuality::problem
+  std::string line;           // its name
+  std::string line_problem;   // Device::line_problem
+  double connecting = 0;      // s that kConnecting lasts
+  double hot = 65;            // degree Celsius, DriverOptions::hot
+  std::string link_problem;   // LinkQuality::problem
+  std::string guard_problem;  // Guarded::problem
 };
 
 /// The health that follows: kFault, kLost, kDisconnected and a hand that does not answer are
-/// errors; heat, an over-temperature that refused a motion and a bad line are warnings; else the
+/// errors; heat, a
+/// refused motion, a missing guardian and a bad line are warnings; else the
 /// name of the state.
 Health health_of(const Situation& situation);
 

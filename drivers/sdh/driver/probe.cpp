@@ -68,9 +68,10 @@ class Ear {
 };
 
 Probe silent(const std::string& line, const Ear& ear) {
-  Probe probe{Probe::Result::kSilent, "the hand does not answer on " + line,
-              "check its supply (24 V), that it is this line and not that of its pads; one that was "
-              "on for long may be too hot to answer: switch it off and let it cool"};
+  Probe probe{
+      Probe::Result::kSilent, "the hand does not answer on " + line,
+      "check its supply (24 V), that it is this line and not that of its pads; one that was "
+      "on for long may be too hot to answer: switch it off and let it cool"};
   if (!ear.trouble.empty()) {
     probe.what += ": " + ear.trouble;
   } else if (ear.code) {
@@ -96,13 +97,15 @@ Probe probe(const std::string& line, unsigned baud, std::chrono::nanoseconds pat
   if (!version) return silent(line, ear);
   const auto firmware = firmware_of(version->text.value_or(""));
   if (!firmware) {
-    return {Probe::Result::kSilent, who + " says that its firmware is '" +
-                                        version->text.value_or("") + "', which is none of an SDH-2",
+    return {Probe::Result::kSilent,
+            who + " says that its firmware is '" + version->text.value_or("") +
+                "', which is none of an SDH-2",
             "check that this is the hand's line"};
   }
   Probe probe{Probe::Result::kAnswers, who + " answers: firmware " + firmware->text(), {}};
   const auto states = ear.ask(Command::kState, "STATE", patience);
-  const std::vector<double> axes = states ? numbers_of(states->text.value_or("")) : std::vector<double>();
+  const std::vector<double> axes =
+      states ? numbers_of(states->text.value_or("")) : std::vector<double>();
   if (axes.size() != kAxes) {
     probe.result = Probe::Result::kWarns;
     probe.what += ", but does not tell the states of its axes";

@@ -183,8 +183,7 @@ void Hand::stop() {
   ++stops_;
   if (grip_.runs) return;  // "grip" cannot be stopped (SDHLibrary-CPP, sdh.h)
   for (std::size_t i = 0; i < kAxes; ++i) {
-    constexpr double kDegree = 180 / M_PI;
-    sent_[i] = reference_[i] = kDegree * motion_.position[i];
+    sent_[i] = reference_[i] = motion_.position[i] / kDegree;
     velocity_[i] = 0;
   }
   if (controller_ != 0) speed_.fill(0);
@@ -193,7 +192,9 @@ void Hand::stop() {
   profile_time_ = 0;
 }
 
-bool Hand::is_moving() const { return std::ranges::any_of(moving_, [](bool on) { return on; }); }
+bool Hand::is_moving() const {
+  return std::ranges::any_of(moving_, [](bool on) { return on; });
+}
 
 bool Hand::is_hot() const { return std::ranges::max(temperatures_) > options_.hot; }
 
@@ -201,7 +202,7 @@ AxisState Hand::state(std::size_t axis) const {
   if (!powered_[axis]) return AxisState::kDisabled;
   if (blocked_[axis]) {
     // Which sense is clockwise is not published.
-    return reference_[axis] > motion_.position[axis] * 180 / M_PI
+    return reference_[axis] > motion_.position[axis] / kDegree
                ? AxisState::kBlockedClockwise
                : AxisState::kBlockedCounterClockwise;
   }

@@ -30,8 +30,8 @@ struct HandOptions {
   double boot_time = 2;       // s of silence after power-on; not published
   double blocked_time = 0.1;  // s of standing, by the plant's clock, that show as blocked
   double tolerance = 0.2;     // degree, within which an axis is where it was sent
-  bool debug_lines = false;   // @ lines before replies of m, selgrip and grip, whatever the firmware
-  double hot = 80;            // degree Celsius, from where on it refuses to move; not published
+  bool debug_lines = false;  // @ lines before replies of m, selgrip and grip, whatever the firmware
+  double hot = 80;           // degree Celsius, from where on it refuses to move; not published
 };
 
 /// An SDH-2's electronics, as far as the vendor's library shows them, over a plant. Like Driver it
@@ -64,15 +64,15 @@ class Hand {
   bool is_moving() const;
   bool is_powered(std::size_t axis) const { return powered_[axis]; }
   const AxisValues& current_limits() const { return current_; }  // A
-  std::uint64_t moves() const { return moves_; }  // m and grip that were carried out
+  std::uint64_t moves() const { return moves_; }                 // m and grip that were carried out
   std::uint64_t stops() const { return stops_; }
 
  private:
   struct Outcome {
     std::uint8_t error = 0;
-    AxisValues values{};                 // of those that have a value an axis
+    AxisValues values{};                // of those that have a value an axis
     std::optional<std::string> text{};  // of the others
-    bool is_bare = false;                // no value
+    bool is_bare = false;               // no value
   };
   struct Output {
     Time due{};

@@ -9,8 +9,6 @@
 namespace prehend::drivers::sdh {
 namespace {
 
-constexpr double kDegree = 180 / M_PI;  // of a radian
-
 std::uint8_t code(ReturnCode reason) { return static_cast<std::uint8_t>(reason); }
 
 std::string decimals(double value) {
@@ -79,11 +77,11 @@ AxisValues Hand::reading(Command command) const {
         break;
       case Command::kActualPosition:
       case Command::kTargetActual:
-        values[i] = kDegree * motion_.position[i];
+        values[i] = motion_.position[i] / kDegree;
         break;
       case Command::kActualSpeed:
       case Command::kSpeedActual:
-        values[i] = kDegree * motion_.velocity[i];
+        values[i] = motion_.velocity[i] / kDegree;
         break;
       case Command::kState:
         values[i] = static_cast<double>(state(i));
@@ -159,7 +157,7 @@ Hand::Outcome Hand::carry_out_of_axes(Command command, const std::optional<int>&
     const bool turns_on = values[i] >= 0.5;
     if (turns_on && is_hot()) return {.error = code(ReturnCode::kOverTemperature)};
     if (turns_on != powered_[n]) {
-      sent_[n] = reference_[n] = kDegree * motion_.position[n];
+      sent_[n] = reference_[n] = motion_.position[n] / kDegree;
       velocity_[n] = 0;
       moving_[n] = blocked_[n] = at_limit_[n] = false;
     }
@@ -237,7 +235,7 @@ Hand::Outcome Hand::move(Time now) {
   if (grip_.runs) return {.error = 3};  // already running
   debug("Enabling all axis", now);
   for (std::size_t i = 0; i < kAxes; ++i) {
-    if (!powered_[i]) reference_[i] = kDegree * motion_.position[i];
+    if (!powered_[i]) reference_[i] = motion_.position[i] / kDegree;
   }
   powered_.fill(true);
   const double duration = begin_profile(target_, speed_);
@@ -262,7 +260,7 @@ Hand::Outcome Hand::grip(const std::vector<double>& values, Time now) {
   for (std::size_t i = 0; i < kAxes; ++i) {
     target[i] = pose.open[i] + close * (pose.closed[i] - pose.open[i]);
     speeds[i] = std::min(speed, options_.speed_limit[i]);
-    if (!powered_[i]) reference_[i] = kDegree * motion_.position[i];
+    if (!powered_[i]) reference_[i] = motion_.position[i] / kDegree;
   }
   debug("grip current limits", now);
   powered_.fill(true);

@@ -17,7 +17,8 @@ HandPlant::Motion SimpleHand::advance(double seconds) {
     const double way = drive.position - before;
     const double step = std::clamp(way, -drive.speed * seconds, drive.speed * seconds);
     const double wanted = before + (is_stuck_ || drive.current <= 0 ? 0.0 : step);
-    motion_.position[i] = std::clamp(wanted, least_[i], std::max(most_[i], std::min(before, wanted)));
+    motion_.position[i] =
+        std::clamp(wanted, least_[i], std::max(most_[i], std::min(before, wanted)));
     motion_.velocity[i] = (motion_.position[i] - before) / seconds;
     const bool is_blocked = std::abs(way) > 1e-4 && motion_.position[i] == before;
     const double most = is_blocked ? drive.current : std::min(drive.current, kFree);

@@ -8,9 +8,8 @@
 namespace prehend::drivers::sdh {
 namespace {
 
-constexpr double kDegree = 180 / M_PI;  // of a radian
-constexpr double kStanding = 0.5;       // degree/s
-constexpr double kLag = 1.0;            // degree behind its reference: something is in its way
+constexpr double kStanding = 0.5;  // degree/s
+constexpr double kLag = 1.0;       // degree behind its reference: something is in its way
 
 // Of a motion from rest to rest over `way` at no more than `speed`.
 double ramp_time(double way, double speed, double acceleration) {
@@ -29,8 +28,9 @@ double Hand::prepare_profile(const AxisValues& target, const AxisValues& speed) 
   double duration = 0;
   for (std::size_t i = 0; i < kAxes; ++i) {
     const double way = std::abs(target[i] - reference_[i]);
-    const double own = profile_ == 0 ? (way > 0 ? kSineSquarePeak * way / std::max(speed[i], 1e-6) : 0)
-                                     : ramp_time(way, speed[i], acceleration_[i]);
+    const double own = profile_ == 0
+                           ? (way > 0 ? kSineSquarePeak * way / std::max(speed[i], 1e-6) : 0)
+                           : ramp_time(way, speed[i], acceleration_[i]);
     duration = std::max(duration, own);
   }
   return duration;
@@ -49,7 +49,7 @@ double Hand::begin_profile(const AxisValues& target, const AxisValues& speed) {
     const double a = acceleration_[i], at = a * duration;
     pace_[i] = std::min(speed[i], 0.5 * (at - std::sqrt(std::max(0.0, at * at - 4 * a * way))));
     ramp_[i] = a;
-    moving_[i] = std::abs(target[i] - kDegree * motion_.position[i]) > options_.tolerance;
+    moving_[i] = std::abs(target[i] - motion_.position[i] / kDegree) > options_.tolerance;
     blocked_[i] = at_limit_[i] = false;
     standing_since_[i] = motion_.time;
   }
@@ -58,7 +58,7 @@ double Hand::begin_profile(const AxisValues& target, const AxisValues& speed) {
 
 void Hand::advance_axis(std::size_t i, double h) {
   if (!powered_[i]) {
-    reference_[i] = sent_[i] = kDegree * motion_.position[i];
+    reference_[i] = sent_[i] = motion_.position[i] / kDegree;
     velocity_[i] = 0;
     return;
   }
@@ -77,8 +77,8 @@ void Hand::advance_axis(std::size_t i, double h) {
     if (profile_time_ <= 0) return;
     const double share = std::clamp((motion_.time - profile_begin_) / profile_time_, 0.0, 1.0);
     const double before = reference_[i];
-    reference_[i] = start_[i] + (sent_[i] - start_[i]) *
-                                    (share - std::sin(2 * M_PI * share) / (2 * M_PI));
+    reference_[i] =
+        start_[i] + (sent_[i] - start_[i]) * (share - std::sin(2 * M_PI * share) / (2 * M_PI));
     velocity_[i] = h > 0 ? (reference_[i] - before) / h : 0;
     return;
   }
@@ -98,8 +98,8 @@ void Hand::advance_axis(std::size_t i, double h) {
 
 // By the plant's time: a world that is held up stands still, but is not blocked.
 void Hand::look_at_axis(std::size_t i) {
-  const double position = kDegree * motion_.position[i];
-  const bool stands = std::abs(kDegree * motion_.velocity[i]) < kStanding;
+  const double position = motion_.position[i] / kDegree;
+  const bool stands = std::abs(motion_.velocity[i] / kDegree) < kStanding;
   const bool lags = powered_[i] && std::abs(reference_[i] - position) > kLag;
   if (!stands || !lags) standing_since_[i] = motion_.time;
   blocked_[i] = lags && motion_.time - standing_since_[i] > options_.blocked_time;
@@ -125,8 +125,8 @@ void Hand::command_plant() {
   std::array<HandPlant::Drive, kAxes> drives;
   for (std::size_t i = 0; i < kAxes; ++i) {
     const double speed = grip_.runs ? options_.speed_limit[i] : std::abs(speed_[i]);
-    drives[i] = {powered_[i], reference_[i] / kDegree,
-                 std::min(options_.speed_limit[i], speed) / kDegree, current_[i]};
+    drives[i] = {powered_[i], reference_[i] * kDegree,
+                 std::min(options_.speed_limit[i], speed) * kDegree, current_[i]};
   }
   options_.plant->command(drives);
 }
@@ -153,14 +153,15 @@ void Hand::update(Time now) {
   } else if (!is_updated_) {
     motion_ = options_.plant->advance(0);
     for (std::size_t i = 0; i < kAxes; ++i) {
-      reference_[i] = sent_[i] = kDegree * motion_.position[i];
+      reference_[i] = sent_[i] = motion_.position[i] / kDegree;
     }
   }
   last_update_ = now;
   is_updated_ = true;
   if (boots_until_ && now >= *boots_until_) {
     boots_until_.reset();
-    put(std::string("SDH2\r\n@boot complete\r\n"), now);  // stored start-up text; its words are ours
+    put(std::string("SDH2\r\n@boot complete\r\n"),
+        now);  // stored start-up text; its words are ours
   }
   while (!outputs_.empty() && outputs_.front().due <= now) {
     if (!is_mute_) send_(outputs_.front().bytes);

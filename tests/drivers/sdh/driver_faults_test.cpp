@@ -63,7 +63,8 @@ TEST_P(SdhTenThousandFaults, NoUnsafeMotion) {
     g.to_hand.set_faults(faults());
     g.from_hand.set_faults(faults());
     const std::uint64_t before = g.to_hand.harmed() + g.from_hand.harmed();
-    HandGoal goal = g.goal(random_position(g.hand.motion().position, random), kMostSpeed * (0.3 + 0.7 * share(random)),
+    HandGoal goal = g.goal(random_position(g.hand.motion().position, random),
+                           kMostSpeed * (0.3 + 0.7 * share(random)),
                            kMostCurrent * (0.3 + 0.7 * share(random)));
     if (share(random) < 0.3) g.plant.put_object(1 + random() % 6, share(random) - 0.5);
     std::uint64_t ticket = 0;
@@ -117,12 +118,15 @@ TEST_P(SdhTenThousandFaults, NoUnsafeMotion) {
   g.run(1);
   EXPECT_EQ(g.hand.moves(), moves);
   EXPECT_FALSE(g.hand.is_moving());
-  EXPECT_EQ(g.move(g.goal(random_position(g.hand.motion().position, random), kMostSpeed, kMostCurrent)).kind, Kind::kReached);
+  EXPECT_EQ(
+      g.move(g.goal(random_position(g.hand.motion().position, random), kMostSpeed, kMostCurrent))
+          .kind,
+      Kind::kReached);
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, SdhTenThousandFaults,
                          ::testing::Values(Case{"binary", true}, Case{"text", false}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& form) { return form.param.name; });
 
 }  // namespace
 }  // namespace prehend::drivers::sdh

@@ -13,8 +13,6 @@
 
 namespace prehend::drivers::sdh {
 
-inline constexpr double kDegree = M_PI / 180;  // rad
-
 /// Driver and emulated hand in simulated time, blocks of bytes passing through lines that can fail.
 class VirtualHand {
  public:
@@ -22,7 +20,9 @@ class VirtualHand {
 
   explicit VirtualHand(const DriverOptions& options = {}, HandOptions of_hand = {})
       : hand(with_plant(of_hand),
-             [this](Bytes bytes) { from_hand.push({bytes.begin(), bytes.end()}, now); }),
+             [this](Bytes bytes) {
+               from_hand.push({bytes.begin(), bytes.end()}, now);
+             }),
         options_(options),
         driver(make_driver()) {}
 
@@ -90,6 +90,7 @@ class VirtualHand {
   FaultyLine<Block> to_hand{&harm, 1}, from_hand{&harm, 2};
   Hand hand;
   std::vector<Block> sent;
+  std::function<void(Block&)> tamper;  // with what is sent to the hand, when there is one
   std::vector<std::string> problems, notes;
 
  private:
@@ -99,9 +100,9 @@ class VirtualHand {
   Driver driver;
   bool is_cut = false;
   // What the emulated hand ever did.
-  AxisValues fastest{};       // rad/s
+  AxisValues fastest{};        // rad/s
   AxisValues least{}, most{};  // rad
-  AxisValues strongest{};     // A
+  AxisValues strongest{};      // A
 
  private:
   Driver make_driver() {
@@ -109,7 +110,9 @@ class VirtualHand {
             [this](Bytes bytes) -> std::string {
               sent.emplace_back(bytes.begin(), bytes.end());
               if (is_cut) return "cut";
-              to_hand.push(sent.back(), now);
+              Block block = sent.back();
+              if (tamper) tamper(block);
+              to_hand.push(block, now);
               return {};
             },
             [this](bool is_problem, const std::string& words) {
