@@ -13,6 +13,7 @@
 #include "drivers/kuka_rsi/driver/probe.h"
 #include "drivers/kuka_rsi/transport/udp_socket.h"
 #include "drivers/pg70/driver/probe.h"
+#include "drivers/sdh/driver/probe.h"
 #include "drivers/wire/stream/line_users.h"
 #include "prehend/geometry/errors.h"
 
@@ -155,6 +156,10 @@ Findings examine_devices(const DeviceChoices& choices) {
           "force",
           drivers::ft300::probe(choices.ft300, kBaud, static_cast<std::uint8_t>(choices.unit)))};
     }));
+  }
+  if (!choices.sdh.empty()) {
+    add(examine("hand", choices.sdh,
+                [&] { return Findings{finding_of("hand", drivers::sdh::probe(choices.sdh))}; }));
   }
   if (choices.rsi_port > 0) add(examine("arm", "", [&] { return listen_for_arm(choices); }));
   if (choices.cameras) {

@@ -14,7 +14,7 @@ struct DeviceChoices {
   int bit_rate = 0;     ///< of `can`, 0: as it is
   bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
-  std::string dsa, ft300;
+  std::string dsa, ft300, sdh;
   int unit = 9;                           ///< Modbus address of the force sensor
   int rsi_port = 0;                       ///< UDP port that a KUKA sends to; 0: not listened to
   std::string rsi_host;                   ///< address of this machine of the same
@@ -23,7 +23,7 @@ struct DeviceChoices {
   std::vector<std::string> depth_camera;  ///< URIs of OpenNI2, recordings, prehend://HOST:PORT
 
   bool any() const {
-    return !can.empty() || !dsa.empty() || !ft300.empty() || rsi_port > 0 || cameras ||
+    return !can.empty() || !dsa.empty() || !ft300.empty() || !sdh.empty() || rsi_port > 0 || cameras ||
            !camera.empty() || !depth_camera.empty();
   }
 };

@@ -27,8 +27,9 @@ control::ArmCycleOptions declare_arm_options(graph::Node& node);
 /// The same of a gripper that regulates its grip, gripper_*.
 control::PadGripperOptions declare_pad_gripper_options(graph::Node& node);
 
-/// Who drives the gripper: the simulation, or else a driver's name.
+/// Who drives the gripper or hand: the simulation, or else a driver's name.
 inline constexpr const char* kSimulated = "sim";
+inline constexpr const char* kSdh = "sdh";
 
 /// @throws std::invalid_argument for parameters that were given but mean nothing for the platform,
 /// and for one whose hand the gripper's driver cannot be.

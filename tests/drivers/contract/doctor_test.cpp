@@ -14,6 +14,8 @@
 #include "drivers/kuka_rsi/emulator/served_controller.h"
 #include "drivers/pg70/driver/probe.h"
 #include "drivers/pg70/emulator/served_module.h"
+#include "drivers/sdh/driver/probe.h"
+#include "drivers/sdh/emulator/hand.h"
 #include "drivers/wire/can/can_interface.h"
 #include "drivers/wire/can/slcan.h"
 #include "drivers/wire/stream/line_users.h"
@@ -248,6 +250,51 @@ TEST_F(DoctorAsksDevices, HearsWhetherAControllerOfAnArmSends) {
                                   HasSubstr("axes at 0.0 -85.9")));
   const kuka_rsi::UdpSocket driver("127.0.0.1", port);
   EXPECT_THAT(ask(options).output, HasSubstr("UDP port " + std::to_string(port) + " is in use"));
+}
+
+TEST_F(DoctorAsksDevices, HandAnswersAndIsNotMoved) {
+  auto end = std::make_unique<PseudoTerminal>();
+  const std::string line = end->name();
+  sdh::SimpleHand plant;
+  sdh::HandOptions of_hand;
+  of_hand.plant = &plant;
+  ServedDevice<sdh::Hand> hand(of_hand, std::move(end));
+  const auto good = ask({"--sdh", line});
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, HasSubstr("hand: SDH-2 on " + line +
+                                     " answers: firmware 0.0.3.3, axes off, 25 degree Celsius"));
+  hand.with_device([](sdh::Hand& h, Time) {
+    EXPECT_EQ(h.moves() + h.stops(), 0u);
+    EXPECT_FALSE(h.is_powered(0));
+    h.set_mute(true);
+    return 0;
+  });
+  const auto silent = ask({"--sdh", line});
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.output,
+              AllOf(HasSubstr("the hand does not answer on " + line),
+                    HasSubstr("-> check its supply (24 V)"), HasSubstr("too hot to answer")));
+  const auto missing = ask({"--sdh", "/dev/no_hand"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.output, HasSubstr("cannot open /dev/no_hand"));
+}
+
+TEST_F(DriversDoctor, NamesTheHandThatDoesNotAnswer) {
+  const PseudoTerminal nobody;
+  EXPECT_THAT(page_of("sdh", {"line:=" + nobody.name()}, "does not answer"),
+              AllOf(HasSubstr("the hand does not answer on " + nobody.name()),
+                    HasSubstr("Check its supply (24 V)")));
+}
+
+TEST_F(DriversDoctor, PlatformWithoutAnSdhIsRefusedByName) {
+  for (const std::string platform : {"kr5_pg70", "stage_pg70", "pa10_barrett"}) {
+    const auto outcome = testing::run_program(
+        "sdh", {"--registry", registry_.endpoint(), "--param", "platform:=" + platform},
+        std::chrono::seconds(20));
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("platform " + platform), HasSubstr("platform:=kr5_sdh")));
+  }
 }
 
 TEST_F(DriversDoctor, NamesTheControllerThatDoesNotSend) {
