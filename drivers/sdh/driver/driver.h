@@ -202,6 +202,7 @@ class Driver {
     bool is_blocked = false;
     AxisValues start{}, goal{}, target{}, speed{}, current{};
     std::array<bool, kAxes> frozen{}, blocked{};
+    std::array<bool, kAxes> arrived{};       // although the hand says that they are on their way
     std::array<CommandMode, kAxes> modes{};  // of a continuous one
     AxisValues asked{};                      // rad or rad/s, of a continuous one
     double duration = 0;                     // s, about

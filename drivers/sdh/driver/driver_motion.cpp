@@ -7,6 +7,7 @@
 namespace prehend::drivers::sdh {
 namespace {
 
+constexpr double kSlow = 4;    // times as long that an axis stands, where the hand says it moves
 constexpr int kMostAgain = 2;  // that a motion which ended elsewhere is begun again
 
 // Axes that stop together: those of a finger.
@@ -198,6 +199,7 @@ void Driver::end_motion(const std::string& failure) {
   if (!motion_.ended) motion_.failure = failure;
   motion_.ended = true;
   motion_.continuous = false;
+  motion_.arrived.fill(false);
   setup_ = Setup::kNone;
   if (exchange_ && connect_ == Connect::kDone && exchange_->command != Command::kStop &&
       (!exchange_->values.empty() || exchange_->command == Command::kMove)) {
@@ -223,7 +225,8 @@ bool Driver::stands(std::size_t axis, double seconds) const {
 void Driver::look_at_axes() {
   bool any_busy = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
-    any_busy = any_busy || is_busy(i);
+    const bool rests = motion_.ended && motion_.arrived[i] && is_there(i);
+    any_busy = any_busy || (is_busy(i) && !rests);
     const double way = std::abs(motion_.goal[i] - motion_.start[i]);
     const double pace = motion_.duration > 0 ? way / motion_.duration : 0;  // rad/s
     const double place = std::clamp(0.25 * pace * options_.blocked_time, 3e-4, 5e-3);
@@ -238,7 +241,8 @@ void Driver::look_at_axes() {
   if (holds) {
     any_busy = false;
     for (std::size_t i = 0; i < kAxes; ++i) {
-      any_busy = any_busy || (is_busy(i) && !reading_.blocked[i]);
+      const bool rests = motion_.arrived[i] && is_there(i);
+      any_busy = any_busy || (is_busy(i) && !reading_.blocked[i] && !rests);
     }
   }
   reading_.moving = any_busy || !motion_.ended;
@@ -269,7 +273,6 @@ void Driver::update_motion(Time now) {
 
 // An axis that does not get on: the hand says so, or it stands although it is told to move.
 void Driver::freeze_fingers(Time now) {
-  constexpr double kSlow = 4;  // times as long, where the hand says that it moves
   const bool has_begun =
       motion_.seen_moving || now - motion_.accepted_at > to_time(options_.start_time);
   bool changes = false;
@@ -299,7 +302,9 @@ void Driver::conclude_end(Time now) {
   bool all_done = true, any_elsewhere = false;
   for (std::size_t i = 0; i < kAxes; ++i) {
     if (motion_.blocked[i]) continue;
-    const bool is_done = is_there(i) && !is_busy(i);
+    // Short of its target by less than counts, as under load: the hand may never call that an end.
+    motion_.arrived[i] = is_there(i) && is_busy(i) && stands(i, kSlow * options_.blocked_time);
+    const bool is_done = is_there(i) && (!is_busy(i) || motion_.arrived[i]);
     if (is_done) continue;
     all_done = false;
     const bool has_begun =

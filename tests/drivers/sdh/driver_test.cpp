@@ -87,6 +87,24 @@ TEST_P(SdhForms, BlockedFingerStaysAndPressesWhileOthersGoOn) {
   EXPECT_TRUE(g.has_problem("the grip is lost: axis 1"));
 }
 
+// The hand goes on to say "positioning" of an axis that presses a little short of its target: such
+// a motion never ended.
+TEST_P(SdhForms, AxisThatStandsALittleShortOfItsTargetHasArrived) {
+  VirtualHand g(options());
+  ASSERT_TRUE(g.connect());
+  AxisValues there{};
+  there.fill(0.3);
+  g.plant.put_object(1, 0.3 - 0.4 * kDegree);
+  const MotionReport report = g.move(g.goal(there, 0.5));
+  EXPECT_EQ(report.kind, Kind::kReached) << report.reason;
+  ASSERT_EQ(g.hand.state(1), AxisState::kPositioning);
+  g.run(3);
+  EXPECT_EQ(g.driver.reading().state, DriverState::kStanding);
+  EXPECT_FALSE(g.has_problem("although it was not told to"));
+  EXPECT_EQ(g.hand.stops(), 1u) << "that of the connection alone";
+  EXPECT_EQ(g.move(g.goal(kOpen, 0.5)).kind, Kind::kReached);
+}
+
 TEST_P(SdhForms, StopHaltsAndALateMoveMovesNothing) {
   VirtualHand g(options());
   ASSERT_TRUE(g.connect());
