@@ -63,7 +63,7 @@ prehend_find_library(bullet::hacd bullet HACD/hacdHACD.h HACD bullet::linear_mat
 prehend_find_library(bullet::convex_decomposition bullet
                      ConvexDecomposition/ConvexDecomposition.h ConvexDecomposition
                      bullet::linear_math)
-foreach(module core imgproc calib3d imgcodecs videoio)
+foreach(module core imgproc calib3d imgcodecs videoio aruco)
   prehend_find_library(opencv::${module} opencv4 opencv2/${module}.hpp opencv_${module})
 endforeach()
 foreach(module common io kdtree search sample_consensus filters features segmentation surface)

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   add_doctor_command(app, outcome);
   add_explain_command(app);
   add_plan_command(app);
-  add_pad_command(app);
+  add_calibrate_command(app);
   add_grasps_command(app);
   add_keys_commands(app);
   add_clock_commands(app);

@@ -47,8 +47,8 @@ struct FoamMemory {
   bool operator==(const FoamMemory&) const = default;
 
   /// A pad's foam as estimated: 6 % creep in 10 s, loops of some per cent of the force. The
-  /// soft-contact paper names hysteresis and creep of real pads without figures: `prehend pad fit`
-  /// finds those of yours.
+  /// soft-contact paper names hysteresis and creep of real pads without figures: `prehend calibrate
+  /// tactile` finds those of yours.
   static FoamMemory realistic();
 };
 

@@ -11,8 +11,8 @@ namespace prehend::robot {
 
 struct TactilePadModel;
 
-/// What was measured of one pad, e.g. by `prehend pad fit`. Drivers make counts of one unit with
-/// it, simulated pads have these errors and this foam:
+/// What was measured of one pad, e.g. by `prehend calibrate tactile`. Drivers make counts of one
+/// unit with it, simulated pads have these errors and this foam:
 ///   count of texel i = gains[i] * force / newton_per_count + zeros[i]
 struct PadCalibration {
   int rows = 14, columns = 6;   // row 0 at the fingertip

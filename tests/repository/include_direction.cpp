@@ -11,9 +11,10 @@ namespace prehend::testing {
 namespace {
 
 // From the ground up: a folder of the library includes only those before it.
-constexpr std::array<std::string_view, 16> kFloors{
-    "text",  "geometry", "contact",    "perception", "shape",    "surface", "robot",   "touch",
-    "grasp", "motion",   "simulation", "fidelity",   "planning", "belief",  "control", "report"};
+constexpr std::array<std::string_view, 17> kFloors{
+    "text",     "geometry", "contact",     "perception", "shape",      "surface",
+    "robot",    "touch",    "grasp",       "motion",     "simulation", "fidelity",
+    "planning", "belief",   "calibration", "control",    "report"};
 
 // What knows of processes, and what of the library each may include.
 struct Hall {

@@ -300,7 +300,7 @@ TEST_F(PressingFile, RefusesWhatIsNoLog) {
   refused("time,depth,force,count[0]\n1,0,0,0\n1,0,0,0\n", ":3: the time does not increase");
   refused("time,depth,force,count[0]\n0,0,0,0\n1,0,0\n", ":3 has 3 fields for 4 columns");
   refused("time,depth,force,count[0]\n0,0,0,-1\n1,0,0,0\n", "no count");
-  refused("time,depth,force,count[0]\n", "fewer than two rows");
+  refused("time,depth,force,count[0]\n", "fewer than 2 rows");
   refused("time,depth,opening,force,count[0]\n0,0,0,0,0\n1,0,0,0,0\n",
           "both a depth and an opening");
   EXPECT_THROW(read_pressing_log({folder_ / "none.csv"}), geometry::InputError);

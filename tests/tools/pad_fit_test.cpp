@@ -1,4 +1,4 @@
-// prehend pad fit.
+// prehend calibrate tactile.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 class PadFitCommand : public ::testing::Test {
  protected:
   std::string run(std::vector<std::string> words) {
-    words.insert(words.begin(), {"pad", "fit"});
+    words.insert(words.begin(), {"calibrate", "tactile"});
     ChildProgram program("prehend", words, folder_.path("output"));
     exit_code_ = program.wait(std::chrono::seconds(60)).value_or(-1);
     return program.output();
@@ -74,7 +74,8 @@ TEST_F(PadFitCommand, ExplainsItselfAndSaysWhatIsWrong) {
                                      HasSubstr("count[0]"), HasSubstr("docs/touch.md")));
   EXPECT_EQ(exit_code_, 0);
   const std::string presses = log();
-  EXPECT_THAT(run({presses}), AllOf(HasSubstr("prehend pad fit: "), HasSubstr("6 texels")));
+  EXPECT_THAT(run({presses}),
+              AllOf(HasSubstr("prehend calibrate tactile: "), HasSubstr("6 texels")));
   EXPECT_EQ(exit_code_, 1);
   EXPECT_THAT(run({presses, "--rows", "2", "--columns", "3", "--column", "force=newton"}),
               HasSubstr("no column 'newton'"));

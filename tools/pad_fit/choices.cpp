@@ -18,6 +18,7 @@ void add_pad_fit_options(CLI::App& command, PadFitChoices& choices) {
                   "A log that is not fitted: how well its forces are predicted; may be repeated")
       ->allow_extra_args(false);
   command.add_option("-o,--out", choices.out, "Write the calibration to this YAML file");
+  command.add_option("--report", choices.report, "Write a page of residuals to this HTML file");
   command.add_option("--rows", choices.rows, "Rows of the pad")->capture_default_str();
   command.add_option("--columns", choices.texel_columns, "Columns of the pad")
       ->capture_default_str();

@@ -7,10 +7,10 @@
 
 namespace prehend::tools {
 
-/// Options of `prehend pad fit` and of the program that it becomes.
+/// Options of `prehend calibrate tactile` and of the program that it becomes.
 struct PadFitChoices {
   std::vector<std::string> logs, columns, checks;
-  std::string out;
+  std::string out, report;
   int rows = 14, texel_columns = 6, full_scale = 4095, creep_terms = 1, hysteresis_terms = 1;
   double pitch = 0.0034;  // m
   bool json = false;

@@ -1,4 +1,4 @@
-// pad_fit LOG... : what `prehend pad fit` becomes; see there.
+// pad_fit LOG... : what `prehend calibrate tactile` becomes; see there.
 
 #include <cstdio>
 #include <exception>
@@ -12,6 +12,8 @@
 #include "prehend/contact/pad_layout.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/whole_file.h"
+#include "prehend/report/charts.h"
+#include "prehend/report/page.h"
 #include "prehend/robot/pad_fit/pad_fit.h"
 #include "tools/grasp_plan/progress.h"
 #include "tools/json.h"
@@ -86,6 +88,48 @@ void print_text(const PadFit& fit, const std::vector<Checked>& checks) {
   for (const std::string& remark : fit.remarks) std::printf("%s\n", remark.c_str());
 }
 
+report::Page residual_page(const PadFit& fit, const std::string& log,
+                           const std::vector<Checked>& checks) {
+  report::Page page("A tactile pad");
+  page.add_paragraph(fmt::format("{} presses of {} up to {:.3g} N; forces are met to {:.2g} %.",
+                                 fit.foam.presses, log, fit.foam.most_force,
+                                 100 * fit.foam.off / fit.foam.most_force));
+  for (const std::string& remark : fit.remarks) page.add_answer(remark);
+  std::vector<std::vector<std::string>> found, checked;
+  for (const FittedValue& value : fit.values) {
+    found.push_back({value.name, fmt::format("{:.4g}", value.value),
+                     value.deviation > 0 ? fmt::format("{:.2g}", value.deviation) : "-",
+                     value.unit.empty() ? "-" : value.unit});
+  }
+  page.add_table({"", "value", "standard deviation", "unit"}, found);
+  report::LineChart gains;
+  gains.title = "Gain of each texel";
+  gains.x_label = "texel, row by row from the fingertip";
+  gains.y_label = "relative to the mean";
+  report::Series series{"gain", {}, fit.gain_deviations, false};
+  for (std::size_t i = 0; i < fit.calibration.gains.size(); ++i) {
+    series.points.emplace_back(static_cast<double>(i), fit.calibration.gains[i]);
+  }
+  if (series.deviations.size() != series.points.size()) series.deviations.clear();
+  if (!series.points.empty()) {
+    gains.series.push_back(series);
+    page.add_chart(report::draw_line_chart(gains), "0: a dead texel.");
+  }
+  page.add_heading("Presses that were not used");
+  for (const Checked& one : checks) {
+    checked.push_back({one.file, fmt::format("{:.3g}", one.check.most_force),
+                       fmt::format("{:.2g}", one.check.off),
+                       fmt::format("{:.2g}", 100 * one.check.off / one.check.most_force),
+                       fmt::format("{:.2g}", one.check.most_off)});
+  }
+  if (checks.empty()) {
+    page.add_answer("None were given (--check): how well others are predicted is not known.");
+  } else {
+    page.add_table({"log", "up to [N]", "off [N]", "off [%]", "at most off [N]"}, checked);
+  }
+  return page;
+}
+
 void run(const tools::PadFitChoices& choices) {
   const auto columns = named_columns(choices.columns);
   tools::Progress progress;
@@ -115,6 +159,7 @@ void run(const tools::PadFitChoices& choices) {
   if (!choices.out.empty()) {
     geometry::write_whole_file(choices.out, robot::to_yaml(fit, log.name), "The calibration");
   }
+  if (!choices.report.empty()) residual_page(fit, log.name, checks).write(choices.report);
   choices.json ? print_json(fit, checks) : print_text(fit, checks);
 }
 
@@ -128,7 +173,7 @@ int main(int argc, char** argv) {
   try {
     run(choices);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "prehend pad fit: %s\n", error.what());
+    std::fprintf(stderr, "prehend calibrate tactile: %s\n", error.what());
     return 1;
   }
   return 0;

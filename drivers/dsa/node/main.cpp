@@ -63,7 +63,7 @@ std::vector<Pad> declare_pads(graph::Node& node) {
        .read_only = true});
   const auto calibrations = node.declare_parameter<std::vector<std::string>>(
       {.name = "calibration",
-       .description = "files that `prehend pad fit` wrote, one for each pad; in place of "
+       .description = "files that `prehend calibrate tactile` wrote, one for each pad; in place of "
                       "newton_per_count",
        .read_only = true});
   if (!calibrations.empty() && calibrations.size() != names.size()) {

@@ -169,7 +169,8 @@ std::string to_yaml(const PadFit& fit, const std::string& from) {
   const PadCalibration& c = fit.calibration;
   const auto error = [&](const std::string& name) { return with_error(fit.values, name); };
   std::string text = fmt::format(
-      "# A pad as measured, found by `prehend pad fit` in {}: {} presses up to {:.3g} N; its "
+      "# A pad as measured, found by `prehend calibrate tactile` in {}: {} presses up to {:.3g} N; "
+      "its "
       "forces\n"
       "# are met to {:.2g} N. For `tactile: {{calibration: FILE}}` and the driver's "
       "`calibration`.\n",
