@@ -5,6 +5,7 @@
 #include <string>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/load.h"
 #include "msgs/convert/mend.h"
 #include "prehend/geometry/errors.h"
 
@@ -104,6 +105,8 @@ msgs::Belief to_message(const belief::Recollection& recollection) {
   *message.mutable_x_moved() = to_message(recollection.X_moved);
   message.set_looks(static_cast<std::uint32_t>(recollection.looks));
   message.set_change(recollection.change);
+  set_load(recollection.load, &message);
+  message.set_load_problem(recollection.load_problem);
   return message;
 }
 

@@ -154,6 +154,21 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   return result;
 }
 
+control::ArmGrasp probe_from_message(const msgs::Grasp& probe,
+                                     const geometry::RigidTransform& X_HG) {
+  control::ArmGrasp result = arm_grasp_from_message(probe);
+  if (probe.contacts_size() != 1) {
+    throw geometry::InputError("A probe without the place of its fingertip", kSenderMend);
+  }
+  const Eigen::Vector3d tip_H =
+      X_HG * (result.pose.X_WG.inverse() * from_message(probe.contacts(0)));
+  if (!tip_H.allFinite()) {
+    throw geometry::InputError("A probe whose fingertip is nowhere", kSenderMend);
+  }
+  result.probe_H = tip_H;
+  return result;
+}
+
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
   for (const auto& [kind, path] : grasp.segments) {
     msgs::ArmSegment& segment = *message->add_arm();

@@ -22,6 +22,10 @@ bool has_arm_motion(const msgs::Grasp& grasp);
 /// @throws geometry::InputError for values that do not belong together or are not finite, and for
 /// segments of an unknown kind.
 control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp);
+/// The same of GraspPlan::probe. @param X_HG of its preshape's tool in the hand's root.
+/// @throws as arm_grasp_from_message(), and for a fingertip that is nowhere.
+control::ArmGrasp probe_from_message(const msgs::Grasp& probe,
+                                     const geometry::RigidTransform& X_HG);
 /// The arm's segments, and how the hand closes and how hard.
 void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message);
 

@@ -13,7 +13,8 @@ static_assert(is_act(Act::kGrasp, msgs::Choice::GRASP));
 static_assert(is_act(Act::kTouch, msgs::Choice::TOUCH));
 static_assert(is_act(Act::kLook, msgs::Choice::LOOK));
 static_assert(is_act(Act::kGiveUp, msgs::Choice::GIVE_UP));
-static_assert(is_act(Act::kGiveUp, msgs::Choice::Act_MAX), "a new one has none here");
+static_assert(is_act(Act::kProbe, msgs::Choice::PROBE));
+static_assert(is_act(Act::kProbe, msgs::Choice::Act_MAX), "a new one has none here");
 
 }  // namespace
 

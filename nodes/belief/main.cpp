@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -10,11 +11,15 @@
 #include "msgs/belief.pb.h"
 #include "msgs/convert/belief.h"
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/load.h"
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "nodes/belief/act_forecasts.h"
 #include "nodes/platform_source/platform_source.h"
+#include "nodes/task_source/task_source.h"
 #include "prehend/belief/attempt_memory.h"
+#include "prehend/belief/probe.h"
+#include "prehend/control/task.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/robot/platform.h"
@@ -102,6 +107,22 @@ class BeliefNode {
          .read_only = true});
     belief::AttemptMemoryOptions options;
     options.use = kUses.at(use);
+    const control::Task task = nodes::declare_task(node_);
+    const bool probes =
+        std::any_of(task.states.begin(), task.states.end(), [](const control::TaskState& state) {
+          return state.action.primitive == control::Primitive::kProbe ||
+                 state.action.primitive == control::Primitive::kDecide;
+        });
+    const int most = node_.declare_parameter<int>(
+        {.name = "probes",
+         .default_value = 6,
+         .minimum = 0,
+         .description = "ways of a fingertip by which most would be learnt of an object, for "
+                        "planning to choose from; of a task that probes or decides, 0: none",
+         .read_only = true});
+    options.probes = probes ? most : 0;
+    probes_ = options.probes;
+    probe_ = options.probe;
     platform_ = robot::read_platform(robot::platform_file(platforms, platform));
     return belief::AttemptMemory(platform_.hand, options);
   }
@@ -132,8 +153,16 @@ class BeliefNode {
     for (const auto& [id, mesh_W] : view->second.meshes_W) {
       if (id != message.object_id()) neighbours_W.push_back(mesh_W);
     }
+    const geometry::TriangleMesh& believed_W = view->second.meshes_W.at(message.object_id());
+    if (message.has_load()) {
+      memory_.add_load(convert::from_message(message.load()), convert::from_message(shape),
+                       support_of(shape), believed_W);
+      node_.log_info("object {}: attempt {} told of its load", message.object_id(),
+                     message.attempt());
+      return;
+    }
     memory_.add(convert::from_message(message), convert::from_message(shape), support_of(shape),
-                view->second.meshes_W.at(message.object_id()), neighbours_W);
+                believed_W, neighbours_W);
     std::size_t contacts = 0;
     for (const auto& act : message.acts())
       contacts += static_cast<std::size_t>(act.contacts_size());
@@ -151,7 +180,8 @@ class BeliefNode {
       const double waited =
           std::chrono::duration<double>(steady_clock::now() - waiting.since).count();
       // Of a known object all of the surface is known; what has no surface cannot be corrected.
-      const bool may_change = model.valid() && !model.has_known() && !memory_.empty();
+      const bool may_change =
+          model.valid() && !model.has_known() && (!memory_.empty() || probes_ > 0);
       if (may_change && shape == view.shapes.end() && waited < patience_) {
         still.push_back(std::move(waiting));
         continue;
@@ -165,6 +195,7 @@ class BeliefNode {
                                                  [&] { correct(*shape->second, &model); });
         if (!problem.empty()) node_.report(graph::Health::kWarning, problem);
       }
+      if (shape != view.shapes.end()) add_first_probes(*shape->second, &model);
       if (model.valid()) view.meshes_W[model.id()] = convert::from_message(model.mesh());
       forecasts_.seen(model);
       models_.publish(std::move(model));
@@ -187,17 +218,43 @@ class BeliefNode {
     time->set_seconds(std::chrono::duration<double>(steady_clock::now() - start).count());
     if (known) {
       put(*known, model);
+      put(known->probes, probe_.radius, model);
       *model->add_times() = *time;
-      const std::string text = fmt::format(
+      std::string text = fmt::format(
           "object {}: {} contacts and {} looks before make it {:.1f} mm other than predicted; {}",
           model->id(), known->contacts.size(), known->looks, 1e3 * known->change,
           known->after.front().name);
+      if (known->load.is_known()) text += "; " + belief::in_words(known->load);
+      if (!known->load_problem.empty()) text += "; " + known->load_problem;
       node_.log_info("{}", text);
       node_.report(graph::Health::kOk, text);
     } else {
       node_.log_info("object {}: {}", model->id(), memory_.problem());
     }
     beliefs_.publish(std::move(belief));
+  }
+
+  static void put(const std::vector<belief::Probe>& probes, double radius,
+                  msgs::ObjectModel* model) {
+    for (const belief::Probe& probe : probes) {
+      msgs::ProbeMotion& message = *model->add_probes();
+      *message.mutable_start() = convert::to_message(probe.start_W);
+      *message.mutable_end() = convert::to_message(probe.end_W);
+      *message.mutable_at() = convert::to_message(probe.at_W);
+      message.set_radius(radius);
+      message.set_gain(probe.gain);
+    }
+  }
+
+  // Of an object of which nothing is known but this look.
+  void add_first_probes(const msgs::CompletedShape& shape, msgs::ObjectModel* model) {
+    const bool lacks = model->valid() && !model->has_known() && model->probes_size() == 0;
+    if (probes_ == 0 || !lacks || !shape.completed()) return;
+    const std::string problem = node_.shield(fmt::format("object {}", model->id()), [&] {
+      const belief::ObjectBelief believed(convert::from_message(shape), support_of(shape));
+      put(belief::best_probes(believed, probes_, probe_), probe_.radius, model);
+    });
+    if (!problem.empty()) node_.report(graph::Health::kWarning, problem);
   }
 
   // What the view says stays; the solid is what is believed.
@@ -214,12 +271,15 @@ class BeliefNode {
     solid.set_vote(model->vote());
     solid.set_confidence(model->confidence());
     solid.set_method(model->method());
+    convert::set_load(known.load, &solid);
     if (model->has_fidelity()) *solid.mutable_fidelity() = model->fidelity();
     *model = std::move(solid);
   }
 
   graph::Node& node_;
   robot::Platform platform_;
+  int probes_ = 0;
+  belief::ProbeOptions probe_;
   belief::AttemptMemory memory_;
   double patience_;  // s
   nodes::ActForecasts forecasts_;

@@ -192,12 +192,22 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
     throw std::runtime_error(other);
   }
   std::vector<control::ArmGrasp> grasps;
+  const auto model = view.models.find(target.id);
+  const bool knows_slip = model != view.models.end() && model->second->has_friction() &&
+                          model->second->friction().has_high();
   for (const msgs::Grasp* grasp : target.grasps) {
     grasps.push_back(convert::arm_grasp_from_message(*grasp));
+    grasps.back().knows_slip = knows_slip;
   }
   advice_ = convert::advice_of(*view.plans.at(target.id));
   if (static_cast<std::size_t>(advice_.grasp) >= grasps.size()) {
     throw std::runtime_error("the plan would feel it with a grasp that has no motion of the arm");
+  }
+  const msgs::GraspPlan& plan = *view.plans.at(target.id);
+  if (plan.has_probe() && convert::has_arm_motion(plan.probe())) {
+    const robot::Preshape& preshape = platform_.hand.preshape(plan.probe().preshape());
+    grasps.push_back(
+        convert::probe_from_message(plan.probe(), platform_.hand.X_HP * preshape.X_PG));
   }
   prepared_ = std::move(grasps);
   return destination(*target.grasps.front());

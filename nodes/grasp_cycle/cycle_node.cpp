@@ -9,6 +9,7 @@
 #include "msgs/convert/belief.h"
 #include "msgs/convert/cycle.h"
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/load.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/convert/percepts.h"
 #include "nodes/platform_source/platform_source.h"
@@ -240,7 +241,7 @@ void CycleNode::start(const View& view) {
 
 void CycleNode::begin() {
   surprises_sent_ = surprises_before_ = 0;
-  evidence_sent_ = percepts_sent_ = 0;
+  evidence_sent_ = loads_sent_ = percepts_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
@@ -296,14 +297,23 @@ void CycleNode::look_again(double since) {
 
 void CycleNode::publish_evidence() {
   const control::AttemptWatch& watch = robot_->attempt_watch();
-  if (watch.concluded() == evidence_sent_) return;
-  evidence_sent_ = watch.concluded();
-  msgs::AttemptEvidence message = convert::to_message(watch.attempt());
-  message.mutable_header()->set_stamp(view_stamp_);
-  message.set_object_id(target_);
-  message.set_attempt(static_cast<std::uint32_t>(evidence_sent_));
-  message.set_hand(robot_->hand_name());
-  evidence_.publish(std::move(message));
+  const auto publish = [&](msgs::AttemptEvidence message) {
+    message.mutable_header()->set_stamp(view_stamp_);
+    message.set_object_id(target_);
+    message.set_attempt(static_cast<std::uint32_t>(evidence_sent_));
+    message.set_hand(robot_->hand_name());
+    evidence_.publish(std::move(message));
+  };
+  if (watch.concluded() != evidence_sent_) {
+    evidence_sent_ = watch.concluded();
+    publish(convert::to_message(watch.attempt()));
+  }
+  if (watch.load().concluded() != loads_sent_) {
+    loads_sent_ = watch.load().concluded();
+    msgs::AttemptEvidence message;
+    *message.mutable_load() = convert::to_message(watch.load().found());
+    publish(std::move(message));
+  }
 }
 
 void CycleNode::publish_percepts() {

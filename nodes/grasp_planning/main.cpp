@@ -10,6 +10,7 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/load_bounds.h"
 #include "msgs/convert/objects.h"
 #include "msgs/convert/outcomes.h"
 #include "nodes/grasp_planning/grasp_records.h"
@@ -315,10 +316,19 @@ class GraspPlanning {
       const auto known = nodes::GraspRecords::known(message);
       grasp::GraspDatabase* database = records_ && known ? &records_->database() : nullptr;
       return platform_->plan(object, table, neighbours_of(message), reachability(table), database,
-                             known);
+                             known, convert::load_of(message), probes_of(message));
     } catch (const geometry::InputError& error) {
       return without_grasps(msgs::GraspPlan::UNGRASPABLE, error.what());
     }
+  }
+
+  static std::vector<planning::ProbeWay> probes_of(const msgs::ObjectModel& message) {
+    std::vector<planning::ProbeWay> ways;
+    for (const msgs::ProbeMotion& probe : message.probes()) {
+      ways.push_back({convert::from_message(probe.start()), convert::from_message(probe.at()),
+                      probe.radius(), probe.gain()});
+    }
+    return ways;
   }
 
   planning::Neighbours neighbours_of(const msgs::ObjectModel& message) const {
@@ -351,6 +361,9 @@ class GraspPlanning {
           plan.grasps(0).has_robustness() ? "" : std::string(" (") + grasp::kNotAssessed + ")",
           seconds);
       for (const msgs::Choice& choice : plan.choices()) node_.log_info("  {}", choice.text());
+      if (plan.has_probe() && plan.probe().arm_size() == 0) {
+        node_.log_info("  no probe: {}", plan.probe().remark());
+      }
     } else {
       node_.log_info("object {}: {} ({:.2f} s)", plan.id(), grasp::in_words(answer), seconds);
     }

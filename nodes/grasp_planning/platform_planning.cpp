@@ -63,18 +63,19 @@ msgs::Grasp PlatformPlanning::to_message(const planning::PlannedPick& pick) cons
   return message;
 }
 
-msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
-                                       const geometry::Plane& table_W,
-                                       const planning::Neighbours& neighbours,
-                                       const grasp::Reachability& reachability,
-                                       grasp::GraspDatabase* database,
-                                       const std::optional<grasp::PlacedObject>& known) const {
+msgs::GraspPlan PlatformPlanning::plan(
+    const surface::ObjectModel& object, const geometry::Plane& table_W,
+    const planning::Neighbours& neighbours, const grasp::Reachability& reachability,
+    grasp::GraspDatabase* database, const std::optional<grasp::PlacedObject>& known,
+    const grasp::LoadBounds& load, const std::vector<planning::ProbeWay>& probes) const {
   std::vector<Eigen::Vector3d> points;
   for (const auto& piece : object.convex_pieces_W) {
     points.insert(points.end(), piece.vertices.begin(), piece.vertices.end());
   }
   planning::PlatformPlanOptions options = options_;
   options.place = places_of(task_, points, options.place);
+  options.load = load;
+  options.probes = probes;
   const planning::PlatformPlan plan =
       planner_.plan(object, table_W, neighbours, reachability, start_, options, database, known);
   msgs::GraspPlan message;
@@ -102,6 +103,16 @@ msgs::GraspPlan PlatformPlanning::plan(const surface::ObjectModel& object,
     time.set_seconds(plan.touch_time);
   }
   for (const auto& pick : plan.picks) *message.add_grasps() = to_message(pick);
+  if (const auto probe = control::arm_probe(planner_.platform(), plan.probe)) {
+    *message.mutable_probe() = convert::to_message(plan.probe.hand, planner_.platform().hand);
+    convert::add_motion(*probe, message.mutable_probe());
+  }
+  if (plan.probe_time > 0) {
+    auto& time = *message.add_times();
+    time.set_stage("probe");
+    time.set_seconds(plan.probe_time);
+    message.mutable_probe()->set_remark(plan.probe.problem);
+  }
   return message;
 }
 

@@ -9,6 +9,7 @@
 #include "prehend/control/task.h"
 #include "prehend/fidelity/front.h"
 #include "prehend/geometry/plane.h"
+#include "prehend/grasp/load_bounds.h"
 #include "prehend/planning/platform_plan.h"
 #include "prehend/robot/platform.h"
 #include "prehend/surface/object_model.h"
@@ -26,12 +27,15 @@ class PlatformPlanning {
                    planning::PlatformPlanOptions options,
                    const std::optional<fidelity::Setting>& touch, control::Task task);
 
-  /// planning::PlatformPlanner::plan(), with the task's places.
+  /// planning::PlatformPlanner::plan(), with the task's places, what is known of its load, and
+  /// where a fingertip would learn most of it.
   /// @throws geometry::InputError for a bad mesh, or an object that has no place in the task.
   msgs::GraspPlan plan(const surface::ObjectModel& object, const geometry::Plane& table_W,
                        const planning::Neighbours& neighbours,
                        const grasp::Reachability& reachability, grasp::GraspDatabase* database,
-                       const std::optional<grasp::PlacedObject>& known) const;
+                       const std::optional<grasp::PlacedObject>& known,
+                       const grasp::LoadBounds& load,
+                       const std::vector<planning::ProbeWay>& probes) const;
 
   /// Where the arm stands now: motions start there, or at home while it is within 1 mrad of it.
   /// Without all joints of the arm nothing changes.

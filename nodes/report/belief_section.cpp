@@ -42,6 +42,25 @@ std::string what_was_made(const msgs::Belief& belief) {
       1e3 * belief.change());
 }
 
+std::string in_words(const msgs::Interval& interval, const char* unit) {
+  if (!interval.has_high()) return fmt::format("at least {:.2g}{}", interval.low(), unit);
+  if (!interval.has_low()) return fmt::format("at most {:.2g}{}", interval.high(), unit);
+  return fmt::format("{:.2g} to {:.2g}{}", interval.low(), interval.high(), unit);
+}
+
+std::string what_it_weighs(const msgs::Belief& belief) {
+  std::string text;
+  if (belief.has_mass()) {
+    text += fmt::format(" By how it was held it weighs {}.", in_words(belief.mass(), " kg"));
+  }
+  if (belief.has_friction()) {
+    text += fmt::format(" By how it held and slipped its friction on the pads is {}.",
+                        in_words(belief.friction(), ""));
+  }
+  if (!belief.load_problem().empty()) text += " Of its load, " + belief.load_problem() + ".";
+  return text;
+}
+
 void add_pictures(report::Page& page, const Collected& collected, const msgs::Belief& belief) {
   const std::pair key{belief.header().stamp(), belief.id()};
   const auto predicted = collected.predicted.find(key), believed = collected.believed.find(key);
@@ -78,7 +97,7 @@ void add_beliefs(report::Page& page, const Collected& collected) {
       page.add_paragraph(object + belief.problem() + ". It is believed as it is predicted.");
       continue;
     }
-    page.add_paragraph(object + what_was_made(belief));
+    page.add_paragraph(object + what_was_made(belief) + what_it_weighs(belief));
     add_pictures(page, collected, belief);
     std::vector<std::vector<std::string>> rows;
     for (const msgs::BelievedShape& shape : belief.shapes()) {

@@ -14,8 +14,8 @@ control::Task declare_task(graph::Node& node) {
   const auto name = node.declare_parameter<std::string>(
       {.name = "task",
        .default_value = "pick_and_place",
-       .description = "what is done: pick_and_place, decide_and_pick, work_cycle, sort, "
-                      "clear_table, shake_test, or "
+       .description = "what is done: pick_and_place, decide_and_pick, probe_and_pick, "
+                      "work_cycle, sort, clear_table, shake_test, or "
                       "another of config/tasks",
        .read_only = true});
   const auto folder =

@@ -30,7 +30,8 @@ constexpr double kOnTable = 0.002;         // m over it: what is touched lower i
 constexpr std::size_t kMostAlternatives = 2;
 constexpr float kTouchedConfidence = 0.95F;
 constexpr std::size_t kMostObjects = 16;
-constexpr int kSamples = 1000;  // of a surface
+constexpr std::size_t kMostLoads = 32;  // of an object
+constexpr int kSamples = 1000;          // of a surface
 
 Contact moved_contact(Contact contact, const RigidTransform& X) {
   contact.p_W = X * contact.p_W;
@@ -107,6 +108,7 @@ void mark_touched(const std::vector<Contact>& contacts, double reach, surface::O
 
 void AttemptMemoryOptions::validate() const {
   belief.validate();
+  load.validate();
   const text::Require require{"AttemptMemoryOptions."};
   require(tolerance > 0 && tolerance < 0.1, "tolerance must be above 0, below 0.1 m");
   require(least_explained > 0 && least_explained <= 1,
@@ -117,6 +119,8 @@ void AttemptMemoryOptions::validate() const {
   require(seen_deviation > 0 && seen_deviation < 0.1,
           "seen_deviation must be above 0, below 0.1 m");
   require(most_looks_points >= 0, "most_looks_points must not be negative");
+  require(probes >= 0, "probes must not be negative");
+  probe.validate();
 }
 
 AttemptMemory::AttemptMemory(robot::HandModel hand, const AttemptMemoryOptions& options)
@@ -139,17 +143,38 @@ void AttemptMemory::add(Attempt attempt, const shape::CompletedShape& shape,
   std::erase_if(attempt,
                 [](const Act& act) { return act.free_way.empty() && act.contacts.empty(); });
   if (attempt.empty() || options_.use == EvidenceUse::kNone) return;
-  Look look{seen_of(shape, table_W), shape.seen_space, {std::move(attempt)}};
+  seen_as({seen_of(shape, table_W), shape.seen_space, {std::move(attempt)}}, believed_W);
+}
+
+void AttemptMemory::add_load(const LoadEvidence& load, const shape::CompletedShape& shape,
+                             const geometry::Plane& table_W,
+                             const geometry::TriangleMesh& believed_W) {
+  load_belief({load}, options_.load);  // refuses what is no evidence
+  if (load.is_empty() || options_.use == EvidenceUse::kNone) return;
+  Look look{seen_of(shape, table_W), shape.seen_space, {}};
+  std::vector<LoadEvidence>& loads = seen_as(std::move(look), believed_W).loads;
+  if (loads.size() == kMostLoads) loads.erase(loads.begin());
+  loads.push_back(load);
+}
+
+AttemptMemory::Object& AttemptMemory::seen_as(Look look, const geometry::TriangleMesh& believed_W) {
   const std::optional<Found> known = find(look.seen_W);
   if (!known) {
     if (objects_.size() == kMostObjects) objects_.erase(objects_.begin());
-    objects_.push_back({believed_W, {std::move(look)}});
-    return;
+    objects_.push_back({believed_W, {std::move(look)}, {}});
+    return objects_.back();
   }
   // recall() has moved it to where this look saw it.
   Object& object = objects_[known->object];
   object.believed_W = believed_W;
-  object.looks.push_back(std::move(look));
+  // Of one look, once: what is told of it after an attempt is of the same.
+  Look& last = object.looks.back();
+  if (last.seen_W.points == look.seen_W.points) {
+    for (Attempt& attempt : look.attempts) last.attempts.push_back(std::move(attempt));
+  } else {
+    object.looks.push_back(std::move(look));
+  }
+  return object;
 }
 
 std::optional<AttemptMemory::Found> AttemptMemory::find(const geometry::PointCloud& seen_W) const {
@@ -240,6 +265,13 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
         belief.contacts().size());
     objects_.erase(objects_.begin() + static_cast<std::ptrdiff_t>(found->object));
     return std::nullopt;
+  }
+  if (options_.probes > 0) result.probes = best_probes(belief, options_.probes, options_.probe);
+  LoadBelief load = load_belief(object.loads, options_.load);
+  result.load = load.bounds;
+  if (!load.contradiction.empty()) {
+    result.load_problem = std::move(load.contradiction) + ": it is forgotten";
+    object.loads.clear();
   }
   result.after = belief.shapes();
   result.contacts = belief.contacts();

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "prehend/belief/attempt.h"
+#include "prehend/belief/load_belief.h"
 #include "prehend/belief/object_belief.h"
+#include "prehend/belief/probe.h"
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/rigid_transform.h"
@@ -26,6 +28,7 @@ enum class EvidenceUse {
 struct AttemptMemoryOptions {
   EvidenceUse use = EvidenceUse::kLooks;
   BeliefOptions belief;
+  LoadBeliefOptions load;
   surface::ModelOptions model;
   double tolerance = 0.004;        // m, > 0, of a seen point on the surface that it was on before
   double least_explained = 0.8;    // share of the seen points, in (0, 1], for it to be that object
@@ -34,6 +37,8 @@ struct AttemptMemoryOptions {
   double turn = 0.02;              // rad, >= 0, ... about the table's normal
   double seen_deviation = 0.0015;  // m, > 0, standard, of a point that was seen before
   int most_looks_points = 48;      // >= 0, of the looks before, that add to the present one
+  int probes = 0;                  // >= 0, of Recollection::probes at most
+  ProbeOptions probe;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -47,6 +52,9 @@ struct Recollection {
   std::vector<Contact> contacts;  // as the object lies now
   int looks = 0;                  // before this one
   double change = 0;              // m, mean distance of its surface from what was predicted
+  std::vector<Probe> probes;      // by which most would be learnt, best first
+  grasp::LoadBounds load;         // of what it weighs, and how it rubs
+  std::string load_problem;       // why what was known of its load is forgotten; empty: it is not
 };
 
 /// What attempts found out about the objects of a scene, for when they are seen again.
@@ -70,6 +78,11 @@ class AttemptMemory {
            const geometry::TriangleMesh& believed_W,
            const std::vector<geometry::TriangleMesh>& neighbours_W = {});
 
+  /// The same of what a hold of it told of its load.
+  /// @throws std::invalid_argument for evidence that is not finite or negative.
+  void add_load(const LoadEvidence& load, const shape::CompletedShape& shape,
+                const geometry::Plane& table_W, const geometry::TriangleMesh& believed_W);
+
   /// What is believed of an object that is seen now, of a shape with its other methods. Unset:
   /// nothing is known of it but this look; problem() says why, where something was.
   /// @throws geometry::InputError as ObjectBelief.
@@ -90,6 +103,7 @@ class AttemptMemory {
   struct Object {
     geometry::TriangleMesh believed_W;
     std::vector<Look> looks;
+    std::vector<LoadEvidence> loads;
   };
   struct Found {
     std::size_t object = 0;
@@ -97,6 +111,8 @@ class AttemptMemory {
     double explained = 0;
   };
   std::optional<Found> find(const geometry::PointCloud& seen_W) const;
+  /// The object that was believed to have this surface, with this look as its last.
+  Object& seen_as(Look look, const geometry::TriangleMesh& believed_W);
   geometry::PointCloud seen_of(const shape::CompletedShape& shape,
                                const geometry::Plane& table_W) const;
   void tell(const Object& object, const geometry::PointCloud& seen_W, ObjectBelief* belief) const;

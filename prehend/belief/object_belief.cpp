@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -137,24 +138,33 @@ Evidence ObjectBelief::evidence() const {
 void ObjectBelief::update() {
   const Evidence all_evidence = evidence();
   for (const auto& shape : all_) shape->take_in(all_evidence);
+  // Evidence without measure (a place beyond all numbers) speaks against a shape for good.
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
   const auto log_weight = [&](std::size_t i) {
-    return all_[i]->hypothesis().log_prior + all_[i]->log_likelihood();
+    const double weight = all_[i]->hypothesis().log_prior + all_[i]->log_likelihood();
+    return std::isfinite(weight) ? weight : kNone;
   };
   order_.resize(all_.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t a, std::size_t b) { return log_weight(a) > log_weight(b); });
   const double most = log_weight(order_.front());
+  const auto share = [&](std::size_t i) {
+    return std::isfinite(most) ? std::exp(log_weight(i) - most) : 1;  // then none is likelier
+  };
   double sum = 0;
-  for (const std::size_t i : order_) sum += std::exp(log_weight(i) - most);
+  for (const std::size_t i : order_) sum += share(i);
   shapes_.clear();
   for (const std::size_t i : order_) {
-    shapes_.push_back({all_[i]->hypothesis().name, static_cast<int>(i),
-                       std::exp(log_weight(i) - most) / sum, all_[i]->misfit(),
-                       all_[i]->log_likelihood(), all_[i]->hypothesis().prior_terms});
+    shapes_.push_back({all_[i]->hypothesis().name, static_cast<int>(i), share(i) / sum,
+                       all_[i]->misfit(), all_[i]->log_likelihood(),
+                       all_[i]->hypothesis().prior_terms});
   }
+  constexpr double kMostGoneThrough = 0.25;  // of what is seen
   contradicted_ = std::all_of(all_.begin(), all_.end(), [&](const auto& shape) {
-    return shape->misfit() + shape->aside_misfit() > kContradiction * kContradiction ||
+    return !(shape->misfit() + shape->aside_misfit() <= kContradiction * kContradiction) ||
+           !std::isfinite(shape->log_likelihood()) ||
+           shape->seen_in_swept(all_evidence) > kMostGoneThrough ||
            2 * shape->unexplained().size() > contacts_.size() ||
            3 * shape->impossible(seen_spaces_) > contacts_.size();
   });

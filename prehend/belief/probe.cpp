@@ -56,7 +56,14 @@ void ProbeOptions::validate() const {
 }
 
 std::optional<Probe> best_probe(const ObjectBelief& belief, const ProbeOptions& options) {
+  const std::vector<Probe> best = best_probes(belief, 1, options);
+  return best.empty() ? std::nullopt : std::optional(best.front());
+}
+
+std::vector<Probe> best_probes(const ObjectBelief& belief, int count, const ProbeOptions& options,
+                               double apart) {
   options.validate();
+  if (count < 1) throw std::invalid_argument("best_probes: count must be positive");
   const std::vector<ObjectBelief::Site> sites = belief.sites();
   const Eigen::Vector3d& up = belief.table_W().normal;
   const double lowest = -std::sin(options.steepest_from_below);
@@ -78,7 +85,7 @@ std::optional<Probe> best_probe(const ObjectBelief& belief, const ProbeOptions& 
     reachable.emplace_back(site, out);
   }
   const std::size_t step = 1 + reachable.size() / kMostCandidates;
-  std::optional<Probe> best;
+  std::vector<Probe> all;
   for (std::size_t i = 0; i < reachable.size(); i += step) {
     const auto& [site, out] = reachable[i];
     const Eigen::Vector3d center = site.p_W + options.radius * out;
@@ -88,8 +95,17 @@ std::optional<Probe> best_probe(const ObjectBelief& belief, const ProbeOptions& 
     }
     const double gain =
         belief.expected_gain(site, options.deviation) / static_cast<double>(sites.size());
-    if (best && best->gain >= gain) continue;
-    best = Probe{center + options.reach * out, center - options.beyond * out, site.p_W, gain};
+    all.push_back({center + options.reach * out, center - options.beyond * out, site.p_W, gain});
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Probe& a, const Probe& b) { return a.gain > b.gain; });
+  std::vector<Probe> best;
+  for (const Probe& probe : all) {
+    if (best.size() == static_cast<std::size_t>(count)) break;
+    const bool is_near = std::any_of(best.begin(), best.end(), [&](const Probe& other) {
+      return (probe.at_W - other.at_W).norm() < apart;
+    });
+    if (!is_near) best.push_back(probe);
   }
   return best;
 }

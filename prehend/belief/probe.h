@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -32,6 +33,12 @@ struct Probe {
 /// normal, free on its way as far as is believed. None when no part of it can be reached.
 /// About 30 ms.
 std::optional<Probe> best_probe(const ObjectBelief& belief, const ProbeOptions& options = {});
+
+/// The same, so many at most, the best first, and each at least `apart` [m] from those before it:
+/// for a hand that cannot make all of them. @throws std::invalid_argument for a count that is not
+/// positive, and as best_probe().
+std::vector<Probe> best_probes(const ObjectBelief& belief, int count,
+                               const ProbeOptions& options = {}, double apart = 0.015);
 
 /// What that motion found: all that the fingertip went through is empty, up to where its centre is
 /// now, and there it touches the object, if it does.

@@ -10,9 +10,9 @@ namespace prehend::control {
 
 /// What is worth most by a plan: what `decide` of a task goes by.
 struct Advice {
-  enum class Act { kGrasp, kTouch, kGiveUp };
+  enum class Act { kGrasp, kTouch, kGiveUp, kProbe };
   Act act = Act::kGrasp;
-  int grasp = 0;    // of the plan, that it is touched with
+  int grasp = 0;    // of the plan, that it is touched with; of kProbe: the cycle knows it
   std::string why;  // in words
 };
 

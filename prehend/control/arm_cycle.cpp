@@ -14,11 +14,15 @@ namespace {
 
 using motion::SegmentKind;
 
+constexpr double kMeetTime = 0.2;  // s, that a probe stands at what it has met
 constexpr const char* kLooksAgain = "lets go and looks again";
 
+// A probe is the last.
 std::vector<GraspPose> poses_of(const std::vector<ArmGrasp>& grasps) {
   std::vector<GraspPose> poses;
-  for (const ArmGrasp& grasp : grasps) poses.push_back(grasp.pose);
+  for (const ArmGrasp& grasp : grasps) {
+    if (!grasp.probe_H) poses.push_back(grasp.pose);
+  }
   return poses;
 }
 
@@ -33,6 +37,7 @@ void ArmCycleOptions::validate() const {
 }
 
 std::string described(const ArmGrasp& grasp, int index) {
+  if (grasp.probe_H) return "probe with one fingertip";
   return fmt::format("grasp {} (score {:.2f}, {})", index, grasp.score,
                      grasp.robustness < 0 ? std::string("robustness not assessed")
                                           : fmt::format("held in {:.0f} % of the disturbed trials",
@@ -57,7 +62,8 @@ bool ArmCycle::moves_hand() const {
 
 bool ArmCycle::waits() const {
   return step_ == Step::kRest || step_ == Step::kSettle || step_ == Step::kCheck ||
-         step_ == Step::kVerify || step_ == Step::kWait || step_ == Step::kBrake;
+         step_ == Step::kVerify || step_ == Step::kWait || step_ == Step::kBrake ||
+         step_ == Step::kMet;
 }
 
 bool ArmCycle::leaves() const {
@@ -125,7 +131,7 @@ void ArmCycle::fail(const std::string& reason) {
 void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& problem, Advice advice) {
   if (!waits_for_plan()) return;
   std::vector<GraspPose> poses = poses_of(grasps);
-  if (!grasps.empty()) grasps_ = std::move(grasps);
+  if (!poses.empty()) grasps_ = std::move(grasps);
   plan_taken(std::move(poses), problem, std::move(advice));
 }
 
@@ -154,7 +160,8 @@ void ArmCycle::step(const ArmPercepts& percepts) {
   if (stop_when_lost()) return;
   if (watch_held() || judge_lift() || watch_slip()) return;
   MotionStatus status = motion_status();
-  if (step_ == Step::kApproach && status == MotionStatus::kMoving && hand_.touches()) {
+  if (step_ == Step::kApproach && status == MotionStatus::kMoving &&
+      (hand_.touches() || (is_probe() && pads_meet()))) {
     arm_.stop();
     status = MotionStatus::kContact;
   }
@@ -187,7 +194,8 @@ bool ArmCycle::reacts_to_contact() const {
     case Step::kLower:
       return lowers_fully_;
     case Step::kApproach:
-      return options_.reacts || hand_.feels_its_grip() || primitive() == Primitive::kTouch;
+      return options_.reacts || hand_.feels_its_grip() || primitive() == Primitive::kTouch ||
+             is_probe();
     default:
       return false;
   }
@@ -215,12 +223,18 @@ void ArmCycle::advance(MotionStatus status) {
     case Step::kRest: {
       holding_.feel_free(percepts_.wrist_force);
       if (spent() < options_.rest_time) return;
+      sums_at_rest_.clear();
+      for (const PadPercept& pad : percepts_.pads) sums_at_rest_[pad.name] = pad.sum;
       const bool feels = options_.reacts || primitive() == Primitive::kTouch;
-      begin_segment(Step::kApproach, feels ? options_.contact_force : options_.collision_force);
+      const double force = feels ? options_.contact_force : options_.collision_force;
+      begin_segment(Step::kApproach, is_probe() ? options_.probe_force : force);
       return;
     }
     case Step::kApproach:
       return after_approach(status);
+    case Step::kMet:
+      if (spent() < kMeetTime) return;
+      return ended(Outcome::kDone);
     case Step::kBackOff:
       return ended(Outcome::kDone);
     case Step::kFeel:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,12 +30,13 @@ struct ArmGrasp {
   std::vector<std::pair<motion::SegmentKind, JointTrajectory>> segments;
   double approach_length = 0;  // m, of the straight way of the segment kApproach; 0: not known
   std::vector<std::string> hand_joints;
-  robot::ClosingWay hand;  // of hand_joints
-  double lifted_mass = 0;  // kg, predicted; 0: not predicted. Compared, but decides nothing
-  double score = 0;        // expected success, 0 to 1
-  double robustness = -1;  // share of disturbed trials in which it holds; -1: not assessed
-  double force = 0;        // N, per pad, that it is to be held with; 0: as the motors press
-  double effort = 1;       // share of what the hand can that this is thought to take, in (0, 1]
+  robot::ClosingWay hand;   // of hand_joints
+  double lifted_mass = 0;   // kg, predicted; 0: not predicted. Compared, but decides nothing
+  double score = 0;         // expected success, 0 to 1
+  double robustness = -1;   // share of disturbed trials in which it holds; -1: not assessed
+  double force = 0;         // N, per pad, that it is to be held with; 0: as the motors press
+  bool knows_slip = false;  // that force is by how the object slipped before
+  double effort = 1;        // share of what the hand can that this is thought to take, in (0, 1]
   std::vector<double> largest_effort;  // N m or N, of hand_joints; empty: not known
   /// What the pads that touch are predicted to feel then, their mean [m^2, N]; 0: not predicted.
   double contact_area = 0, tactile_sum = 0;
@@ -45,6 +47,9 @@ struct ArmGrasp {
   std::vector<HandShift> shifts;
   robot::FingertipWays fingertips;  // in the world
   Eigen::VectorXd stops;            // rad or m, where it is predicted to be stopped by the thing
+  /// It is no grasp but a probe: the fingertip's foremost point on its way, in the hand's root
+  /// frame [m]. Unset: a grasp.
+  std::optional<Eigen::Vector3d> probe_H;
 };
 
 /// "grasp 2 (score 0.71, held in 80 % of the disturbed trials)".
@@ -151,6 +156,7 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   double largest_grip_force = 0;  // N
   double slip_settle_time = 0.1;  // s
   double largest_slide = 0.008;   // m
+  double probe_force = 3;         // N
   HoldingOptions holding;
   touch::HoldSlipOptions slip;
 
@@ -198,6 +204,9 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
     visit(Knob{"largest_grip_force", self.largest_grip_force, "N", 0, 1000,
                "per pad, that the object bears: what slips is not held harder; 0: what the motors "
                "give"});
+    visit(Knob{"probe_force", self.probe_force, "N", 0.1, 100,
+               "at the wrist, at which a fingertip that probes the object is stopped; a pad that "
+               "touches stops it, too"});
     visit(Knob{"slip_settle_time", self.slip_settle_time, "s", 0, 10,
                "for the force to rise, before it is watched again whether what is held slips"});
     visit(
@@ -233,13 +242,17 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
 /// `largest_grip_force`. Where that is not enough while it is lifted, and it slides by more than
 /// `largest_slide`, it is put down again, and the attempt has failed; on the way to a place, it
 /// goes on, as nothing else is nearer. The next grasp of the object begins with that much more than
-/// it slipped with.
+/// it slipped with, unless it was planned by how it slipped (ArmGrasp::knows_slip).
 ///
 /// With `reacts` and shifts of the plan, fingers that meet something too early on the approach, or
 /// beside its prediction, tell by where they were stopped how far it is beside
 /// (displacement_felt()). They let go, the hand follows as far as the plan says that it is free to
 /// (ArmGrasp::shifts), goes on with what is left of the approach, and closes again, at most
 /// `adaptations` times in an attempt.
+///
+/// A probe (ArmGrasp::probe_H) goes straight with the open hand until the wrist feels `probe_force`
+/// or a pad more than at rest, by `touch_force`; stands a moment, so that all sensors tell of it,
+/// and goes back.
 ///
 /// What is felt is compared with what was predicted (surprises), and no attempt fails without one.
 /// Where fingers that open press on something at a place, the hand goes up from it, and they go on.
@@ -274,6 +287,11 @@ class ArmCycle : public Cycle {
   /// Goes on with these, best first; none of a new look when empty, for the reason `problem`.
   /// @pre looks_since() is set
   void take_plan(std::vector<ArmGrasp> grasps, const std::string& problem = "", Advice advice = {});
+  /// What it feels of the load of the present attempt.
+  const Holding& holding() const { return holding_; }
+  /// While a probe's fingertip stands at what it has met: its foremost point, in the hand's root
+  /// frame [m].
+  std::optional<Eigen::Vector3d> met_with_H() const;
 
  private:
   /// Parts of actions.
@@ -282,6 +300,7 @@ class ArmCycle : public Cycle {
     kReach,
     kRest,
     kApproach,
+    kMet,
     kBackOff,
     kGather,
     kFeel,
@@ -312,6 +331,7 @@ class ArmCycle : public Cycle {
   void begin(const Action& action) override;
   void prepare_attempt() override;
   void clear_view() override;
+  std::optional<int> probe_grasp() const override;
   void stop_motion() override;
   void enter(Step step, const std::string& detail);
   bool moves_hand() const;
@@ -357,6 +377,9 @@ class ArmCycle : public Cycle {
   void set_down();
   void after_setting_down();
   std::string slipped() const;  // in words, for the result; empty: it did not
+  bool is_probe() const { return grasp().probe_H.has_value(); }
+  /// A pad feels more than it did before the approach.
+  bool pads_meet() const;
   void after_approach(MotionStatus status);
   void after_closing(MotionStatus status);
   void after_placing(MotionStatus status);
@@ -421,6 +444,7 @@ class ArmCycle : public Cycle {
   FollowedShift shift_;          // that comes next
   std::vector<double> shifted_;  // rad or m, of the arm's joints, by all shifts of this attempt
   bool clears_ = false;          // it goes back to look again
+  std::map<std::string, double> sums_at_rest_;  // N, of pads, before the approach
   std::vector<JointTrajectory>
       gone_;  // that were begun in this attempt, and lead back when reversed
   InputWatch watch_;

@@ -17,7 +17,7 @@ void ArmCycle::prepare_attempt() {
   watch_.begin(now());
   if (is_first_try()) least_force_ = 0;
   ArmGrasp& grasp = grasps_[static_cast<std::size_t>(grasp_index())];
-  if (grasp.force > 0 && grasp.force < least_force_) {
+  if (grasp.force > 0 && grasp.force < least_force_ && !grasp.knows_slip) {
     grasp.tactile_sum *= least_force_ / grasp.force;
     grasp.contact_area = 0;  // at that force it is not predicted
     grasp.force = least_force_;
@@ -44,8 +44,10 @@ void ArmCycle::begin(const Action& action) {
       return;  // Cycle's
     case Primitive::kApproach:
     case Primitive::kTouch:
+    case Primitive::kProbe:
       return open_hand(Step::kOpen, described(grasp(), grasp_index()) + ": opening the hand");
     case Primitive::kGrasp: {
+      if (is_probe()) return ended(Outcome::kDone);  // it has felt all that it is to feel
       gently_ = action.gently;
       if (hand_.feels_its_grip()) return close();
       const bool regulates =

@@ -44,6 +44,10 @@ double ArmCycle::felt_contact(double borne) const {
 
 void ArmCycle::after_approach(MotionStatus status) {
   const bool touches = status == MotionStatus::kContact;
+  if (is_probe()) {
+    if (!touches) return ended(Outcome::kDone, "it met nothing");
+    return enter(Step::kMet, "feeling what the fingertip has met");
+  }
   if (primitive() == Primitive::kTouch) {
     return ended(touches ? Outcome::kDone : Outcome::kNothing, touches ? "" : "nothing was met");
   }

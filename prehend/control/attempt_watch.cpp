@@ -19,6 +19,8 @@ constexpr std::size_t kMoments = 16;
 // what it turns by on that, over its half width.
 constexpr double kTakenAlong = 0.5, kHalfWidth = 0.04, kMostTurn = 0.5;
 constexpr double kLeastTaken = 0.0005;  // m
+// m, standard, of where a fingertip without a pad has met it.
+constexpr double kTipDeviation = 0.003;
 
 bool is_apart(const HandSample& a, const HandSample& b) {
   return (a.X_WH.translation() - b.X_WH.translation()).norm() > kLeastShift ||
@@ -33,6 +35,7 @@ AttemptWatch::AttemptWatch(const robot::Platform& platform, double contact_force
     : platform_(platform),
       chain_(platform.arm_chain()),
       evidence_(platform.hand),
+      load_(platform.hand, touch_force),
       contact_force_(contact_force),
       touch_force_(touch_force) {}
 
@@ -111,6 +114,7 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   if (!hand) return;
   moments_.push_back({percepts.time, *hand});
   if (moments_.size() > kMoments) moments_.pop_front();
+  load_.step(cycle, percepts, *hand);
   if (cycle.result().tries() != attempts_) {
     attempts_ = cycle.result().tries();
     begin(cycle);
@@ -119,14 +123,20 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   if (!open_) return;
   if (phase != Phase::kApproach && phase != Phase::kGrasp) return conclude(cycle);
   if (first_touch_) return;
-  const bool by_wrist = percepts.wrist_force && percepts.wrist_force->norm() > contact_force_;
+  const std::optional<Eigen::Vector3d> tip_H = cycle.met_with_H();
+  const bool by_wrist =
+      tip_H || (percepts.wrist_force && percepts.wrist_force->norm() > contact_force_);
   if (!pads_touch() && !by_wrist) {
     extend_way();
     if (phase == Phase::kApproach) approached_ = way_.size();
     return;
   }
   first_touch_ = hand;
-  attempt_.push_back({{}, way_, contacts()});
+  std::vector<belief::Contact> met = contacts();
+  // Which way the surface faces there, no wrist tells that feels a force alone.
+  if (met.empty() && tip_H)
+    met.push_back({hand->X_WH * *tip_H, Eigen::Vector3d::Zero(), kTipDeviation});
+  attempt_.push_back({{}, way_, std::move(met)});
 }
 
 void AttemptWatch::conclude(const ArmCycle& cycle) {

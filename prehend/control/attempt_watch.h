@@ -8,6 +8,7 @@
 
 #include "prehend/belief/attempt.h"
 #include "prehend/control/arm_cycle.h"
+#include "prehend/control/load_watch.h"
 #include "prehend/robot/kinematic_chain.h"
 #include "prehend/robot/platform.h"
 
@@ -19,7 +20,8 @@ namespace prehend::control {
 /// first, is empty: pads tell, and the wrist by more than `contact_force`. Of fingers that were
 /// stopped without a pad that touches only the approach counts, as they have pushed with what does
 /// not feel. The first touch of each pad is of the object where it was seen; when the hand has
-/// closed it has moved, by no more than the pads went on, and is felt by all pads that touch.
+/// closed it has moved, by no more than the pads went on, and is felt by all pads that touch. What
+/// a probe's fingertip has met without a pad that says more is at its foremost point.
 ///
 /// A pad that feels something before the approach begins is not believed in that attempt.
 ///
@@ -38,6 +40,8 @@ class AttemptWatch {
   const belief::Attempt& attempt() const { return attempt_; }
   /// How many attempts have come to that.
   int concluded() const { return concluded_; }
+  /// What its holds tell of the object's load.
+  const LoadWatch& load() const { return load_; }
 
  private:
   struct Moment {
@@ -57,6 +61,7 @@ class AttemptWatch {
   robot::Platform platform_;
   robot::KinematicChain chain_;
   belief::HandEvidence evidence_;
+  LoadWatch load_;
   double contact_force_, touch_force_;  // N
   int attempts_ = 0, concluded_ = 0;
   bool open_ = false;                 // the attempt goes on

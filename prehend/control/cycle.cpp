@@ -65,6 +65,7 @@ Phase Cycle::phase() const {
       return Phase::kWaiting;
     case Primitive::kApproach:
     case Primitive::kTouch:
+    case Primitive::kProbe:
       return Phase::kApproach;
     case Primitive::kGrasp:
       return Phase::kGrasp;
@@ -89,7 +90,7 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   achieved_.clear();
   path_.clear();
   grasp_index_ = attempts_ = touches_ = given_up_ = 0;
-  looking_ = any_object_ = at_place_ = touched_ = false;
+  looking_ = any_object_ = at_place_ = touched_ = probed_ = false;
   advice_ = std::move(advice);
   entered_ = now_;
   stage_ = Stage::kWaiting;
@@ -112,6 +113,7 @@ void Cycle::enter(int state) {
   const Action& action = task().states[static_cast<std::size_t>(state)].action;
   if (action.primitive == Primitive::kLook) return look();
   if (action.primitive == Primitive::kDecide) return decide();
+  if (action.primitive == Primitive::kProbe) return probe(action);
   begin(action);
 }
 
@@ -165,7 +167,8 @@ void Cycle::look() {
     const std::optional<int> first = order_.next();
     return attempt(first.value_or(0));
   }
-  if (touched_ && failure_.empty()) {
+  // A probe that failed is no reason to leave a grasp.
+  if (touched_ && (failure_.empty() || probed_)) {
     any_object_ = false;
     if (shared_.look_timeout > 0) return clear_view();
     return next_grasp("");
@@ -200,24 +203,44 @@ void Cycle::look() {
 // The plan's advice holds once: after a touch that told nothing new there is none.
 void Cycle::decide() {
   const Advice advice = std::exchange(advice_, {});
-  const bool touches = advice.act == Advice::Act::kTouch && touches_ < shared_.largest_touches;
+  const bool probes = advice.act == Advice::Act::kProbe && probe_grasp().has_value();
+  const bool touches =
+      (advice.act == Advice::Act::kTouch || probes) && touches_ < shared_.largest_touches;
   const bool gives_up = advice.act == Advice::Act::kGiveUp;
   if (!touches && !gives_up) return ended(Outcome::kDone);
   // Neither is an attempt. An object that is left counts all the same, or it is looked at for ever.
-  --result_.attempts;
-  order_.put_back(grasp_index_);
   if (gives_up) {
+    --result_.attempts;
+    order_.put_back(grasp_index_);
     failure_ = advice.why;
     failed_attempts_.add(0, advice.why);
     return ended(Outcome::kNothing, advice.why);
   }
+  feel_with(probes ? *probe_grasp() : advice.grasp);
+  ended(Outcome::kDoubtful, advice.why);
+}
+
+void Cycle::probe(const Action& action) {
+  const std::optional<int> index = probe_grasp();
+  if (!index) return ended(Outcome::kNothing, "the plan has no probe");
+  if (touches_ >= shared_.largest_touches) {
+    return ended(Outcome::kNothing, "it was felt as often as largest_touches allows");
+  }
+  feel_with(*index);
+  begin(action);
+}
+
+void Cycle::feel_with(int grasp_index) {
+  --result_.attempts;
+  order_.put_back(grasp_index_);
   --attempts_;
   ++touches_;
   ++result_.touches;
-  result_.grasp_index = grasp_index_ = advice.grasp;
+  probed_ = probe_grasp() == grasp_index;
+  grasp_index_ = grasp_index;
+  if (!probed_) result_.grasp_index = grasp_index;
   touched_ = true;
   prepare_attempt();
-  ended(Outcome::kDoubtful, advice.why);
 }
 
 // What the last attempt was with is given up; any other is looked for.
@@ -277,7 +300,7 @@ void Cycle::next_grasp(const std::string& why) {
 }
 
 void Cycle::attempt(int grasp_index) {
-  looking_ = fresh_ = at_place_ = touched_ = false;
+  looking_ = fresh_ = at_place_ = touched_ = probed_ = false;
   ++result_.attempts;
   ++attempts_;
   result_.grasp_index = grasp_index_ = grasp_index;

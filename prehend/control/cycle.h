@@ -93,6 +93,7 @@ struct SharedCycleOptions {
 /// with the others then (any_object()), finds nothing when none is left, and fails when only those
 /// are left that it gave up.
 ///
+/// `probe` touches the object with what the plan has for that, `largest_touches` times at most.
 /// `decide` follows the plan's advice. What is touched is no attempt; afterwards `look` waits for a
 /// plan of the same object, or takes the plan before.
 class Cycle {
@@ -102,7 +103,8 @@ class Cycle {
   Phase phase() const;
   bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
   const std::string& detail() const { return detail_; }  // in words
-  int grasp_index() const { return grasp_index_; }       // as CycleResult's
+  /// As CycleResult's; while it probes, one that is beyond the plan's grasps.
+  int grasp_index() const { return grasp_index_; }
   const CycleResult& result() const { return result_; }  // final once finished()
   const std::vector<Surprise>& surprises() const { return surprises_; }
   const std::string& failure() const { return failure_; }  // of the present attempt; empty: none
@@ -131,6 +133,8 @@ class Cycle {
   virtual void prepare_attempt() = 0;
   /// Before a new look: gets out of the way and calls look_now().
   virtual void clear_view() = 0;
+  /// The grasp of the plan that is none but a probe, by its index; none: the plan has no probe.
+  virtual std::optional<int> probe_grasp() const { return std::nullopt; }
   virtual void stop_motion() = 0;
 
   /// Waits until begin_task(). Without grasps it has failed, with `problem` as reason.
@@ -177,6 +181,9 @@ class Cycle {
   void enter(int state);
   void look();
   void decide();
+  void probe(const Action& action);
+  /// What was begun as an attempt is to feel the object with that grasp.
+  void feel_with(int grasp_index);
   void next_grasp(const std::string& why);
   void attempt(int grasp_index);
   void object_ended();
@@ -190,6 +197,7 @@ class Cycle {
   bool fresh_ = false;    // a plan was taken of which nothing was tried
   bool any_object_ = false, at_place_ = false;
   bool touched_ = false;            // the present object, and no attempt was made since
+  bool probed_ = false;             // that was no grasp of the plan
   int attempts_ = 0, touches_ = 0;  // with the present object
   int given_up_ = 0;
   Advice advice_;  // of a plan that `decide` has not asked yet

@@ -46,10 +46,13 @@ void Holding::weigh(const std::optional<Eigen::Vector3d>& force) {
   if (force) borne_.add(*force);
 }
 
+double Holding::weight_deviation() const {
+  return free_.deviation() *
+         std::sqrt(1.0 / std::max(1, free_.count()) + 1.0 / std::max(1, borne_.count()));
+}
+
 double Holding::noise() const {
-  const double both =
-      std::sqrt(1.0 / std::max(1, free_.count()) + 1.0 / std::max(1, borne_.count()));
-  return std::max(options_.resolution, options_.significance * free_.deviation() * both);
+  return std::max(options_.resolution, options_.significance * weight_deviation());
 }
 
 bool Holding::force_decides() const {

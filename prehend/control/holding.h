@@ -96,6 +96,10 @@ class Holding {
 
   /// What held() weighed [N]; unset when the sensor could not tell.
   std::optional<double> weight() const { return weight_; }
+  /// The standard deviation of that by the wrist's noise [N].
+  double weight_deviation() const;
+  /// How far this force is from that of the free hand [N]. @pre feel_free() was told of one
+  double change(const Eigen::Vector3d& force) const { return (force - free_.mean()).norm(); }
 
  private:
   double noise() const;  // N, of one mean against the other, that is no evidence

@@ -76,6 +76,17 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   return result;
 }
 
+std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
+                                  const planning::PlannedProbe& probe) {
+  if (probe.segments.empty()) return std::nullopt;
+  planning::PlannedPick pick;
+  pick.grasp = probe.hand;
+  pick.segments = probe.segments;
+  ArmGrasp result = arm_grasp(platform, pick);
+  result.probe_H = probe.tip_H;
+  return result;
+}
+
 Advice advice_of(const planning::PlatformPlan& plan) {
   return plan.choices.empty() ? Advice{} : advice_of(plan.choices.front());
 }

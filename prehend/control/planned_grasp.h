@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "prehend/control/arm_cycle.h"
 #include "prehend/planning/platform_plan.h"
 
@@ -9,6 +11,10 @@ namespace prehend::control {
 /// how the hand closes (its joints with the prefix hand_ that they have in the platform), and what
 /// is to be felt. @throws geometry::InputError for an unknown preshape.
 ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick& pick);
+
+/// What the cycle executes of a planned probe, after the grasps of its plan; none without one.
+std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
+                                  const planning::PlannedProbe& probe);
 
 /// What a cycle goes by: the best of the plan's choices; without any it grasps.
 Advice advice_of(const planning::PlatformPlan& plan);

@@ -32,6 +32,8 @@ std::string to_string(Primitive primitive) {
       return "wait";
     case Primitive::kDecide:
       return "decide";
+    case Primitive::kProbe:
+      return "probe";
   }
   return "unknown";
 }
@@ -60,6 +62,7 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
   switch (primitive) {
     case Primitive::kLook:
     case Primitive::kTouch:
+    case Primitive::kProbe:
       return nothing;
     case Primitive::kApproach:
     case Primitive::kGrasp:

@@ -24,13 +24,15 @@ enum class Primitive {
   kRetreat,   // away from the object, along the plan or back the way it came
   kWait,
   kDecide,  // what is worth most: to grasp now, to feel it first, or to leave it
+  kProbe,   // goes straight with one fingertip to where most is to be learnt, until it meets
+            // something
 };
 
 /// How an action ends.
 enum class Outcome {
   kDone,
   kNothing,  // look: none is left; touch: met nothing; move: the plan has no place; decide: it
-             // is not worth an attempt
+             // is not worth an attempt; probe: the plan has none, or it was felt enough
   kFailed,
   kLost,      // what was held is
   kDoubtful,  // decide: it is to be felt first

@@ -61,6 +61,26 @@ class Decider {
   // Expectation of `what` of the shapes' weights after touching there.
   template <class What>
   double after_touch(std::size_t g, const Weights& weights, const What& what) const {
+    return after_stop([&](std::size_t k, std::size_t j) { return difference(g, k, j); }, weights,
+                      what);
+  }
+
+  // The same after a probe that shapes stop after these ways [m].
+  template <class What>
+  double after_probe(const std::vector<double>& stops, const Weights& weights,
+                     const What& what) const {
+    const auto apart = [&](std::size_t k, std::size_t j) {
+      return std::min(kPlain, std::abs(stops[k] - stops[j]) / options_.stop_deviation_probe);
+    };
+    return after_stop(apart, weights, what);
+  }
+
+ private:
+  static constexpr double kPlain = 10;  // closing on air is told from a touch
+
+  // `difference` of where it stops on two shapes, in standard deviations.
+  template <class Difference, class What>
+  static double after_stop(const Difference& difference, const Weights& weights, const What& what) {
     double sum = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
       if (weights[k] == 0) continue;
@@ -68,7 +88,7 @@ class Decider {
         Weights then = weights;
         for (std::size_t j = 0; j < then.size(); ++j) {
           // Along the line between the two, where all that tells them apart is.
-          const double apart = difference(g, k, j) + node.at;
+          const double apart = difference(k, j) + node.at;
           then[j] *= std::exp(-0.5 * (apart * apart - node.at * node.at));
         }
         sum += weights[k] * node.weight * what(normalized(std::move(then)));
@@ -77,7 +97,6 @@ class Decider {
     return sum;
   }
 
- private:
   static Weights normalized(Weights weights) {
     double sum = 0;
     for (const double weight : weights) sum += weight;
@@ -92,7 +111,6 @@ class Decider {
 
   // Of where the hand stops on two shapes, in standard deviations of a motor.
   double difference(std::size_t g, std::size_t k, std::size_t j) const {
-    constexpr double kPlain = 10;  // closing on air is told from a touch
     const Eigen::VectorXd &a = grasps_[g].stops[k], &b = grasps_[g].stops[j];
     if (k == j) return 0;
     if (a.size() != b.size()) return kPlain;
@@ -105,8 +123,12 @@ class Decider {
   double deviation_;
 };
 
-void check(const std::vector<GraspChances>& grasps, const Weights& weights) {
+void check(const std::vector<GraspChances>& grasps, const Weights& weights,
+           const std::vector<double>& probe) {
   const text::Require require{"decide: "};
+  require(probe.empty() || probe.size() == weights.size(),
+          "the probe is of other shapes than the weights");
+  for (const double stop : probe) require(std::isfinite(stop), "a probe's stop is not finite");
   double sum = 0;
   for (const double weight : weights) {
     require(std::isfinite(weight) && weight >= 0, "weights must not be negative");
@@ -135,6 +157,8 @@ const char* to_string(Act act) {
       return "look";
     case Act::kGiveUp:
       return "give up";
+    case Act::kProbe:
+      return "probe";
   }
   return "unknown";
 }
@@ -147,6 +171,8 @@ void DecisionOptions::validate() const {
   require(success_of_all >= success_of_none, "success_of_all must not be below success_of_none");
   require(std::isfinite(stop_deviation_angle) && stop_deviation_angle > 0,
           "stop_deviation_angle must be positive");
+  require(std::isfinite(stop_deviation_probe) && stop_deviation_probe > 0,
+          "stop_deviation_probe must be positive");
   require(std::isfinite(stop_deviation_length) && stop_deviation_length > 0,
           "stop_deviation_length must be positive");
 }
@@ -166,9 +192,9 @@ double success_of(const GraspChances& grasp, const std::vector<double>& weights,
 
 std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
                            const std::vector<double>& weights, bool jaws,
-                           const DecisionOptions& options) {
+                           const DecisionOptions& options, const std::vector<double>& probe) {
   options.validate();
-  check(grasps, weights);
+  check(grasps, weights, probe);
   const Decider decider(grasps, jaws, options);
   std::vector<Choice> choices;
   for (std::size_t g = 0; g < grasps.size(); ++g) {
@@ -190,6 +216,18 @@ std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
     touch.text = fmt::format("feel it with grasp {} first: lifted with {:.2f} then, worth {:.0f} s",
                              g, touch.success, touch.worth);
     choices.push_back(std::move(touch));
+  }
+  if (options.touches > 0 && !probe.empty() && !grasps.empty()) {
+    Choice first{Act::kProbe, -1, 0, 0, ""};
+    first.success = decider.after_probe(probe, weights,
+                                        [&](const Weights& then) { return decider.success(then); });
+    first.worth = decider.after_probe(probe, weights, [&](const Weights& then) {
+      return decider.best(then, options.attempts);
+    }) - options.touch;
+    first.text =
+        fmt::format("touch it with one fingertip first: lifted with {:.2f} then, worth {:.0f} s",
+                    first.success, first.worth);
+    choices.push_back(std::move(first));
   }
   choices.push_back({Act::kGiveUp, -1, 0, 0, "leave it: worth 0 s"});
   std::optional<Choice> look;
@@ -220,14 +258,14 @@ std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
 
 std::vector<Choice> decide_on(const surface::ObjectModel& object,
                               const std::vector<const grasp::Grasp*>& grasps, bool jaws,
-                              const DecisionOptions& options) {
+                              const DecisionOptions& options, const std::vector<double>& probe) {
   std::vector<GraspChances> chances;
   for (const grasp::Grasp* grasp : grasps) {
     if (grasp->held_on_shapes.empty()) break;
     chances.push_back(chances_of(*grasp));
   }
   if (chances.empty()) return {};
-  return decide(chances, grasp::shape_weights(object), jaws, options);
+  return decide(chances, grasp::shape_weights(object), jaws, options, probe);
 }
 
 }  // namespace prehend::planning

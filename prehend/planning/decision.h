@@ -20,8 +20,9 @@ enum class Act {
   kTouch,      // close gently, let go, and plan again by where the hand stopped
   kLook,       // from where its shape can be told
   kGiveUp,
+  kProbe,  // a fingertip goes to where most is to be learnt; plan again by where it was stopped
 };
-/// "grasp", "touch", "look", "give up".
+/// "grasp", "touch", "look", "give up", "probe".
 const char* to_string(Act act);
 
 /// What acts cost and bring. Value and costs are of one unit, seconds: what is worth a minute is
@@ -30,7 +31,8 @@ struct DecisionOptions {
   double value = 120;   // s, > 0, of an object that is lifted
   double attempt = 20;  // s, > 0, of an attempt that succeeds
   double failure = 30;  // s, >= 0, of one that fails, beyond that: what is felled or moved
-  double touch = 15;    // s, > 0, of feeling it first, with the new look and plan after it
+  /// s, > 0, of feeling it first, with a hand or one fingertip, and the new look and plan after it.
+  double touch = 15;
   /// s, >= 0, of a look that tells its shape; 0: there is no camera for it. No knob: no platform
   /// has a camera that moves.
   double look = 0;
@@ -42,6 +44,7 @@ struct DecisionOptions {
   double success_of_all = 0.965;
   double stop_deviation_angle = 0.05;     // rad, > 0, standard, of where a motor stops on a shape
   double stop_deviation_length = 0.0015;  // m, > 0, the same of a jaw
+  double stop_deviation_probe = 0.004;    // m, > 0, the same of a hand that goes straight
 
   /// See text/knob.h.
   template <class Self, class Visit>
@@ -98,16 +101,19 @@ double success_of(const GraspChances& grasp, const std::vector<double>& weights,
 /// is the last.
 ///
 /// @param jaws the motors slide: DecisionOptions::stop_deviation_length is theirs.
+/// @param probe m, of each shape, after which way a probe of one fingertip is stopped by it; empty:
+/// there is none. It is weighed as a touch.
 /// @throws std::invalid_argument for options out of range, weights that are not positive numbers of
-/// sum 1, or grasps of other shapes.
+/// sum 1, or grasps or a probe of other shapes.
 std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
                            const std::vector<double>& weights, bool jaws,
-                           const DecisionOptions& options);
+                           const DecisionOptions& options, const std::vector<double>& probe = {});
 
 /// The same of planned grasps of an object, as many of the first as were assessed; empty: the first
 /// was not. @throws as decide(), and as grasp::shape_weights().
 std::vector<Choice> decide_on(const surface::ObjectModel& object,
                               const std::vector<const grasp::Grasp*>& grasps, bool jaws,
-                              const DecisionOptions& options);
+                              const DecisionOptions& options,
+                              const std::vector<double>& probe = {});
 
 }  // namespace prehend::planning

@@ -8,12 +8,16 @@
 
 #include <fmt/format.h>
 
+#include "prehend/geometry/gravity.h"
 #include "prehend/text/require.h"
 
 namespace prehend::planning {
 namespace {
 
 using std::chrono::steady_clock;
+
+constexpr double kLeastFriction = 0.02;  // of anything on foam or rubber
+constexpr double kTwoPads = 2;           // that share the load
 
 double seconds_since(steady_clock::time_point begin) {
   return std::chrono::duration<double>(steady_clock::now() - begin).count();
@@ -27,6 +31,35 @@ void add_remedies(Remedies remedies, steady_clock::time_point asked, PlatformPla
 
 }  // namespace
 
+void within_load(const grasp::LoadBounds& load, double volume, PlatformPlanOptions* options,
+                 robot::HandModel* hand) {
+  grasp::PlannerOptions& grasps = options->grasps;
+  if (load.mass.is_known()) {
+    const grasp::Interval density =
+        grasp::within({grasps.hollow_share * grasps.density, grasps.density},
+                      {load.mass.low / volume, load.mass.high / volume});
+    grasps.density = density.high;
+    grasps.hollow_share = std::clamp(density.low / density.high, 0.01, 1.0);
+  }
+  if (!load.friction.is_known()) return;
+  grasp::UncertaintyOptions& disturbed = grasps.uncertainty;
+  const grasp::Interval friction =
+      grasp::within({disturbed.least_friction, disturbed.largest_friction}, load.friction);
+  disturbed.least_friction = std::max(kLeastFriction, friction.low);
+  disturbed.largest_friction = std::max(kLeastFriction, friction.high);
+  // What was assumed is on the safe side; what was felt goes before it.
+  const auto felt = [&](double assumed) {
+    return std::max(kLeastFriction, std::clamp(assumed, load.friction.low, load.friction.high));
+  };
+  grasps.pads.friction = felt(grasps.pads.friction);
+  hand->friction = felt(hand->friction);
+  if (options->touch) options->touch->friction = felt(options->touch->friction);
+  if (!(options->grip_force > 0) || !std::isfinite(load.friction.high)) return;
+  const double weight = grasps.density * volume * (geometry::kGravity + grasps.lift_acceleration);
+  options->grip_force =
+      std::max(options->grip_force, grasps.safety_factor * weight / (kTwoPads * hand->friction));
+}
+
 void PlatformPlanOptions::validate() const {
   grasps.validate();
   place.validate();
@@ -35,6 +68,7 @@ void PlatformPlanOptions::validate() const {
   require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
   if (touch) touch->validate();
   decision.validate();
+  probe.validate();
   RemedyOptions::knobs(remedies, text::CheckKnobs{require.of});
 }
 
@@ -49,20 +83,28 @@ void PlatformPlanner::set_gripper(const robot::GripperModel& gripper) {
 PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
                                    const geometry::Plane& table_W, const Neighbours& neighbours,
                                    const grasp::Reachability& reachability,
-                                   const robot::Positions& start,
-                                   const PlatformPlanOptions& options,
+                                   const robot::Positions& start, const PlatformPlanOptions& given,
                                    grasp::GraspDatabase* database,
                                    const std::optional<grasp::PlacedObject>& known) const {
-  options.validate();
+  given.validate();
   const auto begin = steady_clock::now();
+  PlatformPlanOptions options = given;
+  // The hand with this object's friction.
+  robot::HandModel model = platform_.hand;
+  std::optional<grasp::HandToClose> rubbing;
+  if (given.load.is_known() && object.mass_properties.volume > 0) {
+    within_load(given.load, object.mass_properties.volume, &options, &model);
+    if (model.friction != platform_.hand.friction) rubbing.emplace(model);
+  }
+  const grasp::HandToClose& hand = rubbing ? *rubbing : hand_;
   grasp::Obstacles obstacles;
   obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
   const grasp::Reachability reach = within_reach(reachability, platform_);
   const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
   grasp::GraspPlan grasps = database && known
                                 ? plan_grasps_with_memory(*database, *known, object, table_W,
-                                                          obstacles, hand_, reach, reaching)
-                                : plan_grasps(object, table_W, obstacles, hand_, reach, reaching);
+                                                          obstacles, hand, reach, reaching)
+                                : plan_grasps(object, table_W, obstacles, hand, reach, reaching);
   PlatformPlan plan;
   plan.rejections = std::move(grasps.rejections);
   plan.candidates = grasps.candidates;
@@ -80,7 +122,7 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
                 start, options, &plan);
   } else if (options.remedies.budget > 0) {
     const auto asked = steady_clock::now();
-    add_remedies(remedies_for_grasps(object, table_W, obstacles, platform_.hand, reach, reaching,
+    add_remedies(remedies_for_grasps(object, table_W, obstacles, model, reach, reaching,
                                      plan.rejections, options.remedies),
                  asked, &plan);
   }
@@ -88,8 +130,12 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   for (const PlannedPick& pick : plan.picks) {
     if (!pick.segments.empty()) executable.push_back(&pick.grasp);
   }
-  plan.choices =
-      decide_on(object, executable, platform_.hand.gripper.has_value(), options.decision);
+  if (!options.probes.empty() && !executable.empty()) {
+    add_probe(hand, object, {table_W, object.convex_pieces_W, neighbours.pieces_W}, start, options,
+              &plan);
+  }
+  plan.choices = decide_on(object, executable, platform_.hand.gripper.has_value(), options.decision,
+                           plan.probe.stops);
   if (options.touch) predict_touch(object, table_W, options, &plan);
   return plan;
 }
@@ -142,6 +188,15 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
   }
   for (grasp::Grasp& grasp : grasps)
     plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}});
+}
+
+void PlatformPlanner::add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,
+                                const PlatformScene& scene, const robot::Positions& start,
+                                const PlatformPlanOptions& options, PlatformPlan* plan) const {
+  const auto begin = steady_clock::now();
+  plan->probe =
+      plan_probe(platform_, hand, start, options.probes, object, scene, options.arm, options.probe);
+  plan->probe_time = seconds_since(begin);
 }
 
 void PlatformPlanner::predict_touch(const surface::ObjectModel& object,

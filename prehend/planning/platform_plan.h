@@ -8,8 +8,10 @@
 
 #include "prehend/grasp/closing/close_fingers.h"
 #include "prehend/grasp/known/grasp_memory.h"
+#include "prehend/grasp/load_bounds.h"
 #include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
+#include "prehend/planning/probe_plan.h"
 #include "prehend/planning/remedies.h"
 #include "prehend/planning/touch_prediction.h"
 #include "prehend/robot/platform.h"
@@ -41,11 +43,13 @@ struct PlatformPlan : grasp::PlanAnswer {
   /// What may be done with it, best first, by the grasps with a motion; empty: their chances are
   /// not known.
   std::vector<Choice> choices;
+  PlannedProbe probe;      // of PlatformPlanOptions::probes; no segments: none can be made
   Remedies remedies;       // where no grasp can be executed; in `problem`, too
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
   double grasp_time = 0;   // s, that planning the hand's grasps took
   double touch_time = 0;   // s, that predicting touch took
+  double probe_time = 0;   // s, that planning the probe took
   double remedy_time = 0;  // s, that finding out what would help took
 };
 
@@ -65,9 +69,26 @@ struct PlatformPlanOptions {
   std::optional<TouchPredictionOptions> touch;
   RemedyOptions remedies;  // beside the budgets of the others
   DecisionOptions decision;
+  /// Of the object, by what attempts told: grasps are planned with a density, friction and force
+  /// within it (within_load()).
+  grasp::LoadBounds load;
+  /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
+  std::vector<ProbeWay> probes;
+  ProbePlanOptions probe;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
+
+/// What was assumed of any object, `options` and the hand's friction, within what is known of this
+/// one's load, of so much volume [m^3]:
+/// - the density is the greatest that its mass allows, and hollow it is no more than that;
+/// - the friction that is planned with and what it is disturbed by are grasp::within() the known;
+/// - `grip_force`, where there is one, is at least what the mass asks of two pads with that
+/// friction
+///   and the safety factor, when it has slipped.
+/// Nothing changes where nothing is known. @pre volume > 0
+void within_load(const grasp::LoadBounds& load, double volume, PlatformPlanOptions* options,
+                 robot::HandModel* hand);
 
 /// Plans grasps of a platform's hand and the motion of the arm that carries it: plan_grasps()
 /// within the arm's reach, free_places_for(), and plan_platform_pick() for as many as get a motion.
@@ -95,6 +116,10 @@ class PlatformPlanner {
   void add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
                    const robot::Positions& start, const PlatformPlanOptions& options,
                    PlatformPlan* plan) const;
+
+  void add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,
+                 const PlatformScene& scene, const robot::Positions& start,
+                 const PlatformPlanOptions& options, PlatformPlan* plan) const;
 
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
                      const PlatformPlanOptions& options, PlatformPlan* plan) const;

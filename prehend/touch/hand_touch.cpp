@@ -112,9 +112,14 @@ std::vector<PadContact> HandTouch::contacts(const std::vector<std::string>& join
                                             const std::vector<double>& positions,
                                             const std::vector<PadFrame>& frames,
                                             double least_force) const {
-  const Eigen::VectorXd all = joint_positions(hand_, joints, positions);
+  return contacts(joint_positions(hand_, joints, positions), frames, least_force);
+}
+
+std::vector<PadContact> HandTouch::contacts(const Eigen::VectorXd& joints,
+                                            const std::vector<PadFrame>& frames,
+                                            double least_force) const {
   std::vector<geometry::RigidTransform> X_HL;
-  hand_.link_poses(all, X_HL);
+  hand_.link_poses(joints, X_HL);
   std::vector<PadContact> contacts;
   for (const PadFrame& frame : frames) {
     const auto pad = std::find_if(hand_.pads.begin(), hand_.pads.end(),

@@ -64,6 +64,10 @@ class HandTouch {
                                    const std::vector<double>& positions,
                                    const std::vector<PadFrame>& frames,
                                    double least_force = 0.05) const;
+  /// The same with the hand's joints as joint_positions() hands them back.
+  std::vector<PadContact> contacts(const Eigen::VectorXd& joints,
+                                   const std::vector<PadFrame>& frames,
+                                   double least_force = 0.05) const;
 
  private:
   robot::HandModel hand_;

@@ -103,6 +103,57 @@ TEST(AttemptMemory, GoesAlongWithWhatHasMoved) {
             0.7 * error_of(predicted_surface(second), second.truth_W));
 }
 
+// It was gripped, which pushed it, lifted, and came down elsewhere; or farther than it is looked
+// for.
+TEST(AttemptMemory, WhatWasHeldIsKnownWhereItWasPutDown) {
+  const Predicted first = too_deep(box(), kDepth);
+  const Eigen::AlignedBox3d body = geometry::bounds(first.truth_W);
+  Attempt attempt = touches_behind(first.truth_W);
+  constexpr double kPushed = 0.006;  // m, by the grip
+  Act grip;
+  grip.motion = {0.008, 0.05};
+  for (const double y : {-0.015, 0.0, 0.015}) {
+    grip.contacts.push_back(
+        {{body.min().x() + kPushed, y, body.center().z()}, -Vector3d::UnitX(), 0.0007});
+    grip.contacts.push_back(
+        {{body.max().x() + kPushed, y, body.center().z()}, Vector3d::UnitX(), 0.0007});
+  }
+  attempt.push_back(grip);
+  AttemptMemory memory(hand());
+  memory.add(attempt, first.shape, first.view.table_W, predicted_surface(first));
+  const Predicted far = too_deep(geometry::transformed(box(), moved_by(0.25, 0.1, 0.3)), kDepth);
+  EXPECT_FALSE(memory.recall(far.shape, far.view.table_W));
+  EXPECT_THAT(memory.problem(), HasSubstr("looks like it"));
+  const Predicted put_down =
+      too_deep(geometry::transformed(box(), moved_by(0.04, 0.07, 0.1)), kDepth);
+  const auto known = memory.recall(put_down.shape, put_down.view.table_W);
+  ASSERT_TRUE(known) << memory.problem();
+  EXPECT_EQ(known->contacts.size(), 9u);
+  EXPECT_LT(error_of(known->model.mesh_W, put_down.truth_W),
+            0.7 * error_of(predicted_surface(put_down), put_down.truth_W));
+}
+
+// The hand closed on air where something is seen all the same: it came there after, or the hand was
+// elsewhere. Nothing is concluded from either.
+TEST(AttemptMemory, WhatIsSeenWhereTheHandWentThroughIsBelievedAsItIsSeen) {
+  const Predicted predicted(box());
+  RigidTransform X_WG = moved_by(0, -0.12, 0);
+  X_WG.linear() = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
+  X_WG.translation().z() = 0.03;
+  const robot::Preshape& preshape = hand().preshape("open");
+  Act act;
+  for (const double y : {-0.12, 0.0, 0.12}) {
+    X_WG.translation().y() = y;
+    act.free_way.push_back({X_WG * (hand().X_HP * preshape.X_PG).inverse(Eigen::Isometry),
+                            hand().all_positions(preshape.open)});
+  }
+  AttemptMemory memory(hand());
+  memory.add({act}, predicted.shape, predicted.view.table_W, predicted_surface(predicted));
+  EXPECT_FALSE(memory.recall(predicted.shape, predicted.view.table_W));
+  EXPECT_THAT(memory.problem(), HasSubstr("contradicts"));
+  EXPECT_TRUE(memory.empty()) << "it starts again from the look";
+}
+
 // It is gone, and what is seen is something else.
 TEST(AttemptMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
   const Predicted first(box());

@@ -177,6 +177,21 @@ TEST(ObjectBelief, SaysWhenEvidenceContradictsEverything) {
   EXPECT_NO_THROW(belief.mesh());
 }
 
+// Evidence of which no shape's likelihood is a number.
+TEST(ObjectBelief, SaysWhenAllWeightsUnderflow) {
+  const Predicted predicted(box());
+  constexpr double kBeyond = 1e160;  // m, whose square is none
+  ObjectBelief belief = predicted.belief();
+  belief.begin_act({kBeyond, kBeyond});
+  belief.add({{kBeyond, 0, 0.05}, Eigen::Vector3d::UnitX(), 1e-160});
+  belief.add({{-0.04, 0, 0.05}, -Eigen::Vector3d::UnitX(), 0.001});
+  belief.update();
+  EXPECT_TRUE(belief.contradicted());
+  double sum = 0;
+  for (const BelievedShape& shape : belief.shapes()) sum += shape.weight;
+  EXPECT_NEAR(sum, 1, 1e-9);
+}
+
 // The hand pushed the object before it felt it: the object moved, its shape did not.
 TEST(ObjectBelief, TellsASlideFromAShape) {
   const Predicted predicted(box());

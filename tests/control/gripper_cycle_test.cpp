@@ -158,6 +158,25 @@ TEST_F(GripperCycleTest, TheNextGraspOfWhatSlippedBeginsWithMore) {
             2);
 }
 
+// The planner knows how it slipped, and has planned by that.
+TEST_F(GripperCycleTest, WhatWasPlannedByHowItSlippedBeginsAsPlanned) {
+  world.needed_force = 1000;
+  ArmCycleOptions options = reacting();
+  options.largest_grip_force = 14;
+  options.largest_slide = 0.001;
+  ArmCycle careful(options, arm, hand);
+  ArmGrasp second = grasp_at(0.02);
+  second.knows_slip = true;
+  careful.start({grasp_at(0), second});
+  run_to_the_end(careful);
+  ASSERT_EQ(careful.result().attempts, 2);
+  const auto harder =
+      std::count_if(careful.surprises().begin(), careful.surprises().end(), [](const Surprise& s) {
+        return s.kind == SurpriseKind::kSlip && s.reaction == "holds harder";
+      });
+  EXPECT_EQ(harder, 2) << "12 N, then 14 N, each time";
+}
+
 // Regression: nobody looked while it was lowered, nor whether the hand was empty after.
 TEST_F(GripperCycleTest, WhatIsLostWhileLoweringIsNoSuccess) {
   run(1, [&] {

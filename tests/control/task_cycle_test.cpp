@@ -188,6 +188,97 @@ TEST_F(TaskOfTheGripper, FeelsNoMoreThanItMay) {
   EXPECT_EQ(deciding.result().plans, 2);
 }
 
+ArmGrasp probing(ArmGrasp grasp) {
+  grasp.probe_H = Eigen::Vector3d(0, 0.03, 0.1);
+  return grasp;
+}
+
+// A fingertip goes where the plan's probe leads, and what stops it is told.
+TEST_F(TaskOfTheGripper, ProbesWhatItThenPicks) {
+  for (const double obstacle : {0.03, -1.0}) {  // m: met on the way, or not
+    SCOPED_TRACE(obstacle);
+    world.obstacle_height = obstacle;
+    ArmCycle cycle_of{doing(task_named("probe_and_pick")), arm, hand};
+    cycle_of.start({grasp_at(0), probing(grasp_at(0.02))});
+    bool met = false;
+    for (int i = 0; i < 60000 && !cycle_of.finished(); ++i) {
+      step(cycle_of);
+      if (!cycle_of.met_with_H()) continue;
+      met = true;
+      EXPECT_EQ(cycle_of.phase(), Phase::kApproach);
+      EXPECT_FALSE(world.arm_moving());
+      EXPECT_NEAR(cycle_of.met_with_H()->y(), 0.03, 1e-12);
+      world.obstacle_height = -1;
+    }
+    EXPECT_EQ(met, obstacle > 0);
+    EXPECT_TRUE(cycle_of.result().success()) << cycle_of.result().reason;
+    EXPECT_EQ(cycle_of.result().touches, 1);
+    EXPECT_EQ(cycle_of.result().attempts, 1) << "a probe is no attempt";
+    EXPECT_EQ(cycle_of.result().grasp_index, 0);
+    EXPECT_THAT(states_of(cycle_of),
+                ElementsAre("look", "probe", "back", "look", "probe", "approach", "grasp", "lift",
+                            "carry", "put_down", "release", "leave", "success"));
+  }
+}
+
+TEST_F(TaskOfTheGripper, PicksAtOnceWhatNoFingertipCanProbe) {
+  ArmCycle cycle_of{doing(task_named("probe_and_pick")), arm, hand};
+  cycle_of.start({grasp_at(0)});
+  run_to_the_end(cycle_of);
+  EXPECT_TRUE(cycle_of.result().success()) << cycle_of.result().reason;
+  EXPECT_EQ(cycle_of.result().touches, 0);
+  EXPECT_EQ(states_of(cycle_of)[2], "approach");
+}
+
+// A pad that feels more than before stops it, too, one that always feels something does not.
+TEST_F(TaskOfTheGripper, APadThatTouchesStopsAProbe) {
+  for (const double offset : {0.0, 1.0}) {
+    SCOPED_TRACE(offset);
+    ArmCycle cycle_of{doing(task_named("probe_and_pick")), arm, hand};
+    cycle_of.start({grasp_at(0), probing(grasp_at(0.02))});
+    bool met = false;
+    double stopped_at = 0;
+    for (int i = 0; i < 60000 && !cycle_of.finished() && !met; ++i) {
+      ArmPercepts percepts = world.percepts();
+      for (PadPercept& pad : percepts.pads) {
+        pad.sum += offset;
+        if (cycle_of.detail() == "arm: approach" && world.height() < 0.05) pad.sum += 0.5;
+      }
+      cycle_of.step(percepts);
+      world.advance();
+      met = cycle_of.met_with_H().has_value();
+      stopped_at = world.height();
+    }
+    EXPECT_TRUE(met) << cycle_of.result().reason;
+    EXPECT_NEAR(stopped_at, 0.05, 0.01);
+  }
+}
+
+TEST_F(TaskOfTheGripper, ProbesWhereThePlanSaysThatThisIsWorthIt) {
+  ArmCycle deciding{doing(task_named("decide_and_pick")), arm, hand};
+  deciding.start({grasp_at(0), probing(grasp_at(0.02))}, "", {Advice::Act::kProbe, 0, "probe it"});
+  run_to_the_end(deciding);
+  EXPECT_TRUE(deciding.result().success()) << deciding.result().reason;
+  EXPECT_EQ(deciding.result().touches, 1);
+  EXPECT_THAT(states_of(deciding), ElementsAre("look", "decide", "reach", "feel", "let_go", "back",
+                                               "look", "decide", "approach", "grasp", "lift",
+                                               "carry", "put_down", "release", "leave", "success"));
+}
+
+// An arm that does not come there is no reason to leave what can be grasped.
+TEST_F(TaskOfTheGripper, AProbeThatFailsIsNoAttempt) {
+  ArmCycleOptions options = doing(task_named("probe_and_pick"));
+  options.motion_timeout = 20;
+  ArmCycle cycle_of{options, arm, hand};
+  cycle_of.start({grasp_at(0), probing(grasp_at(0.02))});
+  for (int i = 0; i < 60000 && !cycle_of.finished(); ++i) {
+    world.arm_stuck = cycle_of.detail() == "arm: approach" && cycle_of.grasp_index() == 1;
+    step(cycle_of);
+  }
+  EXPECT_TRUE(cycle_of.result().success()) << cycle_of.result().reason;
+  EXPECT_EQ(cycle_of.result().touches, 1);
+}
+
 TEST_F(TaskOfTheGripper, LeavesWhatIsNotWorthAnAttempt) {
   ArmCycle deciding{doing(task_named("decide_and_pick")), arm, hand};
   deciding.start({grasp_at(0)}, "", {Advice::Act::kGiveUp, 0, "leave it: worth -3 s"});

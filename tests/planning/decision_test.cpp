@@ -85,6 +85,25 @@ TEST(Decide, WhatTellsNothingIsWorthNothing) {
                std::out_of_range);
 }
 
+TEST(Decide, AProbeIsMadeExactlyWhereItCostsLessThanItSaves) {
+  DecisionOptions options = sure();
+  const double saved = 0.5 * (options.attempt + options.failure);
+  for (const double cost : {saved - 0.1, saved + 0.1}) {
+    options.touch = cost;
+    const std::vector<Choice> choices =
+        decide(grasp_for_each(0), {0.5, 0.5}, true, options, {0.02, 0.08});
+    EXPECT_NEAR(of(choices, Act::kProbe).worth, options.value - options.attempt - cost, 1e-6);
+    EXPECT_EQ(choices.front().act, cost < saved ? Act::kProbe : Act::kGrasp);
+  }
+  // Where all shapes stop it alike, it tells nothing.
+  const std::vector<Choice> alike =
+      decide(grasp_for_each(0), {0.5, 0.5}, true, options, {0.05, 0.05});
+  EXPECT_NEAR(of(alike, Act::kProbe).worth, of(alike, Act::kGrasp).worth - options.touch, 1e-9);
+  EXPECT_THROW(decide(grasp_for_each(0), {0.5, 0.5}, true, options, {0.05}), std::invalid_argument);
+  EXPECT_THROW(decide(grasp_for_each(0), {0.5, 0.5}, true, options, {0.05, std::nan("")}),
+               std::invalid_argument);
+}
+
 // Against drawing where the hand stops, for shapes that are hard and easy to tell apart.
 TEST(Decide, TouchesAreWorthWhatDrawingSays) {
   const DecisionOptions options = sure();
