@@ -188,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Hands, HandEvidenceOf,
 
 class HandEvidenceInput : public testing::Test {
  protected:
-  const robot::HandModel hand_ = hand_of({"sdh2"});
+  const robot::HandModel hand_ = hand_of({"sdh2", "pinch"});
   const HandEvidence evidence_{hand_};
   HandSample sample_{RigidTransform::Identity(), hand_.all_positions(hand_.preshapes.front().open)};
   touch::PadFrame frame_{"thumb_distal", touch::felt_pad_of(hand_.pads.back()),

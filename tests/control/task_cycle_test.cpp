@@ -195,7 +195,7 @@ ArmGrasp probing(ArmGrasp grasp) {
 
 // A fingertip goes where the plan's probe leads, and what stops it is told.
 TEST_F(TaskOfTheGripper, ProbesWhatItThenPicks) {
-  for (const double obstacle : {0.03, -1.0}) {  // m: met on the way, or not
+  for (const double obstacle : {0.06, -1.0}) {  // m: met on the way, or not
     SCOPED_TRACE(obstacle);
     world.obstacle_height = obstacle;
     ArmCycle cycle_of{doing(task_named("probe_and_pick")), arm, hand};
