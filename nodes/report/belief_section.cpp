@@ -42,7 +42,7 @@ std::string what_was_made(const msgs::Belief& belief) {
       1e3 * belief.change());
 }
 
-std::string in_words(const msgs::Interval& interval, const char* unit) {
+std::string interval_text(const msgs::Interval& interval, const char* unit) {
   if (!interval.has_high()) return fmt::format("at least {:.2g}{}", interval.low(), unit);
   if (!interval.has_low()) return fmt::format("at most {:.2g}{}", interval.high(), unit);
   return fmt::format("{:.2g} to {:.2g}{}", interval.low(), interval.high(), unit);
@@ -51,11 +51,11 @@ std::string in_words(const msgs::Interval& interval, const char* unit) {
 std::string what_it_weighs(const msgs::Belief& belief) {
   std::string text;
   if (belief.has_mass()) {
-    text += fmt::format(" By how it was held it weighs {}.", in_words(belief.mass(), " kg"));
+    text += fmt::format(" By how it was held it weighs {}.", interval_text(belief.mass(), " kg"));
   }
   if (belief.has_friction()) {
     text += fmt::format(" By how it held and slipped its friction on the pads is {}.",
-                        in_words(belief.friction(), ""));
+                        interval_text(belief.friction(), ""));
   }
   if (!belief.load_problem().empty()) text += " Of its load, " + belief.load_problem() + ".";
   return text;
