@@ -9,6 +9,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
 }
+bool is_of_all_below(const std::string& name) { return name.ends_with("/*"); }
 
 }  // namespace
 
@@ -31,6 +32,31 @@ void check_resource_name(const std::string& name) {
                                 "': use '/' and letters, digits and '_' in each part, as in "
                                 "'/camera/left'");
   }
+}
+
+void check_remap(const std::string& from, const std::string& to) {
+  for (const std::string& name : {from, to}) {
+    check_resource_name(is_of_all_below(name) ? name.substr(0, name.size() - 2) : name);
+  }
+  if (is_of_all_below(from) != is_of_all_below(to)) {
+    throw std::invalid_argument("'" + from + "' to '" + to +
+                                "': both must end with '/*', which renames all below, or none");
+  }
+}
+
+Remaps::const_iterator remap_of(const Remaps& remaps, const std::string& name) {
+  auto remap = remaps.find(name);
+  for (std::size_t end = name.rfind('/'); remap == remaps.end() && end > 0 && end != name.npos;
+       end = name.rfind('/', end - 1)) {
+    remap = remaps.find(name.substr(0, end + 1) + "*");
+  }
+  return remap;
+}
+
+std::string renamed(const Remaps::value_type& remap, const std::string& name) {
+  const auto& [from, to] = remap;
+  if (!is_of_all_below(from)) return to;
+  return to.substr(0, to.size() - 1) + name.substr(from.size() - 1);
 }
 
 void check_name_space(const std::string& name_space) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 namespace prehend::graph {
@@ -11,6 +12,19 @@ void check_node_name(const std::string& name);
 /// Checks a topic, service or action name: '/' before each part, parts of letters, digits and '_',
 /// e.g. "/camera/left". Throws std::invalid_argument naming the fault.
 void check_resource_name(const std::string& name);
+
+/// Name -> name in the graph. Both may end with "/*", which is whatever a name has there:
+/// "/tactile/*" -> "/left/tactile/*" makes "/tactile/thumb" "/left/tactile/thumb".
+using Remaps = std::map<std::string, std::string>;
+
+/// Checks both names of a remap. Throws std::invalid_argument naming the fault.
+void check_remap(const std::string& from, const std::string& to);
+
+/// The remap of a name, of those that fit the longest; remaps.end() where none does.
+Remaps::const_iterator remap_of(const Remaps& remaps, const std::string& name);
+
+/// What a remap that fits makes of a name.
+std::string renamed(const Remaps::value_type& remap, const std::string& name);
 
 /// Checks a namespace: "" for none, else as a resource name, e.g. "/left".
 /// Throws std::invalid_argument naming the fault.

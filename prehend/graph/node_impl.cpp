@@ -307,11 +307,11 @@ std::string Node::Impl::resolve(const std::string& name) {
   check_resource_name(name);
   const std::lock_guard lock(mutex);
   names_used.insert(name);
-  const auto remap = options.remaps.find(name);
+  const auto remap = remap_of(options.remaps, name);
   if (remap == options.remaps.end()) return in_name_space(options.name_space, name);
-  remaps_used.insert(name);
-  check_resource_name(remap->second);
-  return remap->second;
+  remaps_used.insert(remap->first);
+  check_remap(remap->first, remap->second);
+  return renamed(*remap, name);
 }
 
 void Node::Impl::take_name(const std::string& purpose, const std::string& name) {
@@ -453,7 +453,7 @@ void Node::Impl::start_spinning() {
   parameters.check_all_given_are_declared();
   for (const auto& [from, to] : options.remaps) {
     const std::lock_guard lock(mutex);
-    if (remaps_used.count(from)) continue;
+    if (remaps_used.count(from) || from == to) continue;
     std::string used;
     for (const std::string& name : names_used) used += " " + name;
     logger->warn("nothing of this node is named {}, which was to be remapped to {}; it uses:{}",

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
+#include <iterator>
+#include <stdexcept>
 
 #include "prehend/graph/names.h"
 #include "prehend/text/nearest_match.h"
@@ -195,14 +197,27 @@ void take_program(const LaunchScope& scope, const YAML::Node& entry, const std::
 std::map<std::string, std::string> remaps_of(const LaunchScope& scope, const YAML::Node& list,
                                              const std::string& name_space) {
   std::map<std::string, std::string> remaps = text_map_of(scope, list, "remap", Values::kSingle);
-  // What a prefix that may be empty leaves as it is.
-  std::erase_if(remaps, [](const auto& remap) { return remap.first == remap.second; });
+  // What a prefix that may be empty leaves as it is, unless it keeps a name from a remap of all
+  // there.
+  for (auto remap = remaps.begin(); remap != remaps.end();) {
+    auto others = remaps;
+    others.erase(remap->first);
+    const bool does_nothing =
+        remap->first == remap->second && graph::remap_of(others, remap->first) == others.end();
+    remap = does_nothing ? remaps.erase(remap) : std::next(remap);
+  }
   for (auto& [from, to] : remaps) {
     const std::string what = "remap " + from + ": " + to;
     const bool whole_graph = to.starts_with("//");
-    check_resource(scope, list, what, from);
-    check_resource(scope, list, what, whole_graph ? to.substr(1) : to);
-    to = whole_graph ? to.substr(1) : graph::in_name_space(name_space, to);
+    if (whole_graph) to.erase(0, 1);
+    if (!is_open(from) && !is_open(to)) {
+      try {
+        graph::check_remap(from, to);
+      } catch (const std::invalid_argument& error) {
+        fail(scope, list, what + ": " + error.what());
+      }
+    }
+    if (!whole_graph) to = graph::in_name_space(name_space, to);
   }
   return remaps;
 }

@@ -53,7 +53,14 @@ void Readiness::check_remaps(const LaunchNode& node, LaunchOutput& output) const
     if (record.name() != node.name) continue;
     const std::vector<std::string> used = names_of(record);
     for (const auto& [from, to] : node.remaps) {
-      if (std::find(used.begin(), used.end(), to) != used.end()) continue;
+      if (from == to) continue;  // kept from another remap, if there is such a name
+      const bool all_below = to.ends_with("/*");
+      const std::string beginning = all_below ? to.substr(0, to.size() - 1) : to;
+      if (std::ranges::any_of(used, [&](const std::string& name) {
+            return all_below ? name.starts_with(beginning) : name == to;
+          })) {
+        continue;
+      }
       output.warning(node.place + ": remap of " + from + ": " + node.name +
                      " has no such topic, service or action" +
                      text::nearest_match_hint(from, used));

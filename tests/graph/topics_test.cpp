@@ -374,6 +374,22 @@ TEST_P(Topics, RemappedAndMalformedNames) {
   Node talker(remapped);
   auto publisher = talker.advertise<msgs::Clock>("/from", QoS::queue(10));
   EXPECT_EQ(publisher.topic(), "/to");
+  remapped.name = "talkers";
+  remapped.remaps = {
+      {"/pads/*", "/world/pads/*"}, {"/pads/left/*", "/left/*"}, {"/pads/top", "/t"}};
+  Node talkers(remapped);
+  for (const auto& [from, to] : {std::pair{"/pads/thumb", "/world/pads/thumb"},
+                                 {"/pads/left/thumb/tip", "/left/thumb/tip"},
+                                 {"/pads/top", "/t"},
+                                 {"/pads", "/pads"},
+                                 {"/padscale/a", "/padscale/a"}}) {
+    EXPECT_EQ(talkers.advertise<msgs::Clock>(from, QoS::queue(10)).topic(), to);
+  }
+  NodeOptions half = options("half");
+  half.remaps["/pads/*"] = "/world";
+  Node one_sided(half);
+  EXPECT_THROW((void)one_sided.advertise<msgs::Clock>("/pads/a", QoS::queue(1)),
+               std::invalid_argument);
   for (const char* bad : {"", "/", "no_slash", "/two//slashes", "/end/", "/spa ce"}) {
     EXPECT_THROW((void)talker.advertise<msgs::Clock>(bad, QoS::queue(1)), std::invalid_argument)
         << bad;

@@ -91,7 +91,7 @@ nodes:
   - node: simulation
     name: world
     parameters: {text: "a: b #c", n: -1}
-    remap: {/a: /b, /c: //d}
+    remap: {/a: /b, /c: //d, /e/*: /f/*}
     required: true
     namespace: /left/arm
     cpu_affinity: [0]
@@ -212,6 +212,13 @@ nodes: [{node: simulation, parameters: {told: $(told)}, remap: {/arm/stop: $(pre
   EXPECT_EQ(real.nodes[0].clock, "wall");
   EXPECT_EQ(real.nodes[0].parameters.at("told"), "wall rsi");
   EXPECT_EQ(real.nodes[0].remaps.at("/arm/stop"), "/unused/arm/stop");
+  const std::string all = R"yaml(
+arguments: {prefix: {default: ""}}
+nodes: [{node: simulation, remap: {/arm/*: $(prefix)/arm/*, /arm/stop: /arm/stop, /a: /a}}]
+)yaml";
+  EXPECT_TRUE(load(all).nodes[0].remaps.empty());
+  EXPECT_THAT(load(all, {"prefix:=/world"}).nodes[0].remaps,
+              ElementsAre(Pair("/arm/*", "/world/arm/*"), Pair("/arm/stop", "/arm/stop")));
   const std::string nodes = "\nnodes: [{node: report}]\n";
   EXPECT_THAT(error_of("values: {a: {then: 1, if: true}}" + nodes),
               HasSubstr("value a needs the key \"otherwise\""));
@@ -288,7 +295,11 @@ TEST_F(LaunchFileTest, WrongValuesAreNamed) {
   EXPECT_THAT(error_of("nodes: [{node: report, environment: {A: [1, 2]}}]"),
               HasSubstr("one value"));
   EXPECT_THAT(error_of("nodes: [{node: report, remap: {camera: /a}}]"),
-              HasSubstr("begin with '/'"));
+              HasSubstr("remap camera: /a: name 'camera': use '/'"));
+  for (const char* remap : {"/a/*: /b", "/a: /b/*", "/a*: /b*", "/*/a: /*/b"}) {
+    EXPECT_THAT(error_of("nodes: [{node: report, remap: {" + std::string(remap) + "}}]"),
+                HasSubstr("remap " + std::string(remap)));
+  }
   EXPECT_THAT(error_of("nodes: [{node: report, name: a-b}]"), HasSubstr("no node name"));
   EXPECT_THAT(error_of("nodes: [{node: ../bin/none}]"), HasSubstr("no node program"));
   EXPECT_THAT(error_of("nodes: [{node: ./a.yaml}]"), HasSubstr("is not executable"));

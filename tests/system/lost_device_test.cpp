@@ -43,9 +43,9 @@ class LostDevice : public ::testing::TestWithParam<Loss> {
   LostDevice()
       : registry_(drivers::TcpServer().name()),  // its port is free again
         robot_("prehend",
-               {"launch", "launch/emulated_robot.yaml", "lines:=" + line(),
-                "can:=slcan:" + line() + "_can", "--registry", registry_, "--log-dir",
-                (scratch_.path() / "log").string()},
+               {"launch", "launch/emulated_robot.yaml", "gripper:=pg70", "tactile:=dsa",
+                "wrench:=ft300", "lines:=" + line(), "can:=slcan:" + line() + "_can", "--registry",
+                registry_, "--log-dir", (scratch_.path() / "log").string()},
                scratch_.path() / "robot.txt"),
         node_(options()),
         models_(node_.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(4))),

@@ -292,10 +292,13 @@ TEST_P(ArmContract, FastStopHoldsUntilItIsAcknowledged) {
 INSTANTIATE_TEST_SUITE_P(
     Arms, ArmContract,
     ::testing::Values(ArmKind{"Simulation", "launch/bringup.yaml", {"platform:=kr5_pg70"}},
-                      ArmKind{"EmulatedRsi", "launch/emulated_arm.yaml", {"rsi_port:=PORT"}},
+                      ArmKind{"EmulatedRsi",
+                              "launch/emulated_robot.yaml",
+                              {"platform:=kr5_pg70", "arm:=rsi", "rsi_port:=PORT"}},
                       ArmKind{"EmulatedRsi3",
-                              "launch/emulated_arm.yaml",
-                              {"rsi_port:=PORT", "rsi:=3", "rsi_cycle:=4"}}),
+                              "launch/emulated_robot.yaml",
+                              {"platform:=kr5_pg70", "arm:=rsi", "rsi_port:=PORT", "rsi:=3",
+                               "rsi_cycle:=4"}}),
     [](const auto& kind) { return kind.param.name; });
 
 }  // namespace

@@ -36,10 +36,13 @@ const std::vector<std::string> kPads{"finger_1_proximal", "finger_1_distal",   "
 std::vector<RobotKind> hand_kinds() {
   std::vector<RobotKind> kinds{
       {"Simulation", "launch/bringup.yaml", {"platform:=kr5_sdh"}},
-      {"EmulatedSerial", "launch/emulated_hand.yaml", {"lines:=LINES/line"}},
+      {"EmulatedSerial",
+       "launch/emulated_robot.yaml",
+       {"platform:=kr5_sdh", "hand:=sdh", "tactile:=dsa", "lines:=LINES/line"}},
       {"EmulatedTcp",
-       "launch/emulated_hand.yaml",
-       {"lines:=LINES/line", "tcp_port:=PORT", "hand_profile:=sine_square"}}};
+       "launch/emulated_robot.yaml",
+       {"platform:=kr5_sdh", "hand:=sdh", "tactile:=dsa", "lines:=LINES/line", "sdh_port:=PORT",
+        "hand_profile:=sine_square"}}};
   if (const char* hardware = std::getenv("PREHEND_HAND")) {
     RobotKind real{"Hardware", "launch/bringup.yaml", {"platform:=kr5_sdh"}};
     std::istringstream words(hardware);

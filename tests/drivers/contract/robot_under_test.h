@@ -53,7 +53,8 @@ inline std::vector<RobotKind> robot_kinds() {
   std::vector<RobotKind> kinds{{"Simulation", "launch/bringup.yaml", {}},
                                {"EmulatedDevices",
                                 "launch/emulated_robot.yaml",
-                                {"lines:=LINES/line", "can:=slcan:LINES/can"}}};
+                                {"gripper:=pg70", "tactile:=dsa", "wrench:=ft300",
+                                 "lines:=LINES/line", "can:=slcan:LINES/can"}}};
   if (std::getenv("PREHEND_VCAN")) {  // socket_can/run.sh
     kinds.push_back({"EmulatedDevicesOnSocketCan",
                      "tests/drivers/contract/gripper_on_can.yaml",
