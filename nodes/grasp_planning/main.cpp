@@ -252,7 +252,10 @@ class GraspPlanning {
                                batch_.models().size(), ready.front()->object_count()));
     }
     if (!ready.empty()) read_obstacles();
-    for (const auto& model : ready) plans_.publish(plan(*model));
+    for (const auto& model : ready) {
+      if (!node_.ok()) return;  // asked to end meanwhile
+      plans_.publish(plan(*model));
+    }
   }
 
   // What the view's objects are to each other. One that cannot be read is no obstacle, and is said.
@@ -400,7 +403,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "Plans grasps of predicted objects (/models) and the motions of the arm that carries the "
      "hand, and publishes ranked lists (/plans), with the reason and count of everything that was "
      "rejected. The other "
-     "objects of the view are obstacles."},
+     "objects of the view are obstacles.",
+     10},  // s: the object that it plans on is finished
     run);
 
 }  // namespace

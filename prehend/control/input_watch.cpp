@@ -11,7 +11,8 @@
 namespace prehend::control {
 namespace {
 
-constexpr int kStepsAfterStall = 3;
+constexpr double kOnTime = 0.1;    // of the shortest limit, between steps
+constexpr double kMostStalls = 4;  // of the shortest limit, of several
 
 bool is_fresh(const InputAge& input) {
   // NaN is not fresh.
@@ -53,34 +54,29 @@ std::string names_of(const std::vector<InputAge>& inputs) {
 
 void InputWatch::begin(double now) {
   begun_ = last_ = now;
-  grace_ = 0;
-  was_judged_ = true;
+  stalled_ = 0;
 }
 
-// After a stall, for some steps: a loop that is slow throughout is judged in between.
-bool InputWatch::may_be_behind(double now, double shortest_limit) {
-  const bool is_late = now - std::exchange(last_, now) > shortest_limit / 2;
-  if (grace_ > 0) {
-    --grace_;
-    was_judged_ = false;
-  } else if (is_late && was_judged_) {
-    grace_ = kStepsAfterStall - 1;
-    was_judged_ = false;
-  } else {
-    was_judged_ = true;
+void InputWatch::note_stall(double now, double shortest_limit) {
+  const double gap = now - std::exchange(last_, now);
+  if (gap > kOnTime * shortest_limit) {
+    stalled_ = std::min(stalled_ + gap, std::max(kMostStalls * shortest_limit, gap));
+    last_stall_ = now;
+  } else if (now - last_stall_ > shortest_limit) {
+    stalled_ = 0;
   }
-  return !was_judged_;
 }
 
 std::vector<InputAge> InputWatch::lost(double now, const std::vector<InputAge>& inputs) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const InputAge& input : inputs) shortest = std::min(shortest, input.limit);
-  const bool behind = may_be_behind(now, shortest);
+  note_stall(now, shortest);
   std::vector<InputAge> lost = stale_inputs(inputs);
   std::erase_if(lost, [&](const InputAge& input) {
-    const bool may_be_old = behind || now - begun_ <= input.limit;
+    const bool may_be_old = input.age && *input.age <= input.limit + stalled_;
+    const bool was_old = now - begun_ <= input.limit;
     const bool has_ended = input.age == std::numeric_limits<double>::infinity();
-    return may_be_old && input.age && !has_ended;
+    return (may_be_old || was_old) && input.age && !has_ended;
   });
   return lost;
 }

@@ -24,9 +24,10 @@ std::string names_of(const std::vector<InputAge>& inputs);
 /// Tells when a cycle has lost what it relies on, so that nothing moves on old data.
 ///
 /// An input is lost when its age exceeds its limit. Two things are no loss: an input that is old
-/// when the watch begins gets its limit from then on, and after a stall of the cycle's own process
-/// (a step that comes later than half of the shortest limit) three steps are not judged, as the
-/// clock may be heard before what waits with it. What has never come is lost at once.
+/// when the watch begins gets its limit from then on, and while the cycle's own process is held up,
+/// or stalls again and again, inputs may be older by that, as the clock is heard before what waits
+/// with it: by the last stall, or by several up to four times the shortest limit, until steps have
+/// been on time for as long as that limit. What has never come is lost at once.
 class InputWatch {
  public:
   /// The cycle moves from `now` [s] on.
@@ -35,12 +36,12 @@ class InputWatch {
   std::vector<InputAge> lost(double now, const std::vector<InputAge>& inputs);
 
  private:
-  bool may_be_behind(double now, double shortest_limit);
+  void note_stall(double now, double shortest_limit);
 
-  double begun_ = 0;        // s
-  double last_ = 0;         // s, of the step before
-  int grace_ = 0;           // further steps that are not judged
-  bool was_judged_ = true;  // the step before
+  double begun_ = 0;       // s
+  double last_ = 0;        // s, of the step before
+  double stalled_ = 0;     // s, by which inputs may be older
+  double last_stall_ = 0;  // s, when the last one ended
 };
 
 }  // namespace prehend::control
