@@ -1,11 +1,14 @@
 // The whole loop through the real drivers and emulated devices: an object is picked up.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
 
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "drivers/kuka_rsi/transport/udp_socket.h"
 #include "drivers/wire/stream/tcp_server.h"
@@ -14,54 +17,60 @@
 namespace prehend::testing {
 namespace {
 
-TEST(HardwareInTheLoop, PicksAnObjectUpThroughAllThreeWires) {
+using ::testing::HasSubstr;
+
+struct WiredPlatform {
+  std::string platform;
+  std::vector<std::string> said;  // by its drivers
+  friend void PrintTo(const WiredPlatform& wired, std::ostream* out) { *out << wired.platform; }
+};
+
+class HardwareInTheLoop : public ::testing::TestWithParam<WiredPlatform> {};
+
+std::string free_tcp_port() {
+  const std::string name = drivers::TcpServer().name();
+  return name.substr(name.rfind(':') + 1);
+}
+
+std::string free_udp_port() {
+  const auto here = drivers::kuka_rsi::UdpSocket("127.0.0.1", 0).here();
+  return std::to_string(ntohs(here.address.sin_port));
+}
+
+TEST_P(HardwareInTheLoop, PicksAnObjectUpThroughAllWires) {
   const ScratchFolder scratch;
-  std::string registry;
-  {
-    const drivers::TcpServer port;
-    registry = port.name();
-  }
   const std::string lines = scratch.path() / "line", out = scratch.path() / "out";
   const Outcome outcome = run_program(
       "prehend",
-      {"launch", "launch/hil.yaml", "lines:=" + lines, "can:=slcan:" + lines + "_can",
-       "out:=" + out, "--registry", registry, "--log-dir", (scratch.path() / "log").string()},
+      {"launch", "launch/hil.yaml", "platform:=" + GetParam().platform, "lines:=" + lines,
+       "can:=slcan:" + lines + "_can", "rsi_port:=" + free_udp_port(),
+       "camera_port:=" + free_tcp_port(), "out:=" + out, "--registry", drivers::TcpServer().name(),
+       "--log-dir", (scratch.path() / "log").string()},
       std::chrono::seconds(200));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   std::ifstream file(out + "/summary.txt");
   const std::string summary(std::istreambuf_iterator<char>(file), {});
-  EXPECT_NE(summary.find("success: "), std::string::npos) << summary;
+  EXPECT_THAT(summary, HasSubstr("success: "));
   // The report judges by the simulation's truth: lifted, moved, put down.
-  EXPECT_NE(summary.find("was raised by"), std::string::npos) << summary;
-  for (const char* words :
-       {"connected by slcan:", "streaming 2 matrices, 168 texels", "FTS-2.0.1 on "}) {
-    EXPECT_NE(outcome.output.find(words), std::string::npos) << words << "\n" << outcome.output;
-  }
+  EXPECT_THAT(summary, HasSubstr("was raised by"));
+  EXPECT_THAT(outcome.output, HasSubstr("connected by prehend simulated depth camera"));
+  for (const std::string& words : GetParam().said) EXPECT_THAT(outcome.output, HasSubstr(words));
 }
 
-TEST(HardwareInTheLoop, PicksAnObjectUpWithAnArmOverRsi) {
-  const ScratchFolder scratch;
-  std::string registry;
-  {
-    const drivers::TcpServer port;
-    registry = port.name();
-  }
-  const int port = ntohs(drivers::kuka_rsi::UdpSocket("127.0.0.1", 0).here().address.sin_port);
-  const std::string out = scratch.path() / "out";
-  const Outcome outcome =
-      run_program("prehend",
-                  {"launch", "launch/hil.yaml", "arm:=rsi", "platform:=kr5_pg70",
-                   "rsi_port:=" + std::to_string(port), "out:=" + out, "--registry", registry,
-                   "--log-dir", (scratch.path() / "log").string()},
-                  std::chrono::seconds(200));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  std::ifstream file(out + "/summary.txt");
-  const std::string summary(std::istreambuf_iterator<char>(file), {});
-  EXPECT_NE(summary.find("was raised by"), std::string::npos) << summary;
-  for (const char* words : {"RSI began: controller 127.0.0.1:", "answers: "}) {
-    EXPECT_NE(outcome.output.find(words), std::string::npos) << words << "\n" << outcome.output;
-  }
-}
+INSTANTIATE_TEST_SUITE_P(
+    Platforms, HardwareInTheLoop,
+    ::testing::Values(WiredPlatform{"stage_pg70",
+                                    {"connected by slcan:", "streaming 2 matrices, 168 texels",
+                                     "FTS-2.0.1 on ", "streaming depth"}},
+                      WiredPlatform{"kr5_sdh",
+                                    {"RSI began: controller 127.0.0.1:", "answers: ",
+                                     "streaming 6 matrices", "FTS-2.0.1 on "}},
+                      WiredPlatform{"kr5_pg70",
+                                    {"RSI began: controller 127.0.0.1:", "streaming 2 matrices",
+                                     "FTS-2.0.1 on ", "no driver of this platform's hand"}},
+                      WiredPlatform{"pa10_barrett",
+                                    {"FTS-2.0.1 on ", "no driver of this platform's arm"}}),
+    [](const auto& wired) { return wired.param.platform; });
 
 }  // namespace
 }  // namespace prehend::testing
