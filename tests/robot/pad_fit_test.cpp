@@ -149,7 +149,9 @@ TEST(PadFit, FindsWhatAWorldsPadIsLikeAndPredictsOtherPresses) {
     }
     for (int i = 0; i < 84; ++i) {
       EXPECT_NEAR(fit.calibration.gains[i], truth.gains[i], 0.1) << i;
-      if (i != 17) EXPECT_NEAR(fit.calibration.zeros[i], truth.zeros[i], 6) << i;
+      if (i != 17) {
+        EXPECT_NEAR(fit.calibration.zeros[i], truth.zeros[i], 6) << i;
+      }
     }
     EXPECT_EQ(fit.calibration.gains[17], 0);
     ASSERT_EQ(fit.remarks.size(), 1u);
