@@ -160,11 +160,9 @@ void ObjectBelief::update() {
                        all_[i]->misfit(), all_[i]->log_likelihood(),
                        all_[i]->hypothesis().prior_terms});
   }
-  constexpr double kMostGoneThrough = 0.25;  // of what is seen
   contradicted_ = std::all_of(all_.begin(), all_.end(), [&](const auto& shape) {
     return !(shape->misfit() + shape->aside_misfit() <= kContradiction * kContradiction) ||
            !std::isfinite(shape->log_likelihood()) ||
-           shape->seen_in_swept(all_evidence) > kMostGoneThrough ||
            2 * shape->unexplained().size() > contacts_.size() ||
            3 * shape->impossible(seen_spaces_) > contacts_.size();
   });

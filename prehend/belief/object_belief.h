@@ -79,11 +79,11 @@ class ObjectBelief {
   const std::vector<BelievedShape>& shapes() const { return shapes_; }
   /// The evidence speaks against every shape: with none it lies within kContradiction standard
   /// deviations on average, or none explains half of the contacts, or a third of them can be of no
-  /// other part either, within the body or where it was seen to be empty, or a quarter of what is
-  /// seen is where a hand went through, or no shape has any likelihood that is a number. Nothing is
-  /// to be concluded from the belief then: begin again from a look.
+  /// other part either, within the body or where it was seen to be empty, or no shape has any
+  /// likelihood that is a number. Nothing is to be concluded from the belief then: begin again from
+  /// a look.
   bool contradicted() const { return contradicted_; }
-  static constexpr double kContradiction = 4;
+  static constexpr double kContradiction = 3;
   /// How far each act is thought to have moved the object, by the likeliest shape.
   const std::vector<Displacement::Moved>& moved() const;
 

@@ -23,9 +23,8 @@ constexpr float kUnexplained = 25;         // chi^2 of a contact's place: beyond
 constexpr double kContradicting = 49;      // the same, beside what the others make expected
 constexpr double kBeside =
     0.025;  // of the extent: what was seen there is told no better by a guess
-constexpr float kWithin = 0.004f;       // m: no surface is so far within a body
-constexpr double kBeforeSeen = 0.004;   // m: a guess so far before what was seen is wrong
-constexpr double kGoneThrough = 0.006;  // m: no way of a hand is so wrong
+constexpr float kWithin = 0.004f;      // m: no surface is so far within a body
+constexpr double kBeforeSeen = 0.004;  // m: a guess so far before what was seen is wrong
 
 double extent_of(const geometry::PointCloud& cloud) {
   Eigen::AlignedBox3f box;
@@ -312,17 +311,6 @@ std::size_t ShapeEvidence::impossible(const std::vector<shape::SeenSpace>& seen)
       std::count_if(unexplained_.begin(), unexplained_.end(), [&](const Contact& contact) {
         return is_within(contact.p_W.cast<float>()) || is_before_seen(contact.p_W);
       }));
-}
-
-double ShapeEvidence::seen_in_swept(const Evidence& evidence) const {
-  if (!evidence.swept || evidence.swept->empty()) return 0;
-  std::size_t seen = 0, gone_through = 0;
-  for (std::size_t s = 0; s < sites_.size(); ++s) {
-    if (!is_seen(sites_[s])) continue;
-    ++seen;
-    if (evidence.swept->depth(places_[s].cast<double>()) > kGoneThrough) ++gone_through;
-  }
-  return seen == 0 ? 0 : static_cast<double>(gone_through) / static_cast<double>(seen);
 }
 
 geometry::PointCloud ShapeEvidence::displaced(const Evidence& evidence,

@@ -47,9 +47,6 @@ class ShapeEvidence {
   const std::vector<Contact>& unexplained() const { return unexplained_; }
   /// How many of them are of no other part either: within the body, or where `seen` is empty.
   std::size_t impossible(const std::vector<shape::SeenSpace>& seen) const;
-  /// Share of what was seen that is in swept space, by more than a hand's way may be wrong; 0 where
-  /// nothing was seen or swept.
-  double seen_in_swept(const Evidence& evidence) const;
 
   /// Some of its points, spread over it, and where each is thought to be [m].
   const std::vector<int>& sites() const { return sites_; }

@@ -156,7 +156,7 @@ struct ArmCycleOptions : SharedCycleOptions, robot::GripOptions {
   double largest_grip_force = 0;  // N
   double slip_settle_time = 0.1;  // s
   double largest_slide = 0.008;   // m
-  double probe_force = 3;         // N
+  double probe_force = 1;         // N
   HoldingOptions holding;
   touch::HoldSlipOptions slip;
 

@@ -122,8 +122,18 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   const Phase phase = cycle.phase();
   if (!open_) return;
   if (phase != Phase::kApproach && phase != Phase::kGrasp) return conclude(cycle);
-  if (first_touch_) return;
   const std::optional<Eigen::Vector3d> tip_H = cycle.met_with_H();
+  // Which way the surface faces there, no wrist tells that feels a force alone.
+  const auto at_tip = [&tip_H](const HandSample& sample) {
+    return belief::Contact{sample.X_WH * *tip_H, Eigen::Vector3d::Zero(), kTipDeviation};
+  };
+  if (first_touch_) {
+    // The wrist felt it before the cycle said what it was met with.
+    if (tip_H && !attempt_.empty() && attempt_.back().contacts.empty()) {
+      attempt_.back().contacts.push_back(at_tip(*first_touch_));
+    }
+    return;
+  }
   const bool by_wrist =
       tip_H || (percepts.wrist_force && percepts.wrist_force->norm() > contact_force_);
   if (!pads_touch() && !by_wrist) {
@@ -133,9 +143,7 @@ void AttemptWatch::step(const ArmCycle& cycle, const ArmPercepts& percepts) {
   }
   first_touch_ = hand;
   std::vector<belief::Contact> met = contacts();
-  // Which way the surface faces there, no wrist tells that feels a force alone.
-  if (met.empty() && tip_H)
-    met.push_back({hand->X_WH * *tip_H, Eigen::Vector3d::Zero(), kTipDeviation});
+  if (met.empty() && tip_H) met.push_back(at_tip(*hand));
   attempt_.push_back({{}, way_, std::move(met)});
 }
 

@@ -22,7 +22,7 @@ struct ProbeWay {
 };
 
 struct ProbePlanOptions {
-  double speed = 0.03;        // m/s, > 0, of the hand on the straight way
+  double speed = 0.01;        // m/s, > 0, of the hand on the straight way
   double beyond = 0.015;      // m, > 0, that it goes on where nothing is met as expected
   double clearance = 0.004;   // m, >= 0, of the hand from all, where the straight way begins
   double largest_off = 0.01;  // m, > 0, along the way, between where the ball and the hand meet it

@@ -133,27 +133,6 @@ TEST(AttemptMemory, WhatWasHeldIsKnownWhereItWasPutDown) {
             0.7 * error_of(predicted_surface(put_down), put_down.truth_W));
 }
 
-// The hand closed on air where something is seen all the same: it came there after, or the hand was
-// elsewhere. Nothing is concluded from either.
-TEST(AttemptMemory, WhatIsSeenWhereTheHandWentThroughIsBelievedAsItIsSeen) {
-  const Predicted predicted(box());
-  RigidTransform X_WG = moved_by(0, -0.12, 0);
-  X_WG.linear() = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
-  X_WG.translation().z() = 0.03;
-  const robot::Preshape& preshape = hand().preshape("open");
-  Act act;
-  for (const double y : {-0.12, 0.0, 0.12}) {
-    X_WG.translation().y() = y;
-    act.free_way.push_back({X_WG * (hand().X_HP * preshape.X_PG).inverse(Eigen::Isometry),
-                            hand().all_positions(preshape.open)});
-  }
-  AttemptMemory memory(hand());
-  memory.add({act}, predicted.shape, predicted.view.table_W, predicted_surface(predicted));
-  EXPECT_FALSE(memory.recall(predicted.shape, predicted.view.table_W));
-  EXPECT_THAT(memory.problem(), HasSubstr("contradicts"));
-  EXPECT_TRUE(memory.empty()) << "it starts again from the look";
-}
-
 // It is gone, and what is seen is something else.
 TEST(AttemptMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
   const Predicted first(box());

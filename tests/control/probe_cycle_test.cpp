@@ -87,7 +87,7 @@ TEST_P(ProbeOfBox, TouchesItGentlyWhereItIs) {
   for (const belief::Contact& contact : act.contacts) {
     EXPECT_LT(surface.nearest(contact.p_W)->distance, 0.003) << contact.p_W.transpose();
   }
-  EXPECT_LT(probed.hardest, 15) << "3 N, and what the arm needs to stop";
+  EXPECT_LT(probed.hardest, 15) << "1 N, and what the arm needs to stop";
   EXPECT_LT(probed.pushed, 0.005);
   EXPECT_TRUE(probed.result.success()) << probed.result.reason;
 }

@@ -65,7 +65,7 @@ TEST_F(LoadPlan, WhatIsTooHeavyOrTooSlipperyIsRefused) {
   options.load.mass = {40, 45};
   EXPECT_EQ(plan().outcome, grasp::PlanOutcome::kUngraspable);
   options.load = {};
-  options.load.friction.high = 0.03;
+  options.load.friction.high = 0.02;
   EXPECT_EQ(plan().outcome, grasp::PlanOutcome::kUngraspable);
 }
 
