@@ -9,16 +9,14 @@
 
 #include "drivers/sdh/codec/firmware.h"
 #include "drivers/sdh/codec/stream.h"
+#include "drivers/wire/hand/hand_motion.h"
 #include "drivers/wire/time/time.h"
 
 namespace prehend::drivers::sdh {
 
-/// Of each axis, as codes.h numbers them.
-struct Limits {
-  AxisValues lower{}, upper{};  // rad
-  AxisValues max_speed{};       // rad/s; less where the hand says so
-  AxisValues max_current{};     // A
-};
+/// Of each axis, as codes.h numbers them; currents in A.
+using Limits = HandLimits<kAxes>;
+using HandGoal = drivers::HandGoal<kAxes>;
 /// Ranges and speeds that the vendor's library has, and 1 A.
 Limits sdh2_limits();
 
@@ -100,23 +98,9 @@ struct Reading {
   std::string firmware;              // empty until it is known
 
   bool is_blocked() const;
-};
-
-/// Where axes are to go. Those that are not to move stay where they are held.
-struct HandGoal {
-  std::array<bool, kAxes> moves{};
-  AxisValues position{};  // rad
-  AxisValues speed{};     // rad/s, at most
-  AxisValues current{};   // A, at most; 0: the greatest
-};
-
-enum class CommandMode { kStop, kPosition, kVelocity };
-
-/// A motion that was refused, or how far it is.
-struct MotionReport {
-  enum class Kind { kRunning, kReached, kBlocked, kReplaced, kFailed };
-  Kind kind = Kind::kRunning;
-  std::string reason;  // of kFailed
+  bool is_connected() const { return state != DriverState::kDisconnected; }
+  /// It tells its states.
+  bool is_answering() const { return state >= DriverState::kFault; }
 };
 
 struct DriverCounters {

@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "drivers/sdh/emulator/graph_hand.h"
 #include "drivers/sdh/emulator/hand.h"
+#include "drivers/sdh/node/hand_axes.h"
 #include "drivers/wire/faults/faulty_stream.h"
+#include "drivers/wire/hand/graph_hand.h"
 #include "drivers/wire/node/fault_parameters.h"
 #include "drivers/wire/node/linger.h"
 #include "drivers/wire/stream/emulated_line.h"
@@ -116,10 +117,10 @@ void run(graph::Node& node) {
   // --help and --describe end here, before anything is read or opened.
   auto command_publisher =
       node.advertise<msgs::JointCommand>("/world/hand/command", graph::QoS::queue(20));
-  const HandAxes axes(
-      robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
-      settings.axes, settings.most_current);
-  GraphHand plant(node, axes, std::move(command_publisher));
+  const HandAxes axes =
+      hand_axes(robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
+                settings.axes, settings.most_current);
+  GraphHand<kAxes> plant(node, axes, std::move(command_publisher));
   settings.options.plant = &plant;
   auto stream = std::make_unique<FaultyStream>(make_emulated_line(settings.line));
   FaultyStream* const line = stream.get();

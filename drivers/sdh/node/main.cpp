@@ -3,12 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "drivers/sdh/driver/device.h"
 #include "drivers/sdh/driver/health.h"
 #include "drivers/sdh/driver/probe.h"
 #include "drivers/sdh/node/hand_axes.h"
 #include "drivers/sdh/node/hand_guard.h"
-#include "drivers/sdh/node/hand_offers.h"
 #include "drivers/wire/guardian/guarded.h"
+#include "drivers/wire/hand/hand_offers.h"
 #include "drivers/wire/health/link_quality.h"
 #include "drivers/wire/node/device_report.h"
 #include "drivers/wire/node/joint_report.h"
@@ -268,10 +269,10 @@ void run(graph::Node& node) {
   Settings settings = declare_settings(node);
   // --help and --describe end here, before anything is read or opened.
   auto joint_publisher = node.advertise<msgs::JointState>("/joint_states", graph::QoS::queue(100));
-  const HandAxes axes(
-      robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
-      settings.axes, settings.most_current);
-  settings.driver.limits = axes.limits();
+  const HandAxes axes =
+      hand_axes(robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
+                settings.axes, settings.most_current);
+  settings.driver.limits = axes.limits<kAxes>();
   DeviceReport report(node);
   JointReport joints(node, axes.moving_names(), settings.other_joints, std::move(joint_publisher));
   // Begins before the device, so that it lives on until the device has stopped the hand.
@@ -290,7 +291,8 @@ void run(graph::Node& node) {
         if (!guarded->progress(watch_of(reading))) return {};
         return "this driver made no progress, so its guardian stopped the hand";
       });
-  const HandOffers offers(node, device, axes);
+  OfferedDevice<Device, kAxes> offered(device);
+  const HandOffers offers(node, offered, axes, true);
   const Watcher watcher(node, settings, device, joints, *guarded);
   node.spin();
 }

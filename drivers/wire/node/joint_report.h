@@ -32,15 +32,16 @@ class JointReport {
         });
   }
 
-  /// In the order of the names, rad and rad/s. For one thread.
-  void tell(std::span<const double> positions, std::span<const double> velocities) {
+  /// In the order of the names, rad, rad/s and N m; without efforts: 0. For one thread.
+  void tell(std::span<const double> positions, std::span<const double> velocities,
+            std::span<const double> efforts = {}) {
     msgs::JointState message;
     message.mutable_header()->set_stamp(node_.clock().now());
     for (std::size_t i = 0; i < names_.size(); ++i) {
       message.add_name(names_[i]);
       message.add_position(positions[i]);
       message.add_velocity(velocities[i]);
-      message.add_effort(0);
+      message.add_effort(efforts.empty() ? 0 : efforts[i]);
     }
     add_others(message);
     publisher_.publish(message);

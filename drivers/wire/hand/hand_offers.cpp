@@ -1,4 +1,4 @@
-#include "drivers/sdh/node/hand_offers.h"
+#include "drivers/wire/hand/hand_offers.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,18 +6,25 @@
 #include <stdexcept>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "msgs/convert/gripper.h"
 
-namespace prehend::drivers::sdh {
+namespace prehend::drivers {
 namespace {
-
-using Kind = MotionReport::Kind;
 
 constexpr auto kTick = std::chrono::milliseconds(10);
 constexpr int kTicksPerFeedback = 5;  // 20 Hz
 constexpr double kSlack = 1e-4;       // rad, beyond limits
 
 [[noreturn]] void refuse_goal(const std::string& words) { throw std::invalid_argument(words); }
+
+void refuse_beyond_limits(const HandAxes& axes, std::size_t axis, double position) {
+  const double lower = axes.lower(axis), upper = axes.upper(axis);
+  if (position >= lower - kSlack && position <= upper + kSlack) return;
+  refuse_goal(fmt::format("'{}' at {:.4f} is outside {:.4f} to {:.4f}", axes.joints()[axis],
+                          position, lower, upper));
+}
 
 msgs::Acknowledge answer(bool success, const std::string& reason = {}) {
   msgs::Acknowledge message;
@@ -28,12 +35,14 @@ msgs::Acknowledge answer(bool success, const std::string& reason = {}) {
 
 }  // namespace
 
-HandOffers::HandOffers(graph::Node& node, Device& device, const HandAxes& axes)
-    : node_(node), device_(device), axes_(axes) {
+HandOffers::HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axes, bool has_off)
+    : node_(node), hand_(hand), axes_(axes) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
       "/hand/stop", [this](const msgs::Empty&) { return stop(false); });
-  off_ = node.serve<msgs::Empty, msgs::Acknowledge>(
-      "/hand/off", [this](const msgs::Empty&) { return stop(true); });
+  if (has_off) {
+    off_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+        "/hand/off", [this](const msgs::Empty&) { return stop(true); });
+  }
   command_ = node.subscribe<msgs::JointCommand>(
       "/hand/command", graph::QoS::queue(20),
       [this](const graph::Received<msgs::JointCommand>& message) { command(*message); });
@@ -56,7 +65,7 @@ std::vector<std::size_t> HandOffers::named(
   return axes;
 }
 
-HandOffers::Named HandOffers::check(const msgs::MoveHandGoal& goal) const {
+std::vector<OfferedHand::Target> HandOffers::check(const msgs::MoveHandGoal& goal) const {
   const int count = goal.joint_name_size();
   if (count == 0) refuse_goal("the goal names no joint");
   if (goal.position_size() != count) {
@@ -66,18 +75,14 @@ HandOffers::Named HandOffers::check(const msgs::MoveHandGoal& goal) const {
     refuse_goal(fmt::format("{} efforts for {} joints", goal.effort_size(), count));
   }
   if (!(goal.speed() > 0 && goal.speed() <= 1)) refuse_goal("speed must be in (0, 1]");
-  Named result;
-  result.axes = named(goal.joint_name());
-  const Limits& limits = axes_.limits();
+  std::vector<OfferedHand::Target> targets;
+  const std::vector<std::size_t> axes = named(goal.joint_name());
   for (int i = 0; i < count; ++i) {
-    const std::size_t axis = result.axes[static_cast<std::size_t>(i)];
+    const std::size_t axis = axes[static_cast<std::size_t>(i)];
     const std::string& name = axes_.joints()[axis];
     const double target = goal.position(i);
     if (!std::isfinite(target)) refuse_goal("the position of '" + name + "' is not finite");
-    if (target < limits.lower[axis] - kSlack || target > limits.upper[axis] + kSlack) {
-      refuse_goal(fmt::format("'{}' at {:.4f} is outside {:.4f} to {:.4f}", name, target,
-                              limits.lower[axis], limits.upper[axis]));
-    }
+    refuse_beyond_limits(axes_, axis, target);
     double current = 0;  // the greatest
     if (goal.effort_size() > 0) {
       const double most = axes_.most_effort(axis);
@@ -87,55 +92,50 @@ HandOffers::Named HandOffers::check(const msgs::MoveHandGoal& goal) const {
       }
       current = axes_.current_of(axis, goal.effort(i));
     }
-    result.goal.moves[axis] = true;
-    result.goal.position[axis] = target;
-    result.goal.speed[axis] = goal.speed() * limits.max_speed[axis];
-    result.goal.current[axis] = current;
+    targets.push_back({axis, target, goal.speed() * axes_.max_speed(axis), current});
   }
-  return result;
+  return targets;
 }
 
 msgs::MoveHandResult HandOffers::move(const msgs::MoveHandGoal& goal, Context& context) {
   msgs::MoveHandResult result;
   std::vector<std::size_t> axes;
   const auto finish = [&](const std::string& reason) {
-    const Reading reading = device_.reading();
-    for (const std::size_t axis : axes) result.add_position(reading.position[axis]);
+    const std::vector<double> positions = hand_.positions();
+    for (const std::size_t axis : axes) result.add_position(positions[axis]);
     result.set_reason(reason);
     return result;
   };
   std::uint64_t ticket = 0;
   try {
-    const Named named = check(goal);
-    axes = named.axes;
+    const std::vector<OfferedHand::Target> targets = check(goal);
+    for (const OfferedHand::Target& target : targets) axes.push_back(target.axis);
     action_stamp_ = goal.stamp();
-    const std::string refusal = device_.with_driver(
-        [&](Driver& driver, Time now) { return driver.move_to(named.goal, now, ticket); });
+    const std::string refusal = hand_.move_to(targets, ticket);
     if (!refusal.empty()) return finish(refusal);
   } catch (const std::invalid_argument& error) {
     return finish(error.what());
   }
   for (int tick = 0; node_.ok(); ++tick) {
     std::this_thread::sleep_for(kTick);
-    const MotionReport report =
-        device_.with_driver([&](Driver& driver, Time) { return driver.report(ticket); });
+    const MotionReport report = hand_.report(ticket);
     switch (report.kind) {
-      case Kind::kRunning:
+      case MotionReport::Kind::kRunning:
         break;
-      case Kind::kReplaced:
+      case MotionReport::Kind::kReplaced:
         return finish("another command took the hand over");
-      case Kind::kReached:
+      case MotionReport::Kind::kReached:
         result.set_reached(true);
         return finish("");
-      case Kind::kBlocked:
+      case MotionReport::Kind::kBlocked:
         result.set_blocked(true);
         return finish(goal.until_contact() ? "pressing" : "blocked");
-      case Kind::kFailed:
+      case MotionReport::Kind::kFailed:
         return finish(report.reason);
     }
     if (context.cancelled()) {
       if (!context.preempted()) {
-        device_.with_driver([](Driver& driver, Time now) { driver.stop(now, "cancelled"); });
+        hand_.stop("cancelled");
         const std::string problem = wait_until_stopped();
         if (!problem.empty()) node_.log_warning("/hand/move was cancelled, but {}", problem);
       }
@@ -143,7 +143,7 @@ msgs::MoveHandResult HandOffers::move(const msgs::MoveHandGoal& goal, Context& c
     }
     if (tick % kTicksPerFeedback != 0) continue;
     msgs::MoveHandFeedback feedback;
-    for (const double position : device_.reading().position) feedback.add_position(position);
+    for (const double position : hand_.positions()) feedback.add_position(position);
     context.feedback(feedback);
   }
   return finish("the driver ends");
@@ -158,9 +158,9 @@ std::string HandOffers::take(const msgs::JointCommand& command) {
   if (!mode) return "refused: unknown mode of a joint command";
   if (*mode == robot::JointMode::kEffort || *mode == robot::JointMode::kVoltage) {
     return fmt::format(
-        "refused: {}: the SDH-2 has no such command. Send POSITION or VELOCITY; efforts of "
+        "refused: {}: the {} has no such command. Send POSITION or VELOCITY; efforts of "
         "/hand/move limit its currents",
-        msgs::JointCommand::Mode_Name(command.mode()));
+        msgs::JointCommand::Mode_Name(command.mode()), axes_.device());
   }
   const bool stops = *mode == robot::JointMode::kStop;
   try {
@@ -170,29 +170,22 @@ std::string HandOffers::take(const msgs::JointCommand& command) {
       refuse_goal(
           fmt::format("{} values for {} joints", command.value_size(), command.joint_name_size()));
     }
-    std::array<bool, kAxes> moves{};
-    AxisValues values{};
-    const std::vector<std::size_t> axes = named(command.joint_name());
-    if (axes.empty()) moves.fill(true);
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const std::size_t axis = axes[i];
-      moves[axis] = true;
-      if (stops) continue;
-      values[axis] = command.value(static_cast<int>(i));
-      const std::string& name = axes_.joints()[axis];
-      if (!std::isfinite(values[axis])) refuse_goal("the value for '" + name + "' is not finite");
-      const Limits& limits = axes_.limits();
-      if (*mode == robot::JointMode::kPosition && (values[axis] < limits.lower[axis] - kSlack ||
-                                                   values[axis] > limits.upper[axis] + kSlack)) {
-        refuse_goal(fmt::format("'{}' at {:.4f} is outside {:.4f} to {:.4f}", name, values[axis],
-                                limits.lower[axis], limits.upper[axis]));
+    std::vector<std::size_t> axes = named(command.joint_name());
+    if (axes.empty()) {
+      for (std::size_t i = 0; i < axes_.size(); ++i) axes.push_back(i);
+    }
+    std::vector<double> values(axes.size(), 0.0);
+    for (std::size_t i = 0; i < axes.size() && !stops; ++i) {
+      values[i] = command.value(static_cast<int>(i));
+      if (!std::isfinite(values[i])) {
+        refuse_goal("the value for '" + axes_.joints()[axes[i]] + "' is not finite");
       }
+      if (*mode == robot::JointMode::kPosition) refuse_beyond_limits(axes_, axes[i], values[i]);
     }
     const CommandMode asked = stops                                  ? CommandMode::kStop
                               : *mode == robot::JointMode::kPosition ? CommandMode::kPosition
                                                                      : CommandMode::kVelocity;
-    const std::string refusal = device_.with_driver(
-        [&](Driver& driver, Time now) { return driver.command(asked, moves, values, now); });
+    const std::string refusal = hand_.command(asked, axes, values);
     return refusal.empty() ? "" : "refused: " + refusal;
   } catch (const std::invalid_argument& error) {
     return "refused: " + std::string(error.what());
@@ -210,30 +203,24 @@ void HandOffers::command(const msgs::JointCommand& command) {
 std::string HandOffers::wait_until_stopped() {
   constexpr int kPatience = 250;  // ticks: longer than the way from stop to power off
   for (int i = 0; i < kPatience; ++i) {
-    const bool is_settled =
-        device_.with_driver([](Driver& driver, Time) { return driver.is_settled(); });
-    const DriverState state = device_.reading().state;
-    if (is_settled && state >= DriverState::kFault) return {};
-    if (state == DriverState::kDisconnected) break;
+    if (hand_.is_settled()) return {};
+    if (!hand_.is_connected()) break;
     std::this_thread::sleep_for(kTick);
   }
   return std::string("the hand was told to stop, but does not show that it stands: ") +
-         to_string(device_.reading().state);
+         hand_.state();
 }
 
 msgs::Acknowledge HandOffers::stop(bool is_off) {
-  const bool can_send = device_.with_driver([is_off](Driver& driver, Time now) {
-    if (is_off) {
-      driver.power_off(now, "switched off by /hand/off");
-    } else {
-      driver.stop(now, "stopped by /hand/stop");
-    }
-    return driver.reading().state != DriverState::kDisconnected;
-  });
-  if (!can_send) return answer(false, "the hand is not connected: nothing can be sent");
+  if (is_off) {
+    hand_.power_off("switched off by /hand/off");
+  } else {
+    hand_.stop("stopped by /hand/stop");
+  }
+  if (!hand_.is_connected()) return answer(false, "the hand is not connected: nothing can be sent");
   const std::string problem = wait_until_stopped();
   if (!problem.empty()) return answer(false, problem);
   return answer(true, is_off ? "its axes are off; a motion switches them on" : "it stands");
 }
 
-}  // namespace prehend::drivers::sdh
+}  // namespace prehend::drivers
