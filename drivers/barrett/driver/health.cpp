@@ -1,0 +1,63 @@
+#include "drivers/barrett/driver/health.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace prehend::drivers::barrett {
+namespace {
+
+using Level = Health::Level;
+
+constexpr double kPatience = 1.5;  // s of connecting that say nothing yet
+
+Health of_state(const Situation& s) {
+  const Health by_name{Level::kOk, to_string(s.reading.state)};
+  switch (s.reading.state) {
+    case DriverState::kDisconnected:
+      if (!s.line_problem.empty()) return {Level::kError, s.line_problem};
+      return by_name;  // it is too early to say
+    case DriverState::kConnecting:
+      if (s.connecting < kPatience) return by_name;
+      return {Level::kError, "the hand does not answer on " + s.line +
+                                 ". Check its supply (48 V), wiring, termination and the bit rate "
+                                 "(1 Mbit/s)"};
+    case DriverState::kLost:
+      return {Level::kError,
+              "the hand's answers are missing; it is told to stop until each puck answers. Check "
+              "supply and bus"};
+    case DriverState::kFault:
+      return {Level::kError, "a puck of the hand is in error (ERROR " +
+                                 std::to_string(s.reading.error_code) +
+                                 "). Switch its supply off and on"};
+    case DriverState::kUninitialised:
+      return {Level::kWarning,
+              "the hand is not initialised: with nothing between its fingers, call "
+              "/hand/initialise"};
+    default:
+      return by_name;
+  }
+}
+
+}  // namespace
+
+Health health_of(const Situation& s) {
+  Health health = of_state(s);
+  if (s.reading.state <= DriverState::kFault) return health;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const double hottest = std::max(s.reading.motor_temperature[i].value_or(-1000),
+                                    s.reading.puck_temperature[i].value_or(-1000));
+    char words[96];
+    std::snprintf(words, sizeof words,
+                  "%s is %.0f degree Celsius hot: let it rest; its torque falls near 60",
+                  axis_name(i), hottest);
+    if (hottest >= s.hot) health = with_warning(health, words);
+    if (s.reading.pad_fails[i]) {
+      health = with_warning(
+          health, std::string("the pad of ") + axis_name(i) + " is not initialised (TACTID -2)");
+    }
+  }
+  health = with_warning(health, s.guard_problem);
+  return with_warning(health, s.link_problem);
+}
+
+}  // namespace prehend::drivers::barrett
