@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "drivers/barrett/driver/device.h"
+#include "drivers/barrett/driver/health.h"
+#include "drivers/barrett/node/hand_axes.h"
+#include "drivers/barrett/node/hand_guard.h"
+#include "drivers/barrett/node/pad_cells.h"
+#include "drivers/barrett/node/settings.h"
+#include "drivers/wire/guardian/guarded.h"
+#include "drivers/wire/hand/hand_offers.h"
+#include "drivers/wire/health/link_quality.h"
+#include "drivers/wire/node/device_report.h"
+#include "drivers/wire/node/joint_report.h"
+#include "drivers/wire/node/wall_timer.h"
+#include "msgs/hand.pb.h"
+#include "msgs/sensors.pb.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node_program.h"
+#include "prehend/robot/platform.h"
+#include "prehend/robot/robot_files.h"
+
+namespace {
+
+using namespace prehend;
+using namespace prehend::drivers;
+using namespace prehend::drivers::barrett;
+
+constexpr double kRetry = 0.5;  // s between tries to open the bus
+
+std::string words_of(const Reading& reading, std::size_t axis) {
+  constexpr const char* kWords[kLastMode + 1] = {"idle",     "duty cycle", "torque",
+                                                 "position", "velocity",   "trapezoid"};
+  const auto mode = std::min<std::size_t>(static_cast<std::size_t>(reading.modes[axis]), kLastMode);
+  return std::string(kWords[mode]) + (reading.clutch_open[axis] ? ", clutch open" : "");
+}
+
+/// /joint_states: inner joints by the encoders behind the clutches, outer ones by both encoders,
+/// their efforts by the strain gauges.
+class Joints {
+ public:
+  Joints(const HandAxes& axes, JointReport& report) : axes_(axes), report_(report) {}
+  void tell(const Reading& reading) {
+    std::vector<double> efforts(axes_.moving_names().size(), 0.0);
+    for (const HandAxes::Follower& follower : axes_.followers()) {
+      efforts[follower.place] = reading.effort[follower.axis];
+    }
+    report_.tell(axes_.moving_values(reading.position, reading.joint),
+                 axes_.moving_rates(reading.velocity, reading.joint_velocity), efforts);
+  }
+
+ private:
+  const HandAxes& axes_;
+  JointReport& report_;
+};
+
+/// /tactile/NAME of each pad.
+class Pads {
+ public:
+  Pads(graph::Node& node, const Settings& settings, const robot::HandModel& hand,
+       std::vector<graph::Publisher<msgs::TactileFrame>> publishers)
+      : node_(node), publishers_(std::move(publishers)) {
+    for (const std::string& pad : settings.pads) pads_.emplace_back(hand, pad, settings.cells);
+  }
+  void take(std::size_t axis, const Cells& cells) {
+    if (axis >= pads_.size()) return;
+    publishers_[axis].publish(pads_[axis].message(cells, node_.clock().now()));
+  }
+
+ private:
+  graph::Node& node_;
+  std::vector<PadCells> pads_;
+  std::vector<graph::Publisher<msgs::TactileFrame>> publishers_;
+};
+
+/// /hand/initialise, which answers when it is done.
+class InitialisingService {
+ public:
+  InitialisingService(graph::Node& node, Device& device) : node_(node), device_(device) {
+    service_ = node.serve<msgs::Empty, msgs::Acknowledge>(
+        "/hand/initialise", [this](const msgs::Empty&) { return initialise(); });
+  }
+
+ private:
+  msgs::Acknowledge initialise() {
+    msgs::Acknowledge answer;
+    std::uint64_t ticket = 0;
+    answer.set_reason(device_.with_driver(
+        [&](Driver& driver, Time now) { return driver.initialise(now, ticket); }));
+    while (answer.reason().empty() && node_.ok()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const MotionReport report =
+          device_.with_driver([&](Driver& driver, Time) { return driver.report(ticket); });
+      if (report.kind == MotionReport::Kind::kRunning) continue;
+      answer.set_success(report.kind == MotionReport::Kind::kReached);
+      answer.set_reason(answer.success() ? "the hand is initialised" : report.reason);
+    }
+    return answer;
+  }
+
+  graph::Node& node_;
+  Device& device_;
+  graph::Service service_;
+};
+
+/// Health, counters and temperatures, looked at in real time.
+class Watcher {
+ public:
+  Watcher(graph::Node& node, const Settings& settings, Device& device, const JointReport& joints,
+          const Guarded& guarded)
+      : settings_(settings),
+        device_(device),
+        guarded_(guarded),
+        joints_(joints),
+        node_(node),
+        report_(node),
+        publisher_(node.advertise<msgs::DeviceStatus>("/hand/device", graph::QoS::latched(1))),
+        status_(node.advertise<msgs::HandStatus>("/hand/status", graph::QoS::latched(1))),
+        timer_(kPeriod, [this] { look(); }) {}
+
+ private:
+  static constexpr double kPeriod = 0.1;            // s
+  static constexpr int kSample = 5, kPublish = 10;  // periods
+
+  void look() {
+    Situation situation;
+    situation.line = settings_.bus;
+    situation.hot = settings_.hot;
+    DriverCounters counters;
+    std::uint64_t damaged = 0;
+    device_.with_driver([&](Driver& driver, Time) {
+      situation.reading = driver.reading();
+      counters = driver.counters();
+      damaged = counters.strange + driver.broken_images();
+    });
+    const Reading& reading = situation.reading;
+    connecting_ = reading.state == DriverState::kConnecting ? connecting_ + kPeriod : 0;
+    situation.line_problem = device_.line_problem();
+    situation.connecting = connecting_;
+    if (reading.state <= DriverState::kLost) {
+      quality_.restart();  // what is lost while nobody answers is no fault of the bus
+    } else if (looks_ % kSample == 0) {
+      quality_.sample(counters.replies, damaged + counters.unanswered, 0, steady_now());
+    }
+    situation.link_problem = quality_.problem();
+    situation.guard_problem = guarded_.problem();
+    Health health = health_of(situation);
+    // At a start the others may come a little later.
+    const std::string of_others = joints_.problem();
+    lonely_ = of_others.empty() ? 0 : lonely_ + kPeriod;
+    if (reading.state > DriverState::kLost && lonely_ > 1) health = with_warning(health, of_others);
+    report_.tell(health);
+    if (looks_++ % kPublish != 0) return;
+    msgs::DeviceStatus status;
+    status.mutable_header()->set_stamp(node_.clock().now());
+    status.set_state(to_string(reading.state));
+    status.set_error_code(static_cast<std::uint32_t>(std::max(0, reading.error_code)));
+    status.set_messages(counters.replies);
+    status.set_damaged(damaged);
+    status.set_unanswered(counters.unanswered);
+    status.set_connections(counters.connections);
+    status.set_rate(quality_.rate());
+    status.set_damaged_part(quality_.harmed_part());
+    publisher_.publish(status);
+    if (reading.states > 0) tell(reading);
+  }
+  void tell(const Reading& reading) {
+    const auto are_all = [](const auto& values) {
+      return std::ranges::all_of(values, [](const auto& one) { return one.has_value(); });
+    };
+    msgs::HandStatus status;
+    status.mutable_header()->set_stamp(node_.clock().now());
+    status.set_firmware(std::to_string(reading.firmware));
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      status.add_name(settings_.axes[i]);
+      status.add_axis_state(words_of(reading, i));
+      status.add_blocked(reading.blocked[i]);
+    }
+    if (are_all(reading.motor_temperature)) {
+      for (const auto& celsius : reading.motor_temperature) status.add_temperature(*celsius);
+    }
+    if (are_all(reading.puck_temperature)) {
+      for (const auto& celsius : reading.puck_temperature) status.add_electronics(*celsius);
+    }
+    status_.publish(status);
+  }
+
+  const Settings& settings_;
+  Device& device_;
+  const Guarded& guarded_;
+  const JointReport& joints_;
+  graph::Node& node_;
+  DeviceReport report_;
+  LinkQuality quality_;
+  double connecting_ = 0;  // s
+  double lonely_ = 0;      // s without the others' joints
+  int looks_ = 0;
+  graph::Publisher<msgs::DeviceStatus> publisher_;
+  graph::Publisher<msgs::HandStatus> status_;
+  WallTimer timer_;
+};
+
+void run(graph::Node& node) {
+  Settings settings = declare_settings(node);
+  // --help and --describe end here, before anything is read or opened.
+  auto joint_publisher = node.advertise<msgs::JointState>("/joint_states", graph::QoS::queue(100));
+  std::vector<graph::Publisher<msgs::TactileFrame>> pad_publishers;
+  for (const std::string& pad : settings.pads) {
+    pad_publishers.push_back(
+        node.advertise<msgs::TactileFrame>("/tactile/" + pad, graph::QoS::queue(50)));
+  }
+  if (settings.pads.size() > kAxes) {
+    throw geometry::InputError(fmt::format("{} pads for {} pucks", settings.pads.size(), kAxes),
+                               "Give pads:= at most one a puck, in their order");
+  }
+  const HandAxes axes =
+      hand_axes(robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
+                settings.axes, settings.driver.gearing, settings.most_torque);
+  settings.driver.limits = axes.limits<kAxes>();
+  DeviceReport report(node);
+  JointReport joint_report(node, axes.moving_names(), settings.other_joints,
+                           std::move(joint_publisher));
+  Joints joints(axes, joint_report);
+  Pads pads(node, settings, axes.hand(), std::move(pad_publishers));
+  // Begins before the device, so that it lives on until the device has stopped the hand.
+  const auto guarded = settings.guardian ? std::make_unique<Guarded>(
+                                               guardian_program(settings.bus, settings.bit_rate),
+                                               settings.guardian_time, report.taker())
+                                         : std::make_unique<Guarded>();
+  Device device(
+      settings.driver, [&] { return open_hand_bus(settings.bus, settings.bit_rate); },
+      [&](const Reading& reading) {
+        if (reading.state > DriverState::kLost) joints.tell(reading);
+      },
+      report.taker(), kRetry,
+      [&](const Reading& reading) -> std::string {
+        if (!guarded->progress(watch_of(reading))) return {};
+        return "this driver made no progress, so its guardian stopped the hand";
+      },
+      [&](std::size_t axis, const Cells& cells) { pads.take(axis, cells); });
+  OfferedDevice<Device, kAxes> offered(device);
+  const HandOffers offers(node, offered, axes, false);
+  const InitialisingService initialising(node, device);
+  const Watcher watcher(node, settings, device, joint_report, *guarded);
+  node.spin();
+}
+
+const graph::RegisteredNodeProgram registered(
+    {"barrett",
+     "Drives a BarrettHand BH8-280 over CAN or a serial CAN adapter. Offers what the simulated "
+     "hand "
+     "offers: publishes its joints on /joint_states (inner and outer links by the encoders on both "
+     "sides of their clutches, efforts by the strain gauges) and its pads on /tactile/NAME, takes "
+     "the action /hand/move, the topic /hand/command (POSITION and VELOCITY; stopped 0.2 s after "
+     "the last one while moving) and the service /hand/stop; and /hand/initialise, which opens it "
+     "to its stops and has to be called before it moves. /hand/status has temperatures and the "
+     "axes' states, /hand/device tells how good the bus is. Never resumes a motion after a restart "
+     "of either side."},
+    run);
+
+}  // namespace
