@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "drivers/barrett/driver/probe.h"
 #include "drivers/camera/driver/probe.h"
 #include "drivers/dsa/driver/probe.h"
 #include "drivers/ft300/driver/probe.h"
@@ -160,6 +161,11 @@ Findings examine_devices(const DeviceChoices& choices) {
   if (!choices.sdh.empty()) {
     add(examine("hand", choices.sdh,
                 [&] { return Findings{finding_of("hand", drivers::sdh::probe(choices.sdh))}; }));
+  }
+  if (!choices.barrett.empty()) {
+    add(examine("hand", choices.barrett, [&] {
+      return Findings{finding_of("hand", drivers::barrett::probe(choices.barrett))};
+    }));
   }
   if (choices.rsi_port > 0) add(examine("arm", "", [&] { return listen_for_arm(choices); }));
   if (choices.cameras) {

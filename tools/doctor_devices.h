@@ -15,6 +15,7 @@ struct DeviceChoices {
   bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
   std::string dsa, ft300, sdh;
+  std::string barrett;                    ///< bus of a BarrettHand: "can0", "slcan:/dev/ttyACM0"
   int unit = 9;                           ///< Modbus address of the force sensor
   int rsi_port = 0;                       ///< UDP port that a KUKA sends to; 0: not listened to
   std::string rsi_host;                   ///< address of this machine of the same
@@ -23,8 +24,8 @@ struct DeviceChoices {
   std::vector<std::string> depth_camera;  ///< URIs of OpenNI2, recordings, prehend://HOST:PORT
 
   bool any() const {
-    return !can.empty() || !dsa.empty() || !ft300.empty() || !sdh.empty() || rsi_port > 0 || cameras ||
-           !camera.empty() || !depth_camera.empty();
+    return !can.empty() || !dsa.empty() || !ft300.empty() || !sdh.empty() || !barrett.empty() ||
+           rsi_port > 0 || cameras || !camera.empty() || !depth_camera.empty();
   }
 };
 

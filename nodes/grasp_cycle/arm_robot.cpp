@@ -56,13 +56,15 @@ control::PadGripperOptions declare_pad_gripper_options(graph::Node& node) {
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 const std::string& gripper_driver) {
   const bool has_gripper = platform.hand_port == robot::HandPort::kGripper;
-  if (has_gripper && gripper_driver == kSdh) {
+  const bool is_of_hand = gripper_driver == kSdh || gripper_driver == kBarrett;
+  if (has_gripper && is_of_hand) {
     throw std::invalid_argument(fmt::format(
         "platform {} moves its gripper through /gripper, but the hand is that of the driver {}, "
-        "which offers /hand; name a platform with an SDH-2, as kr5_sdh",
-        platform.name, gripper_driver));
+        "which offers /hand; name a platform with {}",
+        platform.name, gripper_driver,
+        gripper_driver == kSdh ? "an SDH-2, as kr5_sdh" : "a BarrettHand, as pa10_barrett"));
   }
-  if (!has_gripper && gripper_driver != kSimulated && gripper_driver != kSdh) {
+  if (!has_gripper && gripper_driver != kSimulated && !is_of_hand) {
     throw std::invalid_argument(fmt::format(
         "platform {} moves its hand by its joints (/hand/move), but the gripper is that of the "
         "driver {}, which offers /gripper; name a platform with hand_port: gripper, as stage_pg70",

@@ -30,6 +30,7 @@ control::PadGripperOptions declare_pad_gripper_options(graph::Node& node);
 /// Who drives the gripper or hand: the simulation, or else a driver's name.
 inline constexpr const char* kSimulated = "sim";
 inline constexpr const char* kSdh = "sdh";
+inline constexpr const char* kBarrett = "barrett";
 
 /// @throws std::invalid_argument for parameters that were given but mean nothing for the platform,
 /// and for one whose hand the gripper's driver cannot be.

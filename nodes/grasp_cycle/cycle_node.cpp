@@ -99,9 +99,11 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   const auto driver = node_.declare_parameter<std::string>(
       {.name = "gripper_driver",
        .default_value = kSimulated,
-       .choices = {kSimulated, "pg70", kSdh},
-       .description = "who drives the gripper or hand: with a driver, the platform must be one whose "
-                      "hand is moved as it offers, pg70 through /gripper, sdh through /hand",
+       .choices = {kSimulated, "pg70", kSdh, kBarrett},
+       .description =
+           "who drives the gripper or hand: with a driver, the platform must be one whose "
+           "hand is moved as it offers, pg70 through /gripper, sdh and barrett through "
+           "/hand",
        .read_only = true});
   const int touch_counts = node_.declare_parameter<int>({.name = "touch_counts",
                                                          .default_value = robot::kTouchCounts,

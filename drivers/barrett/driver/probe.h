@@ -12,7 +12,7 @@ namespace prehend::drivers::barrett {
 /// nothing and changes nothing. It first listens for 0.1 s, and where somebody talks to the hand it
 /// asks nothing. Costs up to 2 * patience when nobody answers.
 /// @throws geometry::InputError as open_can_bus.
-Probe probe(const std::string& bus, unsigned bit_rate = 0,
+Probe probe(const std::string& bus, unsigned bit_rate = kBitRate,
             std::chrono::nanoseconds patience = std::chrono::milliseconds(300));
 
 }  // namespace prehend::drivers::barrett

@@ -36,11 +36,10 @@ Settings declare_settings(graph::Node& node) {
        .read_only = true});
   s.bit_rate = static_cast<unsigned>(node.declare_parameter<int>(
       {.name = "bit_rate",
-       .default_value = 0,
+       .default_value = kBitRate,
        .unit = "bit/s",
        .minimum = 0,
-       .description = "CAN interface: compared with the system's; slcan: set; 0: as it is. The "
-                      "hand's is 1000000",
+       .description = "CAN interface: compared with the system's; slcan: set; 0: as it is",
        .read_only = true}));
   s.platform = node.declare_parameter<std::string>(
       {.name = "platform",

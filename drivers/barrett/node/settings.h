@@ -11,7 +11,7 @@ namespace prehend::drivers::barrett {
 
 struct Settings {
   std::string bus;
-  unsigned bit_rate = 0;  // bit/s; 0: as it is
+  unsigned bit_rate = kBitRate;  // bit/s; 0: as it is
   DriverOptions driver;
   bool guardian = true;
   double guardian_time = Guardian::kPatience;  // s

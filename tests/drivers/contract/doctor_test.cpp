@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/barrett/emulator/served_hand.h"
 #include "drivers/dsa/driver/probe.h"
 #include "drivers/dsa/emulator/controller.h"
 #include "drivers/ft300/driver/probe.h"
@@ -277,6 +278,50 @@ TEST_F(DoctorAsksDevices, HandAnswersAndIsNotMoved) {
   const auto missing = ask({"--sdh", "/dev/no_hand"});
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.output, HasSubstr("cannot open /dev/no_hand"));
+}
+
+TEST_F(DoctorAsksDevices, BarrettHandAnswersAndIsNotMoved) {
+  auto end = std::make_unique<PseudoTerminal>();
+  const std::string bus = "slcan:" + end->name();
+  barrett::ClutchHand plant;
+  barrett::HandOptions of_hand;
+  of_hand.plant = &plant;
+  barrett::ServedHand hand(
+      of_hand, std::make_unique<Slcan>(std::move(end), 0, std::vector<std::uint16_t>{}));
+  const auto good = ask({"--barrett", bus});
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output,
+              AllOf(HasSubstr("hand: BarrettHand on " + bus + " answers: four pucks, firmware 174"),
+                    HasSubstr("F1 is in monitor mode")));
+  hand.with_hand([](barrett::Hand& h, Time) {
+    EXPECT_EQ(h.moves() + h.stops(), 0u);
+    h.set_mute(true);
+  });
+  const auto silent = ask({"--barrett", bus});
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.output, AllOf(HasSubstr("the hand does not answer on " + bus),
+                                   HasSubstr("-> check its supply (48 V)")));
+  const auto missing = ask({"--barrett", "slcan:/dev/no_adapter"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.output, HasSubstr("cannot open /dev/no_adapter"));
+}
+
+TEST_F(DriversDoctor, NamesTheBarrettHandThatDoesNotAnswer) {
+  const PseudoTerminal nobody;
+  EXPECT_THAT(page_of("barrett", {"can:=slcan:" + nobody.name()}, "does not answer"),
+              AllOf(HasSubstr("the hand does not answer on slcan:" + nobody.name()),
+                    HasSubstr("Check its supply (48 V)")));
+}
+
+TEST_F(DriversDoctor, PlatformWithoutABarrettHandIsRefusedByName) {
+  for (const std::string platform : {"kr5_pg70", "stage_pg70", "kr5_sdh"}) {
+    const auto outcome = testing::run_program(
+        "barrett", {"--registry", registry_.endpoint(), "--param", "platform:=" + platform},
+        std::chrono::seconds(20));
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr("platform " + platform), HasSubstr("platform:=pa10_barrett")));
+  }
 }
 
 TEST_F(DriversDoctor, NamesTheHandThatDoesNotAnswer) {

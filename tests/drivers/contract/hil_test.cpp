@@ -69,7 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
                                     {"RSI began: controller 127.0.0.1:", "streaming 2 matrices",
                                      "FTS-2.0.1 on ", "no driver of this platform's hand"}},
                       WiredPlatform{"pa10_barrett",
-                                    {"FTS-2.0.1 on ", "no driver of this platform's arm"}}),
+                                    {"FTS-2.0.1 on ", "no driver of this platform's arm",
+                                     "the hand is initialised"}}),
     [](const auto& wired) { return wired.param.platform; });
 
 }  // namespace
