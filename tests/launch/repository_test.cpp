@@ -206,5 +206,48 @@ TEST(LaunchFilesOfTheRepository, BringupTakesCameras) {
   EXPECT_THAT(dry_run({"camera:=openi"}, 1), HasSubstr("did you mean \"openni\""));
 }
 
+// A BarrettHand has its own pads; what it cannot be is refused by name.
+TEST(LaunchFilesOfTheRepository, BringupAndHilTakeABarrettHand) {
+  const ScratchDirectory scratch;
+  int calls = 0;
+  const auto dry_run = [&](std::vector<std::string> words, int exit_code) {
+    words.insert(words.begin(), {"launch", "--dry-run"});
+    ChildProgram program("prehend", words, scratch.path(std::to_string(calls++) + ".txt"));
+    EXPECT_EQ(program.wait(seconds(30)), exit_code) << program.output();
+    return program.output();
+  };
+  const std::string bringup = "launch/bringup.yaml", of_pa10 = "platform:=pa10_barrett";
+  const std::string hand =
+      dry_run({bringup, of_pa10, "hand:=barrett", "barrett:=can3", "cycle:=true"}, 0);
+  for (const char* part :
+       {"node: barrett", "can: can3", "initialise: asked", "/hand/*: /unused/hand/*",
+        "/tactile/*: /unused/tactile/*", "/joint_states: /unused/joint_states",
+        "gripper_driver: barrett", "clock: simulated"}) {
+    EXPECT_THAT(hand, HasSubstr(part));
+  }
+  EXPECT_THAT(dry_run({bringup, of_pa10, "hand:=barrett", "wrench:=ft300"}, 0),
+              ::testing::Not(HasSubstr("node: simulation")))
+      << "its pads count as real";
+  for (const char* platform : {"stage_pg70", "kr5_pg70", "kr5_sdh"}) {
+    for (const char* file : {"launch/bringup.yaml", "launch/hil.yaml"}) {
+      EXPECT_THAT(dry_run({file, std::string("platform:=") + platform, "hand:=barrett"}, 1),
+                  HasSubstr("platform:=pa10_barrett"));
+    }
+  }
+  EXPECT_THAT(dry_run({bringup, of_pa10, "hand:=barrett", "tactile:=dsa"}, 1),
+              HasSubstr("leave tactile:=dsa away"));
+  EXPECT_THAT(dry_run({bringup, of_pa10, "hand:=barrett", "gripper:=pg70"}, 1),
+              HasSubstr("a robot has one hand"));
+  EXPECT_THAT(dry_run({bringup, of_pa10, "barrett:=can3"}, 1), HasSubstr("no effect"));
+  const std::string all = dry_run({"launch/hil.yaml", of_pa10}, 0);
+  for (const char* part : {"node: barrett_emulator", "can: slcan:/tmp/prehend_hil_barrett",
+                           "initialise: at_start", "gripper_driver: barrett",
+                           "/tactile/*: /world/tactile/*", "other_joints: /world/joint_states"}) {
+    EXPECT_THAT(all, HasSubstr(part));
+  }
+  EXPECT_THAT(dry_run({"launch/hil.yaml", of_pa10, "hand:=sim"}, 0),
+              ::testing::Not(HasSubstr("barrett_emulator")));
+}
+
 }  // namespace
 }  // namespace prehend::testing
