@@ -107,7 +107,10 @@ Probe probe(const std::string& name, unsigned bit_rate, std::chrono::nanoseconds
               who + " answers: four pucks, firmware " + std::to_string(*versions[0]),
               {}};
   const Answers status = ear.ask(Property::kStatus, patience);
-  const Answers heat = ear.ask(Property::kTemperature, patience);
+  const bool all_awake = std::ranges::none_of(
+      status, [](const auto& one) { return one == static_cast<int>(Status::kMonitor); });
+  // In monitor mode they tell little else.
+  const Answers heat = all_awake ? ear.ask(Property::kTemperature, patience) : Answers();
   std::optional<int> hottest;
   for (const auto& one : heat) {
     if (one) hottest = std::max(hottest.value_or(*one), *one);

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "drivers/barrett/driver/device.h"
@@ -75,36 +75,6 @@ class Pads {
   graph::Node& node_;
   std::vector<PadCells> pads_;
   std::vector<graph::Publisher<msgs::TactileFrame>> publishers_;
-};
-
-/// /hand/initialise, which answers when it is done.
-class InitialisingService {
- public:
-  InitialisingService(graph::Node& node, Device& device) : node_(node), device_(device) {
-    service_ = node.serve<msgs::Empty, msgs::Acknowledge>(
-        "/hand/initialise", [this](const msgs::Empty&) { return initialise(); });
-  }
-
- private:
-  msgs::Acknowledge initialise() {
-    msgs::Acknowledge answer;
-    std::uint64_t ticket = 0;
-    answer.set_reason(device_.with_driver(
-        [&](Driver& driver, Time now) { return driver.initialise(now, ticket); }));
-    while (answer.reason().empty() && node_.ok()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      const MotionReport report =
-          device_.with_driver([&](Driver& driver, Time) { return driver.report(ticket); });
-      if (report.kind == MotionReport::Kind::kRunning) continue;
-      answer.set_success(report.kind == MotionReport::Kind::kReached);
-      answer.set_reason(answer.success() ? "the hand is initialised" : report.reason);
-    }
-    return answer;
-  }
-
-  graph::Node& node_;
-  Device& device_;
-  graph::Service service_;
 };
 
 /// Health, counters and temperatures, looked at in real time.
@@ -244,7 +214,17 @@ void run(graph::Node& node) {
       [&](std::size_t axis, const Cells& cells) { pads.take(axis, cells); });
   OfferedDevice<Device, kAxes> offered(device);
   const HandOffers offers(node, offered, axes, false);
-  const InitialisingService initialising(node, device);
+  // Answers at once, so that /hand/stop need not wait for it; the state is told on /hand/device.
+  const auto initialise =
+      node.serve<msgs::Empty, msgs::Acknowledge>("/hand/initialise", [&device](const msgs::Empty&) {
+        std::uint64_t ticket = 0;
+        const std::string refusal = device.with_driver(
+            [&](Driver& driver, Time now) { return driver.initialise(now, ticket); });
+        msgs::Acknowledge answer;
+        answer.set_success(refusal.empty());
+        answer.set_reason(refusal.empty() ? "it opens" : refusal);
+        return answer;
+      });
   const Watcher watcher(node, settings, device, joint_report, *guarded);
   node.spin();
 }
