@@ -7,7 +7,8 @@
 namespace prehend::drivers::barrett {
 namespace {
 
-constexpr int kMostAgain = 2;    // that a motion which does not begin is ordered again
+constexpr int kMostAgain = 2;  // that a motion which does not begin is ordered again
+constexpr int kTremblingPolls = 25;
 constexpr int kEndedPolls = 2;   // modes in a row that show an end
 constexpr double kStill = 5e-4;  // rad between readings: it stands
 constexpr double kSlow = 4;      // times TSTOP that an axis stands, where MODE says it moves
@@ -316,8 +317,11 @@ void Driver::look_at_axis(std::size_t axis, Time now) {
     motion.standing_since = now;
     return;
   }
-  if (!stands(axis) || puck.last_position <= motion.commanded) return;
-  if (++motion.ended_polls < kEndedPolls) return;
+  if (puck.last_position <= motion.commanded) return;
+  ++motion.ended_polls;
+  // A late answer may say so of a motor that moves; one that trembles is believed in the end.
+  const bool is_ended = motion.ended_polls >= (stands(axis) ? kEndedPolls : kTremblingPolls);
+  if (!is_ended) return;
   const bool is_done = motion_.initialises() ? motion.phase == Phase::kGoing
                                              : motion.phase == Phase::kGoing || is_there(axis);
   if (!is_done) return;  // it has not begun: update_motion looks at the time

@@ -301,7 +301,8 @@ void Hand::look_at_axis(std::size_t axis) {
   constexpr double kSettles = 0.02;  // s
   if (puck.mode == Mode::kTrapezoid) {
     const double end = puck.values[index_of(Property::kEnd)];
-    const bool is_there = puck.reference == end && std::abs(end - here) <= options_.tolerance;
+    const double tolerance = options_.tolerance * options_.gearing.counts_per_radian(axis);
+    const bool is_there = puck.reference == end && std::abs(end - here) <= tolerance;
     if (is_there && stood > kSettles) return end_motion(axis);
   }
   const double patience = puck.values[index_of(Property::kStallTime)] * 1e-3;

@@ -22,7 +22,7 @@ struct HandOptions {
   double self_start = 0;      // s after power-on, when it wakes by itself; 0: never
   double wake_time = 0.2;     // s of silence behind STAT 2; up to 1 s is told of real ones
   double most_torque = 3300;  // unit of MT at which its motors give their most
-  double tolerance = 400;     // counts, within which an axis is where it was sent
+  double tolerance = 0.004;   // rad, within which an axis is where it was sent
   double room = 25;           // degree Celsius
 };
 
