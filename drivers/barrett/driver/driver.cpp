@@ -286,6 +286,9 @@ void Driver::ask_pads(Time now) {
 void Driver::update_state() {
   const bool is_unfit =
       std::ranges::any_of(pucks_, [](const Puck& puck) { return puck.is_status_bad; });
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    reading_.answers[i] = has_line_ && pucks_[i].is_connected;
+  }
   const bool initialises = !motion_.ended && motion_.initialises();
   reading_.state = !has_line_                               ? DriverState::kDisconnected
                    : lost_                                  ? DriverState::kLost

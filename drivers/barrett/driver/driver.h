@@ -109,6 +109,7 @@ struct Reading {
   AxisValues effort{};                // N m, of the strain gauges, from rest
   std::array<std::optional<double>, kAxes> motor_temperature{}, puck_temperature{};  // deg C
   std::array<bool, kAxes> pad_fails{};  // TACTID tells that it is not initialised
+  std::array<bool, kAxes> answers{};    // each puck, since the connection began
   bool moving = false;
   std::uint64_t states = 0;  // whole rounds of readings so far
   int firmware = 0;          // VERS of F1; 0 until it is known

@@ -10,6 +10,17 @@ using Level = Health::Level;
 
 constexpr double kPatience = 1.5;  // s of connecting that say nothing yet
 
+// Who does not answer.
+std::string silent(const Reading& reading) {
+  const auto answering = std::ranges::count(reading.answers, true);
+  if (answering == 0) return "the hand does not answer";
+  std::string names;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (!reading.answers[i]) names += (names.empty() ? "" : ", ") + std::string(axis_name(i));
+  }
+  return "of the hand's pucks these do not answer: " + names;
+}
+
 Health of_state(const Situation& s) {
   const Health by_name{Level::kOk, to_string(s.reading.state)};
   switch (s.reading.state) {
@@ -18,7 +29,7 @@ Health of_state(const Situation& s) {
       return by_name;  // it is too early to say
     case DriverState::kConnecting:
       if (s.connecting < kPatience) return by_name;
-      return {Level::kError, "the hand does not answer on " + s.line +
+      return {Level::kError, silent(s.reading) + " on " + s.line +
                                  ". Check its supply (48 V), wiring, termination and the bit rate "
                                  "(1 Mbit/s)"};
     case DriverState::kLost:

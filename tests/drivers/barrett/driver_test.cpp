@@ -446,6 +446,17 @@ TEST(BarrettDriver, PadThatIsNotInitialisedIsTold) {
   EXPECT_THAT(health_of(situation).words, HasSubstr("the pad of F1 is not initialised"));
 }
 
+TEST(BarrettDriver, PuckThatIsMissingIsNamed) {
+  VirtualHand g;
+  g.hand.set_mute(true, 2);
+  g.driver.connected(g.now);
+  g.run(2);
+  EXPECT_EQ(g.driver.reading().state, DriverState::kConnecting);
+  const std::array<bool, kAxes> answers{true, true, false, true};
+  EXPECT_EQ(g.driver.reading().answers, answers);
+  EXPECT_EQ(g.hand.moves(), 0u);
+}
+
 TEST(BarrettDriver, AnswersThatCannotBeAreStrange) {
   VirtualHand g;
   ASSERT_TRUE(g.begin());
@@ -466,6 +477,8 @@ TEST(BarrettHealth, NamesTheMend) {
   EXPECT_EQ(health_of(s).level, Health::Level::kOk);
   s.connecting = 3;
   EXPECT_THAT(health_of(s).words, HasSubstr("does not answer on can0. Check its supply (48 V)"));
+  s.reading.answers = {true, false, true, false};
+  EXPECT_THAT(health_of(s).words, HasSubstr("these do not answer: F2, spread on can0"));
   s.reading.state = DriverState::kDisconnected;
   s.line_problem = "cannot open it";
   EXPECT_EQ(health_of(s).level, Health::Level::kError);
