@@ -18,6 +18,7 @@ void add_node_commands(CLI::App& app);
 void add_topic_commands(CLI::App& app, Outcome& outcome);
 void add_offer_commands(CLI::App& app, Outcome& outcome);
 void add_param_commands(CLI::App& app);
+void add_stop_command(CLI::App& app);
 void add_log_command(CLI::App& app, Outcome& outcome);
 void add_graph_command(CLI::App& app);
 void add_doctor_command(CLI::App& app, Outcome& outcome);

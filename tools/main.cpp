@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
       "  prehend launch launch/demo.yaml scene:=table_objects\n"
       "  prehend node list\n"
       "  prehend topic echo /gripper/state\n"
+      "  prehend stop\n"
       "  prehend doctor\n"
       "  prehend explain config/scenes/demo.yaml\n"
       "  prehend plan object.ply --hand pg70 --out out/plan\n"
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
   add_topic_commands(app, outcome);
   add_offer_commands(app, outcome);
   add_param_commands(app);
+  add_stop_command(app);
   add_log_command(app, outcome);
   add_graph_command(app);
   add_doctor_command(app, outcome);

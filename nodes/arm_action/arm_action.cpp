@@ -28,7 +28,8 @@ void put_positions(const robot::Positions& values,
 
 }  // namespace
 
-ArmAction::ArmAction(graph::Node& node, MovedArm& arm) : node_(node), arm_(arm) {
+ArmAction::ArmAction(graph::Node& node, MovedArm& arm, EmergencyStopListener& emergency)
+    : node_(node), arm_(arm), emergency_(emergency) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/arm/stop", [this](const msgs::Empty&) {
     arm_.stop_arm(arm_.take_arm());
     msgs::Acknowledge answer;
@@ -40,6 +41,8 @@ ArmAction::ArmAction(graph::Node& node, MovedArm& arm) : node_(node), arm_(arm) 
       "/arm/follow", [this](const msgs::FollowTrajectoryGoal& goal, Context& context) {
         return follow(goal, context);
       });
+  emergency_stop_ =
+      emergency.on_stop([this](const std::string&) { arm_.stop_arm(arm_.take_arm()); });
 }
 
 // Until it stands, or is somebody else's.
@@ -64,6 +67,7 @@ msgs::FollowTrajectoryResult ArmAction::follow(const msgs::FollowTrajectoryGoal&
     result.set_reason(reason);
     return result;
   };
+  if (const std::string why = emergency_.refusal(); !why.empty()) return finish(why);
   try {
     if (goal.stop_on_contact() && !(goal.contact_force() > 0)) {
       throw std::invalid_argument("contact_force must be positive");
@@ -77,6 +81,10 @@ msgs::FollowTrajectoryResult ArmAction::follow(const msgs::FollowTrajectoryGoal&
   for (int slice = 0; node_.ok(); ++slice) {
     arm_.wait_for_slice();
     const MovedArm::State now = arm_.arm_state();
+    if (const std::string why = emergency_.refusal(); !why.empty()) {
+      brake(arm_.take_arm());  // also where it came before the motion had begun
+      return finish(why);
+    }
     if (!arm_.holds_arm(ticket)) {
       return finish(context.preempted() ? "a newer trajectory came; stopped"
                                         : "stopped before the goal");

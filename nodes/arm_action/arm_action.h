@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "msgs/actions.pb.h"
+#include "nodes/emergency_stop_listener/emergency_stop_listener.h"
 #include "prehend/graph/node.h"
 #include "prehend/simulation/arm_drive.h"
 
@@ -41,10 +42,12 @@ class MovedArm {
 
 /// The action /arm/follow and the service /arm/stop. Every goal has its own end; one whose client
 /// cancels, dies or is preempted by a newer goal brakes the arm within its acceleration limits. A
-/// newer trajectory begins where the arm then stands.
+/// newer trajectory begins where the arm then stands. An emergency stop brakes it, too, and goals
+/// are refused until that is reset.
 class ArmAction {
  public:
-  ArmAction(graph::Node& node, MovedArm& arm);
+  /// `emergency` lives longer.
+  ArmAction(graph::Node& node, MovedArm& arm, EmergencyStopListener& emergency);
 
  private:
   using Context = graph::ActionContext<msgs::FollowTrajectoryFeedback>;
@@ -53,8 +56,10 @@ class ArmAction {
 
   graph::Node& node_;
   MovedArm& arm_;
+  const EmergencyStopListener& emergency_;
   graph::Service stop_;
   graph::ActionServer follow_;
+  EmergencyStopListener::Action emergency_stop_;
 };
 
 }  // namespace prehend::nodes

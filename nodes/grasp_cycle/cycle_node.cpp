@@ -77,6 +77,7 @@ CycleNode::CycleNode(graph::Node& node)
                                                          "a view",
                                           .read_only = true}))),
       robot_(declare_robot()),
+      emergency_(node),
       surprises_(node.advertise<msgs::Surprise>("/surprise", graph::QoS::latched(32))),
       states_(node.advertise<msgs::CycleState>("/cycle/state", graph::QoS::latched(64))),
       results_(node.advertise<msgs::CycleResult>("/cycle/result", graph::QoS::latched(1))),
@@ -139,9 +140,10 @@ void CycleNode::subscribe() {
   start_service_ =
       node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/start", [this](const msgs::Empty&) {
         msgs::Acknowledge answer;
-        answer.set_success(!running_ && !preparing_);
+        const std::string stopped = emergency_.refusal();
+        answer.set_success(!running_ && !preparing_ && stopped.empty());
         if (!answer.success()) {
-          answer.set_reason("a cycle is running");
+          answer.set_reason(stopped.empty() ? "a cycle is running" : stopped);
         } else {
           armed_ = true;
           answer.set_reason("starts on the newest plans");
@@ -153,9 +155,12 @@ void CycleNode::subscribe() {
 void CycleNode::tick() {
   if (exit_time_ && steady_clock::now() >= *exit_time_) return node_.shutdown();
   if (running_) {
+    // It is no failed attempt, after which another follows: the task ends where everything stands.
+    if (const std::string why = emergency_.refusal(); !why.empty()) robot_->cycle().abort(why);
     // A step that cannot be done is no reason to let things move on.
     const std::string failure = node_.shield("cycle", [this] {
       predicted_.watch();
+      if (robot_->cycle().finished()) return;
       robot_->step();
       publish_evidence();
       publish_percepts();
@@ -170,6 +175,7 @@ void CycleNode::tick() {
   const View* view = views_.newest_ready(steady_clock::now());
   if (!view || waits_for_robot()) return;
   armed_ = false;
+  if (const std::string why = emergency_.refusal(); !why.empty()) return fail(why);
   const std::string failure = node_.shield("plan", [&] { start(*view); });
   if (!failure.empty()) fail(failure);
 }

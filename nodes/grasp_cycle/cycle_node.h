@@ -10,6 +10,7 @@
 #include "msgs/belief.pb.h"
 #include "msgs/grasp.pb.h"
 #include "msgs/percepts.pb.h"
+#include "nodes/emergency_stop_listener/emergency_stop_listener.h"
 #include "nodes/grasp_cycle/arm_robot.h"
 #include "nodes/grasp_cycle/look_again.h"
 #include "nodes/grasp_cycle/predicted_objects.h"
@@ -60,6 +61,7 @@ class CycleNode {
   ViewCollector views_;
   control::Task task_;
   std::unique_ptr<ArmRobot> robot_;
+  EmergencyStopListener emergency_;
   graph::Publisher<msgs::Surprise> surprises_;
   graph::Publisher<msgs::CycleState> states_;
   graph::Publisher<msgs::CycleResult> results_;

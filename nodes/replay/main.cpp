@@ -123,7 +123,7 @@ const prehend::graph::RegisteredNodeProgram registered(
      "Publishes a recording again: the same messages with the same stamps, and the recorded time "
      "on /clock, which the service /clock/control pauses, steps and speeds up. Ends when "
      "everything was published, unless told to hold or to loop. The topics /log, /diagnostics and "
-     "/statistics, which every node has of its own, are left out."},
+     "/statistics, which every node has of its own, and /emergency_stop are left out."},
     replay);
 
 }  // namespace

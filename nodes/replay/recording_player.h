@@ -30,7 +30,7 @@ struct RecordingPlayerOptions {
 /// Publishes a recording's messages again: same bytes, same stamps, in order of their log times.
 /// Topics that were latched are latched again, and what was latched before the start comes first.
 /// /clock is made anew from the log times and never replayed; /log, /diagnostics and /statistics,
-/// which every node has of its own, are left out.
+/// which every node has of its own, and /emergency_stop are left out.
 class RecordingPlayer {
  public:
   /// Opens the file and advertises its topics. `pacer` is set to the options' rate and pause.

@@ -4,9 +4,11 @@
 
 namespace prehend::nodes {
 
-ArmCommands::ArmCommands(graph::Node& node, CommandedArm& arm)
+ArmCommands::ArmCommands(graph::Node& node, CommandedArm& arm,
+                         const EmergencyStopListener& emergency)
     : node_(node),
       arm_(arm),
+      emergency_(emergency),
       subscription_(node.subscribe<msgs::JointCommand>(
           "/arm/command", graph::QoS::queue(20),
           [this](const graph::Received<msgs::JointCommand>& message) { command(*message); })) {}
@@ -22,10 +24,14 @@ void ArmCommands::command(const msgs::JointCommand& command) {
         if (command.joint_name_size() != command.value_size()) {
           throw std::invalid_argument("it has not one value a joint");
         }
+        if (const std::string why = emergency_.refusal(); !why.empty()) {
+          throw std::invalid_argument(why);
+        }
         if (arm_.command_arm({command.joint_name().begin(), command.joint_name().end()},
                              {command.value().begin(), command.value().end()})) {
           node_.log_info("/arm/command moves the arm");
         }
+        if (!emergency_.refusal().empty()) arm_.command_arm({}, {});  // it came meanwhile
         break;
       default:
         throw std::invalid_argument("an arm takes POSITION and STOP alone");

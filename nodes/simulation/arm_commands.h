@@ -24,13 +24,14 @@ class CommandedArm : public MovedArm {
 /// msgs.JointCommand with the mode POSITION for all joints of the arm, or STOP.
 class ArmCommands {
  public:
-  ArmCommands(graph::Node& node, CommandedArm& arm);
+  ArmCommands(graph::Node& node, CommandedArm& arm, const EmergencyStopListener& emergency);
 
  private:
   void command(const msgs::JointCommand& command);
 
   graph::Node& node_;
   CommandedArm& arm_;
+  const EmergencyStopListener& emergency_;
   std::string said_;  // of the last command that was refused, once
   graph::Subscription subscription_;
 };

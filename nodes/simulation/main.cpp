@@ -6,6 +6,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
+#include "nodes/emergency_stop_listener/emergency_stop_listener.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/simulation/arm_commands.h"
 #include "nodes/simulation/camera.h"
@@ -36,6 +37,7 @@ struct Settings {
   bool paused = false;
   bool camera = true;
   bool depth = false;
+  bool arm_is_emulated = false, hand_is_emulated = false;
   double camera_period = 0;
   int noise_seed = -1;
   simulation::RenderOptions render;
@@ -74,6 +76,17 @@ Settings declare_settings(graph::Node& node) {
                                     .default_value = false,
                                     .description = "begin with the clock paused, see prehend clock",
                                     .read_only = true});
+  s.arm_is_emulated = node.declare_parameter<bool>(
+      {.name = "arm_is_emulated",
+       .default_value = false,
+       .description =
+           "an emulated controller moves the arm, as its driver says by wire: the driver "
+           "minds the emergency stop, and not the simulated motors",
+       .read_only = true});
+  s.hand_is_emulated = node.declare_parameter<bool>({.name = "hand_is_emulated",
+                                                     .default_value = false,
+                                                     .description = "the same of hand or gripper",
+                                                     .read_only = true});
   s.camera = node.declare_parameter<bool>(
       {.name = "camera",
        .default_value = true,
@@ -119,6 +132,24 @@ Settings declare_settings(graph::Node& node) {
   return s;
 }
 
+/// Who minds the emergency stop for which part of the robot.
+class Emergencies {
+ public:
+  Emergencies(graph::Node& node, const Settings& settings)
+      : minded_(node), elsewhere_(node, false), settings_(settings) {}
+  nodes::EmergencyStopListener& of_arm() {
+    return settings_.arm_is_emulated ? elsewhere_ : minded_;
+  }
+  nodes::EmergencyStopListener& of_hand() {
+    return settings_.hand_is_emulated ? elsewhere_ : minded_;
+  }
+  nodes::EmergencyStopListener& minded() { return minded_; }
+
+ private:
+  nodes::EmergencyStopListener minded_, elsewhere_;
+  const Settings& settings_;
+};
+
 template <class Robot>
 msgs::SpawnResponse spawn(Robot& robot, const msgs::SpawnRequest& request) {
   msgs::SpawnResponse response;
@@ -144,7 +175,8 @@ msgs::SpawnResponse spawn(Robot& robot, const msgs::SpawnRequest& request) {
 template <class Robot>
 class World {
  public:
-  World(graph::Node& node, const Settings& settings, const simulation::Scene& scene, Robot& robot)
+  World(graph::Node& node, const Settings& settings, const simulation::Scene& scene, Robot& robot,
+        Emergencies& emergency)
       : robot_(robot) {
     if (settings.camera) {
       camera_ = std::make_unique<nodes::Camera>(
@@ -159,8 +191,11 @@ class World {
       camera_->request();
     }
     spawn_ = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
-        "/simulation/spawn",
-        [&robot](const msgs::SpawnRequest& request) { return spawn(robot, request); });
+        "/simulation/spawn", [&robot, &emergency](const msgs::SpawnRequest& request) {
+          // A large mesh takes long; the world stands still meanwhile.
+          const nodes::EmergencyStopListener::Wait wait(emergency.minded());
+          return spawn(robot, request);
+        });
     render_ = node.serve<msgs::Empty, msgs::Acknowledge>(
         "/simulation/render", [this](const msgs::Empty&) {
           msgs::Acknowledge answer;
@@ -223,11 +258,12 @@ void run_stage(graph::Node& node, const Settings& settings, simulation::Scene sc
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
-  World world(node, settings, scene, robot);
+  Emergencies emergency(node, settings);
+  World world(node, settings, scene, robot, emergency);
   pictures.set_camera(world.camera());
-  const MotionActions motion(node, robot);
-  const ArmAction arm(node, robot);
-  const ArmCommands commands(node, robot);
+  const MotionActions motion(node, robot, emergency.of_hand());
+  const ArmAction arm(node, robot, emergency.of_arm());
+  const ArmCommands commands(node, robot, emergency.of_arm());
   node.log_info("robot {}", platform.name);
   robot.start();
   node.spin();
@@ -257,10 +293,11 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
       },
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
-  World world(node, settings, scene, robot);
+  Emergencies emergency(node, settings);
+  World world(node, settings, scene, robot, emergency);
   pictures.set_camera(world.camera());
-  const RobotActions actions(node, robot);
-  const ArmCommands commands(node, robot);
+  const RobotActions actions(node, robot, emergency.of_arm(), emergency.of_hand());
+  const ArmCommands commands(node, robot, emergency.of_arm());
   node.log_info("robot {}", platform.name);
   robot.start();
   node.spin();
@@ -326,7 +363,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "0.2 s after the last one while moving) and the service /hand/stop. A "
      "parallel gripper on a stage has /gripper/model and /gripper/state, /gripper/command (stopped "
      "0.2 s after the last one while moving), the action /gripper/move and the services "
-     "/gripper/stop, /gripper/fast_stop and /gripper/acknowledge."},
+     "/gripper/stop, /gripper/fast_stop and /gripper/acknowledge. /emergency_stop brakes arm, hand "
+     "and gripper, which hold what they grip, and refuses motions until it is reset."},
     run);
 
 }  // namespace

@@ -20,8 +20,9 @@ msgs::Acknowledge acknowledged(const char* words) {
 
 }  // namespace
 
-MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
-    : node_(node), robot_(robot) {
+MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot,
+                             EmergencyStopListener& emergency)
+    : node_(node), robot_(robot), emergency_(emergency) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/stop", [this](const msgs::Empty&) {
     robot_.stop_gripper("stopped by /gripper/stop");
     return acknowledged("it brakes");
@@ -43,14 +44,19 @@ MotionActions::MotionActions(graph::Node& node, SimulatedRobot& robot)
           "/gripper/move", [this](const msgs::MoveGripperGoal& goal, GripperContext& context) {
             return move_gripper(goal, context);
           });
+  emergency_stop_ = emergency.on_stop([this](const std::string& why) { robot_.stop_gripper(why); });
 }
 
 void MotionActions::command(const msgs::GripperCommand& command) {
   try {
     const auto mode = convert::from_message(command.mode());
     if (!mode) throw std::invalid_argument("unknown mode of a gripper command");
+    const std::string why = emergency_.refusal();
+    if (!why.empty() && *mode != robot::GripperMode::kStop) throw std::invalid_argument(why);
     robot_.command_gripper(*mode, command.value(), command.current_limit(),
                            command.header().stamp());
+    // It came meanwhile.
+    if (const std::string now = emergency_.refusal(); !now.empty()) robot_.stop_gripper(now);
   } catch (const std::invalid_argument& error) {
     node_.log_warning("/gripper/command refused: {}", error.what());
   }
@@ -66,7 +72,12 @@ msgs::MoveGripperResult MotionActions::move_gripper(const msgs::MoveGripperGoal&
   std::uint64_t ticket = 0;
   try {
     if (!(goal.speed() > 0)) throw std::invalid_argument("speed must be positive");
+    if (const std::string why = emergency_.refusal(); !why.empty()) {
+      throw std::invalid_argument(why);
+    }
     ticket = robot_.move_gripper(goal.opening(), goal.speed(), goal.current_limit(), goal.stamp());
+    // It came meanwhile.
+    if (const std::string why = emergency_.refusal(); !why.empty()) robot_.stop_gripper(why);
   } catch (const std::invalid_argument& error) {
     result.set_reason(error.what());
     result.set_opening(gripper.opening);

@@ -33,8 +33,9 @@ msgs::Acknowledge done() {
 
 }  // namespace
 
-RobotActions::RobotActions(graph::Node& node, RobotRunner& robot)
-    : node_(node), robot_(robot), arm_(node, robot) {
+RobotActions::RobotActions(graph::Node& node, RobotRunner& robot, EmergencyStopListener& of_arm,
+                           EmergencyStopListener& of_hand)
+    : node_(node), robot_(robot), emergency_(of_hand), arm_(node, robot, of_arm) {
   stop_hand_ = node.serve<msgs::Empty, msgs::Acknowledge>("/hand/stop", [this](const msgs::Empty&) {
     robot_.stop_hand("stopped by /hand/stop");
     return done();
@@ -46,6 +47,7 @@ RobotActions::RobotActions(graph::Node& node, RobotRunner& robot)
       "/hand/move", [this](const msgs::MoveHandGoal& goal, HandContext& context) {
         return move_hand(goal, context);
       });
+  emergency_stop_ = of_hand.on_stop([this](const std::string& why) { robot_.stop_hand(why); });
 }
 
 void RobotActions::command(const msgs::JointCommand& command) {
@@ -56,6 +58,8 @@ void RobotActions::command(const msgs::JointCommand& command) {
   };
   const auto mode = convert::from_message(command.mode());
   if (!mode) return say("refused: unknown mode of a joint command");
+  const std::string why = emergency_.refusal();
+  if (!why.empty() && *mode != robot::JointMode::kStop) return say("refused: " + why);
   try {
     const simulation::JointsRequest request{
         *mode,
@@ -65,6 +69,8 @@ void RobotActions::command(const msgs::JointCommand& command) {
       return say("ignored: it is stamped before the goal of /hand/move that came");
     }
     said_.clear();
+    // It came meanwhile.
+    if (const std::string now = emergency_.refusal(); !now.empty()) robot_.stop_hand(now);
   } catch (const std::invalid_argument& error) {
     say("refused: " + std::string(error.what()));
   }
@@ -85,7 +91,10 @@ msgs::MoveHandResult RobotActions::move_hand(const msgs::MoveHandGoal& goal, Han
     const simulation::NamedHandCommand named = robot_.with_world(
         [&](RobotWorld& world) { return check_hand_request(world, request_of(goal)); });
     motors = named.motors;
+    if (const std::string why = emergency_.refusal(); !why.empty()) return finish(why);
     ticket = robot_.move_hand(named.command, goal.stamp());
+    // It came meanwhile.
+    if (const std::string why = emergency_.refusal(); !why.empty()) robot_.stop_hand(why);
   } catch (const std::invalid_argument& error) {
     return finish(error.what());
   }

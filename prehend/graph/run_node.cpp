@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <malloc.h>
+#include <stdlib.h>
 
 #include <stdexcept>
 
@@ -33,6 +34,10 @@ int run_program(int argc, char** argv, const NodeProgram& program) {
     NodeCommandLine command = read_node_command_line({argv + 1, argv + argc}, program.description);
     name = command.options.name;
     if (print_what_is_asked(command, program.description, program.run)) return 0;
+    // What looks at the graph from this process, or is started by it, looks at the same.
+    if (!command.options.registry.empty()) {
+      ::setenv("PREHEND_REGISTRY", command.options.registry.c_str(), 1);
+    }
     keep_heap_warm();
     Node node(std::move(command.options));
     const StopSignals signals(

@@ -71,4 +71,19 @@ Health health_of(const Situation& s) {
   return with_warning(health, s.link_problem);
 }
 
+std::string own_stop(const Reading& reading) {
+  switch (reading.state) {
+    case DriverState::kDisconnected:
+      return "the hand's bus is gone";
+    case DriverState::kConnecting:
+      return "the hand does not answer yet";
+    case DriverState::kLost:
+      return "the hand's answers are missing";
+    case DriverState::kFault:
+      return "a puck of the hand is in error " + std::to_string(reading.error_code);
+    default:
+      return {};
+  }
+}
+
 }  // namespace prehend::drivers::barrett

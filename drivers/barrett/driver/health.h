@@ -23,4 +23,8 @@ struct Situation {
 /// are warnings; else the name of the state.
 Health health_of(const Situation& situation);
 
+/// Of a hand that was ready before: why it stands still by itself, or nobody can make it, so that
+/// everything else is to stop; "": it does what it is told.
+std::string own_stop(const Reading& reading);
+
 }  // namespace prehend::drivers::barrett

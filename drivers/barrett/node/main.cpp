@@ -81,11 +81,12 @@ class Pads {
 class Watcher {
  public:
   Watcher(graph::Node& node, const Settings& settings, Device& device, const JointReport& joints,
-          const Guarded& guarded)
+          const Guarded& guarded, nodes::EmergencyStopListener& emergency)
       : settings_(settings),
         device_(device),
         guarded_(guarded),
         joints_(joints),
+        emergency_(emergency),
         node_(node),
         report_(node),
         publisher_(node.advertise<msgs::DeviceStatus>("/hand/device", graph::QoS::latched(1))),
@@ -118,6 +119,8 @@ class Watcher {
     }
     situation.link_problem = quality_.problem();
     situation.guard_problem = guarded_.problem();
+    was_ready_ = was_ready_ || reading.state > DriverState::kFault;
+    emergency_.tell_device(was_ready_ ? own_stop(reading) : "");
     Health health = health_of(situation);
     // At a start the others may come a little later.
     const std::string of_others = joints_.problem();
@@ -163,11 +166,13 @@ class Watcher {
   Device& device_;
   const Guarded& guarded_;
   const JointReport& joints_;
+  nodes::EmergencyStopListener& emergency_;
   graph::Node& node_;
   DeviceReport report_;
   LinkQuality quality_;
   double connecting_ = 0;  // s
   double lonely_ = 0;      // s without the others' joints
+  bool was_ready_ = false;
   int looks_ = 0;
   graph::Publisher<msgs::DeviceStatus> publisher_;
   graph::Publisher<msgs::HandStatus> status_;
@@ -212,20 +217,23 @@ void run(graph::Node& node) {
         return "this driver made no progress, so its guardian stopped the hand";
       },
       [&](std::size_t axis, const Cells& cells) { pads.take(axis, cells); });
-  OfferedDevice<Device, kAxes> offered(device);
-  const HandOffers offers(node, offered, axes, false);
+  nodes::EmergencyStopListener emergency(node);
+  OfferedDevice<Device, kAxes> offered(device, emergency);
+  const HandOffers offers(node, offered, axes, emergency, false);
   // Answers at once, so that /hand/stop need not wait for it; the state is told on /hand/device.
-  const auto initialise =
-      node.serve<msgs::Empty, msgs::Acknowledge>("/hand/initialise", [&device](const msgs::Empty&) {
+  const auto initialise = node.serve<msgs::Empty, msgs::Acknowledge>(
+      "/hand/initialise", [&device, &emergency](const msgs::Empty&) {
         std::uint64_t ticket = 0;
-        const std::string refusal = device.with_driver(
-            [&](Driver& driver, Time now) { return driver.initialise(now, ticket); });
+        const std::string refusal = device.with_driver([&](Driver& driver, Time now) {
+          const std::string stopped = emergency.refusal();
+          return stopped.empty() ? driver.initialise(now, ticket) : stopped;
+        });
         msgs::Acknowledge answer;
         answer.set_success(refusal.empty());
         answer.set_reason(refusal.empty() ? "it opens" : refusal);
         return answer;
       });
-  const Watcher watcher(node, settings, device, joint_report, *guarded);
+  const Watcher watcher(node, settings, device, joint_report, *guarded, emergency);
   node.spin();
 }
 

@@ -1,5 +1,7 @@
 #include "drivers/kuka_rsi/node/health.h"
 
+#include <utility>
+
 namespace prehend::drivers::kuka_rsi {
 namespace {
 
@@ -38,6 +40,24 @@ Health health_of(const Snapshot& now, const std::string& peer, const std::string
   health = with_warning(health, now.latched ? "stopped; /arm/acknowledge ends that" : "");
   health = with_warning(health, trouble);
   return with_warning(health, missing_real_time);
+}
+
+std::string OwnStops::look(const Snapshot& now, const std::string& peer) {
+  const std::uint64_t before = std::exchange(sessions_, now.sessions);
+  const bool has_left = now.reason == Reason::kOffPath && now.ticket != ticket_;
+  if (has_left) ticket_ = now.ticket;
+  if (now.sessions == 0) return {};
+  if (now.state == State::kSilent) {
+    return "RSI has ended at controller " + peer +
+           ", by its program, its emergency stop or the network";
+  }
+  if (now.state == State::kRefused) {
+    return "controller " + peer + " is not answered: " + to_string(now.refusal);
+  }
+  if (before != 0 && now.sessions != before) {
+    return "RSI ended at controller " + peer + " and began again";
+  }
+  return has_left ? "the arm of controller " + peer + " left its path" : std::string();
 }
 
 }  // namespace prehend::drivers::kuka_rsi

@@ -169,10 +169,12 @@ class AxesTeller {
 /// Health and counters.
 class Watcher {
  public:
-  Watcher(graph::Node& node, const Device& device, const DeviceOptions& options)
+  Watcher(graph::Node& node, const Device& device, const DeviceOptions& options,
+          nodes::EmergencyStopListener& emergency)
       : node_(node),
         device_(device),
         options_(options),
+        emergency_(emergency),
         report_(node),
         publisher_(node.advertise<msgs::DeviceStatus>("/arm/device", graph::QoS::latched(1))),
         timer_(kPeriod, [this] { look(); }) {}
@@ -191,6 +193,7 @@ class Watcher {
       quality_.sample(now.telegrams, harmed, 1 / options_.driver.cycle, steady_now());
     }
     tell_events(now);
+    emergency_.tell_device(own_stops_.look(now, device_.peer()));
     const bool is_early = now.telegrams == 0 && looks_ * kPeriod < kGrace;
     report_.tell(is_early ? Health{Health::Level::kOk, "waits for the controller"}
                           : health_of(now, device_.peer(), quality_.problem(),
@@ -222,9 +225,11 @@ class Watcher {
   graph::Node& node_;
   const Device& device_;
   const DeviceOptions options_;
+  nodes::EmergencyStopListener& emergency_;
   DeviceReport report_;
   LinkQuality quality_;
   int looks_ = 0;
+  OwnStops own_stops_;
   std::uint64_t sessions_ = 0, lost_ = 0;
   graph::Publisher<msgs::DeviceStatus> publisher_;
   WallTimer timer_;
@@ -265,7 +270,8 @@ void run(graph::Node& node) {
         const auto& force = message->wrench().force();
         device.feel(std::hypot(force.x(), force.y(), force.z()));
       });
-  const nodes::ArmAction action(node, arm);
+  nodes::EmergencyStopListener emergency(node);
+  const nodes::ArmAction action(node, arm, emergency);
   const graph::Service fast_stop =
       node.serve<msgs::Empty, msgs::Acknowledge>("/arm/fast_stop", [&](const msgs::Empty&) {
         device.latch();
@@ -282,7 +288,7 @@ void run(graph::Node& node) {
   AxesTeller teller(device, joints);
   constexpr double kJointPeriod = 0.01;  // s
   const WallTimer timer(kJointPeriod, [&] { teller.tell(); });
-  const Watcher watcher(node, device, settings.device);
+  const Watcher watcher(node, device, settings.device, emergency);
   node.spin();
   tell_answer_times(node, device);
 }

@@ -52,4 +52,20 @@ Health health_of(const Situation& s) {
   return with_warning(health, s.guard_problem);
 }
 
+std::string own_stop(const Reading& reading) {
+  switch (reading.state) {
+    case DriverState::kDisconnected:
+      return "the gripper's line is gone";
+    case DriverState::kConnecting:
+      return "the gripper does not answer yet";
+    case DriverState::kLost:
+      return "the gripper's answers are missing";
+    case DriverState::kFault:
+      if (reading.error_code == static_cast<std::uint8_t>(ErrorCode::kFastStop)) return {};
+      return "the gripper stopped by itself: " + describe_code(reading.error_code);
+    default:
+      return {};
+  }
+}
+
 }  // namespace prehend::drivers::pg70

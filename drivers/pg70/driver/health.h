@@ -24,4 +24,9 @@ struct Situation {
 /// guardian are warnings; else the name of the state.
 Health health_of(const Situation& situation);
 
+/// Of a gripper that was ready before: why it stands still by itself, or nobody can make it, so
+/// that everything else is to stop; "": it does what it is told. CMD FAST STOP is somebody's who
+/// asked for it, and no fault of the gripper.
+std::string own_stop(const Reading& reading);
+
 }  // namespace prehend::drivers::pg70

@@ -55,7 +55,9 @@ msgs::GripperState state_message(const Reading& reading, std::int64_t stamp) {
   return message;
 }
 
-GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), device_(device) {
+GripperOffers::GripperOffers(graph::Node& node, Device& device,
+                             nodes::EmergencyStopListener& emergency)
+    : node_(node), device_(device), emergency_(emergency) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
       "/gripper/stop", [this](const msgs::Empty&) { return stop(false); });
   fast_stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
@@ -64,8 +66,10 @@ GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), d
       "/gripper/acknowledge", [this](const msgs::Empty&) { return acknowledge(); });
   reference_ =
       node.serve<msgs::Empty, msgs::Acknowledge>("/gripper/reference", [this](const msgs::Empty&) {
-        const std::string refusal =
-            device_.with_driver([](Driver& driver, Time now) { return driver.reference(now); });
+        const std::string refusal = device_.with_driver([this](Driver& driver, Time now) {
+          const std::string stopped = emergency_.refusal();
+          return stopped.empty() ? driver.reference(now) : stopped;
+        });
         return answer(refusal.empty(), refusal.empty() ? "it moves" : refusal);
       });
   command_ = node.subscribe<msgs::GripperCommand>(
@@ -76,6 +80,9 @@ GripperOffers::GripperOffers(graph::Node& node, Device& device) : node_(node), d
           "/gripper/move", [this](const msgs::MoveGripperGoal& goal, Context& context) {
             return move(goal, context);
           });
+  emergency_stop_ = emergency.on_stop([this](const std::string& why) {
+    device_.with_driver([&](Driver& driver, Time now) { driver.stop(now, why); });
+  });
 }
 
 void GripperOffers::command(const msgs::GripperCommand& command) {
@@ -92,6 +99,8 @@ void GripperOffers::command(const msgs::GripperCommand& command) {
                   ": the PG70 has no such command. Send POSITION, VELOCITY or CURRENT");
   }
   const std::string refusal = device_.with_driver([&](Driver& driver, Time now) {
+    const std::string stopped = emergency_.refusal();
+    if (!stopped.empty() && *mode != MotionMode::kStop) return stopped;
     return driver.command(*mode, command.value(), command.current_limit(), now);
   });
   if (!refusal.empty()) refuse(refusal);
@@ -113,6 +122,7 @@ std::string GripperOffers::wait_until_stopped() {
 }
 
 msgs::Acknowledge GripperOffers::stop(bool is_fast) {
+  const nodes::EmergencyStopListener::Wait wait(emergency_);
   const bool can_send = device_.with_driver([is_fast](Driver& driver, Time now) {
     if (is_fast) {
       driver.fast_stop(now, "stopped by /gripper/fast_stop");
@@ -132,6 +142,7 @@ msgs::Acknowledge GripperOffers::stop(bool is_fast) {
 
 // Waits for the module's word, which comes within some milliseconds.
 msgs::Acknowledge GripperOffers::acknowledge() {
+  const nodes::EmergencyStopListener::Wait wait(emergency_);
   const std::uint8_t code = device_.reading().error_code;
   const std::string refusal =
       device_.with_driver([](Driver& driver, Time now) { return driver.acknowledge(now); });
@@ -154,6 +165,8 @@ msgs::MoveGripperResult GripperOffers::move(const msgs::MoveGripperGoal& goal, C
   std::uint64_t ticket = 0;
   action_stamp_ = goal.stamp();
   const std::string refusal = device_.with_driver([&](Driver& driver, Time now) {
+    const std::string stopped = emergency_.refusal();
+    if (!stopped.empty()) return stopped;
     return driver.move_to(goal.opening(), goal.speed(), goal.current_limit(), now, ticket);
   });
   if (!refusal.empty()) {

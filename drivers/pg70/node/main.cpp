@@ -139,10 +139,12 @@ void check_line_rate(const Settings& s) {
 /// Health and counters, looked at in real time.
 class Watcher {
  public:
-  Watcher(graph::Node& node, const Settings& settings, Device& device, const Guarded& guarded)
+  Watcher(graph::Node& node, const Settings& settings, Device& device, const Guarded& guarded,
+          nodes::EmergencyStopListener& emergency)
       : settings_(settings),
         device_(device),
         guarded_(guarded),
+        emergency_(emergency),
         node_(node),
         report_(node),
         publisher_(node.advertise<msgs::DeviceStatus>("/gripper/device", graph::QoS::latched(1))),
@@ -174,6 +176,8 @@ class Watcher {
                       1 / settings_.driver.state_period, steady_now());
     }
     situation.link_problem = quality_.problem();
+    was_ready_ = was_ready_ || state > DriverState::kUnreferenced;
+    emergency_.tell_device(was_ready_ ? own_stop(situation.reading) : "");
     report_.tell(health_of(situation));
     if (looks_++ % kPublish != 0) return;
     msgs::DeviceStatus status;
@@ -193,10 +197,12 @@ class Watcher {
   const Settings& settings_;
   Device& device_;
   const Guarded& guarded_;
+  nodes::EmergencyStopListener& emergency_;
   graph::Node& node_;
   DeviceReport report_;
   LinkQuality quality_;
-  double connecting_ = 0;  // s
+  double connecting_ = 0;   // s
+  bool was_ready_ = false;  // before that nothing that stands still by itself was to move
   int looks_ = 0;
   graph::Publisher<msgs::DeviceStatus> publisher_;
   WallTimer timer_;
@@ -229,8 +235,9 @@ void run(graph::Node& node) {
             "this driver made no progress, so its guardian stopped the gripper");
       });
   itself = &device;
-  const GripperOffers offers(node, device);
-  const Watcher watcher(node, settings, device, *guarded);
+  nodes::EmergencyStopListener emergency(node);
+  const GripperOffers offers(node, device, emergency);
+  const Watcher watcher(node, settings, device, *guarded, emergency);
   node.spin();
 }
 

@@ -54,4 +54,19 @@ Health health_of(const Situation& s) {
   return with_warning(health, s.link_problem);
 }
 
+std::string own_stop(const Reading& reading) {
+  switch (reading.state) {
+    case DriverState::kDisconnected:
+      return "the hand's line is gone";
+    case DriverState::kConnecting:
+      return "the hand does not answer yet";
+    case DriverState::kLost:
+      return "the hand's answers are missing";
+    case DriverState::kFault:
+      return "an axis of the hand is not initialised: its supply was off";
+    default:
+      return {};
+  }
+}
+
 }  // namespace prehend::drivers::sdh

@@ -172,10 +172,12 @@ const char* words_of(AxisState state) {
 class Watcher {
  public:
   Watcher(graph::Node& node, const Settings& settings, Device& device, const JointReport& joints,
-          const Guarded& guarded)
+          const Guarded& guarded, const HandOffers& offers, nodes::EmergencyStopListener& emergency)
       : settings_(settings),
         device_(device),
         guarded_(guarded),
+        offers_(offers),
+        emergency_(emergency),
         joints_(joints),
         node_(node),
         report_(node),
@@ -209,6 +211,7 @@ class Watcher {
     }
     situation.link_problem = quality_.problem();
     situation.guard_problem = guarded_.problem();
+    emergency_.tell_device(stopped_by_itself(reading));
     Health health = health_of(situation);
     // At a start the others may come a little later.
     const std::string of_others = joints_.problem();
@@ -228,6 +231,16 @@ class Watcher {
     status.set_damaged_part(quality_.harmed_part());
     publisher_.publish(status);
     if (reading.states > 0) tell(reading);
+  }
+  // Axes that went off are told once: what is stopped for it cannot switch them on again.
+  std::string stopped_by_itself(const Reading& reading) {
+    was_ready_ = was_ready_ || reading.state >= DriverState::kOff;
+    const bool was_on = std::exchange(
+        is_on_, reading.state > DriverState::kOff || (is_on_ && reading.state < DriverState::kOff));
+    if (was_on && reading.state == DriverState::kOff && !offers_.is_switched_off()) {
+      return "the hand's axes went off, and nobody had asked for it";
+    }
+    return was_ready_ ? own_stop(reading) : std::string();
   }
   void tell(const Reading& reading) {
     msgs::HandStatus status;
@@ -253,12 +266,15 @@ class Watcher {
   const Settings& settings_;
   Device& device_;
   const Guarded& guarded_;
+  const HandOffers& offers_;
+  nodes::EmergencyStopListener& emergency_;
   const JointReport& joints_;
   graph::Node& node_;
   DeviceReport report_;
   LinkQuality quality_;
   double connecting_ = 0;  // s
   double lonely_ = 0;      // s without the others' joints
+  bool was_ready_ = false, is_on_ = false;
   int looks_ = 0;
   graph::Publisher<msgs::DeviceStatus> publisher_;
   graph::Publisher<msgs::HandStatus> status_;
@@ -291,9 +307,10 @@ void run(graph::Node& node) {
         if (!guarded->progress(watch_of(reading))) return {};
         return "this driver made no progress, so its guardian stopped the hand";
       });
-  OfferedDevice<Device, kAxes> offered(device);
-  const HandOffers offers(node, offered, axes, true);
-  const Watcher watcher(node, settings, device, joints, *guarded);
+  nodes::EmergencyStopListener emergency(node);
+  OfferedDevice<Device, kAxes> offered(device, emergency);
+  const HandOffers offers(node, offered, axes, emergency, true);
+  const Watcher watcher(node, settings, device, joints, *guarded, offers, emergency);
   node.spin();
 }
 

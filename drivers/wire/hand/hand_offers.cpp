@@ -35,8 +35,9 @@ msgs::Acknowledge answer(bool success, const std::string& reason = {}) {
 
 }  // namespace
 
-HandOffers::HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axes, bool has_off)
-    : node_(node), hand_(hand), axes_(axes) {
+HandOffers::HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axes,
+                       nodes::EmergencyStopListener& emergency, bool has_off)
+    : node_(node), hand_(hand), axes_(axes), emergency_(emergency) {
   stop_ = node.serve<msgs::Empty, msgs::Acknowledge>(
       "/hand/stop", [this](const msgs::Empty&) { return stop(false); });
   if (has_off) {
@@ -49,6 +50,7 @@ HandOffers::HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axe
   move_ = node.serve_action<msgs::MoveHandGoal, msgs::MoveHandFeedback, msgs::MoveHandResult>(
       "/hand/move",
       [this](const msgs::MoveHandGoal& goal, Context& context) { return move(goal, context); });
+  emergency_stop_ = emergency.on_stop([this](const std::string& why) { hand_.stop(why); });
 }
 
 std::vector<std::size_t> HandOffers::named(
@@ -111,6 +113,7 @@ msgs::MoveHandResult HandOffers::move(const msgs::MoveHandGoal& goal, Context& c
     const std::vector<OfferedHand::Target> targets = check(goal);
     for (const OfferedHand::Target& target : targets) axes.push_back(target.axis);
     action_stamp_ = goal.stamp();
+    is_switched_off_ = false;
     const std::string refusal = hand_.move_to(targets, ticket);
     if (!refusal.empty()) return finish(refusal);
   } catch (const std::invalid_argument& error) {
@@ -185,6 +188,7 @@ std::string HandOffers::take(const msgs::JointCommand& command) {
     const CommandMode asked = stops                                  ? CommandMode::kStop
                               : *mode == robot::JointMode::kPosition ? CommandMode::kPosition
                                                                      : CommandMode::kVelocity;
+    if (!stops) is_switched_off_ = false;
     const std::string refusal = hand_.command(asked, axes, values);
     return refusal.empty() ? "" : "refused: " + refusal;
   } catch (const std::invalid_argument& error) {
@@ -212,6 +216,8 @@ std::string HandOffers::wait_until_stopped() {
 }
 
 msgs::Acknowledge HandOffers::stop(bool is_off) {
+  const nodes::EmergencyStopListener::Wait wait(emergency_);
+  is_switched_off_ = is_off;
   if (is_off) {
     hand_.power_off("switched off by /hand/off");
   } else {

@@ -12,15 +12,23 @@
 #include "drivers/wire/time/time.h"
 #include "msgs/actions.pb.h"
 #include "msgs/joints.pb.h"
+#include "nodes/emergency_stop_listener/emergency_stop_listener.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::drivers {
 
 /// What the simulated hand offers, by a real one: action /hand/move, topic /hand/command, service
 /// /hand/stop; and, of a hand that can be switched off, /hand/off.
+///
+/// An emergency stop is the hand's stop: its axes halt and are held where they are, so that what
+/// they grip stays gripped; power off would let it fall.
 class HandOffers {
  public:
-  HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axes, bool has_off);
+  HandOffers(graph::Node& node, OfferedHand& hand, const HandAxes& axes,
+             nodes::EmergencyStopListener& emergency, bool has_off);
+
+  /// Whether axes that are off are so because /hand/off was called. Any thread.
+  bool is_switched_off() const { return is_switched_off_; }
 
  private:
   using Context = graph::ActionContext<msgs::MoveHandFeedback>;
@@ -38,18 +46,23 @@ class HandOffers {
   graph::Node& node_;
   OfferedHand& hand_;
   const HandAxes& axes_;
+  nodes::EmergencyStopListener& emergency_;
+  std::atomic<bool> is_switched_off_ = false;
   std::atomic<std::int64_t> action_stamp_ = 0;  // ns, of the last goal
   std::string said_;                            // of the last command that was refused, once
   graph::Service stop_, off_;
   graph::Subscription command_;
   graph::ActionServer move_;
+  nodes::EmergencyStopListener::Action emergency_stop_;
 };
 
-/// An OfferedHand over a Device whose with_driver() runs work on a driver of `kCount` axes.
+/// An OfferedHand over a Device whose with_driver() runs work on a driver of `kCount` axes. No
+/// motion begins in an emergency stop, whose stop takes the same turn at the driver.
 template <class Device, std::size_t kCount>
 class OfferedDevice : public OfferedHand {
  public:
-  explicit OfferedDevice(Device& device) : device_(device) {}
+  OfferedDevice(Device& device, const nodes::EmergencyStopListener& emergency)
+      : device_(device), emergency_(emergency) {}
 
   std::string move_to(const std::vector<Target>& targets, std::uint64_t& ticket) override {
     HandGoal<kCount> goal;
@@ -59,8 +72,10 @@ class OfferedDevice : public OfferedHand {
       goal.speed[target.axis] = target.speed;
       goal.current[target.axis] = target.current;
     }
-    return device_.with_driver(
-        [&](auto& driver, Time now) { return driver.move_to(goal, now, ticket); });
+    return device_.with_driver([&](auto& driver, Time now) {
+      const std::string stopped = emergency_.refusal();
+      return stopped.empty() ? driver.move_to(goal, now, ticket) : stopped;
+    });
   }
   MotionReport report(std::uint64_t ticket) override {
     return device_.with_driver([&](auto& driver, Time) { return driver.report(ticket); });
@@ -73,8 +88,10 @@ class OfferedDevice : public OfferedHand {
       moves[axes[i]] = true;
       all[axes[i]] = values[i];
     }
-    return device_.with_driver(
-        [&](auto& driver, Time now) { return driver.command(mode, moves, all, now); });
+    return device_.with_driver([&](auto& driver, Time now) {
+      const std::string stopped = mode == CommandMode::kStop ? "" : emergency_.refusal();
+      return stopped.empty() ? driver.command(mode, moves, all, now) : stopped;
+    });
   }
   void stop(const std::string& why) override {
     device_.with_driver([&](auto& driver, Time now) { driver.stop(now, why); });
@@ -101,6 +118,7 @@ class OfferedDevice : public OfferedHand {
 
  private:
   Device& device_;
+  const nodes::EmergencyStopListener& emergency_;
 };
 
 }  // namespace prehend::drivers

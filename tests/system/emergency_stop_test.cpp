@@ -1,0 +1,107 @@
+// Emulated robots that are stopped on their way, as processes: arm and hand stand in the world,
+// refuse to move by name, and move again after a reset. How long it takes: bench_emergency_stop.
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/drivers/eventually.h"
+#include "tests/system/launched.h"
+#include "tests/system/stop_rig.h"
+
+namespace prehend::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using drivers::eventually;
+using std::chrono::steady_clock;
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class EmergencyStopped : public ::testing::TestWithParam<StoppedRobot> {
+ protected:
+  void SetUp() override {
+    rig_ = std::make_unique<StopRig>(GetParam());
+    ASSERT_THAT(rig_->wait_until_ready(), IsEmpty());
+  }
+  void expect_all_stands(StopRig::Time from) {
+    EXPECT_TRUE(rig_->wait_until_stands(from, 20s)) << rig_->output();
+    // It does not begin anew by itself.
+    std::this_thread::sleep_for(500ms);
+    EXPECT_TRUE(rig_->wait_until_stands(from, 5s)) << rig_->output();
+  }
+  void expect_moves_after_reset() {
+    const msgs::Acknowledge answer = rig_->reset();
+    EXPECT_TRUE(answer.success()) << answer.reason();
+    ASSERT_TRUE(eventually([&] { return !rig_->is_stopped(); }));
+    std::this_thread::sleep_for(100ms);  // until the drivers have heard it, too
+    EXPECT_THAT(rig_->move(), IsEmpty()) << rig_->output();
+  }
+  Outcome command(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words{"stop"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    words.insert(words.end(), {"--registry", rig_->registry()});
+    return run_program("prehend", words, 20s);
+  }
+
+  std::unique_ptr<StopRig> rig_;
+};
+
+TEST_P(EmergencyStopped, OnItsWayUntilItIsReset) {
+  ASSERT_THAT(rig_->move(), IsEmpty());
+  const auto from = steady_clock::now();
+  const Outcome stopped = command({"--reason", "a hand in the cell"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.output;
+  EXPECT_THAT(rig_->reasons(),
+              Each(HasSubstr("emergency stop by prehend stop: a hand in the cell")));
+  expect_all_stands(from);
+  EXPECT_THAT(rig_->refusals(), Each(HasSubstr("emergency stop by prehend stop")));
+  expect_all_stands(from);
+  const Outcome reset = command({"--reset"});
+  EXPECT_EQ(reset.exit_code, 0) << reset.output;
+  expect_moves_after_reset();
+}
+
+TEST_P(EmergencyStopped, WhenTheNodeThatStopsDies) {
+  ASSERT_THAT(rig_->move(), IsEmpty());
+  const auto from = steady_clock::now();
+  ASSERT_TRUE(rig_->kill("emergency_stop"));
+  EXPECT_THAT(rig_->reasons(), Each(HasSubstr("the node emergency_stop was not heard")));
+  expect_all_stands(from);
+  EXPECT_THAT(rig_->refusals(), Each(HasSubstr("was not heard")));
+  const Outcome nobody = command({});
+  EXPECT_NE(nobody.exit_code, 0);
+  EXPECT_THAT(nobody.output, AllOf(HasSubstr("NOT STOPPED"), HasSubstr("/arm/stop")));
+  // Whoever takes its place is told that all is stopped.
+  rig_->start_emergency_stop();
+  ASSERT_TRUE(eventually([&] { return rig_->is_stopped(); }));
+  EXPECT_THAT(rig_->reason(), HasSubstr("was not heard"));
+  expect_moves_after_reset();
+}
+
+TEST_P(EmergencyStopped, WhenARequiredDriverIsKilled) {
+  const std::string killed = GetParam().required.back();
+  if (killed == "simulation") GTEST_SKIP() << "of its launch every driver is required";
+  ASSERT_THAT(rig_->move(), IsEmpty());
+  const auto from = steady_clock::now();
+  ASSERT_TRUE(rig_->kill(killed));
+  EXPECT_THAT(rig_->reasons(),
+              Each(HasSubstr("required node " + killed + " was lost: its process ended")));
+  expect_all_stands(from);
+  // It is started again; until then its name is what the reset says.
+  EXPECT_TRUE(eventually([&] { return rig_->reset().success(); }));
+  expect_moves_after_reset();
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, EmergencyStopped, ::testing::ValuesIn(stopped_robots()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace prehend::testing
