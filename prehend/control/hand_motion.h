@@ -23,8 +23,8 @@ Eigen::VectorXd closed_positions(const robot::HandModel& hand, const robot::Pres
                                  const Eigen::Ref<const Eigen::VectorXd>& positions);
 
 /// The efforts [N m or N] of all motors by which each fingertip presses with `force` [N] along its
-/// motors' ways, at `positions`: tau = |J^T F|, by robot::fingertip_ways(); of jaws on one motor the
-/// force of both. Motors that move no fingertip get their greatest.
+/// motors' ways, at `positions`: tau = |J^T F|, by robot::fingertip_ways(); of jaws on one motor
+/// the force of both. Motors that move no fingertip get their greatest.
 /// @throws std::invalid_argument for a force that is not positive, or more than a motor can, naming
 /// it and how much it can.
 std::vector<double> efforts_for(const robot::HandModel& hand,

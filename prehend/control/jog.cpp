@@ -23,15 +23,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 namespace {
 
 constexpr int kNewtonSteps = 15;
-constexpr double kExact = 1e-9;          // m and rad, of the tool on its way
-constexpr double kDamping = 1e-6;        // lambda^2; m^2 or rad^2 for each rad^2
-constexpr int kHalvings = 7;             // of the speed that is looked for
-constexpr double kAtLimit = 1e-9;        // rad or m
-constexpr double kStands = 2e-3;         // rad or m off the last set point
-constexpr double kSlack = 1e-9;          // of comparisons, relative
-constexpr double kNoNearer = 1e-9;       // m
-constexpr double kSlowed = 0.95;         // of the speed asked for: less is told
-constexpr double kLongestStep = 3;       // periods that one step may make good
+constexpr double kExact = 1e-9;     // m and rad, of the tool on its way
+constexpr double kDamping = 1e-6;   // lambda^2; m^2 or rad^2 for each rad^2
+constexpr int kHalvings = 7;        // of the speed that is looked for
+constexpr double kAtLimit = 1e-9;   // rad or m
+constexpr double kStands = 2e-3;    // rad or m off the last set point
+constexpr double kSlack = 1e-9;     // of comparisons, relative
+constexpr double kNoNearer = 1e-9;  // m
+constexpr double kSlowed = 0.95;    // of the speed asked for: less is told
+constexpr double kCreeps = 0.01;    // of the speed asked for
+constexpr double kLongestStep = 3;  // periods that one step may make good
 
 // Of X_BG against where it is to be, [m] and [rad], in the base's frame.
 Vector6 pose_error(const RigidTransform& wanted, const RigidTransform& now) {
@@ -214,9 +215,9 @@ bool ArmJog::allows(double speed, double h, JogStep* step) const {
     }
     const double most = share_ * joint.max_velocity * h * (1 + kSlack);
     if (std::abs((*next)[j] - q_[j]) > most) {
-      return refuse(JogHindrance::kSpeed,
-                    fmt::format("joint '{}' would be too fast: near a singular position",
-                                joint.name));
+      return refuse(
+          JogHindrance::kSpeed,
+          fmt::format("joint '{}' would be too fast: near a singular position", joint.name));
     }
   }
   if (!space_) return true;
@@ -316,6 +317,34 @@ JogStep ArmJog::step(const Positions& measured, double age, double time) {
   step.set_point.reset();
   step.ended = true;
   return step;
+}
+
+std::vector<Positions> ArmJog::ahead(const JogMotion& motion, const Positions& measured,
+                                     double duration, JogStep* end) const {
+  ArmJog other = *this;
+  other.let_go();
+  other.last_time_.reset();
+  std::vector<Positions> steps;
+  Positions q = measured;
+  bool holds = true;
+  for (int i = 0; holds || other.is_moving(); ++i) {
+    const double time = i * options_.period;
+    holds = holds && time < duration;
+    if (holds) {
+      other.press(motion, time);
+    } else {
+      other.release();
+    }
+    const JogStep step = other.step(q, 0, time);
+    if (step.hindrance != JogHindrance::kNone) *end = step;
+    if (!step.set_point) break;
+    // What it can only creep to is not waited for.
+    if (holds && std::abs(step.speed) < kCreeps * std::abs(step.asked) && i > 0) holds = false;
+    q = *step.set_point;
+    steps.push_back(q);
+  }
+  if (!steps.empty() && (steps.back() - measured).cwiseAbs().maxCoeff() < kAtLimit) steps.clear();
+  return steps;
 }
 
 AxisJog::AxisJog(const Axis& axis, const JogOptions& options) : axis_(axis), options_(options) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "prehend/motion/robot_in_world.h"
 #include "prehend/robot/kinematic_chain.h"
@@ -24,18 +25,18 @@ struct JogMotion {
 };
 
 struct JogOptions {
-  /// s, > 0, that a key counts: longer than the terminal's repetitions are apart (about 0.03 s), and
-  /// what the arm still moves by when the terminal is lost.
+  /// s, > 0, that a key counts: longer than the terminal's repetitions are apart (about 0.03 s),
+  /// and what the arm still moves by when the terminal is lost.
   double hold_time = 0.15;
-  double linear_speed = 0.25;       // m/s, > 0, of the tool: ISO 10218-1 (2011), 5.7.3, reduced speed
-  double angular_speed = 0.8;       // rad/s, > 0, of the tool in its frame or the base's
+  double linear_speed = 0.25;  // m/s, > 0, of the tool: ISO 10218-1 (2011), 5.7.3, reduced speed
+  double angular_speed = 0.8;  // rad/s, > 0, of the tool in its frame or the base's
   double linear_acceleration = 1;   // m/s^2, > 0
   double angular_acceleration = 3;  // rad/s^2, > 0
   double stale_time = 0.25;         // s, > 0: older joint positions stop the arm
-  double lag = 0.05;        // rad or m, > 0, that a joint may be off its set point at rest ...
-  double lag_time = 0.35;   // s, > 0, ... and so much more for its speed
-  double settle_time = 0.3; // s, > 0, for the arm to come to the last set point
-  double period = 0.02;     // s, > 0, between steps where they come as planned
+  double lag = 0.05;         // rad or m, > 0, that a joint may be off its set point at rest ...
+  double lag_time = 0.35;    // s, > 0, ... and so much more for its speed
+  double settle_time = 0.3;  // s, > 0, for the arm to come to the last set point
+  double period = 0.02;      // s, > 0, between steps where they come as planned
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -43,11 +44,11 @@ struct JogOptions {
 /// Why an arm moves more slowly than asked, or not at all.
 enum class JogHindrance {
   kNone,
-  kLimit,      // a joint's position limit
-  kSpeed,      // in a straight motion of the tool a joint would be too fast: near a singularity
-  kCannot,     // no motion of the joints moves the tool so: singular, stretched, too few joints
-  kNear,       // the robot would touch itself or an obstacle
-  kSilent,     // nobody tells where the joints are
+  kLimit,   // a joint's position limit
+  kSpeed,   // in a straight motion of the tool a joint would be too fast: near a singularity
+  kCannot,  // no motion of the joints moves the tool so: singular, stretched, too few joints
+  kNear,    // the robot would touch itself or an obstacle
+  kSilent,  // nobody tells where the joints are
   kDoesNotFollow,
 };
 
@@ -55,11 +56,11 @@ enum class JogHindrance {
 struct JogStep {
   /// The set point of all joints; none: nothing is commanded, so that others may.
   std::optional<robot::Positions> set_point;
-  bool ended = false;     // the motion is over: the arm's driver is to be told to stop
-  double asked = 0;       // rad/s or m/s along the motion's axis, signed
-  double speed = 0;       // the same, of this step
+  bool ended = false;  // the motion is over: the arm's driver is to be told to stop
+  double asked = 0;    // rad/s or m/s along the motion's axis, signed
+  double speed = 0;    // the same, of this step
   JogHindrance hindrance = JogHindrance::kNone;
-  std::string words;      // of the hindrance: which joint, which pair; empty: none
+  std::string words;  // of the hindrance: which joint, which pair; empty: none
 };
 
 /// Moves an arm by keys. A key that came within the hold time is pressed. Speeds rise and fall with
@@ -70,10 +71,11 @@ struct JogStep {
 /// before what is in its way and stops there.
 ///
 /// Straight motions follow X(s) = X_0 after the way s exactly (1e-9 m and rad): the joints are
-/// found by Newton's steps with damped least squares, dq = J^T (J J^T + lambda^2 I)^-1 e (C. Wampler,
-/// "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares
-/// methods", IEEE SMC 16(1), 1986); where these do not get there, the tool does not go there. What
-/// the tool cannot do slowly it is not made to do beside its way: near a singularity it slows down.
+/// found by Newton's steps with damped least squares, dq = J^T (J J^T + lambda^2 I)^-1 e (C.
+/// Wampler, "Manipulator inverse kinematic solutions based on vector formulations and damped
+/// least-squares methods", IEEE SMC 16(1), 1986); where these do not get there, the tool does not
+/// go there. What the tool cannot do slowly it is not made to do beside its way: near a singularity
+/// it slows down.
 class ArmJog {
  public:
   /// @param acceleration rad/s^2 or m/s^2, > 0, of each joint.
@@ -105,7 +107,17 @@ class ArmJog {
   JogStep step(const robot::Positions& measured, double age, double time);
 
   bool is_moving() const { return active_.has_value(); }
-  bool is_pressed() const { return pressed_.has_value(); }
+  /// What is pressed at that time.
+  std::optional<JogMotion> pressed(double time) const {
+    return pressed_ && time < pressed_until_ ? pressed_ : std::nullopt;
+  }
+
+  /// The steps, a period apart, of an arm that stands at `measured`, while a key is held for
+  /// `duration` [s] or until it gets no farther, and then until it has come to rest: for arms that
+  /// take trajectories alone. Empty where it does not move; `end` gets what was in the way last.
+  std::vector<robot::Positions> ahead(const JogMotion& motion, const robot::Positions& measured,
+                                      double duration, JogStep* end) const;
+
   geometry::RigidTransform X_BG(const robot::Positions& q) const {
     return chain_.forward(q) * X_FG_;
   }
@@ -133,11 +145,11 @@ class ArmJog {
   std::optional<JogMotion> pressed_;
   double pressed_until_ = 0;  // s
   std::optional<JogMotion> active_;
-  robot::Positions q_, v_;    // set point, and its speed in the last step
+  robot::Positions q_, v_;  // set point, and its speed in the last step
   geometry::RigidTransform X_BG_start_;
-  double way_ = 0;            // rad or m, of the active motion
-  double speed_ = 0;          // along it, signed
-  double floor_ = 0;          // m, of nearness(): no set point comes nearer
+  double way_ = 0;    // rad or m, of the active motion
+  double speed_ = 0;  // along it, signed
+  double floor_ = 0;  // m, of nearness(): no set point comes nearer
   std::optional<double> last_time_;
   std::optional<double> settles_since_;
 };
@@ -146,9 +158,9 @@ class ArmJog {
 class AxisJog {
  public:
   struct Axis {
-    double lower = 0, upper = 0;   // rad or m
-    double greatest_speed = 0;     // rad/s or m/s, > 0, finite
-    double acceleration = 0;       // per s, > 0
+    double lower = 0, upper = 0;  // rad or m
+    double greatest_speed = 0;    // rad/s or m/s, > 0, finite
+    double acceleration = 0;      // per s, > 0
   };
   /// @throws std::invalid_argument for an axis that is none.
   AxisJog(const Axis& axis, const JogOptions& options = {});

@@ -12,6 +12,7 @@
 namespace prehend::control {
 namespace {
 
+constexpr double kRun = 1;          // s, of a trajectory before it slows down
 constexpr double kStanding = 0.02;  // of the speed asked for
 constexpr std::array kSpeeds{0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0};
 
@@ -88,8 +89,9 @@ JogSession::JogSession(ArmJog arm, std::vector<JogRow> hand,
 }
 
 bool JogSession::is_moving() const {
-  return arm_.is_moving() || std::any_of(hand_.begin(), hand_.end(),
-                                         [](const AxisJog& axis) { return axis.is_moving(); });
+  return arm_.is_moving() || run_ ||
+         std::any_of(hand_.begin(), hand_.end(),
+                     [](const AxisJog& axis) { return axis.is_moving(); });
 }
 
 void JogSession::release() {
@@ -140,7 +142,7 @@ void JogSession::key(JogKey key, double time) {
       return choose(1);
     case JogKey::kMode:
       release();
-      mode_ = mode_ == Kind::kJoint ? Kind::kBase
+      mode_ = mode_ == Kind::kJoint  ? Kind::kBase
               : mode_ == Kind::kBase ? Kind::kTool
                                      : Kind::kJoint;
       return;
@@ -181,13 +183,40 @@ void JogSession::key(JogKey key, double time) {
   }
 }
 
+void JogSession::step_by_runs(const JogPercepts& percepts, JogCommands* commands) {
+  const std::optional<JogMotion> pressed = arm_.pressed(percepts.time);
+  const bool told =
+      percepts.arm.size() == arm_.chain().size() && percepts.arm_age <= arm_.options().stale_time;
+  if (run_) {
+    if (!told || pressed != run_) commands->end_run = percepts.arm_runs;
+    if (percepts.arm_runs) return;
+    run_.reset();
+  }
+  if (!pressed || percepts.arm_runs) return;
+  if (!told) {
+    hindrance_ = JogHindrance::kSilent;
+    words_ = "nobody tells where the arm's joints are";
+    return arm_.let_go();
+  }
+  JogStep end;
+  commands->run = arm_.ahead(*pressed, percepts.arm, kRun, &end);
+  hindrance_ = end.hindrance;
+  words_ = end.words.empty() ? "" : (commands->run.empty() ? "stopped: " : "ahead: ") + end.words;
+  if (!commands->run.empty()) run_ = pressed;
+}
+
 JogCommands JogSession::step(const JogPercepts& percepts) {
   JogCommands commands = std::exchange(pending_, {});
-  if (commands.emergency) arm_.let_go();
+  if (commands.emergency) {
+    commands.end_run = run_.has_value();
+    arm_.let_go();
+  }
   if (!percepts.forbidden.empty()) {
     commands.open_hand = commands.close_hand = false;
     commands.end_hand_motion = true;
     if (arm_.is_moving()) commands.stop_arm = true;
+    commands.end_run = run_.has_value();
+    if (!percepts.arm_runs) run_.reset();
     for (AxisJog& axis : hand_) commands.stop_hand = commands.stop_hand || axis.is_moving();
     release();
     arm_.let_go();
@@ -196,12 +225,15 @@ JogCommands JogSession::step(const JogPercepts& percepts) {
     return commands;
   }
   refused_ = false;
-  if (!percepts.arm_forbidden.empty() && (arm_.is_moving() || arm_.is_pressed())) {
-    commands.stop_arm = arm_.is_moving();
+  const bool is_pressed = arm_.pressed(percepts.time).has_value();
+  if (!percepts.arm_forbidden.empty() && (arm_.is_moving() || is_pressed)) {
+    commands.stop_arm = commands.stop_arm || arm_.is_moving();
     arm_.let_go();
     words_ = percepts.arm_forbidden;
   }
-  JogStep arm = arm_.step(percepts.arm, percepts.arm_age, percepts.time);
+  if (percepts.arm_takes_runs) step_by_runs(percepts, &commands);
+  JogStep arm = percepts.arm_takes_runs ? JogStep()
+                                        : arm_.step(percepts.arm, percepts.arm_age, percepts.time);
   commands.arm = arm.set_point;
   commands.stop_arm = commands.stop_arm || arm.ended;
   if (arm.hindrance != JogHindrance::kNone) {
@@ -214,9 +246,8 @@ JogCommands JogSession::step(const JogPercepts& percepts) {
   }
   const auto first = static_cast<std::size_t>(arm_.chain().size());
   for (std::size_t i = 0; i < hand_.size(); ++i) {
-    const double position = i < percepts.hand.size()
-                                ? percepts.hand[i]
-                                : std::numeric_limits<double>::quiet_NaN();
+    const double position =
+        i < percepts.hand.size() ? percepts.hand[i] : std::numeric_limits<double>::quiet_NaN();
     const AxisJog::Step step =
         hand_[i].step(position, percepts.hand_age, arm_.speed(), percepts.time);
     if (step.speed) commands.hand = {static_cast<int>(i), *step.speed};

@@ -35,7 +35,7 @@ JogKey jog_key(int character);
 
 /// A joint that can be chosen.
 struct JogRow {
-  std::string name;         // as /joint_states has it, or "opening"
+  std::string name;  // as /joint_states has it, or "opening"
   bool is_hand = false;
   bool is_revolute = true;  // else its numbers are m and m/s
   double lower = 0, upper = 0;
@@ -51,22 +51,29 @@ struct JogPercepts {
   double hand_age = 0;        // s
   std::string forbidden;      // why nothing may move, in words; empty: it may
   std::string arm_forbidden;  // why the arm may not
+  /// The arm takes trajectories alone (JogCommands::run), and whether one goes on.
+  bool arm_takes_runs = false, arm_runs = false;
 };
 
 /// What is to be done in this period.
 struct JogCommands {
-  std::optional<robot::Positions> arm;             // a set point
+  std::optional<robot::Positions> arm;  // a set point
   bool stop_arm = false;
-  std::optional<std::pair<int, double>> hand;      // row of the hand, and its speed [rad/s or m/s]
-  bool stop_hand = false;                          // that moves by its speed
-  bool end_hand_motion = false;                    // that was begun by the two that follow
-  bool open_hand = false, close_hand = false;      // as a whole
+  /// Positions a period of ArmJog apart, from where it stands to rest: to be followed until
+  /// end_run, where the arm takes trajectories alone.
+  std::vector<robot::Positions> run;
+  bool end_run = false;
+  std::optional<std::pair<int, double>> hand;  // row of the hand, and its speed [rad/s or m/s]
+  bool stop_hand = false;                      // that moves by its speed
+  bool end_hand_motion = false;                // that was begun by the two that follow
+  bool open_hand = false, close_hand = false;  // as a whole
   bool emergency = false, quit = false;
 };
 
 /// Keys -> commands: which joint or axis is chosen, the mode, the speed, the dead man. Letters
 /// choose, plus and minus alone move: whoever hits a wrong letter moves nothing. A key that means
-/// nothing stops.
+/// nothing stops. An arm that takes no set points is moved by trajectories of a second, each
+/// checked ahead and cut off when no key comes.
 class JogSession {
  public:
   /// @param hand of the hand's joints (or its opening), with `accelerations` [per s] of the same.
@@ -91,6 +98,7 @@ class JogSession {
 
  private:
   void move(double sign, double time);
+  void step_by_runs(const JogPercepts& percepts, JogCommands* commands);
   void release();
 
   ArmJog arm_;
@@ -98,8 +106,9 @@ class JogSession {
   std::vector<JogRow> rows_;
   Kind mode_ = Kind::kJoint;
   int row_ = 0, axis_ = 0;
-  JogCommands pending_;  // by keys since the last step
-  bool refused_ = false;  // a key of motion came while nothing may move
+  JogCommands pending_;           // by keys since the last step
+  std::optional<JogMotion> run_;  // that goes on
+  bool refused_ = false;          // a key of motion came while nothing may move
   std::string words_;
   JogHindrance hindrance_ = JogHindrance::kNone;
 };

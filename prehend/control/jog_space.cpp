@@ -20,8 +20,8 @@ void add_round_base(double table, const geometry::RigidTransform& X_WB,
   const Eigen::Vector3d base = X_WB.translation();
   const auto add = [&](double x0, double x1, double y0, double y1) {
     geometry::RigidTransform X_WO = geometry::RigidTransform::Identity();
-    X_WO.translation() = Eigen::Vector3d(base.x() + (x0 + x1) / 2, base.y() + (y0 + y1) / 2,
-                                         table - kThickness / 2);
+    X_WO.translation() =
+        Eigen::Vector3d(base.x() + (x0 + x1) / 2, base.y() + (y0 + y1) / 2, table - kThickness / 2);
     world->add_box("table", X_WB.inverse() * X_WO, {x1 - x0, y1 - y0, kThickness});
   };
   add(kHole, kFar, -kFar, kFar);

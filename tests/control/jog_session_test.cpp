@@ -170,6 +170,55 @@ TEST(JogSession, NothingMovesWhatIsForbiddenAndTheReasonIsSaid) {
   EXPECT_TRUE(robot.type("+").arm);
 }
 
+TEST(JogSession, AnArmThatTakesTrajectoriesMovesByRunsThatEndWithTheKey) {
+  Session robot;
+  robot.now.arm_takes_runs = true;
+  const JogCommands begun = robot.type("+");
+  ASSERT_GT(begun.run.size(), 50u);
+  EXPECT_FALSE(begun.arm);
+  EXPECT_TRUE(robot.session.is_moving());
+  const robot::Positions home = robot.now.arm;
+  robot::Positions before = home, step = robot::Positions::Zero(6);
+  const double most = 0.1 * robot.session.rows()[0].greatest_speed * kSessionPeriod;
+  for (const robot::Positions& q : begun.run) {
+    EXPECT_LE((q - before).cwiseAbs().maxCoeff(), most * (1 + 1e-9));
+    EXPECT_LE((q - before - step).cwiseAbs().maxCoeff(),
+              robot.platform.acceleration[0] * kSessionPeriod * kSessionPeriod * (1 + 1e-6));
+    step = q - before;
+    before = q;
+  }
+  EXPECT_LT(step.norm(), most * 0.6) << "at its end it rests";
+  EXPECT_GT(begun.run.back()[0], home[0] + 0.1);
+  // While the key is held it is not touched.
+  robot.now.arm_runs = true;
+  for (int i = 0; i < 20; ++i) {
+    const JogCommands commands = robot.type("+");
+    EXPECT_FALSE(commands.end_run);
+    EXPECT_TRUE(commands.run.empty());
+  }
+  int until = 0;
+  while (!robot.step().end_run) ASSERT_LT(++until, 20);
+  EXPECT_TRUE(robot.session.is_moving()) << "it brakes";
+  robot.now.arm_runs = false;
+  robot.step();
+  EXPECT_FALSE(robot.session.is_moving());
+  // The next one begins where it stands; another key, silence and the emergency end it.
+  for (const char* key : {" ", "-", "!"}) {
+    ASSERT_FALSE(robot.type("+").run.empty());
+    robot.now.arm_runs = true;
+    const JogCommands ended = robot.type(key);
+    EXPECT_TRUE(ended.end_run) << key;
+    EXPECT_TRUE(ended.run.empty()) << "not before it stands";
+    robot.type(" ");
+    robot.now.arm_runs = false;
+    robot.step();
+  }
+  ASSERT_FALSE(robot.type("+").run.empty());
+  robot.now.arm_runs = true;
+  robot.now.arm_age = 1;
+  EXPECT_TRUE(robot.type("+").end_run);
+}
+
 TEST(HandMotion, AHandClosesByThePreshapeThatItIsNearestTo) {
   const robot::HandModel hand = read_kr5_sdh().hand;
   for (const robot::Preshape& preshape : hand.preshapes) {
@@ -191,8 +240,8 @@ TEST(HandMotion, ClosingKeepsRatesAndLimits) {
     int at_limit = 0;
     for (Eigen::Index i = 0; i < closed.size(); ++i) {
       const auto& closing = preshape.closing[static_cast<std::size_t>(i)];
-      const auto& joint = hand.model.joints[static_cast<std::size_t>(
-          hand.actuated[static_cast<std::size_t>(i)])];
+      const auto& joint =
+          hand.model.joints[static_cast<std::size_t>(hand.actuated[static_cast<std::size_t>(i)])];
       if (closing.rate == 0) {
         EXPECT_EQ(closed[i], preshape.open[i]);
       }

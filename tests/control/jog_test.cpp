@@ -134,10 +134,9 @@ TEST(ArmJog, NoLimitIsExceededWhateverKeysCome) {
                   joints[static_cast<std::size_t>(j)].max_velocity * (1 + 1e-6))
             << name << " step " << i;
       }
-      const double tool_speed = (robot.jog.X_BG(robot.q).translation() -
-                                 robot.jog.X_BG(before).translation())
-                                    .norm() /
-                                kPeriod;
+      const double tool_speed =
+          (robot.jog.X_BG(robot.q).translation() - robot.jog.X_BG(before).translation()).norm() /
+          kPeriod;
       ASSERT_LE(tool_speed, robot.jog.options().linear_speed * 1.001) << name << " step " << i;
       ASSERT_GE(motion::nearness(*space, robot.q).distance, -1e-8) << name << " step " << i;
       farthest = std::max(farthest, (robot.q - robot.platform.home("home").arm).norm());
@@ -209,10 +208,8 @@ TEST(ArmJog, SlowsDownBeforeTheTableStopsAndNamesThePair) {
   // The stage's z grows downwards or upwards: towards the table is where the tool sinks.
   Positions probe = robot.q;
   probe[down] += 0.01;
-  const double sign = robot.jog.X_BG(probe).translation().z() <
-                              robot.jog.X_BG(robot.q).translation().z()
-                          ? 1
-                          : -1;
+  const double sign =
+      robot.jog.X_BG(probe).translation().z() < robot.jog.X_BG(robot.q).translation().z() ? 1 : -1;
   for (int i = 0; i < 600; ++i) {
     last = robot.hold({Kind::kJoint, down, sign}, 1);
     fastest = std::max(fastest, std::abs(last.speed));
@@ -235,9 +232,9 @@ TEST(ArmJog, WhatTouchesAlreadyMayGoAwayButNoNearer) {
   JogSurroundings around;
   around.table = 0.28;  // the fingers are below it
   robot.q[2] = 0.2;
-  const auto space = jog_space(
-      robot.platform, robot.platform.hand.all_positions(robot.platform.hand.preshapes[0].open),
-      around);
+  const auto space =
+      jog_space(robot.platform,
+                robot.platform.hand.all_positions(robot.platform.hand.preshapes[0].open), around);
   robot.jog.set_space(space);
   ASSERT_LT(motion::nearness(*space, robot.q).distance, 0);
   const Positions start = robot.q;
@@ -246,8 +243,8 @@ TEST(ArmJog, WhatTouchesAlreadyMayGoAwayButNoNearer) {
     robot.q = start;
     const JogStep last = robot.hold({Kind::kJoint, 2, sign}, 10);
     robot.release();
-    const double change = motion::nearness(*space, robot.q).distance -
-                          motion::nearness(*space, start).distance;
+    const double change =
+        motion::nearness(*space, robot.q).distance - motion::nearness(*space, start).distance;
     EXPECT_GE(change, -1e-5);
     if (change > 1e-3) ++ways;
     if (change < 1e-3) {
@@ -267,7 +264,8 @@ TEST(ArmJog, KeepsItsLineToTheEndOfItsReachAndStopsThere) {
       last = robot.hold({Kind::kBase, 0, 1}, 1);
       way += last.speed * kPeriod;
       const RigidTransform wanted = moved(start, Kind::kBase, 0, way);
-      off = std::max(off, (robot.jog.X_BG(robot.q).matrix() - wanted.matrix()).cwiseAbs().maxCoeff());
+      off =
+          std::max(off, (robot.jog.X_BG(robot.q).matrix() - wanted.matrix()).cwiseAbs().maxCoeff());
     }
     EXPECT_LT(off, 1e-6) << name;
     EXPECT_GT(way, 0.1) << name;
@@ -288,8 +286,8 @@ TEST(ArmJog, ThroughASingularPositionItSlowsDownButStaysOnItsLine) {
     const Positions before = robot.q;
     const JogStep step = robot.hold({Kind::kTool, 3, 1}, 1);
     way += step.speed * kPeriod;
-    slowed = slowed || step.hindrance == JogHindrance::kSpeed ||
-             step.hindrance == JogHindrance::kCannot;
+    slowed =
+        slowed || step.hindrance == JogHindrance::kSpeed || step.hindrance == JogHindrance::kCannot;
     const RigidTransform wanted = moved(start, Kind::kTool, 3, way);
     ASSERT_LT((robot.jog.X_BG(robot.q).matrix() - wanted.matrix()).cwiseAbs().maxCoeff(), 1e-6);
     for (int j = 0; j < 6; ++j) {
@@ -374,8 +372,8 @@ TEST(ArmJog, RefusesWhatIsNone) {
                std::invalid_argument);
   JogSurroundings around;
   around.clearance = std::nan("");
-  EXPECT_THROW(jog_space(robot.platform, robot.platform.hand.all_positions(Eigen::VectorXd::Zero(1)),
-                         around),
+  EXPECT_THROW(jog_space(robot.platform,
+                         robot.platform.hand.all_positions(Eigen::VectorXd::Zero(1)), around),
                std::invalid_argument);
 }
 
