@@ -38,6 +38,19 @@ TEST_F(Services, ACallWaitsForItsServer) {
   EXPECT_EQ(later->time(), 2);
 }
 
+// It had mostly given up before anybody looked.
+TEST_F(Services, ALookFindsTheServerThatIsThere) {
+  Node caller(options("caller"));
+  auto client = caller.client<Clock_, Clock_>("/answer");
+  auto nobody = caller.client<Clock_, Clock_>("/nobody");
+  Child server({"serve", "--registry", endpoint});
+  ASSERT_TRUE(client.wait_for_server(10s));
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_TRUE(client.wait_for_server(0s)) << i;
+    ASSERT_FALSE(nobody.wait_for_server(0s)) << i;
+  }
+}
+
 TEST_F(Services, SlowServerTimesOutAndKilledServerIsNoticedAtOnce) {
   Node caller(options("caller"));
   Child server({"serve", "--registry", endpoint});

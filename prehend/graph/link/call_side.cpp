@@ -4,6 +4,7 @@
 #include <google/protobuf/message.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace {
 using msgs::graph::PeerMessage;
 
 constexpr std::size_t kMostRequestsWaiting = 1000;
+constexpr std::chrono::seconds kLook{
+    1};  // at most, for the node's thread to see whether there is a server
 
 std::uint64_t next_call_id() {
   static std::atomic<std::uint64_t> next{1};
@@ -129,6 +132,9 @@ void CallSide::start(const std::shared_ptr<PendingCall>& call) {
   if (stopped_) return call->finish(Status::kShutdown, call->offer.label() + ": this node stops");
   call->since = std::chrono::steady_clock::now();
   if (advance(*call)) return;
+  if (call->only_wait && call->timeout.count() == 0) {
+    return call->finish(Status::kTimeout, call->timeout_error());  // it was a look
+  }
   calls_[call->id] = call;
   if (call->on_end) call->alarm = loop_.at(call->deadline, [this, id = call->id] { expire(id); });
 }
@@ -265,8 +271,11 @@ bool ServiceClientCore::post(const std::shared_ptr<PendingCall>& call) {
 
 CallEnd ServiceClientCore::run(const std::shared_ptr<PendingCall>& call) {
   post(call);
+  // Who looks whether there is a server waits until the node's thread has looked, which is at once.
+  const bool looks = call->only_wait && call->timeout.count() == 0;
+  const auto until = looks ? deadline_after(kLook) : call->deadline;
   std::unique_lock lock(call->mutex);
-  if (call->changed.wait_until(lock, call->deadline, [&] { return call->done; })) {
+  if (call->changed.wait_until(lock, until, [&] { return call->done; })) {
     return std::move(call->end);
   }
   const std::string error = call->timeout_error();
