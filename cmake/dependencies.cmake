@@ -40,6 +40,9 @@ pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET GLOBAL sqlite3)
 pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET GLOBAL libcrypto)
 pkg_check_modules(HIGHWAY REQUIRED IMPORTED_TARGET GLOBAL libhwy)
 pkg_check_modules(MODBUS REQUIRED IMPORTED_TARGET GLOBAL libmodbus)
+pkg_check_modules(NCURSES REQUIRED IMPORTED_TARGET GLOBAL ncurses)
+# What it defines g++ defines, too, and precompiled headers do not.
+set_target_properties(PkgConfig::NCURSES PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(OPENNI REQUIRED IMPORTED_TARGET GLOBAL libopenni2)
 
 # PCL's and OpenCV's own CMake packages drag in VTK and Qt; only these single libraries are used.

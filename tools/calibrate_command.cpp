@@ -2,41 +2,11 @@
 
 #include "tools/calibrate/choices.h"
 #include "tools/commands.h"
+#include "tools/given_words.h"
 #include "tools/pad_fit/choices.h"
 #include "tools/programs.h"
 
 namespace prehend::tools {
-namespace {
-
-// What was given, as words for the program that does it.
-std::vector<std::string> words_of(const CLI::App& command) {
-  std::vector<std::string> words;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0) continue;
-    if (option->get_positional()) {
-      words.insert(words.end(), option->results().begin(), option->results().end());
-      continue;
-    }
-    const std::string name = "--" + option->get_lnames().front();
-    if (option->get_expected_max() == 0) {
-      words.push_back(name);
-      continue;
-    }
-    std::string joined;  // of an option that takes several values at once
-    for (const std::string& value : option->results()) {
-      if (option->get_expected_min() > 1) {
-        joined += (joined.empty() ? "" : ",") + value;
-      } else {
-        words.push_back(name + "=" + value);
-      }
-    }
-    if (!joined.empty()) words.push_back(name + "=" + joined);
-  }
-  return words;
-}
-
-}  // namespace
-
 // Programs of their own: only who asks pays for loading the libraries of images and least squares.
 void add_calibrate_command(CLI::App& app) {
   CLI::App* calibrate = app.add_subcommand(
@@ -52,7 +22,7 @@ void add_calibrate_command(CLI::App& app) {
     command->footer(one.footer);
     // The options write to the choices, which have to live as long.
     command->callback([command, choices] {
-      std::vector<std::string> words = words_of(*command);
+      std::vector<std::string> words = given_words(*command);
       words.insert(words.begin(), command->get_name());
       become_program("calibrate", words);
     });
@@ -77,7 +47,7 @@ void add_calibrate_command(CLI::App& app) {
       "  prehend calibrate tactile out/tactile/left.csv out/gripper/state.csv scale.csv --column "
       "force=newton\n"
       "How to record one: docs/touch.md, \"Fitting a pad\".");
-  tactile->callback([tactile, choices] { become_program("pad_fit", words_of(*tactile)); });
+  tactile->callback([tactile, choices] { become_program("pad_fit", given_words(*tactile)); });
 }
 
 }  // namespace prehend::tools

@@ -26,6 +26,7 @@ void add_completion_command(CLI::App& app);
 void add_explain_command(CLI::App& app);
 void add_plan_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
+void add_jog_commands(CLI::App& app);
 void add_grasps_command(CLI::App& app);
 void add_keys_commands(CLI::App& app);
 void add_clock_commands(CLI::App& app);

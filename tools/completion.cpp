@@ -6,6 +6,10 @@
 #include <stdexcept>
 
 #include "prehend/graph/introspection.h"
+#include "prehend/robot/preshape_names.h"
+#include "prehend/robot/robot_files.h"
+#include "prehend/text/tree_file.h"
+#include "tools/jog/find_platform.h"
 
 namespace prehend::tools {
 namespace {
@@ -123,6 +127,22 @@ Words live_names(graph::Introspection& graph, const std::string& kind) {
   return names;
 }
 
+// Of the running graph's robot, or of all there are.
+Words preshapes_of(const std::string& registry) {
+  try {
+    graph::Introspection graph(registry, kCompletionPatience);
+    return robot::preshape_names(find_platform(graph, "").file);
+  } catch (const std::exception&) {
+    Words all;  // no graph runs, or its nodes do not agree
+    const std::string folder = text::tree_file("config/robots");
+    for (const std::string& platform : robot::platform_names(folder)) {
+      const Words names = robot::preshape_names(robot::platform_file(folder, platform));
+      all.insert(all.end(), names.begin(), names.end());
+    }
+    return all;
+  }
+}
+
 Words values_of(const std::string& name, const Position& at, const std::string& word) {
   static const std::map<std::string, Words> kChoices{
       {"level", {"debug", "info", "warning", "error"}},
@@ -131,6 +151,13 @@ Words values_of(const std::string& name, const Position& at, const std::string& 
       {"compression", {"lz4", "zstd", "none"}}};
   if (const auto found = kChoices.find(name); found != kChoices.end()) return found->second;
   if (name == "file" && at.command->get_name() == "launch") return launch_files(word);
+  if (name == "platform") return robot::platform_names(text::tree_file("config/robots"));
+  if (name == "preshape") return preshapes_of(at.registry);
+  if (name == "motion") {
+    Words names = preshapes_of(at.registry);
+    names.insert(names.end(), {"open", "close", "list"});
+    return names;
+  }
   try {
     graph::Introspection graph(at.registry, kCompletionPatience);
     if (name == "topics") return live_names(graph, "topic");

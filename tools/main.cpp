@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
       "  prehend topic echo /gripper/state\n"
       "  prehend stop\n"
       "  prehend doctor\n"
+      "  prehend jog\n"
       "  prehend explain config/scenes/demo.yaml\n"
       "  prehend plan object.ply --hand pg70 --out out/plan\n"
       "  prehend record -o run.mcap\n"
@@ -46,6 +47,7 @@ int main(int argc, char** argv) {
   add_explain_command(app);
   add_plan_command(app);
   add_calibrate_command(app);
+  add_jog_commands(app);
   add_grasps_command(app);
   add_keys_commands(app);
   add_clock_commands(app);

@@ -250,6 +250,7 @@ JogStep ArmJog::end(JogHindrance hindrance, const std::string& words) {
 }
 
 JogStep ArmJog::step(const Positions& measured, double age, double time) {
+  const double since = last_time_ ? time - *last_time_ : 0;
   const double h = std::clamp(last_time_ ? time - *last_time_ : options_.period,
                               1e-3 * options_.period, kLongestStep * options_.period);
   last_time_ = time;
@@ -261,6 +262,10 @@ JogStep ArmJog::step(const Positions& measured, double age, double time) {
   if (!(age <= options_.stale_time)) {
     return end(JogHindrance::kSilent,
                fmt::format("where the joints are was told {:.1f} s ago", age));
+  }
+  // Who was stopped meanwhile must not go on where it was: the driver has braked.
+  if (active_ && since > options_.stale_time) {
+    return end(JogHindrance::kSilent, fmt::format("this program was held up for {:.1f} s", since));
   }
   if (!active_) begin(measured);
   if (const std::string lag = lag_of(measured); active_ && !lag.empty()) {

@@ -20,7 +20,8 @@ struct Nearness {
 /// Of the robot's balls at `q`: from all obstacles, and between those that must not touch each
 /// other. Never more than the true distance, as balls hold the shapes. Costs a distance for each
 /// ball and obstacle and for each pair. Obstacles' own margins (CollisionWorld::set_margin()) and
-/// another checker count nothing here. Reentrant. @pre q has as many entries as the robot has joints
+/// another checker count nothing here. Reentrant. @pre q has as many entries as the robot has
+/// joints
 Nearness nearness(const RobotInWorld& robot, const Eigen::Ref<const Eigen::VectorXd>& q);
 
 /// "the link of joint 'e2' and 'table'": of a nearness that has a ball.

@@ -346,6 +346,19 @@ TEST(ArmJog, StopsWhereJointsAreNotToldOrDoNotFollow) {
   EXPECT_LT(steps, 100);
 }
 
+TEST(ArmJog, DoesNotGoOnAfterItWasHeldUp) {
+  Jogged robot("kr5_pg70");
+  const JogMotion motion{Kind::kJoint, 0, 1};
+  ASSERT_GT(robot.hold(motion, 40).speed, 0.01);
+  robot.time += 1;
+  robot.jog.press(motion, robot.time);
+  const JogStep held = robot.step();
+  EXPECT_TRUE(held.ended);
+  EXPECT_FALSE(held.set_point);
+  EXPECT_THAT(held.words, HasSubstr("held up for 1.0 s"));
+  EXPECT_GT(robot.hold(motion, 40).speed, 0.01) << "and anew";
+}
+
 TEST(ArmJog, AnotherKeyBeginsWhenTheFirstMotionHasStopped) {
   Jogged robot("kr5_pg70");
   robot.hold({Kind::kJoint, 5, 1}, 40);

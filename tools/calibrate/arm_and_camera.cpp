@@ -12,6 +12,7 @@
 
 #include "msgs/convert/images.h"
 #include "prehend/text/nearest_match.h"
+#include "tools/arm_goal.h"
 #include "tools/command_node.h"
 
 namespace prehend::tools {
@@ -23,7 +24,6 @@ constexpr auto kTurn = std::chrono::milliseconds(50);
 constexpr std::int64_t kRest = 300'000'000;  // ns: so long the arm stands before an image counts
 constexpr double kStill = 1e-4;              // rad or m
 constexpr std::size_t kMostStates = 4000;
-constexpr double kSamplePeriod = 0.02;  // s, of trajectories
 
 std::atomic<bool> interrupted = false;
 
@@ -37,26 +37,6 @@ void notice_interrupts() {
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-}
-
-msgs::FollowTrajectoryGoal goal_of(const robot::KinematicChain& chain,
-                                   const motion::Trajectory& trajectory) {
-  msgs::FollowTrajectoryGoal goal;
-  msgs::JointTrajectory& path = *goal.mutable_trajectory();
-  for (const robot::ChainJoint& joint : chain.joints()) path.add_joint_name(joint.name);
-  const double duration = trajectory.duration();
-  const int steps = std::max(1, static_cast<int>(std::ceil(duration / kSamplePeriod)));
-  for (int i = 0; i <= steps; ++i) {
-    const motion::TrajectoryPoint at = trajectory.at(duration * i / steps);
-    msgs::JointTrajectoryPoint& point = *path.add_points();
-    point.set_time(duration * i / steps);
-    for (Eigen::Index j = 0; j < at.position.size(); ++j) {
-      point.add_position(at.position[j]);
-      point.add_velocity(at.velocity[j]);
-      point.add_acceleration(at.acceleration[j]);
-    }
-  }
-  return goal;
 }
 
 }  // namespace
@@ -148,7 +128,7 @@ void ArmAndCamera::follow(const motion::Trajectory& trajectory) {
         "nobody serves /arm/follow. Start the arm's driver or the simulation (`prehend node "
         "list`)");
   }
-  const auto handle = follow_.send(goal_of(chain_, trajectory));
+  const auto handle = follow_.send(arm_goal(chain_, trajectory));
   while (true) {
     const auto outcome = handle.wait(kTurn);
     if (outcome.status() == graph::Status::kTimeout) {
