@@ -31,7 +31,7 @@ struct HandFacts {
   std::vector<std::string> fingers;  // that close by positive positions, together and alone
   std::string lone;                  // one that moves with nothing in its way
   double lone_speed = 0;             // rad/s, its greatest
-  std::string streamed;           // another such one, that a stream moves
+  std::string streamed;              // another such one, that a stream moves
   std::vector<double> there;         // rad, of the motors, within their limits
   std::vector<double> pressing;      // where fingers meet each other on the way
   std::size_t pressed = 0;           // a motor that is stopped by that,
