@@ -164,7 +164,7 @@ void Driver::order(std::size_t axis, Property property, std::int32_t value) {
 
 void Driver::ask(std::size_t axis, Step step, Time now) {
   step.tries = 1;
-  step.sent = now;
+  step.began = step.sent = now;
   pucks_[axis].asked = step;
   transmit(axis);
 }
@@ -206,9 +206,19 @@ void Driver::watch_exchange(std::size_t axis, Time now) {
   if (!puck.asked) return;
   Step& step = *puck.asked;
   const bool is_stop = step.kind == Step::Kind::kStop;
-  if (now - step.sent < to_time(is_stop ? options_.stop_repeat : options_.reply_time)) return;
+  // Each wait is twice as long as the one before: late answers must not make a bus that is slow
+  // slower.
+  constexpr int kMostDoublings = 3;
+  const double patience =
+      is_stop ? options_.stop_repeat
+              : std::ldexp(options_.reply_time, std::min(step.tries - 1, kMostDoublings));
+  if (now - step.sent < to_time(patience)) return;
   ++counters_.unanswered;
-  const bool goes_on = is_stop || step.kind == Step::Kind::kConnection;
+  // Positions and modes are asked for until they come, or loss_time is over: were the next question
+  // asked instead, answers that are late would be taken for none of its.
+  const bool is_state = step.kind == Step::Kind::kReading &&
+                        (step.property == Property::kPosition || step.property == Property::kMode);
+  const bool goes_on = is_stop || is_state || step.kind == Step::Kind::kConnection;
   if (!goes_on && step.tries >= options_.tries) {
     const Step given_up = step;
     puck.asked.reset();
@@ -280,7 +290,11 @@ void Driver::watch_loss(Time now) {
 void Driver::ask_pads(Time now) {
   if (!is_connected_ || options_.tactile_period <= 0 || now < next_pads_) return;
   next_pads_ = std::max(next_pads_ + to_time(options_.tactile_period), now);
-  for (std::size_t i = 0; i < kAxes; ++i) order(i, Property::kTactile, kTactileFull);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const Puck& puck = pucks_[i];
+    const bool is_late = puck.asked && puck.asked->tries > 1;
+    if (!is_late) order(i, Property::kTactile, kTactileFull);
+  }
 }
 
 void Driver::update_state() {

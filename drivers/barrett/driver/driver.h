@@ -181,7 +181,7 @@ class Driver {
       kPark
     } kind = Kind::kReading;
     int tries = 0;
-    Time sent{};
+    Time began{}, sent{};  // first and last
   };
   struct Sample {
     Time time{};

@@ -67,7 +67,7 @@ void Driver::take_value(std::size_t axis, Property property, std::int32_t value,
       }
       reading_.modes[axis] = static_cast<Mode>(value);
       puck.last_mode = now;
-      puck.mode_asked = step.sent;
+      puck.mode_asked = step.began;
       puck.fresh_mode = true;
       if (step.kind == Step::Kind::kStop || step.kind == Step::Kind::kConnection) {
         puck.stop_answered = true;

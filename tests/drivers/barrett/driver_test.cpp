@@ -446,6 +446,23 @@ TEST(BarrettDriver, PadThatIsNotInitialisedIsTold) {
   EXPECT_THAT(health_of(situation).words, HasSubstr("the pad of F1 is not initialised"));
 }
 
+// Answers that came later than all tries of their question were taken for none, for ever.
+TEST(BarrettDriver, AnswersMayBeLateForLong) {
+  DriverOptions options;
+  options.loss_time = 2;
+  options.begin_time = 2;
+  VirtualHand g(options);
+  ASSERT_TRUE(g.begin());
+  g.from_hand.set_faults({.late = 1, .delay = std::chrono::milliseconds(200)});
+  g.run(5);
+  EXPECT_EQ(g.driver.reading().state, DriverState::kStanding);
+  EXPECT_EQ(g.driver.counters().connections, 1u);
+  EXPECT_EQ(g.move(g.goal(kOpen, 0.3)).kind, Kind::kReached);
+  g.from_hand.set_faults({});
+  g.run(1);
+  EXPECT_EQ(g.move(g.goal(kClosed)).kind, Kind::kReached);
+}
+
 TEST(BarrettDriver, PuckThatIsMissingIsNamed) {
   VirtualHand g;
   g.hand.set_mute(true, 2);
