@@ -74,10 +74,10 @@ const HandFacts kBarrett{
     .lone_speed = 2,
     .streamed = "finger_3_inner",
     .there = {0.6, 0.5, 0.4, 0.3},
-    .pressing = {2, 2, 0.1, 1.5707963},
+    .pressing = {2.3, 2.3, 0.1, 1.5707963},
     .pressed = 0,
-    .least = 0.3,
-    .most = 1.95,
+    .least = 1,
+    .most = 2.2,
     .back = 0,
     .pads = {{"fingertip_1", 8, 3}, {"fingertip_2", 8, 3}, {"fingertip_3", 8, 3}, {"palm", 7, 4}}};
 
