@@ -95,7 +95,7 @@ RobotLink::RobotLink(const std::string& name, const std::string& registry,
         }));
   }
   subscriptions_.push_back(node_.subscribe<msgs::EmergencyStop>(
-      "/emergency_stop", QoS::latched(1), [this](const Received<msgs::EmergencyStop>& stop) {
+      "/emergency_stop", QoS::latched(50), [this](const Received<msgs::EmergencyStop>& stop) {
         const std::lock_guard lock(mutex_);
         emergency_ = *stop;
         emergency_time_ = steady_clock::now();
