@@ -100,6 +100,39 @@ TEST_P(EmergencyStopped, WhenARequiredDriverIsKilled) {
   expect_moves_after_reset();
 }
 
+TEST_P(EmergencyStopped, WhenADeviceStopsByItself) {
+  const DeviceFault& fault = GetParam().fault;
+  const auto set = [&](const std::string& value) {
+    const Outcome done = run_program(
+        "prehend",
+        {"param", "set", fault.emulator, fault.parameter, value, "--registry", rig_->registry()},
+        20s);
+    EXPECT_EQ(done.exit_code, 0) << done.output;
+  };
+  ASSERT_THAT(rig_->move(), IsEmpty());
+  const auto from = steady_clock::now();
+  set(fault.value);
+  // What is not the device's own: a device that nobody hears does as it likes.
+  EXPECT_THAT(rig_->reasons().at(fault.other), HasSubstr("emergency stop by " + fault.words));
+  EXPECT_TRUE(eventually([&] {
+    const StopRig::Track track = fault.other == 0 ? rig_->arm_since(from) : rig_->hand_since(from);
+    return track.stood && *track.stands < steady_clock::now() - 500ms;
+  })) << rig_->output();
+  if (!fault.mended.empty()) {
+    const msgs::Acknowledge refused = rig_->reset();
+    EXPECT_FALSE(refused.success());
+    EXPECT_THAT(refused.reason(), AllOf(HasSubstr("goes on"), HasSubstr(fault.words)));
+    set(fault.mended);
+  }
+  if (!fault.acknowledged.empty()) {
+    const Outcome done = run_program(
+        "prehend", {"service", "call", fault.acknowledged, "--registry", rig_->registry()}, 20s);
+    EXPECT_EQ(done.exit_code, 0) << done.output;
+  }
+  EXPECT_TRUE(eventually([&] { return rig_->reset().success(); })) << rig_->output();
+  expect_moves_after_reset();
+}
+
 INSTANTIATE_TEST_SUITE_P(Robots, EmergencyStopped, ::testing::ValuesIn(stopped_robots()),
                          [](const auto& test) { return test.param.name; });
 

@@ -56,7 +56,9 @@ std::vector<StoppedRobot> stopped_robots() {
            .hand_joint = "",
            .least = 0.005,
            .most = 0.065,
-           .way = 0.15},
+           .way = 0.15,
+           .fault = {"pg70_emulator", "fault", "222", "0", "/gripper/acknowledge",
+                     "pg70: the gripper stopped by itself: ERROR CURRENT", 0}},
           {.name = "KukaOverRsi",
            .launch_file = "launch/emulated_arm.yaml",
            .arguments = {"rsi_port:=PORT"},
@@ -68,7 +70,9 @@ std::vector<StoppedRobot> stopped_robots() {
            .least = 0.002,
            .most = 0.032,
            .speed = 0.35,
-           .way = 1.0},
+           .way = 1.0,
+           .fault = {"kuka_rsi_emulator", "emergency_stop", "true", "", "",
+                     "kuka_rsi: RSI has ended", 1}},
           {.name = "ArmAndSdh2",
            .launch_file = "launch/emulated_hand.yaml",
            .arguments = {"lines:=LINES"},
@@ -79,7 +83,9 @@ std::vector<StoppedRobot> stopped_robots() {
            .hand_joint = "finger_1_proximal",
            .least = 0,
            .most = 0.9,
-           .way = 1.0}};
+           .way = 1.0,
+           .fault = {"sdh_emulator", "mute", "true", "false", "",
+                     "sdh: the hand's answers are missing", 0}}};
 }
 
 StopRig::StopRig(const StoppedRobot& robot)
@@ -206,7 +212,7 @@ std::string StopRig::wait_until_ready() {
   if (!are_there) return "the robot does not tell where it is: " + output();
   if (!stop_.wait_for_server(30s)) return "there is no node emergency_stop";
   // Required nodes are known a moment later.
-  std::this_thread::sleep_for(800ms);
+  std::this_thread::sleep_for(1s);
   return wait_until_stands(steady_clock::now(), 30s) ? "" : "the robot does not stand";
 }
 

@@ -19,6 +19,15 @@
 
 namespace prehend::testing {
 
+/// What an emulated device does by itself, by a parameter of its emulator.
+struct DeviceFault {
+  std::string emulator, parameter, value;
+  std::string mended;        // its value then; "": it mends itself
+  std::string acknowledged;  // service to be called then, or none
+  std::string words;         // of the driver
+  std::size_t other = 0;     // of StopRig::reasons(): what of the robot moves on without a stop
+};
+
 /// A robot that is launched with the emergency stop beside it.
 struct StoppedRobot {
   std::string name, launch_file;
@@ -32,6 +41,7 @@ struct StoppedRobot {
   double least = 0, most = 0;  // m or rad, between which it is moved
   double speed = 0.2;          // share of the greatest, of /hand/move
   double way = 0.3;            // m or rad, of the arm's first joint
+  DeviceFault fault;
   friend void PrintTo(const StoppedRobot& robot, std::ostream* out) { *out << robot.name; }
 };
 
