@@ -27,6 +27,9 @@ class EmergencyStopNode {
                     const std::string& registry = "");
   ~EmergencyStopNode();
 
+  /// Required nodes that never came, in words; "": none. Any thread.
+  std::string missing() const { return required_.missing(); }
+
  private:
   msgs::Acknowledge stop(const msgs::EmergencyStopRequest& request);
   msgs::Acknowledge reset();

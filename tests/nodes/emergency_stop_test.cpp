@@ -242,6 +242,7 @@ class Server {
       : node_(options), server_(node_, required, options.registry) {
     node_.spin_in_background();
   }
+  std::string missing() const { return server_.missing(); }
 
  private:
   graph::Node node_;
@@ -441,9 +442,8 @@ TEST_F(EmergencyStopGraph, ARequiredNodeThatLeavesStopsAndIsNamedByTheReset) {
   const Mover arm(options("arm"));
   auto pad = std::make_unique<graph::Node>(options("pad"));
   pad->spin_in_background();
-  // Known to the node, which asks the registry four times a second.
-  std::this_thread::sleep_for(800ms);
-  EXPECT_FALSE(arm.is_stopped());
+  ASSERT_TRUE(eventually([&] { return server.missing().empty(); }));
+  EXPECT_THAT(arm.refusal(), IsEmpty());
   pad.reset();  // its process, this one, lives
   ASSERT_TRUE(eventually([&] { return arm.is_stopped(); }));
   EXPECT_THAT(arm.refusal(), StartsWith("emergency stop by emergency_stop: required node pad was "
