@@ -151,8 +151,10 @@ void Driver::take_uptime(std::size_t axis, int uptime, Time now) {
 }
 
 void Driver::was_reset(std::size_t axis, const char* how, Time now) {
-  note_(true, std::string(axis_name(axis)) + " was switched off and on (" + how +
-                  "): the hand has to be initialised again");
+  if (is_initialised_ || is_connected_) {
+    note_(true, std::string(axis_name(axis)) + " was switched off and on (" + how +
+                    "): the hand has to be initialised again");
+  }
   is_initialised_ = false;
   if (is_connected_) begin_anew("the connection begins anew", now);
   puck_goes_on(axis, now);
