@@ -157,7 +157,8 @@ class Driver {
   /// Opens fingers, then the spread, to their stops, which become zero. As move_to().
   std::string initialise(Time now, std::uint64_t& ticket);
   MotionReport report(std::uint64_t ticket) const;
-  /// MODE 0 to all axes. `why` becomes the reason of the motion that it ends.
+  /// MODE 0 to all axes. `why` becomes the reason of the motion that it ends. From then on the hand
+  /// is initialised by initialise() alone, kAtStart or not.
   void stop(Time now, const std::string& why = "stopped");
 
   const Reading& reading() const { return reading_; }

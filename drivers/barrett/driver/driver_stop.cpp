@@ -16,6 +16,7 @@ void Driver::send_stop(std::size_t axis, Time now) {
 // A stop that is under way is not begun anew: its patience counts from its first message.
 void Driver::stop(Time now, const std::string& why) {
   const bool moved = reading_.moving;
+  begins_by_initialising_ = false;  // also before there is a hand: what is stopped begins nothing
   end_motion(why);
   reading_.blocked.fill(false);
   if (!has_line_ || !is_connected_) return;  // a connection begins with one

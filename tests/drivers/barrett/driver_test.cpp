@@ -72,6 +72,20 @@ TEST(BarrettDriver, InitialisesByItselfOnceWhereToldTo) {
   EXPECT_EQ(g.hand.moves(), kAxes);
 }
 
+// An emergency stop may be there before the hand is.
+TEST(BarrettDriver, WhatIsStoppedDoesNotInitialiseByItself) {
+  DriverOptions options;
+  options.initialisation = Initialisation::kAtStart;
+  VirtualHand g(options);
+  g.driver.stop(g.now, "emergency stop");
+  ASSERT_TRUE(g.connect());
+  g.run(5);
+  EXPECT_EQ(g.driver.reading().state, DriverState::kUninitialised);
+  EXPECT_EQ(g.hand.moves(), 0u);
+  std::uint64_t ticket = 0;
+  EXPECT_EQ(g.driver.initialise(g.now, ticket), "");
+}
+
 TEST(BarrettDriver, ZeroOfAHandThatWasInitialisedIsBelieved) {
   DriverOptions options;
   options.initialisation = Initialisation::kDone;
