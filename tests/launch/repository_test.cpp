@@ -191,8 +191,8 @@ TEST(LaunchFilesOfTheRepository, BringupTakesCameras) {
   };
   const std::string depth =
       dry_run({"camera:=openni", "cycle:=true", "camera_pose:=[0, 0, 1, 0, 1, 0, 0]"}, 0);
-  for (const char* part : {"node: depth_camera", "/camera/stereo: /unused/camera/stereo",
-                           "input: depth", "[0, 0, 1, 0, 1, 0, 0]"}) {
+  for (const char* part : {"node: depth_camera", "/camera/*: /unused/camera/*", "input: depth",
+                           "[0, 0, 1, 0, 1, 0, 0]"}) {
     EXPECT_THAT(depth, HasSubstr(part));
   }
   const std::string pair =
