@@ -174,7 +174,7 @@ TEST(JogSession, AnArmThatTakesTrajectoriesMovesByRunsThatEndWithTheKey) {
   Session robot;
   robot.now.arm_takes_runs = true;
   const JogCommands begun = robot.type("+");
-  ASSERT_GT(begun.run.size(), 50u);
+  ASSERT_GE(begun.run.size(), 50u) << "a second's way";
   EXPECT_FALSE(begun.arm);
   EXPECT_TRUE(robot.session.is_moving());
   const robot::Positions home = robot.now.arm;
@@ -188,7 +188,8 @@ TEST(JogSession, AnArmThatTakesTrajectoriesMovesByRunsThatEndWithTheKey) {
     before = q;
   }
   EXPECT_LT(step.norm(), most * 0.6) << "at its end it rests";
-  EXPECT_GT(begun.run.back()[0], home[0] + 0.1);
+  // The tool's greatest speed is what limits this joint.
+  EXPECT_GT(begun.run.back()[0], home[0] + 0.03);
   // While the key is held it is not touched.
   robot.now.arm_runs = true;
   for (int i = 0; i < 20; ++i) {

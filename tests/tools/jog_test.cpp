@@ -26,7 +26,7 @@ class Jog : public ::testing::Test {
   static void TearDownTestSuite() { robot_.reset(); }
 
   static JoggedRobot& robot() { return *robot_; }
-  static std::vector<std::string> words() { return {"jog"}; }
+  static std::vector<std::string> words() { return {"jog", "--speed", "0.5"}; }
 
   /// Keys as a held one repeats them, until `condition`.
   static bool hold(PseudoTerminal& terminal, const std::string& key,
@@ -123,11 +123,13 @@ TEST_F(Jog, TheEmergencyKeyStopsEachDeviceWhereThereIsNoNodeForIt) {
 }
 
 TEST_F(Jog, TheEmergencyKeyAsksTheNodeForItAndNothingMovesThen) {
+  // Of its own: what has heard an emergency stop and hears it no more stays stopped.
+  JoggedRobot own("kr5_sdh");
   std::mutex mutex;
   msgs::EmergencyStopRequest asked;
   graph::NodeOptions options;
   options.name = "emergency_stop";
-  options.registry = robot().registry();
+  options.registry = own.registry();
   graph::Node node(options);
   const auto stopped =
       node.advertise<msgs::EmergencyStop>("/emergency_stop", graph::QoS::latched(1));
@@ -149,9 +151,9 @@ TEST_F(Jog, TheEmergencyKeyAsksTheNodeForItAndNothingMovesThen) {
     stopped.publish(state);
   });
   node.spin_in_background();
-  PseudoTerminal terminal("prehend", words(), robot().registry());
+  PseudoTerminal terminal("prehend", words(), own.registry());
   ASSERT_TRUE(terminal.shows("EMERGENCY STOP"));
-  ASSERT_TRUE(hold(terminal, "+", [&] { return robot().velocity("arm_axis_1") > 0.05; }));
+  ASSERT_TRUE(hold(terminal, "+", [&] { return own.velocity("arm_axis_1") > 0.05; }));
   terminal.type("\x1b");
   ASSERT_TRUE(eventually([&] { return is_stopped.load(); }));
   {
@@ -160,20 +162,20 @@ TEST_F(Jog, TheEmergencyKeyAsksTheNodeForItAndNothingMovesThen) {
     EXPECT_THAT(asked.reason(), HasSubstr("key"));
   }
   EXPECT_TRUE(terminal.shows("NOTHING MOVES: emergency stop by prehend jog: a key"));
-  ASSERT_TRUE(robot().stands());
-  const double there = robot().position("arm_axis_1");
+  ASSERT_TRUE(own.stands());
+  const double there = own.position("arm_axis_1");
   for (int i = 0; i < 20; ++i) {
     terminal.type("+");
     std::this_thread::sleep_for(20ms);
   }
-  EXPECT_NEAR(robot().position("arm_axis_1"), there, 1e-4);
+  EXPECT_NEAR(own.position("arm_axis_1"), there, 1e-4);
   expect_quits(terminal);
 }
 
 // As the driver of a KUKA is.
 TEST_F(Jog, AnArmThatTakesTrajectoriesAloneMovesByTheseWhileAKeyIsHeld) {
   JoggedRobot other("kr5_pg70", {"--remap", "/arm/command:=/unused/arm/command"});
-  PseudoTerminal terminal("prehend", {"jog", "--speed", "0.05"}, other.registry());
+  PseudoTerminal terminal("prehend", words(), other.registry());
   ASSERT_TRUE(terminal.shows("nobody takes /arm/command: the arm moves by /arm/follow"));
   const double start = other.position("arm_axis_1");
   // More than one trajectory's way.

@@ -87,6 +87,9 @@ PanelLine joint_line(const JogRow& row, double position, double velocity, bool c
   return line;
 }
 
+// Without a minus before what is shown as nothing.
+double plain(double value) { return std::abs(value) < 0.05 ? 0 : value; }
+
 std::string pose_text(const char* frame, const geometry::RigidTransform& X) {
   // Fixed axes: roll about x, pitch about y, yaw about z.
   const Eigen::Matrix3d& R = X.linear();
@@ -94,8 +97,9 @@ std::string pose_text(const char* frame, const geometry::RigidTransform& X) {
   const double roll = std::atan2(R(2, 1), R(2, 2)), yaw = std::atan2(R(1, 0), R(0, 0));
   return fmt::format(
       "tool in {:<5} x {:7.1f} y {:7.1f} z {:7.1f} mm  rpy {:6.1f} {:6.1f} {:6.1f} deg", frame,
-      1e3 * X.translation().x(), 1e3 * X.translation().y(), 1e3 * X.translation().z(),
-      roll * kDegrees, pitch * kDegrees, yaw * kDegrees);
+      plain(1e3 * X.translation().x()), plain(1e3 * X.translation().y()),
+      plain(1e3 * X.translation().z()), plain(roll * kDegrees), plain(pitch * kDegrees),
+      plain(yaw * kDegrees));
 }
 
 std::string mode_text(const JogSession& session) {

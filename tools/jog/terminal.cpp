@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 // Macros named like what others use (move, erase, ...) stay out.
 #define NCURSES_NOMACROS 1
@@ -79,6 +80,13 @@ Terminal::Terminal() {
   ::nonl();
   ::keypad(stdscr, TRUE);
   ::nodelay(stdscr, TRUE);
+  // Arrow keys in either mode of the keypad: one that is not known would begin with Escape.
+  for (const auto& [name, code] :
+       {std::pair{'A', KEY_UP}, {'B', KEY_DOWN}, {'C', KEY_RIGHT}, {'D', KEY_LEFT}}) {
+    for (const char* before : {"\x1b[", "\x1bO"}) {
+      ::define_key((std::string(before) + name).c_str(), code);
+    }
+  }
   ::curs_set(0);
   // What this program's node says comes by /log, too; on standard error it would tear the screen.
   errors_ = ::dup(STDERR_FILENO);
