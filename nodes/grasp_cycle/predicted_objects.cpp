@@ -55,6 +55,7 @@ msgs::ObjectModel moved_model(const msgs::ObjectModel& model,
   moved.clear_convex_pieces();
   moved.clear_unit_density_inertia();
   moved.clear_alternatives();
+  moved.clear_shape_weight();
   moved.MergeFrom(solid);
   if (model.has_known()) {
     *moved.mutable_known()->mutable_x_wo() =

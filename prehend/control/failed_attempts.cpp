@@ -6,6 +6,7 @@ namespace prehend::control {
 
 std::string FailedAttempts::text() const {
   const std::size_t count = attempts_.size();
+  if (count == 0) return "no grasp was tried";
   const auto furthest =
       std::max_element(attempts_.begin(), attempts_.end(),
                        [](const Attempt& a, const Attempt& b) { return a.progress < b.progress; });

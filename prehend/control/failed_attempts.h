@@ -14,8 +14,8 @@ class FailedAttempts {
 
   /// "no grasp succeeded in 3 attempts; attempt 1 came furthest: lost while carrying: ...; the
   /// last: closed completely, ...". What came last is often what an earlier failure led to: an
-  /// object that was lost lies elsewhere, and the next attempt closes on nothing. @pre something
-  /// was added
+  /// object that was lost lies elsewhere, and the next attempt closes on nothing. "no grasp was
+  /// tried", as after a probe, when nothing was added.
   std::string text() const;
 
  private:

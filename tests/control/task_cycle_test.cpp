@@ -12,6 +12,7 @@
 namespace prehend::control {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -219,6 +220,23 @@ TEST_F(TaskOfTheGripper, ProbesWhatItThenPicks) {
                 ElementsAre("look", "probe", "back", "look", "probe", "approach", "grasp", "lift",
                             "carry", "put_down", "release", "leave", "success"));
   }
+}
+
+// Regression: what a probe found out was no attempt, and the words for none crashed.
+TEST_F(TaskOfTheGripper, AfterAProbeALookThatGivesNoGraspIsSaid) {
+  ArmCycleOptions options = doing(task_named("probe_and_pick"));
+  options.only_seen_again = true;
+  options.look_timeout = 5;
+  ArmCycle cycle_of{options, arm, hand};
+  cycle_of.start({grasp_at(0), probing(grasp_at(0.02))});
+  for (int i = 0; i < 60000 && !cycle_of.finished(); ++i) {
+    cycle_of.step(world.percepts());
+    world.advance();
+    if (cycle_of.looks_since()) cycle_of.take_plan({}, "it is too wide now");
+  }
+  EXPECT_FALSE(cycle_of.result().success());
+  EXPECT_THAT(cycle_of.result().reason,
+              AllOf(HasSubstr("no grasp was tried"), HasSubstr("it is too wide now")));
 }
 
 TEST_F(TaskOfTheGripper, PicksAtOnceWhatNoFingertipCanProbe) {
