@@ -84,15 +84,16 @@ TEST_F(Jog, MovesWhileAKeyIsHeldAndStandsWhenItCeases) {
 TEST_F(Jog, StandsAtTheLimitAndSaysSo) {
   PseudoTerminal terminal("prehend", {"jog", "--speed", "1"}, robot().registry());
   ASSERT_TRUE(terminal.shows("EMERGENCY STOP"));
-  for (int i = 0; i < 4; ++i) terminal.type(kDown);
-  ASSERT_TRUE(terminal.shows("JOINT axis_5"));
-  const double limit = 2.0944;
+  // The hand's roll: nothing is in its way.
+  for (int i = 0; i < 5; ++i) terminal.type(kDown);
+  ASSERT_TRUE(terminal.shows("JOINT axis_6"));
+  const double limit = 6.2483;
   ASSERT_TRUE(hold(terminal, "+", [&] {
-    return terminal.shown().find("limit of joint 'arm_axis_5', 120.0 deg") != std::string::npos &&
-           robot().position("arm_axis_5") > limit - 1e-3;
+    return terminal.shown().find("limit of joint 'arm_axis_6', 358.0 deg") != std::string::npos &&
+           robot().position("arm_axis_6") > limit - 1e-3;
   })) << terminal.shown();
-  EXPECT_LE(robot().position("arm_axis_5"), limit + 1e-4);
-  ASSERT_TRUE(hold(terminal, "-", [&] { return robot().position("arm_axis_5") < 1.6; }));
+  EXPECT_LE(robot().position("arm_axis_6"), limit + 1e-4);
+  ASSERT_TRUE(hold(terminal, "-", [&] { return robot().position("arm_axis_6") < 5.5; }));
   expect_quits(terminal);
   EXPECT_TRUE(robot().stands());
 }
