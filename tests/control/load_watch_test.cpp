@@ -72,8 +72,11 @@ TEST_P(LoadOfBox, WhatSlipsBoundsTheFrictionFromAbove) {
   EXPECT_GT(belief.bounds.mass.high, kMass);
   EXPECT_LT(belief.bounds.friction.low, kFriction);
   EXPECT_GT(belief.bounds.friction.high, kFriction);
-  if (slips_ == 0) GTEST_SKIP() << "it was held: " << reason_;
-  EXPECT_TRUE(found.borne);
+  // The fingers of the SDH-2 hold it all the same; the jaws let it slip, which has to be told.
+  if (std::string(GetParam()) == "stage_pg70") {
+    EXPECT_GT(slips_, 0) << reason_;
+    EXPECT_TRUE(found.borne);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Platforms, LoadOfBox, testing::Values("stage_pg70", "kr5_sdh"));
