@@ -100,9 +100,7 @@ int main(int argc, char** argv) {
     StopRig rig(robot);
     std::string problem = rig.wait_until_ready();
     if (problem.empty()) problem = measure(rig, robot, "", repetitions);
-    if (problem.empty() && robot.required.back() != "simulation") {
-      problem = measure(rig, robot, robot.required.back(), repetitions);
-    }
+    if (problem.empty()) problem = measure(rig, robot, robot.required.back(), repetitions);
     if (problem.empty()) problem = measure(rig, robot, "emergency_stop", repetitions);
     if (problem.empty()) continue;
     std::printf("  %s\n", problem.c_str());

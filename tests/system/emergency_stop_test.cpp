@@ -88,7 +88,6 @@ TEST_P(EmergencyStopped, WhenTheNodeThatStopsDies) {
 
 TEST_P(EmergencyStopped, WhenARequiredDriverIsKilled) {
   const std::string killed = GetParam().required.back();
-  if (killed == "simulation") GTEST_SKIP() << "of its launch every driver is required";
   ASSERT_THAT(rig_->move(), IsEmpty());
   const auto from = steady_clock::now();
   ASSERT_TRUE(rig_->kill(killed));
