@@ -13,45 +13,62 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bench/figures.h"
 #include "tests/system/stop_rig.h"
 
 namespace {
 
+using prehend::bench::Figures;
 using prehend::testing::StoppedRobot;
 using prehend::testing::StopRig;
 
-struct Figures {
-  std::vector<double> told, command, slower, stands;
+struct Times {
+  std::vector<double> told, command, slower, stands;  // ms
 };
 
 double milliseconds(StopRig::Time from, StopRig::Time to) {
   return std::chrono::duration<double, std::milli>(to - from).count();
 }
 
-void add(Figures& figures, const StopRig::Track& track, StopRig::Time from) {
-  figures.command.push_back(track.command ? milliseconds(from, *track.command) : 0);
-  figures.slower.push_back(track.slower ? milliseconds(from, *track.slower) : 0);
-  if (track.stands) figures.stands.push_back(milliseconds(from, *track.stands));
+void add(Times& times, const StopRig::Track& track, StopRig::Time from) {
+  times.command.push_back(track.command ? milliseconds(from, *track.command) : 0);
+  times.slower.push_back(track.slower ? milliseconds(from, *track.slower) : 0);
+  if (track.stands) times.stands.push_back(milliseconds(from, *track.stands));
 }
 
-std::string in_words(std::vector<double> values) {
-  if (values.empty()) return "-";
-  std::sort(values.begin(), values.end());
+double median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
+
+std::string in_words(const std::vector<double>& sorted) {
+  if (sorted.empty()) return "-";
   char text[64];
-  std::snprintf(text, sizeof text, "%.0f (%.0f)", values[values.size() / 2], values.back());
+  std::snprintf(text, sizeof text, "%.0f (%.0f)", median(sorted), sorted.back());
   return text;
 }
 
-void print(const std::string& what, const Figures& figures, bool has_commands) {
-  std::printf("  %-28s %-12s %-12s %-12s %-12s\n", what.c_str(), in_words(figures.told).c_str(),
-              has_commands ? in_words(figures.command).c_str() : "-",
-              in_words(figures.slower).c_str(), in_words(figures.stands).c_str());
+void tell(const std::string& robot, const std::string& what, Times times, bool has_commands,
+          Figures& figures) {
+  if (!has_commands) times.command.clear();
+  const std::pair<const char*, std::vector<double>*> all[] = {{"told", &times.told},
+                                                              {"last_command", &times.command},
+                                                              {"full_speed", &times.slower},
+                                                              {"stands", &times.stands}};
+  nlohmann::json row;
+  std::printf("  %-28s", what.c_str());
+  for (const auto& [name, values] : all) {
+    std::sort(values->begin(), values->end());
+    std::printf(" %-12s", in_words(*values).c_str());
+    if (values->empty()) continue;
+    row[std::string(name) + "_ms"] = median(*values);
+    row[std::string(name) + "_largest_ms"] = values->back();
+  }
+  std::printf("\n");
+  figures.add(robot + ": " + what, row);
 }
 
 // "" or what went wrong.
 std::string measure(StopRig& rig, const StoppedRobot& robot, const std::string& killed,
-                    int repetitions) {
-  Figures arm, hand;
+                    int repetitions, Figures& figures) {
+  Times arm, hand;
   for (int i = 0; i < repetitions; ++i) {
     if (std::string problem = rig.move(); !problem.empty()) return problem;
     std::this_thread::sleep_for(std::chrono::milliseconds(700 + 37 * i));  // near its full speed
@@ -78,8 +95,8 @@ std::string measure(StopRig& rig, const StoppedRobot& robot, const std::string& 
     std::this_thread::sleep_for(std::chrono::milliseconds(800));
   }
   const std::string cause = killed.empty() ? "stop" : "kill -9 " + killed;
-  print("arm, " + cause, arm, !robot.arm_set_points.empty());
-  print("hand, " + cause, hand, !robot.hand_set_points.empty());
+  tell(robot.name, "arm, " + cause, arm, !robot.arm_set_points.empty(), figures);
+  tell(robot.name, "hand, " + cause, hand, !robot.hand_set_points.empty(), figures);
   return "";
 }
 
@@ -91,7 +108,10 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", repetitions, "Stops of each kind")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  std::string json;
+  app.add_option("--json", json, "File for the figures, too");
   CLI11_PARSE(app, argc, argv);
+  Figures figures;
   std::printf("ms from the stop: median (largest) of %d\n", repetitions);
   std::printf("  %-28s %-12s %-12s %-12s %-12s\n", "", "told", "last command", "full speed",
               "stands");
@@ -99,12 +119,13 @@ int main(int argc, char** argv) {
     std::printf("%s\n", robot.name.c_str());
     StopRig rig(robot);
     std::string problem = rig.wait_until_ready();
-    if (problem.empty()) problem = measure(rig, robot, "", repetitions);
-    if (problem.empty()) problem = measure(rig, robot, robot.required.back(), repetitions);
-    if (problem.empty()) problem = measure(rig, robot, "emergency_stop", repetitions);
+    if (problem.empty()) problem = measure(rig, robot, "", repetitions, figures);
+    if (problem.empty()) problem = measure(rig, robot, robot.required.back(), repetitions, figures);
+    if (problem.empty()) problem = measure(rig, robot, "emergency_stop", repetitions, figures);
     if (problem.empty()) continue;
     std::printf("  %s\n", problem.c_str());
     return 1;
   }
+  figures.write(json);
   return 0;
 }

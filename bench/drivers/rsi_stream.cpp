@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "bench/figures.h"
 #include "drivers/kuka_rsi/driver/device.h"
 #include "drivers/kuka_rsi/emulator/served_controller.h"
 #include "prehend/robot/platform.h"
@@ -28,9 +29,9 @@ using namespace prehend::drivers;
 using namespace prehend::drivers::kuka_rsi;
 
 struct Choices {
-  double seconds = 600;
+  double seconds = 60;
   int load = 2, cycle = 12, priority = 40;
-  std::string platform = "config/robots/kr5_pg70.yaml";
+  std::string platform = "config/robots/kr5_pg70.yaml", json = {};
 };
 
 /// Processes that do nothing, as fast as they can.
@@ -169,6 +170,13 @@ int stream(const Choices& choices) {
   const bool is_good = static_cast<double>(late) <= 1e-4 * static_cast<double>(telegrams) &&
                        step <= 1.001 && now.sessions == 1 && reached > 0;
   std::printf("%s\n", is_good ? "good" : "not good");
+  bench::Figures figures;
+  figures.add("rsi_stream", {{"seconds", choices.seconds},
+                             {"telegrams", telegrams},
+                             {"late", late},
+                             {"longest_answer_ms", 1e3 * times.longest},
+                             {"largest_step", step}});
+  figures.write(choices.json);
   return is_good ? 0 : 1;
 }
 
@@ -184,6 +192,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--priority", choices.priority, "Of real-time scheduling; 0: not asked for")
       ->capture_default_str();
+  app.add_option("--json", choices.json, "File for the figures, too");
   CLI11_PARSE(app, argc, argv);
   try {
     return stream(choices);
