@@ -72,7 +72,8 @@ void DepthDevice::run() {
       ++statistics_.connections;
     }
     try {
-      std::optional<DepthView> view = source->next(kPatience);
+      std::optional<DepthView> view =
+          source->next(kPatience, [this](Time stamp) { return delivery_.lets_through(stamp); });
       {
         const std::lock_guard lock(mutex_);
         statistics_.unpaired = unpaired_before_ + source->unpaired();
@@ -103,7 +104,7 @@ void DepthDevice::take(DepthView view) {
     ++statistics_.views;
     last_view_ = steady_now();
   }
-  if (delivery_.lets_through(view.stamp)) on_view_(std::move(view));
+  if (!view.is_empty()) on_view_(std::move(view));
 }
 
 }  // namespace prehend::drivers::camera

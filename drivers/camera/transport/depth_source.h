@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,9 @@ struct DepthView {
   geometry::PinholeCamera camera;  // as the device says
   double unit = 1e-3;              // m per count of the device
   Time stamp{};                    // of the depth, by steady_now()
+
+  /// It has its stamp alone.
+  bool is_empty() const { return depth.empty(); }
 };
 
 struct OpenniOptions {
@@ -36,9 +40,13 @@ struct OpenniOptions {
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
+  /// Whether somebody wants the view of a stamp (by steady_now()).
+  using IsWanted = std::function<bool(Time stamp)>;
   /// Waits for the next depth image, and the colour within half a frame of it; nothing when
-  /// `patience` passed, or at a recording's end. @throws SourceLost
-  virtual std::optional<DepthView> next(Time patience) = 0;
+  /// `patience` passed, or at a recording's end. Of one that is not wanted the stamp alone, as
+  /// copying thirty images a second costs more than all else here. Without `is_wanted` all are.
+  /// @throws SourceLost
+  virtual std::optional<DepthView> next(Time patience, const IsWanted& is_wanted = {}) = 0;
   virtual bool is_at_end() const = 0;
   /// 1/s of the depth stream.
   virtual double rate() const = 0;

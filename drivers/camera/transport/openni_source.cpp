@@ -95,7 +95,7 @@ class OpenniSource : public DepthSource,
     close();
   }
 
-  std::optional<DepthView> next(Time patience) override {
+  std::optional<DepthView> next(Time patience, const IsWanted& is_wanted) override {
     if (is_gone_) throw SourceLost(name_ + " was unplugged");
     if (at_end_) return std::nullopt;
     std::array<openni::VideoStream*, 2> streams{&depth_, &color_};
@@ -110,7 +110,7 @@ class OpenniSource : public DepthSource,
     if (streams.at(static_cast<std::size_t>(ready))->readFrame(&frame) != openni::STATUS_OK) {
       throw SourceLost(name_ + " is lost: " + openni_words());
     }
-    std::optional<DepthView> view = take(static_cast<std::size_t>(ready), frame);
+    std::optional<DepthView> view = take(static_cast<std::size_t>(ready), frame, is_wanted);
     note_end(static_cast<std::size_t>(ready), frame);
     return view;
   }
@@ -191,7 +191,7 @@ class OpenniSource : public DepthSource,
     }
     if (color_.isValid()) {
       // Two of one instant have one stamp, or are a moment apart.
-      pairing_.emplace(FramePairing<DepthView>::half_a_frame(rate_));
+      pairing_.emplace(FramePairing<Image>::half_a_frame(rate_));
     }
     if (!device_.isFile()) set_controls();
   }
@@ -287,26 +287,34 @@ class OpenniSource : public DepthSource,
     }
   }
 
-  std::optional<DepthView> take(std::size_t stream, const openni::VideoFrameRef& frame) {
+  /// A frame of OpenNI2, which goes on existing for as long as it is held.
+  struct Image {
+    openni::VideoFrameRef frame;
+    Time stamp{};  // by steady_now()
+  };
+
+  std::optional<DepthView> take(std::size_t stream, const openni::VideoFrameRef& frame,
+                                const IsWanted& is_wanted) {
     const Time device = std::chrono::microseconds(frame.getTimestamp());
-    DepthView view;
-    if (stream == 0) {
-      view = depth_view(frame);
-      view.stamp = clock_.to_host(device, steady_now());
-    } else {
-      view.color = color_image(frame);
-    }
-    if (!pairing_) return view;
+    Image image{frame, stream == 0 ? clock_.to_host(device, steady_now()) : Time{}};
+    if (!pairing_) return converted(image, nullptr, is_wanted);
     // Paired by the device's own stamps. A recording that begins anew has earlier ones.
     if (device < last_device_stamp_ - to_time(1 / rate_)) pairing_->restart();
     last_device_stamp_ = device;
-    auto pair = pairing_->add(stream, device, std::move(view));
+    const auto pair = pairing_->add(stream, device, std::move(image));
     if (!pair) return std::nullopt;
-    view = std::move(pair->first.item);
-    view.color = std::move(pair->second.item.color);
-    if (view.color.width != view.depth.width || view.color.height != view.depth.height) {
-      view.color = {};  // a recording of two sizes: the depth is not registered to it
+    return converted(pair->first.item, &pair->second.item, is_wanted);
+  }
+  DepthView converted(const Image& depth, const Image* color, const IsWanted& is_wanted) {
+    DepthView view;
+    if (!is_wanted || is_wanted(depth.stamp)) {
+      view = depth_view(depth.frame);
+      // A recording may have two sizes: the depth is not registered to the colour then.
+      const bool fits = color && color->frame.getWidth() == view.depth.width &&
+                        color->frame.getHeight() == view.depth.height;
+      if (fits) view.color = color_image(color->frame);
     }
+    view.stamp = depth.stamp;
     return view;
   }
 
@@ -406,7 +414,7 @@ class OpenniSource : public DepthSource,
   OpenniOptions options_;
   openni::Device device_;
   openni::VideoStream depth_, color_;
-  std::optional<FramePairing<DepthView>> pairing_;  // depth, and colour alone
+  std::optional<FramePairing<Image>> pairing_;  // depth, and colour
   DeviceClock clock_;
   Time last_device_stamp_{};
   std::string uri_, name_, refused_;
