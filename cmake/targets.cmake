@@ -1,17 +1,20 @@
 # How every target of prehend is declared, so that folders stay one call long.
 
 add_library(prehend_compile_flags INTERFACE)
-target_include_directories(prehend_compile_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# Others who link the installed library get its headers and the language, not its warnings.
+target_include_directories(prehend_compile_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                           $<INSTALL_INTERFACE:include/prehend>)
 target_compile_features(prehend_compile_flags INTERFACE cxx_std_20)
-target_compile_options(prehend_compile_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+target_compile_options(prehend_compile_flags INTERFACE
+                       "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow>")
 # GCC 12 warns wrongly, when it inlines, of uninitialised members of std::variant and std::optional
 # (bug 105562) and of copies beyond the ends of std::string (bug 105651).
 target_compile_options(prehend_compile_flags INTERFACE
-                       $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-restrict>)
+                       "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-restrict>>")
 if(PREHEND_FAST_BUILD)
   # In a batch, a .cpp's own types look to GCC as if a header had them.
   target_compile_options(prehend_compile_flags INTERFACE
-                         $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+                         $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>>)
 endif()
 if(PREHEND_SANITIZE)
   target_compile_options(prehend_compile_flags INTERFACE

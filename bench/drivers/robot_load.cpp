@@ -5,6 +5,7 @@
 
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <fstream>
