@@ -148,8 +148,10 @@ void add_device_options(CLI::App& command, DeviceChoices& devices) {
   command.add_option("--ft300", devices.ft300, "Line of an FT 300, or tcp://HOST:PORT");
   command.add_option("--sdh", devices.sdh,
                      "Line of an SDH-2, or tcp://HOST:PORT, whose port is 23");
-  command.add_option("--barrett", devices.barrett,
-                     "Bus of a BarrettHand BH8-280: can0, slcan:/dev/ttyACM0");
+  command.add_option(
+      "--barrett", devices.barrett,
+      "Bus of a BarrettHand BH8-280 (can0, slcan:/dev/ttyACM0), or line of a BH8-262 "
+      "(/dev/ttyUSB2, tcp://HOST:PORT)");
   command
       .add_option("--rsi", devices.rsi_port,
                   "UDP port that a KUKA's controller sends to: listens there, answers nothing")

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "drivers/barrett/driver/gcl/probe.h"
 #include "drivers/barrett/driver/probe.h"
 #include "drivers/camera/driver/probe.h"
 #include "drivers/dsa/driver/probe.h"
@@ -164,7 +165,11 @@ Findings examine_devices(const DeviceChoices& choices) {
   }
   if (!choices.barrett.empty()) {
     add(examine("hand", choices.barrett, [&] {
-      return Findings{finding_of("hand", drivers::barrett::probe(choices.barrett))};
+      // A BH8-262 has a serial line, a BH8-280 a bus.
+      const std::string& wire = choices.barrett;
+      const bool is_line = wire.starts_with('/') || wire.starts_with("tcp://");
+      return Findings{finding_of(
+          "hand", is_line ? drivers::barrett::gcl::probe(wire) : drivers::barrett::probe(wire))};
     }));
   }
   if (choices.rsi_port > 0) add(examine("arm", "", [&] { return listen_for_arm(choices); }));

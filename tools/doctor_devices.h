@@ -15,7 +15,9 @@ struct DeviceChoices {
   bool scan = false;    ///< asks all module ids, unless others talk on the line
   bool shared = false;  ///< asks them nevertheless
   std::string dsa, ft300, sdh;
-  std::string barrett;                    ///< bus of a BarrettHand: "can0", "slcan:/dev/ttyACM0"
+  /// Of a BarrettHand: bus of a BH8-280, "can0", "slcan:/dev/ttyACM0"; line of a BH8-262,
+  /// "/dev/ttyUSB2", "tcp://HOST:PORT".
+  std::string barrett;
   int unit = 9;                           ///< Modbus address of the force sensor
   int rsi_port = 0;                       ///< UDP port that a KUKA sends to; 0: not listened to
   std::string rsi_host;                   ///< address of this machine of the same

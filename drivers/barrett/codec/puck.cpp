@@ -56,11 +56,6 @@ std::uint16_t request_identifier(std::size_t axis) {
   return static_cast<std::uint16_t>(kHost << kSenderShift | (kFirstPuck + axis));
 }
 
-const char* axis_name(std::size_t axis) {
-  constexpr const char* kAxisNames[kAxes] = {"F1", "F2", "F3", "spread"};
-  return axis < kAxes ? kAxisNames[axis] : "?";
-}
-
 const char* to_string(Property property) {
   const auto* found = std::ranges::find(kNames, property, &Named::property);
   return found == std::end(kNames) ? nullptr : found->name;

@@ -1,24 +1,19 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+
+#include "drivers/barrett/codec/axes.h"
 
 /// BarrettHand BH8-280 over CAN: four motor controllers, "pucks", each a node of the bus. Facts are
 /// from libbarrett, pyHand (RobotnikAutomation/barrett_hand), Barrett's BHand API 4.4.3 and the
 /// BH8-series manual of firmware 4.4; numbers of properties hold from firmware 145 on.
 namespace prehend::drivers::barrett {
 
-/// Fingers 1, 2 and 3, and the spread, which turns fingers 1 and 2 opposite ways.
-inline constexpr std::size_t kAxes = 4;
-inline constexpr std::size_t kSpread = 3;
-using AxisValues = std::array<double, kAxes>;
-
 inline constexpr std::uint8_t kHost = 0, kFirstPuck = 11;  // nodes
 inline constexpr unsigned kBitRate = 1000000;              // bit/s
-inline constexpr double kCountsPerTurn = 4096;             // of a motor and of a joint's encoder
 
 /// What a puck is asked for or told to be. Those of kWide have 32 bits, the others 16.
 enum class Property : std::uint8_t {
@@ -90,8 +85,6 @@ inline constexpr unsigned kToGroup = 0x400, kSenderShift = 5, kReceiverMask = 0x
 std::uint16_t reply_identifier(std::size_t axis, Group group);
 std::uint16_t request_identifier(std::size_t axis);
 
-/// "F1", "F2", "F3", "spread".
-const char* axis_name(std::size_t axis);
 /// "MODE" as in Barrett's lists; null for a number that is none of Property's.
 const char* to_string(Property property);
 std::optional<Property> property_named(std::string_view name);

@@ -30,34 +30,6 @@ Limits bh8_limits(const Gearing& gearing) {
   return limits;
 }
 
-const char* to_string(DriverState state) {
-  switch (state) {
-    case DriverState::kDisconnected:
-      return "disconnected";
-    case DriverState::kConnecting:
-      return "connecting";
-    case DriverState::kLost:
-      return "lost";
-    case DriverState::kFault:
-      return "fault";
-    case DriverState::kUninitialised:
-      return "not initialised";
-    case DriverState::kInitialising:
-      return "initialising";
-    case DriverState::kStanding:
-      return "standing";
-    case DriverState::kMoving:
-      return "moving";
-    case DriverState::kHolding:
-      return "holding";
-  }
-  return "?";
-}
-
-bool Reading::is_blocked() const {
-  return std::ranges::any_of(blocked, [](bool on) { return on; });
-}
-
 Driver::Driver(const DriverOptions& options, Send send, Note note, OnPad on_pad)
     : options_(options),
       send_(std::move(send)),
@@ -79,17 +51,13 @@ Driver::Driver(const DriverOptions& options, Send send, Note note, OnPad on_pad)
   check(options.tries >= 1, "an order needs at least one try");
   constexpr double kMostWord = 32767;
   check(options.stall_time * 1e3 <= kMostWord, "TSTOP has 16 bits of milliseconds");
+  check_limits(options.limits);
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Limits& limits = options.limits;
-    check(std::isfinite(limits.lower[i]) && std::isfinite(limits.upper[i]) &&
-              limits.lower[i] < limits.upper[i],
-          "a lower limit must be below its upper one");
     check(std::abs(limits.upper[i]) * options.gearing.counts_per_radian(i) < kMostPosition &&
               std::abs(limits.lower[i]) * options.gearing.counts_per_radian(i) < kMostPosition,
           "a limit is beyond the 22 bits of a position");
-    check(is_positive(limits.max_speed[i]) && is_positive(limits.max_current[i]) &&
-              limits.max_current[i] <= kMostWord,
-          "limits of speed and torque must be positive, MT has 16 bits");
+    check(limits.max_current[i] <= kMostWord, "MT has 16 bits");
   }
 }
 
@@ -101,6 +69,13 @@ std::uint64_t Driver::broken_images() const {
   std::uint64_t sum = 0;
   for (const Puck& puck : pucks_) sum += puck.pad.broken();
   return sum;
+}
+
+std::string Driver::axis_words(std::size_t axis) const {
+  constexpr const char* kWords[kLastMode + 1] = {"idle",     "duty cycle", "torque",
+                                                 "position", "velocity",   "trapezoid"};
+  const auto mode = std::min<std::size_t>(static_cast<std::size_t>(modes_[axis]), kLastMode);
+  return std::string(kWords[mode]) + (reading_.clutch_open[axis] ? ", clutch open" : "");
 }
 
 bool Driver::all_connected() const {

@@ -11,24 +11,14 @@
 #include "drivers/barrett/codec/gearing.h"
 #include "drivers/barrett/codec/message.h"
 #include "drivers/barrett/codec/tactile.h"
-#include "drivers/wire/hand/hand_motion.h"
+#include "drivers/barrett/driver/hand_driver.h"
 #include "drivers/wire/time/time.h"
 
 namespace prehend::drivers::barrett {
 
-/// Of each axis, as puck.h numbers them; what motors press with in the puck's unit of MT.
-using Limits = HandLimits<kAxes>;
-using HandGoal = drivers::HandGoal<kAxes>;
 /// 140 degrees of a finger's inner joint, 180 of the spread; MV 200 and 50 counts/ms, MT 2200
 /// (pyHand's defaults).
 Limits bh8_limits(const Gearing& gearing = {});
-
-/// When fingers and spread are driven to their open stops, which become zero (CMD HI).
-enum class Initialisation {
-  kAsked,    // by initialise() alone
-  kAtStart,  // by initialise(), and once after the first connection
-  kDone,     // it was done before: the zero of a first connection is believed
-};
 
 struct DriverOptions {
   Gearing gearing = {};
@@ -54,7 +44,7 @@ struct DriverOptions {
   double gauge_range = 1;         // N m of a fingertip at the strain gauge's full scale
 };
 
-/// What the driver makes of the hand. The life cycle:
+/// A BH8-280's driver, over frames and time. The life cycle:
 ///
 /// | state          | power                          | motion                                     |
 /// |----------------|--------------------------------|--------------------------------------------|
@@ -82,91 +72,37 @@ struct DriverOptions {
 /// that is answered while they move on for `stop_time`, is followed by CMD T (motors off) with each
 /// repetition. A puck that was switched off and on (STAT 0, or its clock went back) makes the hand
 /// uninitialised.
-enum class DriverState {
-  kDisconnected,
-  kConnecting,
-  kLost,
-  kFault,
-  kUninitialised,
-  kInitialising,
-  kStanding,
-  kMoving,
-  kHolding,
-};
-/// "standing", "moving", ...
-const char* to_string(DriverState state);
-
-struct Reading {
-  DriverState state = DriverState::kDisconnected;
-  AxisValues position{};            // rad, of the motors, at their joints while clutches are closed
-  AxisValues velocity{};            // rad/s
-  AxisValues joint{};               // rad, of the inner joints behind the clutches, and the spread
-  AxisValues joint_velocity{};      // rad/s
-  bool has_joint_encoders = false;  // else `joint` is what closed clutches would give
-  std::array<bool, kAxes> clutch_open{};
-  std::array<Mode, kAxes> modes{};
-  std::array<bool, kAxes> blocked{};  // stands before its target, and presses
-  AxisValues effort{};                // N m, of the strain gauges, from rest
-  std::array<std::optional<double>, kAxes> motor_temperature{}, puck_temperature{};  // deg C
-  std::array<bool, kAxes> pad_fails{};  // TACTID tells that it is not initialised
-  std::array<bool, kAxes> answers{};    // each puck, since the connection began
-  bool moving = false;
-  std::uint64_t states = 0;  // whole rounds of readings so far
-  int firmware = 0;          // VERS of F1; 0 until it is known
-  int error_code = 0;        // ERROR of the puck in fault
-
-  bool is_blocked() const;
-  bool is_connected() const { return state != DriverState::kDisconnected; }
-  /// It tells its states.
-  bool is_answering() const { return state >= DriverState::kFault; }
-};
-
-struct DriverCounters {
-  std::uint64_t replies = 0;      // good ones
-  std::uint64_t strange = 0;      // that nobody asked for, or show what cannot be
-  std::uint64_t unanswered = 0;   // questions and orders that had to be repeated or were given up
-  std::uint64_t connections = 0;  // beginnings of a connection
-};
-
-/// The hand as a state machine over frames and time. It does no input or output itself: what it
-/// sends goes to `send`, which returns "" or why it could not. Call update() every few
-/// milliseconds. Not thread-safe. Same calls, same behaviour.
-class Driver {
+///
+/// What it sends goes to `send`, which returns "" or why it could not.
+class Driver : public HandDriver {
  public:
   using Send = std::function<std::string(const CanFrame&)>;
-  using Note = std::function<void(bool is_problem, const std::string& words)>;
   using OnPad = std::function<void(std::size_t axis, const Cells& cells)>;
   /// `on_pad` takes each whole image of a pad, from receive().
   /// @throws std::invalid_argument for options out of range.
   Driver(const DriverOptions& options, Send send, Note note, OnPad on_pad = {});
 
-  void connected(Time now);
-  void disconnected(const std::string& why);
-  /// Somebody else has used the bus, or frames were lost: as after connected(), MODE 0 comes first.
-  void begin_anew(const std::string& why, Time now);
+  void connected(Time now) override;
+  void disconnected(const std::string& why) override;
+  void begin_anew(const std::string& why, Time now) override;
   void receive(const CanFrame& frame, Time now);
-  void update(Time now);
-
-  /// To positions, each axis by itself; one that stalls stays there and presses, the others go on.
-  /// Returns why it was refused, or ""; report() knows the ticket until the next command.
-  std::string move_to(const HandGoal& goal, Time now, std::uint64_t& ticket);
-  /// A continuous command to the axes of `moves`: `values` in rad or rad/s. Axes that still move
-  /// `watchdog` later are stopped. Returns why it was refused, or "".
+  void update(Time now) override;
+  std::string move_to(const HandGoal& goal, Time now, std::uint64_t& ticket) override;
   std::string command(CommandMode mode, const std::array<bool, kAxes>& moves,
-                      const AxisValues& values, Time now);
-  /// Opens fingers, then the spread, to their stops, which become zero. As move_to().
-  std::string initialise(Time now, std::uint64_t& ticket);
-  MotionReport report(std::uint64_t ticket) const;
-  /// MODE 0 to all axes. `why` becomes the reason of the motion that it ends. From then on the hand
-  /// is initialised by initialise() alone, kAtStart or not.
-  void stop(Time now, const std::string& why = "stopped");
+                      const AxisValues& values, Time now) override;
+  std::string initialise(Time now, std::uint64_t& ticket) override;
+  MotionReport report(std::uint64_t ticket) const override;
+  /// MODE 0 to all axes.
+  void stop(Time now, const std::string& why = "stopped") override;
 
-  const Reading& reading() const { return reading_; }
-  const DriverCounters& counters() const { return counters_; }
+  const Reading& reading() const override { return reading_; }
+  const DriverCounters& counters() const override { return counters_; }
+  std::uint64_t damaged() const override { return counters_.strange + broken_images(); }
+  std::string axis_words(std::size_t axis) const override;
+  bool is_stopping() const override { return stopping_.has_value(); }
+  bool is_settled() const override { return !is_stopping() && !reading_.moving && motion_.ended; }
+  Mode mode(std::size_t axis) const { return modes_[axis]; }
   std::uint64_t broken_images() const;
-  bool is_stopping() const { return stopping_.has_value(); }
-  /// Nothing moves or is on its way to, and no stop is under way.
-  bool is_settled() const { return !is_stopping() && !reading_.moving && motion_.ended; }
 
  private:
   /// Something to be asked, or set and then asked: done when the answer is the value.
@@ -254,7 +190,9 @@ class Driver {
   void count_round();
 
   // driver_motion.cpp
-  std::string refusal_of_motion() const;
+  std::string refusal_of_motion() const {
+    return barrett::refusal_of_motion(reading_, is_stopping());
+  }
   std::string begin_motion(const HandGoal& goal, bool continuous, Time now);
   void begin_initialising(Motion::Kind kind, Time now);
   void begin_setup(std::size_t axis);
@@ -282,6 +220,7 @@ class Driver {
   Note note_;
   OnPad on_pad_;
   Reading reading_;
+  std::array<Mode, kAxes> modes_{};
   DriverCounters counters_;
   std::array<Puck, kAxes> pucks_;
   Motion motion_;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "drivers/barrett/driver/driver.h"
 
@@ -14,35 +13,9 @@ constexpr double kStill = 5e-4;  // rad between readings: it stands
 constexpr double kSlow = 4;      // times TSTOP that an axis stands, where MODE says it moves
 constexpr double kMillisecond = 1e-3;
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 bool is_near(double a, double b) { return std::abs(a - b) < 1e-9; }
 
 }  // namespace
-
-std::string Driver::refusal_of_motion() const {
-  switch (reading_.state) {
-    case DriverState::kDisconnected:
-      return "the hand is not connected";
-    case DriverState::kConnecting:
-      return "the hand does not answer yet";
-    case DriverState::kLost:
-      return "the hand's answers are missing";
-    case DriverState::kFault:
-      return "a puck of the hand is in error; switch the hand's supply off and on";
-    case DriverState::kUninitialised:
-      return "the hand is not initialised; with nothing between its fingers, call "
-             "/hand/initialise";
-    case DriverState::kInitialising:
-      return "the hand is being initialised";
-    default:
-      return is_stopping() ? "the hand is being stopped" : "";
-  }
-}
 
 std::string Driver::move_to(const HandGoal& goal, Time now, std::uint64_t& ticket) {
   const std::string refusal = begin_motion(goal, false, now);
@@ -51,22 +24,8 @@ std::string Driver::move_to(const HandGoal& goal, Time now, std::uint64_t& ticke
 }
 
 std::string Driver::begin_motion(const HandGoal& goal, bool continuous, Time now) {
-  constexpr double kSlack = 1e-4;  // rad
   const Limits& limits = options_.limits;
-  for (std::size_t i = 0; i < kAxes; ++i) {
-    if (!goal.moves[i]) continue;
-    const std::string axis = axis_name(i);
-    if (!std::isfinite(goal.position[i])) return "the position of " + axis + " is not finite";
-    if (goal.position[i] < limits.lower[i] - kSlack ||
-        goal.position[i] > limits.upper[i] + kSlack) {
-      return axis + " at " + number(goal.position[i]) + " rad is outside " +
-             number(limits.lower[i]) + " to " + number(limits.upper[i]);
-    }
-    if (!(goal.speed[i] > 0)) return "the speed of " + axis + " must be positive";
-    if (!(std::isfinite(goal.current[i]) && goal.current[i] >= 0)) {
-      return "the torque limit of " + axis + " must be finite and not negative";
-    }
-  }
+  if (std::string refusal = refusal_of_goal(goal, limits); !refusal.empty()) return refusal;
   if (std::string refusal = refusal_of_motion(); !refusal.empty()) return refusal;
   const Motion before = motion_;
   motion_ = {};
@@ -273,7 +232,7 @@ void Driver::end_motion(const std::string& failure) {
 }
 
 bool Driver::is_busy(std::size_t axis) const {
-  return reading_.modes[axis] != Mode::kIdle && reading_.modes[axis] != Mode::kPosition;
+  return modes_[axis] != Mode::kIdle && modes_[axis] != Mode::kPosition;
 }
 
 bool Driver::is_there(std::size_t axis) const {

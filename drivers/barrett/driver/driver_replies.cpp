@@ -65,7 +65,7 @@ void Driver::take_value(std::size_t axis, Property property, std::int32_t value,
         ++counters_.strange;
         return;
       }
-      reading_.modes[axis] = static_cast<Mode>(value);
+      modes_[axis] = static_cast<Mode>(value);
       puck.last_mode = now;
       puck.mode_asked = step.began;
       puck.fresh_mode = true;
@@ -78,7 +78,7 @@ void Driver::take_value(std::size_t axis, Property property, std::int32_t value,
       count_round();
       break;
     case Property::kVersion:
-      if (axis == 0) reading_.firmware = value;
+      if (axis == 0) reading_.firmware = std::to_string(value);
       break;
     case Property::kError:
       reading_.error_code = value;
@@ -223,7 +223,7 @@ void Driver::count_round() {
     if (std::ranges::any_of(pucks_, [](const Puck& puck) { return puck.was_asleep; })) {
       is_initialised_ = false;  // its supply was off
     }
-    note_(false, "the hand answers: firmware " + std::to_string(reading_.firmware));
+    note_(false, "the hand answers: firmware " + reading_.firmware);
   }
   ++reading_.states;
   look_whether_it_moves();

@@ -2,13 +2,14 @@
 
 #include <string>
 
-#include "drivers/barrett/driver/driver.h"
+#include "drivers/barrett/driver/hand_driver.h"
 #include "drivers/wire/health/health.h"
 
 namespace prehend::drivers::barrett {
 
 /// What is known of a hand at one moment.
 struct Situation {
+  Model model = Model::kBh8_280;
   Reading reading;
   std::string line;           // its name
   std::string line_problem;   // Device::line_problem

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "drivers/barrett/codec/puck.h"
+#include "drivers/barrett/codec/axes.h"
 #include "drivers/wire/hand/hand_plant.h"
 
 namespace prehend::drivers::barrett {

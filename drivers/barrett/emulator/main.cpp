@@ -61,7 +61,7 @@ EmulatorSettings declare_emulator_settings(graph::Node& node) {
        .maximum = 8191,
        .description = "torque in the pucks' unit (MT) at its joint's greatest effort",
        .read_only = true});
-  s.options.gearing = declare_gearing(node);
+  s.options.gearing = declare_gearing(node, Model::kBh8_280);
   s.options.has_joint_encoders = node.declare_parameter<bool>(
       {.name = "joint_encoders",
        .default_value = true,
@@ -119,9 +119,9 @@ void run_emulator(graph::Node& node) {
   // --help and --describe end here, before anything is read or opened.
   auto command_publisher =
       node.advertise<msgs::JointCommand>("/world/hand/command", graph::QoS::queue(20));
-  const HandAxes axes =
-      hand_axes(robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
-                settings.axes, settings.options.gearing, settings.options.most_torque);
+  const HandAxes axes = hand_axes(
+      robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
+      settings.axes, Model::kBh8_280, settings.options.gearing, settings.options.most_torque);
   std::vector<PadCells> pads;
   for (const std::string& pad : settings.pads)
     pads.emplace_back(axes.hand(), pad, std::vector<std::size_t>{});

@@ -1,17 +1,13 @@
-// barrett_guardian BUS BIT_RATE PATIENCE: see wire/guardian. Started by the driver's node.
-
-#include <cstdio>
-#include <cstdlib>
+// barrett_guardian can BUS BIT_RATE 0 PATIENCE, or gcl LINE BAUD FAST_BAUD PATIENCE: see
+// wire/guardian. Started by the driver's node.
 
 #include "drivers/barrett/node/hand_guard.h"
 
 int main(int argc, char** argv) {
-  const double patience = argc == 4 ? std::strtod(argv[3], nullptr) : 0;
-  if (!(patience > 0)) {
-    std::fprintf(stderr, "barrett_guardian is started by the node barrett\n");
-    return 2;
-  }
-  const auto bit_rate = static_cast<unsigned>(std::strtoul(argv[2], nullptr, 10));
-  return prehend::drivers::guard_standard_input(
-      prehend::drivers::barrett::guarding(argv[1], bit_rate), patience);
+  using namespace prehend::drivers;
+  return guard_by_words(argc, argv, 4, [](const std::vector<std::string>& words) {
+    return words[0] == barrett::kByLine
+               ? barrett::gcl::guarding(words[1], number_of(words[2]), number_of(words[3]))
+               : barrett::guarding(words[1], number_of(words[2]));
+  });
 }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <variant>
 
 #include "drivers/barrett/driver/device.h"
+#include "drivers/wire/guardian/insist.h"
 
 namespace prehend::drivers::barrett {
 namespace {
@@ -22,50 +24,36 @@ bool say(CanBus& bus, std::size_t axis, Property property,
 // "MODE 0" once each puck has shown it after it was told; empty when that was not before `end`.
 std::string stop_hand(CanBus& bus, Time end, const std::function<bool()>& is_back) {
   std::array<bool, kAxes> stands{};
-  for (int tries = 1; steady_now() < end; ++tries) {
-    if (is_back()) return {};
+  const auto stops = [&](int tries) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (stands[i]) continue;
       if (tries > kStops) say(bus, i, Property::kCommand, static_cast<int>(Command::kOff));
-      if (!say(bus, i, Property::kMode, static_cast<int>(Mode::kIdle))) return {};
-      if (!say(bus, i, Property::kMode)) return {};
+      if (!say(bus, i, Property::kMode, static_cast<int>(Mode::kIdle))) return false;
+      if (!say(bus, i, Property::kMode)) return false;
     }
-    const Time again = steady_now() + kReplyTime;
-    for (Time now = steady_now(); now < again; now = steady_now()) {
-      const auto input = bus.receive(again - now);
-      if (!input) break;
-      if (const auto* event = std::get_if<CanEvent>(&*input)) {
-        if (event->kind == CanEvent::Kind::kClosed) return {};
-        continue;
-      }
-      const auto reply = decode_reply(std::get<CanFrame>(*input));
-      const auto* value = reply ? std::get_if<Value>(&*reply) : nullptr;
-      if (value && value->property == static_cast<std::uint8_t>(Property::kMode) &&
-          value->value == static_cast<int>(Mode::kIdle)) {
-        stands[value->axis] = true;
-      }
-      if (std::ranges::all_of(stands, [](bool on) { return on; })) return "MODE 0";
+    return true;
+  };
+  return insist(end, is_back, kReplyTime, stops, [&](auto wait) -> std::optional<std::string> {
+    const auto input = bus.receive(wait);
+    if (!input) return "";
+    if (const auto* event = std::get_if<CanEvent>(&*input)) {
+      if (event->kind == CanEvent::Kind::kClosed) return std::nullopt;
+      return "";
     }
-  }
-  return {};
+    const auto reply = decode_reply(std::get<CanFrame>(*input));
+    const auto* value = reply ? std::get_if<Value>(&*reply) : nullptr;
+    if (value && value->property == static_cast<std::uint8_t>(Property::kMode) &&
+        value->value == static_cast<int>(Mode::kIdle)) {
+      stands[value->axis] = true;
+    }
+    return std::ranges::all_of(stands, [](bool on) { return on; }) ? "MODE 0" : "";
+  });
 }
 
 }  // namespace
 
 GuardianProgram guardian_program(const std::string& bus, unsigned bit_rate) {
-  return {"barrett_guardian", {bus, std::to_string(bit_rate)}, "hand"};
-}
-
-Watch watch_of(const Reading& reading) {
-  switch (reading.state) {
-    case DriverState::kDisconnected:
-      return Watch::kOff;
-    case DriverState::kConnecting:
-    case DriverState::kLost:
-      return Watch::kMoving;
-    default:
-      return reading.moving ? Watch::kMoving : Watch::kStanding;
-  }
+  return {"barrett_guardian", {kByBus, bus, std::to_string(bit_rate), "0"}, "hand"};
 }
 
 Guarding guarding(const std::string& bus, unsigned bit_rate) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "drivers/barrett/driver/device.h"
+#include "drivers/barrett/driver/gcl/device.h"
 #include "drivers/barrett/driver/health.h"
 #include "drivers/barrett/node/hand_axes.h"
 #include "drivers/barrett/node/hand_guard.h"
@@ -31,13 +33,6 @@ using namespace prehend::drivers;
 using namespace prehend::drivers::barrett;
 
 constexpr double kRetry = 0.5;  // s between tries to open the bus
-
-std::string words_of(const Reading& reading, std::size_t axis) {
-  constexpr const char* kWords[kLastMode + 1] = {"idle",     "duty cycle", "torque",
-                                                 "position", "velocity",   "trapezoid"};
-  const auto mode = std::min<std::size_t>(static_cast<std::size_t>(reading.modes[axis]), kLastMode);
-  return std::string(kWords[mode]) + (reading.clutch_open[axis] ? ", clutch open" : "");
-}
 
 /// /joint_states: inner joints by the encoders behind the clutches, outer ones by both encoders,
 /// their efforts by the strain gauges.
@@ -80,8 +75,9 @@ class Pads {
 /// Health, counters and temperatures, looked at in real time.
 class Watcher {
  public:
-  Watcher(graph::Node& node, const Settings& settings, Device& device, const JointReport& joints,
-          const Guarded& guarded, nodes::EmergencyStopListener& emergency)
+  Watcher(graph::Node& node, const Settings& settings, HandDevice<HandDriver>& device,
+          const JointReport& joints, const Guarded& guarded,
+          nodes::EmergencyStopListener& emergency)
       : settings_(settings),
         device_(device),
         guarded_(guarded),
@@ -99,14 +95,17 @@ class Watcher {
 
   void look() {
     Situation situation;
-    situation.line = settings_.bus;
+    situation.model = settings_.model;
+    situation.line = settings_.wire;
     situation.hot = settings_.hot;
     DriverCounters counters;
     std::uint64_t damaged = 0;
-    device_.with_driver([&](Driver& driver, Time) {
+    std::array<std::string, kAxes> words;
+    device_.with_driver([&](HandDriver& driver, Time) {
+      for (std::size_t i = 0; i < kAxes; ++i) words[i] = driver.axis_words(i);
       situation.reading = driver.reading();
       counters = driver.counters();
-      damaged = counters.strange + driver.broken_images();
+      damaged = driver.damaged();
     });
     const Reading& reading = situation.reading;
     connecting_ = reading.state == DriverState::kConnecting ? connecting_ + kPeriod : 0;
@@ -139,18 +138,18 @@ class Watcher {
     status.set_rate(quality_.rate());
     status.set_damaged_part(quality_.harmed_part());
     publisher_.publish(status);
-    if (reading.states > 0) tell(reading);
+    if (reading.states > 0) tell(reading, words);
   }
-  void tell(const Reading& reading) {
+  void tell(const Reading& reading, const std::array<std::string, kAxes>& words) {
     const auto are_all = [](const auto& values) {
       return std::ranges::all_of(values, [](const auto& one) { return one.has_value(); });
     };
     msgs::HandStatus status;
     status.mutable_header()->set_stamp(node_.clock().now());
-    status.set_firmware(std::to_string(reading.firmware));
+    status.set_firmware(reading.firmware);
     for (std::size_t i = 0; i < kAxes; ++i) {
       status.add_name(settings_.axes[i]);
-      status.add_axis_state(words_of(reading, i));
+      status.add_axis_state(words[i]);
       status.add_blocked(reading.blocked[i]);
     }
     if (are_all(reading.motor_temperature)) {
@@ -158,12 +157,14 @@ class Watcher {
     }
     if (are_all(reading.puck_temperature)) {
       for (const auto& celsius : reading.puck_temperature) status.add_electronics(*celsius);
+    } else if (reading.temperature) {
+      status.add_electronics(*reading.temperature);
     }
     status_.publish(status);
   }
 
   const Settings& settings_;
-  Device& device_;
+  HandDevice<HandDriver>& device_;
   const Guarded& guarded_;
   const JointReport& joints_;
   nodes::EmergencyStopListener& emergency_;
@@ -178,6 +179,24 @@ class Watcher {
   graph::Publisher<msgs::HandStatus> status_;
   WallTimer timer_;
 };
+
+GuardianProgram guardian_of(const Settings& s) {
+  return s.model == Model::kBh8_280 ? guardian_program(s.wire, s.bit_rate)
+                                    : gcl::guardian_program(s.wire, s.gcl.baud, s.gcl.fast_baud);
+}
+
+std::unique_ptr<HandDevice<HandDriver>> make_device(const Settings& s, Device::OnState on_state,
+                                                    Device::Note note, Device::OnRound on_round,
+                                                    Driver::OnPad on_pad) {
+  if (s.model == Model::kBh8_280) {
+    return std::make_unique<Device>(
+        s.can, [&s] { return open_hand_bus(s.wire, s.bit_rate); }, std::move(on_state),
+        std::move(note), kRetry, std::move(on_round), std::move(on_pad));
+  }
+  return std::make_unique<gcl::Device>(
+      s.gcl, [&s] { return open_byte_stream(s.wire, s.gcl.baud); }, std::move(on_state),
+      std::move(note), kRetry, std::move(on_round));
+}
 
 void run(graph::Node& node) {
   Settings settings = declare_settings(node);
@@ -194,37 +213,40 @@ void run(graph::Node& node) {
   }
   const HandAxes axes =
       hand_axes(robot::read_platform(robot::platform_file(settings.platforms, settings.platform)),
-                settings.axes, settings.driver.gearing, settings.most_torque);
-  settings.driver.limits = axes.limits<kAxes>();
+                settings.axes, settings.model, settings.gearing(), settings.most_torque);
+  settings.can.limits = settings.gcl.limits = axes.limits<kAxes>();
+  if (settings.model == Model::kBh8_262) {
+    node.log_info("a BH8-262 has strain gauges and no pads: nothing is told on /tactile");
+  }
   DeviceReport report(node);
   JointReport joint_report(node, axes.moving_names(), settings.other_joints,
                            std::move(joint_publisher));
   Joints joints(axes, joint_report);
   Pads pads(node, settings, axes.hand(), std::move(pad_publishers));
   // Begins before the device, so that it lives on until the device has stopped the hand.
-  const auto guarded = settings.guardian ? std::make_unique<Guarded>(
-                                               guardian_program(settings.bus, settings.bit_rate),
-                                               settings.guardian_time, report.taker())
-                                         : std::make_unique<Guarded>();
-  Device device(
-      settings.driver, [&] { return open_hand_bus(settings.bus, settings.bit_rate); },
+  const auto guarded =
+      settings.guardian
+          ? std::make_unique<Guarded>(guardian_of(settings), settings.guardian_time, report.taker())
+          : std::make_unique<Guarded>();
+  const auto device = make_device(
+      settings,
       [&](const Reading& reading) {
         if (reading.state > DriverState::kLost) joints.tell(reading);
       },
-      report.taker(), kRetry,
+      report.taker(),
       [&](const Reading& reading) -> std::string {
         if (!guarded->progress(watch_of(reading))) return {};
         return "this driver made no progress, so its guardian stopped the hand";
       },
       [&](std::size_t axis, const Cells& cells) { pads.take(axis, cells); });
   nodes::EmergencyStopListener emergency(node);
-  OfferedDevice<Device, kAxes> offered(device, emergency);
+  OfferedDevice<HandDevice<HandDriver>, kAxes> offered(*device, emergency);
   const HandOffers offers(node, offered, axes, emergency, false);
   // Answers at once, so that /hand/stop need not wait for it; the state is told on /hand/device.
   const auto initialise = node.serve<msgs::Empty, msgs::Acknowledge>(
       "/hand/initialise", [&device, &emergency](const msgs::Empty&) {
         std::uint64_t ticket = 0;
-        const std::string refusal = device.with_driver([&](Driver& driver, Time now) {
+        const std::string refusal = device->with_driver([&](HandDriver& driver, Time now) {
           const std::string stopped = emergency.refusal();
           return stopped.empty() ? driver.initialise(now, ticket) : stopped;
         });
@@ -233,21 +255,22 @@ void run(graph::Node& node) {
         answer.set_reason(refusal.empty() ? "it opens" : refusal);
         return answer;
       });
-  const Watcher watcher(node, settings, device, joint_report, *guarded, emergency);
+  const Watcher watcher(node, settings, *device, joint_report, *guarded, emergency);
   node.spin();
 }
 
 const graph::RegisteredNodeProgram registered(
     {"barrett",
-     "Drives a BarrettHand BH8-280 over CAN or a serial CAN adapter. Offers what the simulated "
-     "hand "
-     "offers: publishes its joints on /joint_states (inner and outer links by the encoders on both "
-     "sides of their clutches, efforts by the strain gauges) and its pads on /tactile/NAME, takes "
-     "the action /hand/move, the topic /hand/command (POSITION and VELOCITY; stopped 0.2 s after "
-     "the last one while moving) and the service /hand/stop; and /hand/initialise, which opens it "
-     "to its stops and has to be called before it moves. /hand/status has temperatures and the "
-     "axes' states, /hand/device tells how good the bus is. Never resumes a motion after a restart "
-     "of either side."},
+     "Drives a BarrettHand: a BH8-280 over CAN or a serial CAN adapter, or a BH8-262 over its "
+     "serial "
+     "line (model:=bh8_262). Offers what the simulated hand offers: publishes its joints on "
+     "/joint_states (inner and outer links by the encoders on both sides of their clutches, of a "
+     "BH8-262 by where it says that they opened, efforts by the strain gauges) and the pads of a "
+     "BH8-280 on /tactile/NAME, takes the action /hand/move, the topic /hand/command (POSITION and "
+     "VELOCITY; stopped 0.2 s after the last one while moving) and the service /hand/stop; and "
+     "/hand/initialise, which opens it to its stops and has to be called before it moves. "
+     "/hand/status has temperatures and the axes' states, /hand/device tells how good the line is. "
+     "Never resumes a motion after a restart of either side."},
     run);
 
 }  // namespace

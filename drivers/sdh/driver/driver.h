@@ -117,6 +117,9 @@ class Driver {
  public:
   using Send = std::function<std::string(Bytes)>;
   using Note = std::function<void(bool is_problem, const std::string& words)>;
+  /// What is said when its process ends while it holds something.
+  static constexpr const char* kStaysOn =
+      "the hand holds something, so its axes stay on; powered for longer than 20 min it overheats";
   /// @throws std::invalid_argument for options out of range.
   Driver(const DriverOptions& options, Send send, Note note);
 

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "drivers/sdh/codec/stream.h"
+#include "drivers/wire/guardian/insist.h"
 #include "drivers/wire/stream/byte_stream.h"
 
 namespace prehend::drivers::sdh {
@@ -27,43 +28,28 @@ std::string stop_hand(ByteStream& line, Time end, const std::function<bool()>& i
   // message are taken for damage.
   ReplyDecoder decoder(!line.name().starts_with("tcp"));
   std::array<std::uint8_t, 512> buffer;
-  for (int tries = 1; steady_now() < end; ++tries) {
-    if (is_back()) return {};
+  const auto stops = [&](int tries) {
     // The line's end first: a half-typed command must not swallow it.
-    if (!say(line, "\r\nstop\r\n")) return {};
-    if (tries > kStops && !say(line, "power=0,0,0,0,0,0,0\r\n")) return {};
-    const Time again = steady_now() + kReplyTime;
-    for (Time now = steady_now(); now < again; now = steady_now()) {
-      const IoResult result = line.read(buffer, again - now);
-      if (result.status == IoStatus::kClosed) return {};
-      decoder.add(Bytes(buffer).first(result.count));
-      while (const auto reply = decoder.next()) {
-        const auto* words = std::get_if<LineReply>(&*reply);
-        if (words == nullptr || words->error) continue;
-        if (words->name == "STOP") return "stop";
-        if (words->name == "POWER") return "power off";
-      }
+    return say(line, "\r\nstop\r\n") && (tries <= kStops || say(line, "power=0,0,0,0,0,0,0\r\n"));
+  };
+  return insist(end, is_back, kReplyTime, stops, [&](auto wait) -> std::optional<std::string> {
+    const IoResult result = line.read(buffer, wait);
+    if (result.status == IoStatus::kClosed) return std::nullopt;
+    decoder.add(Bytes(buffer).first(result.count));
+    while (const auto reply = decoder.next()) {
+      const auto* words = std::get_if<LineReply>(&*reply);
+      if (words == nullptr || words->error) continue;
+      if (words->name == "STOP") return "stop";
+      if (words->name == "POWER") return "power off";
     }
-  }
-  return {};
+    return "";
+  });
 }
 
 }  // namespace
 
 GuardianProgram guardian_program(const std::string& line, unsigned baud) {
   return {"sdh_guardian", {line, std::to_string(baud)}, "hand"};
-}
-
-Watch watch_of(const Reading& reading) {
-  switch (reading.state) {
-    case DriverState::kDisconnected:
-      return Watch::kOff;
-    case DriverState::kConnecting:
-    case DriverState::kLost:
-      return Watch::kMoving;
-    default:
-      return reading.moving ? Watch::kMoving : Watch::kStanding;
-  }
 }
 
 Guarding guarding(const std::string& line, unsigned baud) {

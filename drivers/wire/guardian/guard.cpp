@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 
@@ -117,6 +118,21 @@ int guard_standard_input(const Guarding& guarding, double patience) {
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGTERM, SIG_IGN);
   return guard(STDIN_FILENO, guarding, patience);
+}
+
+int guard_by_words(int argc, char** argv, std::size_t count,
+                   const std::function<Guarding(const std::vector<std::string>&)>& make) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const double patience = words.size() == count + 1 ? std::strtod(argv[count + 1], nullptr) : 0;
+  if (!(patience > 0)) {
+    std::fprintf(stderr, "%s is started by its driver's node\n", argv[0]);
+    return 2;
+  }
+  return guard_standard_input(make(words), patience);
+}
+
+unsigned number_of(const std::string& word) {
+  return static_cast<unsigned>(std::strtoul(word.c_str(), nullptr, 10));
 }
 
 }  // namespace prehend::drivers

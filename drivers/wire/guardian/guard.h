@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "drivers/wire/guardian/guardian.h"
 
@@ -26,5 +28,11 @@ int guard(int socket, const Guarding& guarding, double patience = Guardian::kPat
 /// The same at the standard input, where Guardian puts the socket. SIGINT and SIGTERM, which end
 /// the driver, are not minded.
 int guard_standard_input(const Guarding& guarding, double patience);
+/// The main function of a guardian whose arguments are `count` words and the patience; `make` makes
+/// its Guarding of the words.
+int guard_by_words(int argc, char** argv, std::size_t count,
+                   const std::function<Guarding(const std::vector<std::string>& words)>& make);
+/// Of such a word: a rate or an address.
+unsigned number_of(const std::string& word);
 
 }  // namespace prehend::drivers

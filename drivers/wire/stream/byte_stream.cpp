@@ -10,6 +10,7 @@
 #include <boost/asio/serial_port.hpp>
 #include <cerrno>
 #include <cstring>
+#include <type_traits>
 
 #include "prehend/geometry/errors.h"
 
@@ -43,6 +44,15 @@ class AsioStream : public ByteStream {
   }
   IoResult write(Bytes bytes, std::chrono::nanoseconds timeout) override {
     return write_descriptor(port_.native_handle(), bytes, timeout);
+  }
+  std::string set_baud(unsigned baud) override {
+    boost::system::error_code error;
+    if constexpr (std::is_same_v<Port, asio::serial_port>) {
+      port_.set_option(asio::serial_port_base::baud_rate(baud), error);
+    }
+    return error
+               ? name_ + " refuses a baud rate of " + std::to_string(baud) + ": " + error.message()
+               : "";
   }
   const std::string& name() const override { return name_; }
 

@@ -32,6 +32,8 @@ class ByteStream {
   virtual IoResult read(std::span<std::uint8_t> buffer, std::chrono::nanoseconds timeout) = 0;
   /// Writes all bytes, waiting at most `timeout` for the line to take them.
   virtual IoResult write(Bytes bytes, std::chrono::nanoseconds timeout) = 0;
+  /// Changes the rate [bit/s] of a serial line; "" or why it could not. What has no rate takes any.
+  virtual std::string set_baud(unsigned /*baud*/) { return {}; }
   /// What it is, for messages: "/dev/ttyUSB0", "tcp://10.0.0.2:13000".
   virtual const std::string& name() const = 0;
 };

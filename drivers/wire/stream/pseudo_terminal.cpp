@@ -83,6 +83,24 @@ void PseudoTerminal::unplug() {
   }
 }
 
+unsigned PseudoTerminal::baud() const {
+  struct Rate {
+    speed_t code;
+    unsigned baud;
+  };
+  constexpr Rate kRates[] = {{B600, 600},     {B1200, 1200},   {B2400, 2400},
+                             {B4800, 4800},   {B9600, 9600},   {B19200, 19200},
+                             {B38400, 38400}, {B57600, 57600}, {B115200, 115200}};
+  const auto line = line_now();
+  termios settings{};
+  if (!line || ::tcgetattr(line->slave, &settings) != 0) return 0;
+  const speed_t code = ::cfgetospeed(&settings);
+  for (const Rate& rate : kRates) {
+    if (rate.code == code) return rate.baud;
+  }
+  return 0;
+}
+
 IoResult PseudoTerminal::read(std::span<std::uint8_t> buffer, std::chrono::nanoseconds timeout) {
   if (const auto line = line_now()) return read_descriptor(line->master, buffer, timeout);
   std::this_thread::sleep_for(timeout);

@@ -26,6 +26,8 @@ class PseudoTerminal : public ByteStream {
   void unplug();
   /// A new line under the same link.
   void plug();
+  /// The rate [bit/s] that whoever has opened the line has set; 0: none that is known here.
+  unsigned baud() const;
   bool plugged() const { return line_now() != nullptr; }
 
   /// Unplugged: nothing is read (kTimeout after the whole time), and what is written is lost.

@@ -48,12 +48,13 @@ class BarrettOnABus : public ::testing::Test {
     return std::make_unique<Slcan>(std::move(terminal), 0, std::vector<std::uint16_t>{});
   }
   std::string move(Device& device, double speed = 1) {
-    return device.with_driver(
-        [&](Driver& driver, Time now) { return driver.move_to(far_goal(speed), now, ticket_); });
+    return device.with_driver([&](HandDriver& driver, Time now) {
+      return driver.move_to(far_goal(speed), now, ticket_);
+    });
   }
   bool reaches(Device& device) {
     return eventually([&] {
-      return device.with_driver([&](Driver& driver, Time) {
+      return device.with_driver([&](HandDriver& driver, Time) {
         return driver.report(ticket_).kind == MotionReport::Kind::kReached;
       });
     });
@@ -80,7 +81,7 @@ TEST_F(BarrettOnABus, MovesOverAnAdapterAndStopsAtTheEnd) {
     EXPECT_TRUE(reaches(device));
     HandGoal back = far_goal(0.05);
     back.position.fill(0.1);
-    device.with_driver([&](Driver& driver, Time now) { driver.move_to(back, now, ticket_); });
+    device.with_driver([&](HandDriver& driver, Time now) { driver.move_to(back, now, ticket_); });
     ASSERT_TRUE(
         eventually([&] { return hand.with_hand([](Hand& h, Time) { return h.is_moving(); }); }));
   }

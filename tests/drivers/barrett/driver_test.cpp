@@ -24,7 +24,7 @@ TEST(BarrettDriver, StopIsTheFirstThingThatIsSaid) {
     EXPECT_EQ(g.sent[i], encode(Request{i, static_cast<std::uint8_t>(Property::kMode), 0}));
   }
   ASSERT_TRUE(g.connect());
-  EXPECT_EQ(g.driver.reading().firmware, 174);
+  EXPECT_EQ(g.driver.reading().firmware, "174");
   g.run(10);
   EXPECT_EQ(g.driver.reading().state, DriverState::kUninitialised);
   for (const auto& celsius : g.driver.reading().motor_temperature) EXPECT_EQ(celsius, 25);

@@ -58,7 +58,8 @@ class BarrettGuardian : public ::testing::Test {
     goal.position.fill(2);
     goal.speed.fill(0.05);
     std::uint64_t ticket = 0;
-    device.with_driver([&](Driver& driver, Time now) { return driver.move_to(goal, now, ticket); });
+    device.with_driver(
+        [&](HandDriver& driver, Time now) { return driver.move_to(goal, now, ticket); });
     while (true) ::usleep(1000);
   }
   static void end(pid_t driver) {
