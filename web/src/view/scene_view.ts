@@ -1,0 +1,175 @@
+/** The store's entities, cloud and frames as a three.js scene: only what changed is built anew. */
+
+import { Box3, Color, Group, Mesh, MeshLambertMaterial, Scene, type Object3D } from "three";
+import type { Store } from "../scene/store.js";
+import type { Entity } from "../scene/types.js";
+import { CloudPoints } from "./cloud_points.js";
+import { FrameTree } from "./frame_tree.js";
+import { dispose, kIdentity, primitiveObject } from "./primitives.js";
+
+export type Layer = "cloud" | "shapes" | "alternatives" | "grasps" | "robot" | "table" | "truth";
+export type GraspChoice = "best" | "selected" | "all";
+
+interface Shown {
+  entity: Entity;
+  root: Group;
+  layer: Layer;
+}
+
+export function layerOf(id: string): Layer {
+  if (/^object\/\d+\/alternative/.test(id)) return "alternatives";
+  if (id.startsWith("object/")) return "shapes";
+  if (id.startsWith("grasp/")) return "grasps";
+  if (id.startsWith("truth/")) return "truth";
+  if (id.startsWith("robot/") || id.startsWith("hand/")) return "robot";
+  return id.startsWith("table") ? "table" : "robot";
+}
+
+export class SceneView {
+  readonly scene = new Scene();
+  readonly cloud = new CloudPoints();
+  readonly visible: Record<Layer, boolean> = {
+    cloud: true,
+    shapes: true,
+    alternatives: false,
+    grasps: true,
+    robot: true,
+    table: true,
+    truth: false,
+  };
+  graspChoice: GraspChoice = "selected";
+  /** Where entities' ids of the layers that can be clicked are. */
+  readonly pickable = new Group();
+  onTrouble: (text: string) => void = () => {};
+
+  readonly #others = new Group();
+  readonly #shown = new Map<string, Shown>();
+  readonly #tree: FrameTree;
+
+  constructor(
+    private readonly store: Store,
+    private readonly invalidate: () => void,
+  ) {
+    this.#tree = new FrameTree(store.frames);
+    this.scene.add(this.pickable, this.#others, this.cloud.points);
+    store.watch(["entities"], () => this.#takeEntities());
+    store.watch(["frames"], () => this.#takeFrames());
+    store.watch(["cloud"], () => this.takeCloud());
+    store.watch(["selection", "objects"], () => this.applyVisibility());
+  }
+
+  takeCloud(): void {
+    const { cloud } = this.store;
+    this.cloud.show(cloud);
+    const camera = [...this.store.frames.keys()].find((name) => /^camera$|camera.*optical|^camera/.test(name));
+    this.cloud.setCamera(
+      camera === undefined ? null : this.#tree.world(camera),
+      (cloud && this.#tree.world(cloud.frame)) ?? kIdentity,
+    );
+    this.invalidate();
+  }
+
+  applyVisibility(): void {
+    const { object, grasp } = this.store.selection;
+    for (const { entity, root, layer } of this.#shown.values()) {
+      let visible = this.visible[layer];
+      const parts = entity.id.split("/");
+      const isSelected = parts[1] === String(object);
+      if (layer === "grasps") {
+        const chosen = isSelected && (grasp === null ? parts[2] === "0" : parts[2] === String(grasp));
+        if (this.graspChoice === "best") visible &&= parts[2] === "0" || chosen;
+        else if (this.graspChoice === "selected") visible &&= object === null ? parts[2] === "0" : isSelected && (grasp === null || chosen);
+        highlight(root, chosen ? 0.35 : 0);
+      } else if (layer === "shapes") {
+        highlight(root, isSelected ? 0.16 : 0);
+      }
+      root.visible = visible;
+    }
+    this.cloud.points.visible = this.visible.cloud;
+    this.invalidate();
+  }
+
+  /** Bounds of what matters: objects and grasps, else all; null: there is nothing. */
+  bounds(): Box3 | null {
+    this.scene.updateMatrixWorld();
+    const box = new Box3();
+    for (const layers of [["shapes"], ["table", "robot", "grasps"]]) {
+      for (const { root, layer } of this.#shown.values()) if (layers.includes(layer)) box.expandByObject(root);
+      if (!box.isEmpty()) return box;
+    }
+    if (this.store.cloud && this.store.cloud.count > 0) {
+      this.cloud.points.geometry.computeBoundingBox();
+      const own = this.cloud.points.geometry.boundingBox;
+      if (own) return own.clone().applyMatrix4(this.cloud.points.matrix);
+    }
+    return null;
+  }
+
+  /** The id of the entity that `object` is a part of. */
+  idOf(object: Object3D): string | null {
+    for (let at: Object3D | null = object; at; at = at.parent) {
+      if (typeof at.userData["id"] === "string") return at.userData["id"];
+    }
+    return null;
+  }
+
+  #takeEntities(): void {
+    const present = new Set<string>();
+    for (const [topic, entities] of this.store.entities) {
+      for (const [id, entity] of entities) {
+        const key = `${topic} ${id}`;
+        present.add(key);
+        if (this.#shown.get(key)?.entity !== entity) this.#build(key, entity);
+      }
+    }
+    for (const key of [...this.#shown.keys()]) if (!present.has(key)) this.#remove(key);
+    this.#takeFrames();
+    this.applyVisibility();
+  }
+
+  #takeFrames(): void {
+    this.#tree.refresh();
+    for (const { entity, root } of this.#shown.values()) this.#place(entity, root);
+    this.invalidate();
+  }
+
+  #place(entity: Entity, root: Group): void {
+    const world = this.#tree.world(entity.frame);
+    if (world) root.matrix.copy(world);
+    root.matrixWorldNeedsUpdate = true;
+  }
+
+  #build(key: string, entity: Entity): void {
+    this.#remove(key);
+    const root = new Group();
+    root.matrixAutoUpdate = false;
+    root.userData["id"] = entity.id;
+    const layer = layerOf(entity.id);
+    for (const primitive of entity.primitives) {
+      try {
+        root.add(primitiveObject(primitive, layer === "robot" || layer === "table", this.invalidate));
+      } catch (error) {
+        this.onTrouble(`${entity.id}: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    }
+    this.#shown.set(key, { entity, root, layer });
+    (layer === "shapes" || layer === "grasps" ? this.pickable : this.#others).add(root);
+  }
+
+  #remove(key: string): void {
+    const shown = this.#shown.get(key);
+    if (!shown) return;
+    shown.root.removeFromParent();
+    dispose(shown.root);
+    this.#shown.delete(key);
+  }
+}
+
+const kGlow = new Color(0xffffff);
+
+function highlight(root: Object3D, strength: number): void {
+  root.traverse((part) => {
+    if (!(part instanceof Mesh) || !(part.material instanceof MeshLambertMaterial)) return;
+    part.material.emissive.copy(kGlow).multiplyScalar(strength);
+  });
+}
