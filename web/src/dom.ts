@@ -52,9 +52,20 @@ export function panel(id: string, title: string, isOpen = true): { root: HTMLEle
   return { root, body, note };
 }
 
+const colors = new Map<string, string>(); // of the theme of the moment
+
 /** A colour of the style sheet as the browser computes it for the theme of the moment: "rgb(1, 2, 3)". */
 export function cssColor(name: string): string {
+  const known = colors.get(name);
+  if (known !== undefined) return known;
   const probe = byId("color-probe");
   probe.style.color = `var(${name})`;
-  return getComputedStyle(probe).color;
+  const color = getComputedStyle(probe).color;
+  colors.set(name, color);
+  return color;
+}
+
+/** The theme is another one. */
+export function forgetColors(): void {
+  colors.clear();
 }

@@ -1,6 +1,6 @@
 /** Light and dark: as the system has it, until the switch is used. */
 
-import { byId } from "./dom.js";
+import { byId, forgetColors } from "./dom.js";
 
 const kKey = "prehend-theme";
 
@@ -12,6 +12,7 @@ export function themeSwitch(): void {
     button.setAttribute("aria-pressed", String(isDark()));
     button.textContent = isDark() ? "Light" : "Dark";
     button.setAttribute("aria-label", isDark() ? "Light colours" : "Dark colours");
+    forgetColors();
     window.dispatchEvent(new Event("theme"));
   };
   let saved: string | null = null;

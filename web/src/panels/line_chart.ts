@@ -2,7 +2,7 @@
 
 import { cssColor, el } from "../dom.js";
 import { kSpan, type Series } from "../scene/series.js";
-import { niceAtLeast } from "./touch.js";
+import { niceAtLeast } from "./scale.js";
 
 export interface Curve {
   name: string; // in the legend

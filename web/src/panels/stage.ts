@@ -34,7 +34,7 @@ export function stagePanel(app: App, viewport: Viewport): void {
     return el("label", { class: "toggle" }, box, title);
   });
   const coloring = el("select", { "aria-label": "Colour of the cloud", onchange: () => recolor() });
-  coloring.append(...(["object", "depth", "image"] as const).map((mode) => el("option", { value: mode }, `by ${mode}`)));
+  coloring.append(...(["image", "object", "depth"] as const).map((mode) => el("option", { value: mode }, `by ${mode}`)));
   const grasps = el("select", { "aria-label": "Grasps that are drawn", onchange: () => regrasp() });
   grasps.append(
     el("option", { value: "selected" }, "of the chosen object"),

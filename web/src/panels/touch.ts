@@ -4,6 +4,7 @@ import type { App } from "../app.js";
 import { el, panel } from "../dom.js";
 import type { PadImage } from "../scene/types.js";
 import { kRamp } from "../view/ramp.js";
+import { niceAtLeast } from "./scale.js";
 
 interface PadView {
   root: HTMLElement;
@@ -91,13 +92,6 @@ function predictionOf({ store }: App): { prediction: ReadonlyMap<string, PadImag
     object !== null ? store.plans.get(object)?.grasps[grasp ?? 0] : phase && store.plans.get(phase.object)?.grasps[phase.grasp];
   if (!chosen || chosen.predicted.size === 0) return { prediction: new Map(), title: "" };
   return { prediction: chosen.predicted, title: `beside grasp ${chosen.rank + 1} of object ${chosen.object}` };
-}
-
-/** The next of 1, 2, 5 times a power of ten. */
-export function niceAtLeast(value: number): number {
-  const power = 10 ** Math.floor(Math.log10(value));
-  for (const factor of [1, 2, 5, 10]) if (factor * power >= value * 0.999) return Number((factor * power).toPrecision(2));
-  return value;
 }
 
 /** One pixel a cell; the style sheet makes it large without smoothing. */

@@ -2,6 +2,7 @@
 
 import { bytes, child, children, has, integer64, number, text, type Fields } from "../protobuf/fields.js";
 import { seconds } from "../time.js";
+import { kGraspsTopic, kObjectsTopic, kRawPlansTopic } from "./store.js";
 import { colorColumn, column, poseOf, rotationOf, vectorOf } from "./geometry.js";
 import type { Handlers } from "./handler.js";
 import { objectFromEntity, graspFromEntity } from "./entity_info.js";
@@ -134,12 +135,13 @@ export const kFoxgloveHandlers: Handlers = {
     for (const deletion of children(fields, "deletions")) {
       const id = number(deletion, "type") === 1 ? undefined : text(deletion, "id");
       store.deleteEntity(topic, id);
-      if (topic === "/viewer/objects") {
+      if (topic === kObjectsTopic) {
         if (id === undefined) store.objects.clear();
         else store.objects.delete(Number(id.split("/")[1]));
         store.touch("objects");
       }
     }
+    if (topic === kGraspsTopic) store.deleteEntity(kRawPlansTopic);
     let problem: unknown;
     for (const given of children(fields, "entities")) {
       try {

@@ -7,6 +7,7 @@ import { meshOf, planePose, pointsOf, poseOf, rotationToX, turned, vectorOf } fr
 import type { Handlers } from "./handler.js";
 import { pixels } from "./pictures.js";
 import { setPicture } from "./foxglove.js";
+import { kGraspsTopic, kRawPlansTopic } from "./store.js";
 import { tactileImage } from "./raw_signals.js";
 import { kNoPose, kOrigins, type Color, type Entity, type GraspInfo, type Mesh, type PadImage, type Plan, type Pose,
   type Primitive, type Vector } from "./types.js";
@@ -239,7 +240,8 @@ export const kShapeHandlers: Handlers = {
     store.plans.set(plan.object, plan);
     if (!store.objects.has(plan.object)) store.objects.set(plan.object, { id: plan.object, problem: "", details: [] });
     store.touch("objects");
-    const topic = "raw plans";
+    if (store.entities.has(kGraspsTopic)) return; // whoever converts them draws them
+    const topic = kRawPlansTopic;
     for (const other of [...(store.entities.get(topic)?.keys() ?? [])]) {
       if (other.startsWith(`grasp/${plan.object}/`)) store.deleteEntity(topic, other);
     }

@@ -35,6 +35,12 @@ export type Part =
   | "clock"
   | "selection";
 
+/** Of entities of objects and of grasps, where a server converts them. */
+export const kObjectsTopic = "/viewer/objects";
+export const kGraspsTopic = "/viewer/grasps";
+/** Of entities that the page makes of plans itself. */
+export const kRawPlansTopic = "raw plans";
+
 const kMostLines = 500;
 const kMostMarks = 400;
 const kMostEntities = 5000;
@@ -129,12 +135,15 @@ export class Store {
   }
 
   addLog(entry: LogEntry): void {
+    if (this.log.slice(-100).some((line) => line.time === entry.time && line.text === entry.text && line.node === entry.node)) return;
     this.log.push(entry);
     if (this.log.length > kMostLines) this.log = this.log.slice(-kMostLines / 2);
     this.touch("log");
   }
 
   addSurprise(mark: SurpriseMark): void {
+    // A connection that comes back brings what is latched once more.
+    if (this.surprises.some((other) => other.time === mark.time && other.name === mark.name)) return;
     this.surprises.push(mark);
     if (this.surprises.length > kMostMarks) this.surprises = this.surprises.slice(-kMostMarks / 2);
     this.touch("surprises");
@@ -142,6 +151,10 @@ export class Store {
 
   addPhase(mark: PhaseMark): void {
     const last = this.phases.at(-1);
+    if (last && mark.time < last.time) {
+      if (this.phases.some((other) => other.time === mark.time && other.phase === mark.phase)) return; // latched, once more
+      this.phases = this.phases.filter((other) => other.time <= mark.time); // time began anew
+    }
     const again = last && last.phase === mark.phase && last.object === mark.object && last.grasp === mark.grasp;
     if (again) last.detail = mark.detail;
     else this.phases.push(mark);
@@ -159,8 +172,8 @@ export class Store {
     if (stamp < this.view) return false;
     if (stamp > this.view) {
       this.view = stamp;
-      this.objects.clear();
-      this.plans.clear();
+      if (!this.entities.has(kObjectsTopic)) this.objects.clear(); // else who sends them says when they go
+      for (const plan of this.plans.values()) if (plan.stamp >= 0n) this.plans.delete(plan.object);
       for (const topic of this.entities.keys()) if (topic.startsWith("raw ")) this.entities.delete(topic);
       this.touch("entities");
       this.touch("objects");

@@ -47,7 +47,7 @@ const kFragment = `
 
 export class CloudPoints {
   readonly points: Points<BufferGeometry, ShaderMaterial>;
-  coloring: CloudColoring = "object";
+  coloring: CloudColoring = "image";
   /** m, of the depths that the colours span. */
   readonly range = new Vector2(0, 1);
   #cloud: Cloud | null = null;

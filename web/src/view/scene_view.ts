@@ -1,6 +1,6 @@
 /** The store's entities, cloud and frames as a three.js scene: only what changed is built anew. */
 
-import { Box3, Color, Group, Mesh, MeshLambertMaterial, Scene, type Object3D } from "three";
+import { Box3, Group, Mesh, MeshLambertMaterial, Scene, type Object3D } from "three";
 import type { Store } from "../scene/store.js";
 import type { Entity } from "../scene/types.js";
 import { CloudPoints } from "./cloud_points.js";
@@ -79,9 +79,9 @@ export class SceneView {
         const chosen = isSelected && (grasp === null ? parts[2] === "0" : parts[2] === String(grasp));
         if (this.graspChoice === "best") visible &&= parts[2] === "0" || chosen;
         else if (this.graspChoice === "selected") visible &&= object === null ? parts[2] === "0" : isSelected && (grasp === null || chosen);
-        highlight(root, chosen ? 0.35 : 0);
+        highlight(root, chosen ? 0.4 : 0);
       } else if (layer === "shapes") {
-        highlight(root, isSelected ? 0.16 : 0);
+        highlight(root, isSelected ? 0.05 : 0);
       }
       root.visible = visible;
     }
@@ -103,6 +103,10 @@ export class SceneView {
       if (own) return own.clone().applyMatrix4(this.cloud.points.matrix);
     }
     return null;
+  }
+
+  hasShapes(): boolean {
+    return [...this.#shown.values()].some(({ layer }) => layer === "shapes");
   }
 
   /** The id of the entity that `object` is a part of. */
@@ -165,11 +169,9 @@ export class SceneView {
   }
 }
 
-const kGlow = new Color(0xffffff);
-
 function highlight(root: Object3D, strength: number): void {
   root.traverse((part) => {
     if (!(part instanceof Mesh) || !(part.material instanceof MeshLambertMaterial)) return;
-    part.material.emissive.copy(kGlow).multiplyScalar(strength);
+    part.material.emissive.copy(part.material.color).multiplyScalar(strength);
   });
 }

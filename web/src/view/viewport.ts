@@ -22,7 +22,7 @@ export class Viewport {
   readonly #controls: OrbitControls;
   readonly #grid = new GridHelper(2, 20);
   #pending = false;
-  #fitted = false;
+  #fitted: "no" | "surroundings" | "objects" | "by hand" = "no";
 
   /** Throws an Error when the browser has no WebGL. */
   constructor(
@@ -49,10 +49,15 @@ export class Viewport {
     this.#controls.maxDistance = 10;
     this.#controls.target.set(0, 0, 0.1);
     this.#controls.addEventListener("change", () => this.invalidate());
+    this.#controls.addEventListener("start", () => (this.#fitted = "by hand"));
     this.#controls.update();
     this.#listen();
     store.watch(["entities", "cloud"], () => {
-      if (!this.#fitted && this.view.bounds()) this.fit();
+      const isLacking = this.#fitted === "no" || (this.#fitted === "surroundings" && this.view.hasShapes());
+      if (isLacking && this.view.bounds()) {
+        this.fit();
+        this.#fitted = this.view.hasShapes() ? "objects" : "surroundings";
+      }
     });
     new ResizeObserver(() => this.#resize()).observe(canvas);
     this.#resize();
@@ -86,14 +91,13 @@ export class Viewport {
   fit(): void {
     const box = this.view.bounds();
     if (!box) return;
-    this.#fitted = true;
     const sphere = box.getBoundingSphere(new Sphere());
     const radius = Math.max(sphere.radius, 0.15);
     const direction = this.#camera.position.clone().sub(this.#controls.target).normalize();
     const angle = (this.#camera.fov * Math.PI) / 360;
     const narrow = Math.min(1, this.#camera.aspect);
     this.#controls.target.copy(sphere.center);
-    this.#camera.position.copy(sphere.center).addScaledVector(direction, (1.15 * radius) / (Math.sin(angle) * narrow));
+    this.#camera.position.copy(sphere.center).addScaledVector(direction, (1.45 * radius) / (Math.sin(angle) * narrow));
     this.#controls.update();
     this.invalidate();
   }
