@@ -20,12 +20,14 @@ export class LineChart {
   #values: HTMLElement[] = [];
   #names = "";
 
-  /** `factor`: of the axis' unit in the series' one, 1000 for mm of m. */
+  /** `least`: that the axis spans, in its unit, so that noise stays small. `factor`: of the axis' unit in the series' one. */
   constructor(
     private readonly title: string,
     private readonly unit: string,
+    private readonly least: number,
     private readonly factor = 1,
   ) {
+    this.#canvas.setAttribute("aria-label", title);
     const heading = el("h3", {}, title, el("small", {}, unit));
     this.root = el("section", { class: "chart" }, el("div", { class: "chart-head" }, heading, this.#legend), this.#canvas);
   }
@@ -57,7 +59,7 @@ export class LineChart {
         high_ = Math.max(high_, series.values[at]! * this.factor);
       }
     }
-    const step = niceAtLeast(Math.max(high_ - low, 1e-6) / 3);
+    const step = niceAtLeast(Math.max(high_ - low, this.least) / 3);
     low = Math.floor(low / step) * step;
     high_ = Math.max(low + step, Math.ceil(high_ / step) * step);
     const right = width - 4;

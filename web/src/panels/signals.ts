@@ -12,10 +12,10 @@ export function signalsPanel(app: App): void {
   const empty = el("p", { class: "muted" }, "Wrench and touch over time appear here as soon as they are published.");
   place.append(empty);
   const charts = [
-    { chart: new LineChart("Wrist force", "N"), prefix: "wrench F" },
-    { chart: new LineChart("Force on pads", "N"), prefix: "pad " },
-    { chart: new LineChart("Wrist torque", "N m"), prefix: "wrench T" },
-    { chart: new LineChart("Gripper opening", "mm", 1000), prefix: "gripper " },
+    { chart: new LineChart("Wrist force", "N", 1), prefix: "wrench F" },
+    { chart: new LineChart("Force on pads", "N", 1), prefix: "pad " },
+    { chart: new LineChart("Wrist torque", "N m", 0.05), prefix: "wrench T" },
+    { chart: new LineChart("Gripper opening", "mm", 10, 1000), prefix: "gripper " },
   ];
   for (const { chart } of charts) {
     chart.root.hidden = true;
@@ -31,20 +31,19 @@ export function signalsPanel(app: App): void {
       return;
     }
     last = now;
-    let any = false;
-    for (const { chart, prefix } of charts) {
+    const drawn = charts.map(({ chart, prefix }) => {
       const curves: Curve[] = [];
       for (const [name, series] of store.series) {
         if (name.startsWith(prefix)) curves.push({ name: name.slice(name.lastIndexOf(" ") + 1).replaceAll("_", " "), series });
       }
       curves.sort((a, b) => a.name.localeCompare(b.name));
-      chart.root.hidden = curves.length === 0;
-      any ||= curves.length > 0;
-      if (curves.length > 0) chart.draw(curves);
-    }
-    empty.hidden = any;
+      chart.root.hidden = curves.length === 0; // all of them before one is drawn: it changes their widths
+      return { chart, curves };
+    });
+    for (const { chart, curves } of drawn) if (curves.length > 0) chart.draw(curves);
+    empty.hidden = drawn.some(({ curves }) => curves.length > 0);
   };
   store.watch(["signals"], paint);
   window.addEventListener("theme", () => ((last = 0), paint()));
-  window.addEventListener("resize", () => ((last = 0), paint()));
+  new ResizeObserver(() => ((last = 0), paint())).observe(place);
 }

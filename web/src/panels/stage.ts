@@ -67,6 +67,7 @@ export function stagePanel(app: App, viewport: Viewport): void {
 
   const legend = byId("legend");
   const depth = el("div", { class: "scale" });
+  const thinned = el("small", { title: "This browser draws without a graphics card" });
   const ramp = el("canvas", { width: 256, height: 1, class: "ramp", role: "img", "aria-label": "scale of depth" });
   ramp.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(kRamp), 256, 1), 0, 0);
   legend.append(
@@ -80,9 +81,12 @@ export function stagePanel(app: App, viewport: Viewport): void {
       }),
     ),
     depth,
+    thinned,
   );
   const paintLegend = (): void => {
-    const { range } = view.cloud;
+    const { range, every } = view.cloud;
+    thinned.hidden = every === 1 || !store.cloud;
+    thinned.textContent = `1 of ${every} points drawn`;
     depth.hidden = view.cloud.effective !== "depth" || !store.cloud;
     fill(depth, `${range.x.toFixed(2)} m`, ramp, `${range.y.toFixed(2)} m`);
   };

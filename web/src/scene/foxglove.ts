@@ -3,7 +3,7 @@
 import { bytes, child, children, has, integer64, number, text, type Fields } from "../protobuf/fields.js";
 import { seconds } from "../time.js";
 import { kGraspsTopic, kObjectsTopic, kRawPlansTopic } from "./store.js";
-import { colorColumn, column, poseOf, rotationOf, vectorOf } from "./geometry.js";
+import { aligned, colorColumn, column, poseOf, rotationOf, shortColumn, vectorOf } from "./geometry.js";
 import type { Handlers } from "./handler.js";
 import { objectFromEntity, graspFromEntity } from "./entity_info.js";
 import { pixels } from "./pictures.js";
@@ -158,7 +158,7 @@ export const kFoxgloveHandlers: Handlers = {
 
   "foxglove.PointCloud": (store, { fields }) => {
     const stride = number(fields, "pointStride");
-    const data = bytes(fields, "data");
+    const data = aligned(bytes(fields, "data"));
     const count = stride > 0 ? data.length / stride : 0;
     if (!Number.isInteger(count) || count > kMostPoints) throw new Error(`a cloud of ${data.length} bytes has points of ${stride}`);
     const at = packed(children(fields, "fields"), stride);
@@ -168,18 +168,13 @@ export const kFoxgloveHandlers: Handlers = {
     }
     const [red, green, blue] = [at.get("red"), at.get("green"), at.get("blue")];
     const coloured = red !== undefined && green !== undefined && blue !== undefined;
-    let objects: Uint16Array | null = null;
     const object = at.get("object");
-    if (object !== undefined) {
-      objects = new Uint16Array(count);
-      for (let i = 0, from = object; i < count; i++, from += stride) objects[i] = data[from]! | (data[from + 1]! << 8);
-    }
     store.cloud = {
       frame: text(fields, "frameId"),
       count,
       positions: column(data, count, stride, x ?? 0),
       colors: coloured ? colorColumn(data, count, stride, [red, green, blue]) : null,
-      objects,
+      objects: object === undefined ? null : shortColumn(data, count, stride, object),
     };
     store.touch("cloud");
   },

@@ -68,7 +68,7 @@ export interface Points {
 export function pointsOf(from: Fields): Points {
   const count = number(from, "count");
   const stride = number(from, "stride");
-  const data = bytes(from, "data");
+  const data = aligned(bytes(from, "data"));
   const coloured = truth(from, "hasColor");
   const least = 12 + (coloured ? 4 : 0) + (truth(from, "hasNormal") ? 12 : 0);
   if (count > kMostPoints || (count > 0 && stride < least) || data.length !== count * stride) {
@@ -81,17 +81,21 @@ export function pointsOf(from: Fields): Points {
   };
 }
 
+/** Bytes at a multiple of 4 of their buffer, so that views of wider numbers can lie on them; a copy where they are not. */
+export function aligned(data: Uint8Array): Uint8Array {
+  return data.byteOffset % 4 === 0 ? data : data.slice();
+}
+
 /** x, y, z of records of `stride` bytes. */
 export function column(data: Uint8Array, count: number, stride: number, offset: number): Float32Array {
   const result = new Float32Array(3 * count);
-  if (stride % 4 === 0 && offset % 4 === 0) {
-    const aligned = data.byteOffset % 4 === 0 ? data : data.slice();
-    const all = new Float32Array(aligned.buffer, aligned.byteOffset, aligned.byteLength >> 2);
+  if (stride % 4 === 0 && offset % 4 === 0 && data.byteOffset % 4 === 0) {
+    const all = new Float32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
     const step = stride >> 2;
-    for (let i = 0, from = offset >> 2, to = 0; i < count; i++, from += step) {
-      result[to++] = all[from]!;
-      result[to++] = all[from + 1]!;
-      result[to++] = all[from + 2]!;
+    for (let i = 0, from = offset >> 2, to = 0; i < count; i++, from += step, to += 3) {
+      result[to] = all[from]!;
+      result[to + 1] = all[from + 1]!;
+      result[to + 2] = all[from + 2]!;
     }
     return result;
   }
@@ -107,6 +111,13 @@ export function column(data: Uint8Array, count: number, stride: number, offset: 
 /** Opaque rgba of the three bytes at these offsets of each record. */
 export function colorColumn(data: Uint8Array, count: number, stride: number, offsets: number[]): Uint8Array {
   const [red = 0, green = 0, blue = 0] = offsets;
+  if (stride % 4 === 0 && red % 4 === 0 && green === red + 1 && blue === red + 2 && data.byteOffset % 4 === 0 && red + 4 <= stride) {
+    const all = new Uint32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
+    const words = new Uint32Array(count);
+    const step = stride >> 2;
+    for (let i = 0, from = red >> 2; i < count; i++, from += step) words[i] = all[from]! | 0xff000000;
+    return new Uint8Array(words.buffer);
+  }
   const result = new Uint8Array(4 * count);
   for (let i = 0, from = 0, to = 0; i < count; i++, from += stride, to += 4) {
     result[to] = data[from + red]!;
@@ -114,6 +125,19 @@ export function colorColumn(data: Uint8Array, count: number, stride: number, off
     result[to + 2] = data[from + blue]!;
     result[to + 3] = 255;
   }
+  return result;
+}
+
+/** A number of 16 bits of each record. */
+export function shortColumn(data: Uint8Array, count: number, stride: number, offset: number): Uint16Array {
+  const result = new Uint16Array(count);
+  if (stride % 2 === 0 && offset % 2 === 0 && data.byteOffset % 2 === 0) {
+    const all = new Uint16Array(data.buffer, data.byteOffset, data.byteLength >> 1);
+    const step = stride >> 1;
+    for (let i = 0, from = offset >> 1; i < count; i++, from += step) result[i] = all[from]!;
+    return result;
+  }
+  for (let i = 0, from = offset; i < count; i++, from += stride) result[i] = data[from]! | (data[from + 1]! << 8);
   return result;
 }
 

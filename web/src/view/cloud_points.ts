@@ -50,6 +50,8 @@ export class CloudPoints {
   coloring: CloudColoring = "image";
   /** m, of the depths that the colours span. */
   readonly range = new Vector2(0, 1);
+  /** Of a cloud of more points every second, third, ... is drawn. */
+  mostDrawn = Infinity;
   #cloud: Cloud | null = null;
   readonly #eye = new Vector3();
   readonly #axis = new Vector3(0, 0, 1);
@@ -104,9 +106,25 @@ export class CloudPoints {
       set("position", cloud?.positions ?? new Float32Array(), 3, false);
       set("rgba", cloud?.colors ?? new Uint8Array(4 * count), 4, true);
       set("object", cloud?.objects ?? new Uint16Array(count), 1, false);
-      geometry.setDrawRange(0, count);
+      this.#thin(count);
     }
     this.points.material.uniforms["mode"]!.value = kModes[this.effective];
+  }
+
+  /** Every how many-th point is drawn. */
+  get every(): number {
+    return Math.max(1, Math.ceil((this.#cloud?.count ?? 0) / this.mostDrawn));
+  }
+
+  #thin(count: number): void {
+    const { geometry } = this.points;
+    const { every } = this;
+    const drawn = Math.ceil(count / every);
+    if (every === 1) geometry.setIndex(null);
+    else if (geometry.index?.count !== drawn || geometry.index.getX(1) !== every) {
+      geometry.setIndex(new BufferAttribute(Uint32Array.from({ length: drawn }, (_, i) => i * every), 1));
+    }
+    geometry.setDrawRange(0, drawn);
   }
 
   /** Depth is along the camera's axis, or upward where no camera is known. `world`: pose of the cloud's frame. */

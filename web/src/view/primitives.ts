@@ -8,6 +8,7 @@ import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import type { Color, Mesh, Primitive } from "../scene/types.js";
+import { simplified } from "./simplify.js";
 import { matrixOf } from "./frame_tree.js";
 
 /** Bytes of sRGB -> of linear light, in which three.js computes. */
@@ -29,7 +30,8 @@ function material(color: Color | null, options: { flat?: boolean; vertexColors?:
   });
 }
 
-function meshObject(mesh: Mesh, color: Color, flat: boolean): Object3D {
+function meshObject(given: Mesh, color: Color, flat: boolean): Object3D {
+  const mesh = simplified(given);
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
   if (mesh.indices) geometry.setIndex(new BufferAttribute(mesh.indices, 1));

@@ -6,15 +6,17 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Store } from "../scene/store.js";
+import { isDrawnInSoftware } from "./graphics.js";
 import { SceneView } from "./scene_view.js";
 
 const kClickDistance = 5; // px, that a pointer may move between down and up
+const kMostPointsInSoftware = 40_000;
 const kTurn = Math.PI / 24; // rad, of an arrow key
 
 export class Viewport {
   readonly view: SceneView;
-  /** ms of the last picture: of the page's own work, and of the drawing. */
-  readonly frameTimes = { drawing: 0 };
+  /** ms since navigation began, of the first picture with an object in it; 0: there was none yet. */
+  readonly frameTimes = { first: 0 };
   onClick: (id: string | null) => void = () => {};
 
   readonly #renderer: WebGLRenderer;
@@ -29,9 +31,11 @@ export class Viewport {
     private readonly canvas: HTMLCanvasElement,
     store: Store,
   ) {
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const inSoftware = isDrawnInSoftware();
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !inSoftware, powerPreference: "high-performance" });
+    this.#renderer.setPixelRatio(inSoftware ? 1 : Math.min(window.devicePixelRatio, 2));
     this.view = new SceneView(store, () => this.invalidate());
+    if (inSoftware) this.view.cloud.mostDrawn = kMostPointsInSoftware;
     const { scene } = this.view;
     this.#camera.up.set(0, 0, 1);
     this.#camera.position.set(-0.75, -0.85, 0.75);
@@ -81,10 +85,13 @@ export class Viewport {
     this.#pending = true;
     requestAnimationFrame(() => {
       this.#pending = false;
-      const begin = performance.now();
-      this.#renderer.render(this.view.scene, this.#camera);
-      this.frameTimes.drawing = performance.now() - begin;
+      this.drawNow();
     });
+  }
+
+  drawNow(): void {
+    this.#renderer.render(this.view.scene, this.#camera);
+    if (this.frameTimes.first === 0 && this.view.hasShapes()) this.frameTimes.first = performance.now();
   }
 
   /** Turns the camera so that all that matters is in view. */

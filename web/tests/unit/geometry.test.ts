@@ -5,6 +5,7 @@ import { planePose, rotationToX, turned } from "../../src/scene/geometry.js";
 import { Series, kSpan } from "../../src/scene/series.js";
 import type { FrameTransform, Vector } from "../../src/scene/types.js";
 import { FrameTree } from "../../src/view/frame_tree.js";
+import { simplified } from "../../src/view/simplify.js";
 import { niceAtLeast } from "../../src/panels/scale.js";
 
 const directions: Vector[] = [[1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, -1, 0], ...Array.from({ length: 50 }, (_, i): Vector => {
@@ -58,4 +59,35 @@ test("a series keeps peaks and its bounds, and begins anew when time does", () =
 
 test("scales end at 1, 2 or 5 times a power of ten", () => {
   for (const [value, end] of [[0.05, 0.05], [0.051, 0.1], [3, 5], [5.1, 10], [180, 200]] as const) assert.equal(niceAtLeast(value), end);
+});
+
+test("a mesh of too many vertices is drawn with fewer, within a cell of where they were, in colours it had", () => {
+  const side = 200; // a wavy sheet of 40 000 vertices, 0.3 m wide
+  const positions = new Float32Array(3 * side * side);
+  const colors = new Uint8Array(4 * side * side);
+  const height = (x: number, y: number): number => 0.01 * Math.sin(20 * x) * Math.cos(15 * y);
+  const indices: number[] = [];
+  for (let i = 0; i < side * side; i++) {
+    const [x, y] = [(0.3 * (i % side)) / (side - 1), (0.3 * Math.floor(i / side)) / (side - 1)];
+    positions.set([x, y, height(x, y)], 3 * i);
+    colors.set(x < 0.15 ? [1, 2, 3, 255] : [9, 8, 7, 255], 4 * i);
+    if (i % side < side - 1 && i < side * (side - 1)) indices.push(i, i + 1, i + side, i + 1, i + side + 1, i + side);
+  }
+  const mesh = { positions, indices: Uint32Array.from(indices), colors };
+  const fewer = simplified(mesh, 25_000, 60);
+  const count = fewer.positions.length / 3;
+  assert.ok(count < 8000 && count > 2000, String(count));
+  assert.ok(fewer.indices!.every((index) => index < count) && fewer.indices!.length < indices.length / 4);
+  for (let i = 0; i < count; i++) {
+    const [x, y, z] = fewer.positions.subarray(3 * i, 3 * i + 3) as unknown as [number, number, number];
+    assert.ok(Math.abs(z - height(x, y)) < 0.005);
+    assert.ok([1, 9].includes(fewer.colors![4 * i]!));
+  }
+  let area = 0; // of the sheet from above: nothing of it is lost
+  for (let i = 0; i < fewer.indices!.length; i += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => fewer.positions.subarray(3 * fewer.indices![i + k]!, 3 * fewer.indices![i + k]! + 2));
+    area += Math.abs((b![0]! - a![0]!) * (c![1]! - a![1]!) - (c![0]! - a![0]!) * (b![1]! - a![1]!)) / 2;
+  }
+  assert.ok(Math.abs(area / 0.09 - 1) < 0.06, String(area));
+  assert.equal(simplified(mesh, 50_000), mesh);
 });
