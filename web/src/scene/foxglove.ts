@@ -169,12 +169,13 @@ export const kFoxgloveHandlers: Handlers = {
     const [red, green, blue] = [at.get("red"), at.get("green"), at.get("blue")];
     const coloured = red !== undefined && green !== undefined && blue !== undefined;
     const object = at.get("object");
+    const old = store.cloud;
     store.cloud = {
       frame: text(fields, "frameId"),
       count,
-      positions: column(data, count, stride, x ?? 0),
-      colors: coloured ? colorColumn(data, count, stride, [red, green, blue]) : null,
-      objects: object === undefined ? null : shortColumn(data, count, stride, object),
+      positions: column(data, count, stride, x ?? 0, old?.positions),
+      colors: coloured ? colorColumn(data, count, stride, [red, green, blue], old?.colors) : null,
+      objects: object === undefined ? null : shortColumn(data, count, stride, object, old?.objects),
     };
     store.touch("cloud");
   },

@@ -81,14 +81,31 @@ export function pointsOf(from: Fields): Points {
   };
 }
 
-/** Bytes at a multiple of 4 of their buffer, so that views of wider numbers can lie on them; a copy where they are not. */
+let scratch = new Uint8Array();
+
+/**
+ * Bytes at a multiple of 4 of their buffer, so that views of wider numbers can lie on them. Where they are not, a copy that
+ * holds until the next call: clouds come many times a second, and new memory for each costs more than copying.
+ */
 export function aligned(data: Uint8Array): Uint8Array {
-  return data.byteOffset % 4 === 0 ? data : data.slice();
+  if (data.byteOffset % 4 === 0) return data;
+  if (scratch.length < data.length) scratch = new Uint8Array(data.length);
+  scratch.set(data);
+  return scratch.subarray(0, data.length);
+}
+
+/** `old` where it has that many elements, else a new array; so a cloud takes over the memory of the one before it. */
+function reused<Kind extends Float32Array | Uint8Array | Uint16Array>(
+  old: Kind | null | undefined,
+  length: number,
+  make: (length: number) => Kind,
+): Kind {
+  return old?.length === length ? old : make(length);
 }
 
 /** x, y, z of records of `stride` bytes. */
-export function column(data: Uint8Array, count: number, stride: number, offset: number): Float32Array {
-  const result = new Float32Array(3 * count);
+export function column(data: Uint8Array, count: number, stride: number, offset: number, old?: Float32Array | null): Float32Array {
+  const result = reused(old, 3 * count, (length) => new Float32Array(length));
   if (stride % 4 === 0 && offset % 4 === 0 && data.byteOffset % 4 === 0) {
     const all = new Float32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
     const step = stride >> 2;
@@ -109,16 +126,16 @@ export function column(data: Uint8Array, count: number, stride: number, offset: 
 }
 
 /** Opaque rgba of the three bytes at these offsets of each record. */
-export function colorColumn(data: Uint8Array, count: number, stride: number, offsets: number[]): Uint8Array {
+export function colorColumn(data: Uint8Array, count: number, stride: number, offsets: number[], old?: Uint8Array | null): Uint8Array {
+  const result = reused(old, 4 * count, (length) => new Uint8Array(length));
   const [red = 0, green = 0, blue = 0] = offsets;
   if (stride % 4 === 0 && red % 4 === 0 && green === red + 1 && blue === red + 2 && data.byteOffset % 4 === 0 && red + 4 <= stride) {
     const all = new Uint32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
-    const words = new Uint32Array(count);
+    const words = new Uint32Array(result.buffer, result.byteOffset, count);
     const step = stride >> 2;
     for (let i = 0, from = red >> 2; i < count; i++, from += step) words[i] = all[from]! | 0xff000000;
-    return new Uint8Array(words.buffer);
+    return result;
   }
-  const result = new Uint8Array(4 * count);
   for (let i = 0, from = 0, to = 0; i < count; i++, from += stride, to += 4) {
     result[to] = data[from + red]!;
     result[to + 1] = data[from + green]!;
@@ -129,8 +146,8 @@ export function colorColumn(data: Uint8Array, count: number, stride: number, off
 }
 
 /** A number of 16 bits of each record. */
-export function shortColumn(data: Uint8Array, count: number, stride: number, offset: number): Uint16Array {
-  const result = new Uint16Array(count);
+export function shortColumn(data: Uint8Array, count: number, stride: number, offset: number, old?: Uint16Array | null): Uint16Array {
+  const result = reused(old, count, (length) => new Uint16Array(length));
   if (stride % 2 === 0 && offset % 2 === 0 && data.byteOffset % 2 === 0) {
     const all = new Uint16Array(data.buffer, data.byteOffset, data.byteLength >> 1);
     const step = stride >> 1;
