@@ -178,7 +178,7 @@ function ledger(plan: Plan): HTMLElement {
       el("span", { class: "reason" }, rejection.reason),
       el("span", { class: "number" }, rejection.count),
       el("meter", { min: 0, max: most, value: rejection.count, "aria-hidden": "true" }),
-      rejection.nearestMiss ? el("small", {}, `nearest: ${rejection.nearestMiss}`) : null,
+      el("small", {}, [rejection.generator, rejection.nearestMiss && `nearest ${rejection.nearestMiss}`].filter(Boolean).join(": ")),
     );
   const total = plan.candidates > 0 ? `${plan.candidates} candidates, ${plan.grasps.length} grasps` : "";
   return el(

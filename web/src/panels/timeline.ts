@@ -26,7 +26,9 @@ export function timeline(app: App): void {
     );
     const target = now && now.phase !== "waiting" ? `object ${now.object}, grasp ${now.grasp + 1}` : "";
     const task = store.taskState ? `task: ${store.taskState}` : "";
-    detail.textContent = [store.result, now?.detail, target, task].filter(Boolean).join(" · ");
+    const words = now?.detail && store.result.includes(now.detail) ? "" : now?.detail;
+    detail.textContent = [store.result, words, target, task].filter(Boolean).join(" · ");
+    detail.title = detail.textContent;
     paintBand();
   };
   const paintBand = (): void => {

@@ -8,6 +8,7 @@ import { seconds } from "../time.js";
 import type { RecordedMessage, Recording } from "./recording.js";
 
 const kMostBehind = 0.25; // s of recorded time a picture: a page that was hidden goes on from where it was
+const kMostState = 256e6; // bytes that are kept of them
 const kTurn = 12; // ms of reading, after which the page is drawn
 
 export class Player {
@@ -19,8 +20,13 @@ export class Player {
   #at: bigint;
   #messages: AsyncIterator<RecordedMessage> | null = null;
   #next: RecordedMessage | null = null;
-  #busy = false;
-  #goal: bigint | null = null; // where to go once what runs has ended
+  #advancing: Promise<void> = Promise.resolve();
+  #seeking: Promise<void> | null = null;
+  #goal: bigint | null = null; // where to go next
+  /** Messages of state up to #stateEnd, so that they are read and unpacked once. */
+  readonly #state: RecordedMessage[] = [];
+  #stateEnd: bigint;
+  #stateBytes = 0;
   #closed = false;
   #lastTick = 0;
   readonly #topics: Record<Kind, string[]> = { state: [], signal: [], latest: [] };
@@ -32,6 +38,7 @@ export class Player {
     private readonly ingest: Ingest,
   ) {
     this.#at = recording.start;
+    this.#stateEnd = recording.start - 1n;
     const all = [...recording.channels.values()];
     for (const channel of all) {
       if (isShown(channel, all)) this.#topics[kindOf(channel.schemaName)].push(channel.topic);
@@ -65,14 +72,21 @@ export class Player {
     this.playing = false;
   }
 
-  /** Shows the moment `position` [s from the beginning]: state as it was, signals of the time a chart is wide. */
-  async seek(position: number): Promise<void> {
+  /**
+   * Shows the moment `position` [s from the beginning]: state as it was, signals of the time a chart is wide. Ends when it is
+   * shown, or another that was asked for meanwhile.
+   */
+  seek(position: number): Promise<void> {
     const { start, end } = this.recording;
     const offset = BigInt(Math.round(Math.max(0, Math.min(position, this.duration)) * 1e9));
     this.#goal = start + offset < end ? start + offset : end;
-    if (this.#busy) return; // the one that runs goes there next
-    this.#busy = true;
+    this.#seeking ??= this.#seekAll();
+    return this.#seeking;
+  }
+
+  async #seekAll(): Promise<void> {
     try {
+      await this.#advancing;
       while (this.#goal !== null && !this.#closed) {
         const goal: bigint = this.#goal;
         this.#goal = null;
@@ -81,7 +95,7 @@ export class Player {
     } catch (error) {
       this.#fail(error);
     } finally {
-      this.#busy = false;
+      this.#seeking = null;
     }
     this.changed.emit();
   }
@@ -89,7 +103,8 @@ export class Player {
   async #show(goal: bigint): Promise<void> {
     const { recording } = this;
     const stopped = (): boolean => this.#goal !== null || this.#closed;
-    const messages: RecordedMessage[] = [];
+    const messages = await this.#stateUntil(goal, stopped);
+    if (!messages) return;
     for (const topic of this.#topics.latest) {
       for await (const message of recording.messages({ topics: [topic], from: recording.start, to: goal, reverse: true })) {
         messages.push(message);
@@ -99,14 +114,9 @@ export class Player {
     }
     const early = goal - BigInt(kSpan) * 1_000_000_000n;
     const from = early > recording.start ? early : recording.start;
-    for (const span of [
-      { topics: this.#topics.state, from: recording.start, to: goal },
-      { topics: this.#topics.signal, from, to: goal },
-    ]) {
-      for await (const message of recording.messages(span)) {
-        messages.push(message);
-        if (stopped()) return;
-      }
+    for await (const message of recording.messages({ topics: this.#topics.signal, from, to: goal })) {
+      messages.push(message);
+      if (stopped()) return;
     }
     messages.sort((a, b) => (a.time < b.time ? -1 : a.time > b.time ? 1 : 0));
     this.store.reset();
@@ -121,20 +131,39 @@ export class Player {
       [Symbol.asyncIterator]();
   }
 
+  /** Null: it was stopped before all were read. */
+  async #stateUntil(goal: bigint, stopped: () => boolean): Promise<RecordedMessage[] | null> {
+    const { recording } = this;
+    const topics = this.#topics.state;
+    if (goal > this.#stateEnd && this.#stateBytes < kMostState) {
+      const fresh: RecordedMessage[] = [];
+      for await (const message of recording.messages({ topics, from: this.#stateEnd + 1n, to: goal })) {
+        fresh.push({ ...message, data: message.data.slice() }); // a view would keep all of its chunk
+        if (stopped()) return null;
+      }
+      for (const message of fresh) {
+        this.#state.push(message);
+        this.#stateBytes += message.data.length;
+      }
+      this.#stateEnd = goal;
+    }
+    const messages = this.#state.filter(({ time }) => time <= goal);
+    if (goal > this.#stateEnd) {
+      for await (const message of recording.messages({ topics, from: this.#stateEnd + 1n, to: goal })) {
+        messages.push(message);
+        if (stopped()) return null;
+      }
+    }
+    return messages;
+  }
+
   async #tick(now: number): Promise<void> {
     if (!this.playing || this.#closed) return;
     const passed = Math.min(Math.max(0, now - this.#lastTick) / 1000, kMostBehind) * this.speed;
     this.#lastTick = now;
-    if (!this.#busy) {
-      this.#busy = true;
-      try {
-        await this.#advance(this.#at + BigInt(Math.round(passed * 1e9)));
-      } catch (error) {
-        this.#fail(error);
-      } finally {
-        this.#busy = false;
-      }
-      if (this.#goal !== null) void this.seek(seconds(this.#goal - this.recording.start));
+    if (!this.#seeking) {
+      this.#advancing = this.#advance(this.#at + BigInt(Math.round(passed * 1e9))).catch((error: unknown) => this.#fail(error));
+      await this.#advancing;
       this.changed.emit();
     }
     if (this.playing && !this.#closed) requestAnimationFrame((later) => void this.#tick(later));
@@ -144,7 +173,7 @@ export class Player {
     const deadline = performance.now() + kTurn;
     const latest = new Map<number, RecordedMessage>();
     let reached = to;
-    while (this.#messages) {
+    while (this.#messages && this.#goal === null) {
       if (!this.#next) {
         const result = await this.#messages.next();
         if (result.done === true) {

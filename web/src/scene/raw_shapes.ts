@@ -204,7 +204,8 @@ export const kShapeHandlers: Handlers = {
     interval("mass", " kg");
     interval("friction", "");
     if (text(fields, "substitute")) details.push({ name: "mesh", value: text(fields, "substitute") });
-    if (text(fields, "meshDefects")) details.push({ name: "defects", value: text(fields, "meshDefects") });
+    const defects = text(fields, "meshDefects");
+    if (defects !== "" && defects !== "watertight") details.push({ name: "defects", value: defects });
     const [method, known] = [text(fields, "method"), text(child(fields, "known"), "name")];
     store.objects.set(id, {
       id,

@@ -79,7 +79,8 @@ export class SceneView {
         const chosen = isSelected && (grasp === null ? parts[2] === "0" : parts[2] === String(grasp));
         if (this.graspChoice === "best") visible &&= parts[2] === "0" || chosen;
         else if (this.graspChoice === "selected") visible &&= object === null ? parts[2] === "0" : isSelected && (grasp === null || chosen);
-        highlight(root, chosen ? 0.4 : 0);
+        // Of the chosen object's grasps the one that would be executed stands out.
+        highlight(root, chosen ? 0.2 : 0, isSelected && !chosen ? 0.22 : 1);
       } else if (layer === "shapes") {
         highlight(root, isSelected ? 0.05 : 0);
       }
@@ -169,9 +170,14 @@ export class SceneView {
   }
 }
 
-function highlight(root: Object3D, strength: number): void {
+/** Lets it glow, and shine through: `share` of the opacity that it has. */
+function highlight(root: Object3D, strength: number, share = 1): void {
   root.traverse((part) => {
     if (!(part instanceof Mesh) || !(part.material instanceof MeshLambertMaterial)) return;
+    const own = (part.material.userData["opacity"] ??= part.material.opacity) as number;
+    part.material.opacity = own * share;
+    part.material.transparent = own * share < 1;
+    part.material.depthWrite = own * share > 0.5;
     part.material.emissive.copy(part.material.color).multiplyScalar(strength);
   });
 }
