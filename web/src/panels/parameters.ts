@@ -52,7 +52,7 @@ export function parametersPanel(app: App): HTMLElement {
     rows.clear();
     const nodes = new Map<string, HTMLElement[]>();
     for (const name of [...values.keys()].sort()) {
-      const dot = name.lastIndexOf(".");
+      const dot = name.indexOf("."); // nodes have none in their names, parameters may
       const [node, own] = dot > 0 ? [name.slice(0, dot), name.slice(dot + 1)] : ["", name];
       const row = makeRow(name, own);
       rows.set(name, row);

@@ -1,6 +1,7 @@
 /** The well-known types `foxglove.*`: scene, frames, clouds, images, logs. */
 
 import { bytes, child, children, has, integer64, number, text, type Fields } from "../protobuf/fields.js";
+import type { TriangleList } from "../protobuf/triangle_lists.js";
 import { seconds } from "../time.js";
 import { kGraspsTopic, kObjectsTopic, kRawPlansTopic } from "./store.js";
 import { aligned, colorColumn, column, poseOf, rotationOf, shortColumn, vectorOf } from "./geometry.js";
@@ -31,26 +32,18 @@ function pointsOf(list: Fields[]): Float32Array {
   return result;
 }
 
-function colorBytes(list: Fields[]): Uint8Array {
-  const result = new Uint8Array(4 * list.length);
-  list.forEach((color, i) => {
-    for (const [c, value] of colorOf(color).entries()) result[4 * i + c] = Math.round(255 * Math.min(1, Math.max(0, value)));
-  });
-  return result;
-}
-
-function triangles(from: Fields): Mesh {
-  const positions = pointsOf(children(from, "points"));
+function triangles({ positions, colors, indices }: TriangleList): Mesh {
   const vertices = positions.length / 3;
-  const given = from["indices"];
-  const indices = Array.isArray(given) && given.length > 0 ? Uint32Array.from(given as number[]) : null;
-  if (indices?.some((index) => index >= vertices)) throw new Error("a triangle names a vertex that its mesh does not have");
-  if ((indices?.length ?? vertices) % 3 !== 0) throw new Error("the vertices of a triangle list are no multiple of three");
-  const colors = children(from, "colors");
-  return { positions, indices, colors: colors.length === vertices ? colorBytes(colors) : null };
+  if (indices.some((index) => index >= vertices)) throw new Error("a triangle names a vertex that its mesh does not have");
+  if ((indices.length || vertices) % 3 !== 0) throw new Error("the vertices of a triangle list are no multiple of three");
+  return {
+    positions,
+    indices: indices.length > 0 ? indices : null,
+    colors: colors.length === 4 * vertices && vertices > 0 ? colors : null,
+  };
 }
 
-function primitivesOf(entity: Fields): Primitive[] {
+function primitivesOf(entity: Fields, lists: TriangleList[]): Primitive[] {
   const result: Primitive[] = [];
   const each = (name: string, make: (from: Fields) => Primitive): void => {
     for (const from of children(entity, name)) result.push(make(from));
@@ -80,7 +73,10 @@ function primitivesOf(entity: Fields): Primitive[] {
     shape: (["strip", "loop", "list"] as const)[number(from, "type")] ?? "strip",
     points: pointsOf(children(from, "points")),
   }));
-  each("triangles", (from) => ({ kind: "mesh", ...common(from), mesh: triangles(from) }));
+  children(entity, "triangles").forEach((from, i) => {
+    const list = lists[i];
+    if (list) result.push({ kind: "mesh", ...common(from), mesh: triangles(list) });
+  });
   each("models", (from) => ({
     kind: "model",
     pose: poseOf(child(from, "pose")),
@@ -92,11 +88,11 @@ function primitivesOf(entity: Fields): Primitive[] {
   return result;
 }
 
-function entityOf(from: Fields): Entity {
+function entityOf(from: Fields, lists: TriangleList[]): Entity {
   return {
     id: text(from, "id"),
     frame: text(from, "frameId"),
-    primitives: primitivesOf(from),
+    primitives: primitivesOf(from, lists),
     metadata: new Map(children(from, "metadata").map((pair) => [text(pair, "key"), text(pair, "value")])),
   };
 }
@@ -131,7 +127,7 @@ export const kFoxgloveHandlers: Handlers = {
     store.touch("frames");
   },
 
-  "foxglove.SceneUpdate": (store, { topic, fields }) => {
+  "foxglove.SceneUpdate": (store, { topic, fields, lists = [] }) => {
     for (const deletion of children(fields, "deletions")) {
       const id = number(deletion, "type") === 1 ? undefined : text(deletion, "id");
       store.deleteEntity(topic, id);
@@ -143,9 +139,9 @@ export const kFoxgloveHandlers: Handlers = {
     }
     if (topic === kGraspsTopic) store.deleteEntity(kRawPlansTopic);
     let problem: unknown;
-    for (const given of children(fields, "entities")) {
+    for (const [i, given] of children(fields, "entities").entries()) {
       try {
-        const entity = entityOf(given);
+        const entity = entityOf(given, lists[i] ?? []);
         store.setEntity(topic, entity);
         objectFromEntity(store, entity);
         graspFromEntity(store, entity);

@@ -2,6 +2,7 @@
 
 import { decoderOf, type Decode } from "../protobuf/schemas.js";
 import { fieldsOf } from "../protobuf/fields.js";
+import { splitTriangles } from "../protobuf/triangle_lists.js";
 import { seconds } from "../time.js";
 import { kFoxgloveHandlers } from "./foxglove.js";
 import type { Handler, Handlers } from "./handler.js";
@@ -82,7 +83,14 @@ export class Ingest {
     if (!handler) return;
     try {
       const decode = this.#decoder(key, source.schemaName, schema);
-      if (decode) handler(this.store, { topic: source.topic, time: seconds(time), fields: fieldsOf(decode(data)) });
+      if (!decode) return;
+      const arrival = { topic: source.topic, time: seconds(time) };
+      if (source.schemaName === "foxglove.SceneUpdate") {
+        const { rest, lists } = splitTriangles(data);
+        handler(this.store, { ...arrival, fields: fieldsOf(decode(rest)), lists });
+      } else {
+        handler(this.store, { ...arrival, fields: fieldsOf(decode(data)) });
+      }
     } catch (error) {
       this.#say(`${source.topic}: ${error instanceof Error ? error.message : String(error)}`);
     }

@@ -174,3 +174,28 @@ test("frames of the schema with fields that this page does not know are read", (
   const data = Buffer.concat([encode("prehend.msgs.Clock", { time: 7n * second, speed: 1 }), Buffer.from([0xfa, 0x3f, 2, 1, 2])]);
   assert.equal(new Taken().take("/clock", "prehend.msgs.Clock", data).store.time, 7);
 });
+
+test("vertices taken out of a scene are those that were put in, and what else it says stays", () => {
+  const points = [{ x: 1, y: 2, z: 3 }, { x: 4 }, {}, { z: -0.5 }];
+  const colors = [{ r: 1, a: 1 }, { g: 0.5, a: 1 }, {}, { r: 2, g: -1, b: 0.2, a: 1 }];
+  const message = encode("foxglove.SceneUpdate", {
+    deletions: [{ id: "gone" }],
+    entities: [
+      { id: "a", frameId: "f", metadata: [{ key: "k", value: "v" }], triangles: [{ points, colors, indices: [0, 1, 2, 2, 1, 3], pose: { position: { x: 9 }, orientation: { w: 1 } } }, { points: points.slice(0, 3), color: { g: 1, a: 1 } }] },
+      { id: "b", cubes: [{ size: { x: 1, y: 1, z: 1 }, color: { a: 1 } }] },
+    ],
+  });
+  const { store, troubles } = new Taken().take("/t", "foxglove.SceneUpdate", message);
+  assert.deepEqual(troubles, []);
+  const [a, b] = [store.entities.get("/t")!.get("a")!, store.entities.get("/t")!.get("b")!];
+  const [first, second] = a.primitives;
+  assert.ok(first?.kind === "mesh" && second?.kind === "mesh" && b.primitives[0]?.kind === "cube");
+  assert.deepEqual([...first.mesh.positions], [1, 2, 3, 4, 0, 0, 0, 0, 0, 0, 0, -0.5]);
+  assert.deepEqual([...first.mesh.colors!], [255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 0, 0, 255, 0, 51, 255]);
+  assert.deepEqual([...first.mesh.indices!], [0, 1, 2, 2, 1, 3]);
+  assert.deepEqual([first.pose.position[0], second.color[1], second.mesh.indices, a.metadata.get("k"), a.frame], [9, 1, null, "v", "f"]);
+  // Cut off anywhere it is an error in words or a shorter message, never anything else.
+  for (let length = 0; length < message.length; length++) {
+    new Taken().take("/t", "foxglove.SceneUpdate", message.slice(0, length));
+  }
+});
