@@ -31,7 +31,7 @@ for (const kind of wanted) {
     const { build } = await import("esbuild");
     rmSync(built, { recursive: true, force: true });
     mkdirSync(built);
-    await build({ entryPoints: files, outdir: built, outExtension: { ".js": ".mjs" }, bundle: true, format: "esm", platform: "node", target: "node20", packages: "external", external: ["*/schemas.mjs", "*/world.mjs", "*/recorded.mjs", "*/dist.mjs"], logLevel: "warning" });
+    await build({ entryPoints: files, outdir: built, outExtension: { ".js": ".mjs" }, bundle: true, format: "esm", platform: "node", target: "node20", packages: "external", external: ["*/schemas.mjs", "*/world.mjs", "*/recorded.mjs", "*/build.mjs"], logLevel: "warning" });
     files = readdirSync(built).filter((file) => file.endsWith(".test.mjs")).map((file) => join(built, file));
   }
   const { status } = spawnSync(process.execPath, ["--test", "--test-concurrency=1", "--test-timeout=120000", ...files], { stdio: "inherit", cwd: root });

@@ -6,7 +6,7 @@ import { populate } from "../demo.mjs";
 import { writeRecording } from "../recorded.mjs";
 import { TestServer } from "../server.mjs";
 import { stopState } from "../world.mjs";
-import { useBrowser, withPage } from "./fixture.mjs";
+import { eventually, useBrowser, withPage } from "./fixture.mjs";
 
 useBrowser();
 
@@ -45,6 +45,8 @@ test("the same run, after the connection was lost, goes on with what it had", ()
 
 test("frames and messages that are garbage are said, and the page goes on", () =>
   withPage(async ({ page, server, step, wrong }) => {
+    step(1); // the signals' channels begin with it
+    await eventually(() => server.isSubscribed("/tactile/left"), "the subscription");
     let state = 5;
     const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
     for (let i = 0; i < 300; i++) {
