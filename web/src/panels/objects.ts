@@ -2,7 +2,7 @@
 
 import type { App } from "../app.js";
 import { el, fill, panel } from "../dom.js";
-import type { GraspInfo, ObjectInfo, Plan, Rejection } from "../scene/types.js";
+import type { GraspInfo, ObjectInfo, Plan, Rejection, Vector } from "../scene/types.js";
 import { paletteColor } from "../view/ramp.js";
 
 export const kExecuteService = "/viewer/execute";
@@ -50,7 +50,7 @@ export function objectsPanel(app: App): HTMLElement {
       el("span", { class: `verdict ${verdictTone(plan)}` }, verdict(plan)),
     );
     const entry = el("li", { class: isSelected ? "selected" : "", "data-object": id }, head);
-    if (isSelected) entry.append(facts(info), ...(plan ? [grasps(plan), ledger(plan)] : []));
+    if (isSelected) entry.append(facts(info), ...(plan ? [grasps(plan), ledger(plan, store.selection.at)] : []));
     return entry;
   };
 
@@ -167,7 +167,7 @@ function facts(info: ObjectInfo): HTMLElement {
 }
 
 /** "Why not here?": reasons by how many candidates they cost, and how far the nearest was from passing. */
-function ledger(plan: Plan): HTMLElement {
+function ledger(plan: Plan, clicked: Vector | undefined): HTMLElement {
   const reasons = plan.rejections.slice(0, kFirstReasons);
   const rest = plan.rejections.slice(kFirstReasons).reduce((sum, rejection) => sum + rejection.count, 0);
   const most = Math.max(1, ...plan.rejections.map((rejection) => rejection.count));
@@ -185,6 +185,7 @@ function ledger(plan: Plan): HTMLElement {
     "section",
     { class: "ledger" },
     el("h3", {}, "Why not here?", el("small", {}, total)),
+    clicked && nearestGrasp(plan, clicked),
     plan.problem && plan.grasps.length > 0 ? el("p", { class: "problem" }, plan.problem) : null,
     reasons.length === 0 ? el("p", { class: "muted" }, "Nothing was rejected.") : null,
     el("ul", {}, ...reasons.map(row), rest > 0 ? row({ reason: "other reasons", count: rest, generator: "", nearestMiss: "" }) : null),
@@ -193,4 +194,13 @@ function ledger(plan: Plan): HTMLElement {
     plan.choices.length > 0 ? el("h4", {}, "Worth most first") : null,
     el("ol", { class: "plain-list" }, ...plan.choices.map((text) => el("li", {}, text))),
   );
+}
+
+/** Which grasp touches nearest to where the object was clicked. */
+function nearestGrasp(plan: Plan, clicked: Vector): HTMLElement | null {
+  const distance = (grasp: GraspInfo): number =>
+    Math.min(...grasp.contacts.map((contact) => Math.hypot(...contact.map((value, i) => value - clicked[i]!))));
+  const [nearest] = plan.grasps.filter((grasp) => grasp.contacts.length > 0).sort((a, b) => distance(a) - distance(b));
+  if (!nearest) return null;
+  return el("p", {}, `Where you clicked: grasp ${nearest.rank + 1} touches nearest, ${(1000 * distance(nearest)).toFixed(0)} mm away.`);
 }

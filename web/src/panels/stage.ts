@@ -115,9 +115,10 @@ export function stagePanel(app: App, viewport: Viewport): void {
   store.watch(["selection", "objects"], paintCard);
   app.connection.offersChanged.on(paintCard);
 
-  viewport.onClick = (id) => {
+  viewport.onClick = (id, at) => {
     const [kind, object, rank] = id?.split("/") ?? [];
     if (object === undefined) store.select(null);
-    else store.select(Number(object), kind === "grasp" ? Number(rank) : null);
+    else if (kind === "grasp") store.select(Number(object), Number(rank));
+    else store.select(Number(object), null, at);
   };
 }

@@ -64,6 +64,7 @@ export function graspFromEntity(store: Store, entity: Entity): void {
     ...(width !== undefined && { width }),
     generator: metadata.get("generator") ?? "",
     remark: metadata.get("problem") ?? metadata.get("remark") ?? "",
+    contacts: [],
     predicted: new Map(),
   };
   plan.grasps = [...plan.grasps.filter((other) => other.rank !== rank), grasp].sort((a, b) => a.rank - b.rank);

@@ -118,6 +118,7 @@ export function planOf(fields: Fields): Plan {
       ...(robustness !== undefined && { robustness }),
       generator: text(grasp, "generator"),
       remark: text(grasp, "remark"),
+      contacts: children(grasp, "contacts").map(vectorOf),
       predicted: predictedPads(grasp),
     };
   });

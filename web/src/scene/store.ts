@@ -17,6 +17,7 @@ import type {
   Plan,
   StopState,
   SurpriseMark,
+  Vector,
 } from "./types.js";
 
 export type Part =
@@ -48,6 +49,8 @@ const kMostEntities = 5000;
 export interface Selection {
   object: number | null;
   grasp: number | null; // rank
+  /** m, world: where the object was clicked; absent: it was not. */
+  at?: Vector;
 }
 
 export class Store {
@@ -162,8 +165,8 @@ export class Store {
     this.touch("cycle");
   }
 
-  select(object: number | null, grasp: number | null = null): void {
-    this.selection = { object, grasp };
+  select(object: number | null, grasp: number | null = null, at?: Vector): void {
+    this.selection = { object, grasp, ...(at && { at }) };
     this.touch("selection");
   }
 

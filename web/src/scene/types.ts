@@ -93,6 +93,7 @@ export interface GraspInfo {
   width?: number; // m, between the pads before it closes
   generator: string;
   remark: string;
+  contacts: Vector[]; // m, world; none: not known
   predicted: ReadonlyMap<string, PadImage>; // by the pad's name
 }
 

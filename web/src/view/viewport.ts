@@ -5,6 +5,7 @@ import {
   WebGLRenderer, type Material,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Vector } from "../scene/types.js";
 import type { Store } from "../scene/store.js";
 import { isDrawnInSoftware } from "./graphics.js";
 import { SceneView } from "./scene_view.js";
@@ -17,7 +18,8 @@ export class Viewport {
   readonly view: SceneView;
   /** ms since navigation began, of the first picture with an object in it; 0: there was none yet. */
   readonly frameTimes = { first: 0 };
-  onClick: (id: string | null) => void = () => {};
+  /** `at`: m, world. */
+  onClick: (id: string | null, at?: Vector) => void = () => {};
 
   readonly #renderer: WebGLRenderer;
   readonly #camera = new PerspectiveCamera(42, 1, 0.01, 50);
@@ -125,7 +127,8 @@ export class Viewport {
     });
     canvas.addEventListener("pointerup", (event) => {
       if (down && Math.hypot(event.clientX - down.x, event.clientY - down.y) <= kClickDistance) {
-        this.onClick(this.pick(event.clientX, event.clientY));
+        const hit = this.pick(event.clientX, event.clientY);
+        this.onClick(hit?.id ?? null, hit?.at);
       }
       down = null;
     });
@@ -148,8 +151,8 @@ export class Viewport {
     canvas.addEventListener("webglcontextrestored", () => this.invalidate());
   }
 
-  /** The id of the entity at this place of the window, if it can be chosen. */
-  pick(x: number, y: number): string | null {
+  /** What is at this place of the window, if it can be chosen. */
+  pick(x: number, y: number): { id: string | null; at: Vector } | null {
     const box = this.canvas.getBoundingClientRect();
     const at = new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height);
     const ray = new Raycaster();
@@ -157,7 +160,7 @@ export class Viewport {
     for (const hit of ray.intersectObject(this.view.pickable, true)) {
       let isShown = true;
       hit.object.traverseAncestors((ancestor) => (isShown &&= ancestor.visible));
-      if (isShown) return this.view.idOf(hit.object);
+      if (isShown) return { id: this.view.idOf(hit.object), at: [hit.point.x, hit.point.y, hit.point.z] };
     }
     return null;
   }

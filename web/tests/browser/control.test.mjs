@@ -12,6 +12,14 @@ test("a click on an object chooses it, and Execute asks for its best grasp", () 
     await page.mouse.click(at.x, at.y);
     await page.waitForFunction(() => window.prehend.store.selection.object === 0);
     assert.match(await page.locator(".ledger").innerText(), /the arm cannot reach it[\s\S]*214[\s\S]*12 mm out of reach/);
+    // The nearest contact to the click, of all grasps, by the picture's own numbers.
+    const [said, least] = await page.evaluate(() => {
+      const { at } = window.prehend.store.selection;
+      const distances = window.prehend.store.plans.get(0).grasps.map(({ contacts }) => Math.min(...contacts.map((p) => Math.hypot(p[0] - at[0], p[1] - at[1], p[2] - at[2]))));
+      return [document.querySelector(".ledger p").textContent, Math.min(...distances)];
+    });
+    assert.ok(least > 0 && least < 0.1);
+    assert.match(said, new RegExp(`touches nearest, ${(1000 * least).toFixed(0)} mm away`));
     await page.locator("#card").getByRole("button", { name: "Execute" }).click();
     await eventually(() => server.calls.length === 1, "the call");
     assert.deepEqual(server.calls, [["/viewer/execute", { object: 0, grasp: 0 }]]);
