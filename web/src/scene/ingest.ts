@@ -9,6 +9,7 @@ import type { Handler, Handlers } from "./handler.js";
 import { kCycleHandlers } from "./raw_cycle.js";
 import { kShapeHandlers } from "./raw_shapes.js";
 import { kSignalHandlers } from "./raw_signals.js";
+import { kStageHandlers } from "./raw_stage.js";
 import type { Store } from "./store.js";
 
 export interface Source {
@@ -17,11 +18,12 @@ export interface Source {
   encoding: string;
 }
 
-const kHandlers: Handlers = { ...kFoxgloveHandlers, ...kShapeHandlers, ...kSignalHandlers, ...kCycleHandlers };
+const kHandlers: Handlers = { ...kFoxgloveHandlers, ...kShapeHandlers, ...kSignalHandlers, ...kCycleHandlers, ...kStageHandlers };
 
 /** A topic of well-known type that shows what messages of these types would: they are not read beside it. */
 const kReplaced: Readonly<Record<string, string[]>> = {
   "/viewer/cloud": ["prehend.msgs.ObjectHypotheses"],
+  "/viewer/robot": ["prehend.msgs.JointState"],
   "/viewer/objects": ["prehend.msgs.ObjectModel"],
   "/viewer/image/left": ["prehend.msgs.StereoPair", "prehend.msgs.Image", "prehend.msgs.DepthImage"],
   "/viewer/log": ["prehend.msgs.graph.LogLine"],
@@ -45,6 +47,7 @@ const kSignals = new Set([
   "prehend.msgs.TactileFrame",
   "prehend.msgs.Wrench",
   "prehend.msgs.GripperState",
+  "prehend.msgs.JointState",
   "foxglove.FrameTransforms",
 ]);
 

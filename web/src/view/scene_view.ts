@@ -1,6 +1,6 @@
 /** The store's entities, cloud and frames as a three.js scene: only what changed is built anew. */
 
-import { Box3, Group, Mesh, MeshLambertMaterial, Scene, type Object3D } from "three";
+import { Box3, Group, Mesh, MeshLambertMaterial, Scene, type Matrix4, type Object3D } from "three";
 import type { Store } from "../scene/store.js";
 import type { Entity } from "../scene/types.js";
 import { CloudPoints } from "./cloud_points.js";
@@ -45,6 +45,7 @@ export class SceneView {
   readonly #others = new Group();
   readonly #shown = new Map<string, Shown>();
   readonly #tree: FrameTree;
+  #places = ""; // of the camera and the cloud
 
   constructor(
     private readonly store: Store,
@@ -61,12 +62,16 @@ export class SceneView {
   takeCloud(): void {
     const { cloud } = this.store;
     this.cloud.show(cloud);
-    const camera = [...this.store.frames.keys()].find((name) => /^camera$|camera.*optical|^camera/.test(name));
-    this.cloud.setCamera(
-      camera === undefined ? null : this.#tree.world(camera),
-      (cloud && this.#tree.world(cloud.frame)) ?? kIdentity,
-    );
+    const [camera, world] = this.#cloudPlaces();
+    this.cloud.setCamera(camera, world);
     this.invalidate();
+  }
+
+  /** Where the camera is, if that is known, and the cloud's frame. */
+  #cloudPlaces(): [camera: Matrix4 | null, world: Matrix4] {
+    const { cloud, frames } = this.store;
+    const name = frames.has("camera") ? "camera" : [...frames.keys()].find((other) => other.startsWith("camera"));
+    return [name === undefined ? null : this.#tree.world(name), (cloud && this.#tree.world(cloud.frame)) ?? kIdentity];
   }
 
   applyVisibility(): void {
@@ -135,6 +140,12 @@ export class SceneView {
   #takeFrames(): void {
     this.#tree.refresh();
     for (const { entity, root } of this.#shown.values()) this.#place(entity, root);
+    const places = this.#cloudPlaces();
+    const moved = places.map((place) => place?.elements.join()).join(";");
+    if (moved !== this.#places) {
+      this.#places = moved;
+      this.takeCloud();
+    }
     this.invalidate();
   }
 

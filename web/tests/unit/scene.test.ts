@@ -199,3 +199,17 @@ test("vertices taken out of a scene are those that were put in, and what else it
     new Taken().take("/t", "foxglove.SceneUpdate", message.slice(0, length));
   }
 });
+
+test("a stage's hand is sketched where its joints are, as far open as the gripper says; another robot's is not", () => {
+  const taken = new Taken().take("/joint_states", "prehend.msgs.JointState", { name: ["arm_joint_1"], position: [1] });
+  assert.equal(taken.store.entities.size, 0);
+  taken.take("/gripper/state", "prehend.msgs.GripperState", { opening: 0.03 });
+  const name = ["arm_yaw", "arm_x", "arm_y", "arm_z"];
+  taken.take("/joint_states", "prehend.msgs.JointState", { name, position: [Math.PI / 2, 0.1, -0.2, 0.3] });
+  const pose = taken.store.frames.get("stage hand")!.pose;
+  assert.deepEqual(pose.position, [0.1, -0.2, 0.3]);
+  assert.ok(Math.abs(pose.rotation[2] - Math.SQRT1_2) < 1e-12);
+  const fingers = taken.store.entities.get("sketched hand")!.get("hand/sketch")!.primitives.slice(0, 2);
+  const inner = fingers.map((finger) => (finger.kind === "cube" ? Math.abs(finger.pose.position[1]) - finger.size[1] / 2 : 0));
+  for (const half of inner) assert.ok(Math.abs(half - 0.015) < 1e-9);
+});
