@@ -6,10 +6,11 @@
 # make tsan   the same under ThreadSanitizer (build-tsan)
 # make bench  build, then run the benchmarks; figures go to out/bench/*.json
 # make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
+# make web    rebuild the viewer's page web/dist from web/src (node 20, npm)
 # make format, make check-format   clang-format
 # make clean  remove build and out
 
-.PHONY: demo build test asan asan-quick tsan format check-format bench fuzz clean configure packages
+.PHONY: demo build test asan asan-quick tsan format check-format bench fuzz web clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -52,6 +53,10 @@ fuzz: packages
 	@cmake --preset fuzz --log-level=WARNING
 	@cmake --build --preset fuzz
 	@tests/fuzz/run.sh build-fuzz/bin out/fuzz $(FUZZ_SECONDS)
+
+# web/dist is in the repository: only who changes web/src needs node.
+web:
+	@cd web && npm ci --no-audit --no-fund && npm run build
 
 SOURCES = git ls-files '*.cpp' '*.h' | xargs
 format:
