@@ -60,8 +60,8 @@ CycleNode::CycleNode(graph::Node& node)
            .minimum = -1,
            .description =
                "id of the object to grasp, -1: the one with the best grasp, and another one "
-               "after an attempt that failed as the hand met it too early",
-           .read_only = true})),
+               "after an attempt that failed as the hand met it too early; what is set counts from "
+               "the next start of the cycle"})),
       exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
       ungraspable_is_ok_(
           declare_flag(node, "ungraspable_is_ok", "exit code 0 when nothing can be grasped")),
@@ -218,6 +218,7 @@ bool CycleNode::is_settled(const msgs::GraspPlan& plan) const {
 
 void CycleNode::start(const View& view) {
   robot_patience_.reset();
+  object_ = node_.parameter<int>("object");
   const Target target = target_in(view, object_);
   target_ = target.id;
   if (target.grasps.empty()) {

@@ -3,28 +3,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include "prehend/robot/link_mesh.h"
+
 namespace prehend::report {
 namespace {
 
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
-using robot::CollisionShape;
-
-TriangleMesh shape_mesh(const CollisionShape& shape) {
-  constexpr int kSegments = 24;
-  switch (shape.kind) {
-    case CollisionShape::Kind::kBox:
-      return geometry::make_box(shape.size);
-    case CollisionShape::Kind::kSphere:
-      return geometry::make_sphere(shape.radius, kSegments);
-    case CollisionShape::Kind::kCylinder:
-      return geometry::make_revolution(
-          {{shape.radius, -shape.length / 2}, {shape.radius, shape.length / 2}}, kSegments);
-    case CollisionShape::Kind::kMesh:
-      break;
-  }
-  return *shape.solid;
-}
 
 }  // namespace
 
@@ -40,9 +25,7 @@ TriangleMesh robot_mesh(const robot::RobotModel& model,
   }
   std::vector<TriangleMesh> parts;
   for (std::size_t i = 0; i < model.links.size(); ++i) {
-    for (const CollisionShape& shape : model.links[i].shapes) {
-      parts.push_back(geometry::transformed(shape_mesh(shape), X_RL[i] * shape.X_LS));
-    }
+    parts.push_back(geometry::transformed(robot::link_mesh(model.links[i]), X_RL[i]));
   }
   return geometry::concatenated(parts);
 }

@@ -22,8 +22,10 @@ struct Hall {
   std::vector<std::string_view> library;
   bool messages;
 };
-const std::vector<Hall> kHalls{
-    {"graph", {"text"}, true}, {"launch", {"text", "graph"}, true}, {"recording", {"text"}, false}};
+const std::vector<Hall> kHalls{{"graph", {"text"}, true},
+                               {"launch", {"text", "graph"}, true},
+                               {"recording", {"text"}, false},
+                               {"viewing", {"text"}, false}};
 
 struct Place {
   std::string top, folder;  // e.g. prehend, geometry

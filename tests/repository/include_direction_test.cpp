@@ -23,6 +23,7 @@ TEST(IncludeDirection, WhatGoesUpOrAcrossIsFound) {
   EXPECT_THAT(of("prehend/shape/vote.h", "prehend/surface/model.h"), ElementsAre(::testing::_));
   EXPECT_THAT(of("prehend/graph/node.h", "prehend/geometry/plane.h"), ElementsAre(::testing::_));
   EXPECT_THAT(of("prehend/recording/mcap_reader.h", "msgs/graph.pb.h"), ElementsAre(::testing::_));
+  EXPECT_THAT(of("prehend/viewing/hub.h", "prehend/graph/node.h"), ElementsAre(::testing::_));
   EXPECT_THAT(of("prehend/newcomer/x.h", "prehend/geometry/plane.h"),
               ElementsAre(HasSubstr("kFloors")));
   EXPECT_THAT(of("prehend/shape/vote.h", "tests/shape/views.h"), ElementsAre(::testing::_));

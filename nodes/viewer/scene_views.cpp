@@ -1,0 +1,134 @@
+// The entities of a scene: what is kept of each object belongs to the newest look.
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "msgs/convert/foxglove_geometry.h"
+#include "msgs/convert/foxglove_objects.h"
+#include "msgs/convert/foxglove_robot.h"
+#include "msgs/grasp.pb.h"
+#include "msgs/objects.pb.h"
+#include "msgs/sensors.pb.h"
+#include "nodes/viewer/view_makers.h"
+
+namespace prehend::nodes {
+namespace {
+
+using ::foxglove::SceneUpdate;
+using std::chrono::steady_clock;
+
+constexpr int kMostGrasps = 8;  // of each object
+constexpr std::chrono::milliseconds kTruthPeriod{100};
+
+std::string key_of(std::uint32_t object) { return std::to_string(object); }
+
+struct ObjectsState {
+  std::mutex mutex;
+  Look look;
+};
+
+struct GraspsState {
+  std::mutex mutex;
+  Look look;
+  std::map<std::uint32_t, int> shown;  // grasps of each object
+};
+
+struct TruthState {
+  std::mutex mutex;
+  steady_clock::time_point last{};
+};
+
+}  // namespace
+
+View robot_view(std::shared_ptr<const robot::Platform> platform) {
+  View view{view_channel<SceneUpdate>("/viewer/robot", 1, false), {}, {}};
+  view.begin = [platform](const View::Publish& publish) {
+    publish(0, convert::robot_update(*platform, 0).SerializeAsString(), "");
+    return std::vector<View::Source>();
+  };
+  return view;
+}
+
+View objects_view() {
+  View view{view_channel<SceneUpdate>("/viewer/objects", 1, false), {"/models"}, {}};
+  view.begin = [](View::Publish publish) {
+    auto state = std::make_shared<ObjectsState>();
+    return std::vector<View::Source>{
+        {"/models", [state, publish](const graph::RawMessage& raw) {
+           const auto model = decoded<msgs::ObjectModel>(raw);
+           const std::int64_t stamp = model.header().stamp();
+           SceneUpdate update;
+           *update.add_entities() = convert::object_entity(model);
+           std::vector<std::uint32_t> gone;
+           const std::lock_guard lock(state->mutex);
+           if (!state->look.take(raw.info.publish_time, stamp, model.object_count(), gone)) return;
+           for (const std::uint32_t id : gone) {
+             SceneUpdate deletion;
+             convert::add_deletion(deletion, convert::object_frame(id), stamp);
+             publish(raw.info.publish_time, deletion.SerializeAsString(), key_of(id));
+           }
+           publish(raw.info.publish_time, update.SerializeAsString(), key_of(model.id()));
+         }}};
+  };
+  return view;
+}
+
+View grasps_view() {
+  View view{view_channel<SceneUpdate>("/viewer/grasps", 1, false), {"/plans"}, {}};
+  view.begin = [](View::Publish publish) {
+    auto state = std::make_shared<GraspsState>();
+    return std::vector<View::Source>{
+        {"/plans", [state, publish](const graph::RawMessage& raw) {
+           const auto plan = decoded<msgs::GraspPlan>(raw);
+           std::vector<std::uint32_t> gone;
+           const std::lock_guard lock(state->mutex);
+           if (!state->look.take(raw.info.publish_time, plan.header().stamp(), plan.object_count(),
+                                 gone))
+             return;
+           for (const std::uint32_t id : gone) {
+             msgs::GraspPlan nothing;
+             *nothing.mutable_header() = plan.header();
+             nothing.set_id(id);
+             auto update = convert::grasps_update(nothing, kMostGrasps, state->shown[id]);
+             update.clear_entities();
+             convert::add_deletion(update, fmt::format("grasp/{}/none", id), plan.header().stamp());
+             publish(raw.info.publish_time, update.SerializeAsString(), key_of(id));
+             state->shown.erase(id);
+           }
+           int& shown = state->shown[plan.id()];
+           const auto update = convert::grasps_update(plan, kMostGrasps, shown);
+           shown = std::max(shown, std::min(kMostGrasps, plan.grasps_size()));
+           publish(raw.info.publish_time, update.SerializeAsString(), key_of(plan.id()));
+         }}};
+  };
+  return view;
+}
+
+View table_view() {
+  View view{view_channel<SceneUpdate>("/viewer/table", 1, true), {"/objects", "/ground_truth"}, {}};
+  view.begin = [](View::Publish publish) {
+    auto state = std::make_shared<TruthState>();
+    return std::vector<View::Source>{
+        {"/objects",
+         [publish](const graph::RawMessage& raw) {
+           const auto update = convert::table_update(decoded<msgs::ObjectHypotheses>(raw));
+           publish(raw.info.publish_time, update.SerializeAsString(), "table");
+         }},
+        {"/ground_truth", [publish, state](const graph::RawMessage& raw) {
+           {
+             const std::lock_guard lock(state->mutex);
+             if (steady_clock::now() - state->last < kTruthPeriod) return;
+             state->last = steady_clock::now();
+           }
+           const auto update = convert::truth_update(decoded<msgs::GroundTruth>(raw));
+           publish(raw.info.publish_time, update.SerializeAsString(), "truth");
+         }}};
+  };
+  return view;
+}
+
+}  // namespace prehend::nodes

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "nodes/viewer/message_types.h"
+#include "nodes/viewer/views.h"
+#include "prehend/geometry/errors.h"
+
+namespace prehend::nodes {
+
+/// A channel of viewers' type `Converted`.
+template <class Converted>
+viewing::Channel view_channel(const std::string& topic, std::size_t latched, bool may_drop) {
+  return {topic, viewed_type(*Converted::descriptor()), latched, may_drop};
+}
+
+/// A message of the graph, decoded. @throws geometry::InputError for another type or what is none.
+template <class Message>
+Message decoded(const graph::RawMessage& raw) {
+  Message message;
+  if (raw.schema->name != Message::descriptor()->full_name() ||
+      !message.ParseFromString(raw.bytes)) {
+    throw geometry::InputError("A message on " + raw.info.topic.str() + " of " +
+                                   raw.info.sender.str() + " is no " +
+                                   Message::descriptor()->full_name(),
+                               "Mend or update the node that published it");
+  }
+  return message;
+}
+
+/// Each message of one topic becomes one of the channel.
+template <class Message, class Convert>
+View simple_view(viewing::Channel channel, const std::string& topic, Convert convert) {
+  View view{std::move(channel), {topic}, {}};
+  view.begin = [topic, convert](View::Publish publish) {
+    return std::vector<View::Source>{
+        {topic, [convert, publish](const graph::RawMessage& raw) {
+           publish(raw.info.publish_time, convert(decoded<Message>(raw)).SerializeAsString(), "");
+         }}};
+  };
+  return view;
+}
+
+/// Objects by the look that they are of. Not thread-safe.
+class Look {
+ public:
+  /// @param now [ns] when the message was published, @param stamp of its look, @param count of the
+  /// look's objects. False: it is of a look before. `gone` gets the objects that were there and are
+  /// no more. A time that has jumped back, as when a replay begins again, begins anew.
+  bool take(std::int64_t now, std::int64_t stamp, std::uint32_t count,
+            std::vector<std::uint32_t>& gone) {
+    constexpr std::int64_t kJump = 1'000'000'000;  // ns
+    if (now < newest_ - kJump) {
+      newest_ = now;
+      stamp_ = kNever;
+    }
+    newest_ = std::max(newest_, now);
+    if (stamp < stamp_) return false;
+    if (stamp > stamp_) {
+      for (std::uint32_t id = count; id < count_; ++id) gone.push_back(id);
+      count_ = count;
+      stamp_ = stamp;
+    }
+    return true;
+  }
+  std::int64_t stamp() const { return stamp_; }
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+  std::int64_t newest_ = 0;
+  std::int64_t stamp_ = kNever;
+  std::uint32_t count_ = 0;
+};
+
+/// The parts of standard_views().
+View frames_view(std::shared_ptr<const robot::Platform> platform);
+View robot_view(std::shared_ptr<const robot::Platform> platform);
+View objects_view();
+View grasps_view();
+View table_view();
+
+}  // namespace prehend::nodes
