@@ -3,8 +3,8 @@
 #   bin/prehend                     the command, a link
 #   lib/prehend/bin                 the programs, beside each other as they look for each other
 #   lib/prehend/lib                 plug-ins: physics engines, the emulated camera's OpenNI2 driver
-#   lib/prehend/config, launch      links to share/prehend, where programs look for their defaults
-#   share/prehend                   launch files, robots, scenes, tasks, measured fronts
+#   lib/prehend/config, launch, web links to share/prehend, where programs look for their defaults
+#   share/prehend                   launch files, robots, scenes, tasks, measured fronts, the viewer's page
 #   include/prehend, lib/prehend/archives, lib/cmake/prehend   the library
 #
 # Components: programs, development.
@@ -53,11 +53,12 @@ endforeach()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/lib/openni2/ DESTINATION ${INSTALLED_TREE}/lib/openni2
         COMPONENT programs PATTERN "libPrehendCamera*" EXCLUDE)
 install(DIRECTORY config launch DESTINATION share/prehend COMPONENT programs)
+install(DIRECTORY web/dist DESTINATION share/prehend/web COMPONENT programs)
 install(CODE "
   set(prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
   file(MAKE_DIRECTORY \"\${prefix}/bin\" \"\${prefix}/${INSTALLED_TREE}\")
   file(CREATE_LINK ../${INSTALLED_TREE}/bin/prehend \"\${prefix}/bin/prehend\" SYMBOLIC)
-  foreach(folder config launch)
+  foreach(folder config launch web)
     file(CREATE_LINK ../../share/prehend/\${folder} \"\${prefix}/${INSTALLED_TREE}/\${folder}\" SYMBOLIC)
   endforeach()" COMPONENT programs)
 
@@ -65,8 +66,9 @@ foreach(folder prehend drivers msgs)
   install(DIRECTORY ${folder} DESTINATION include/prehend COMPONENT development
           FILES_MATCHING PATTERN "*.h" PATTERN "*.proto" PATTERN example EXCLUDE)
 endforeach()
-install(DIRECTORY ${PROJECT_BINARY_DIR}/msgs/generated/msgs DESTINATION include/prehend
-        COMPONENT development FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/msgs/generated/msgs
+                  ${PROJECT_BINARY_DIR}/msgs/foxglove/generated/foxglove
+        DESTINATION include/prehend COMPONENT development FILES_MATCHING PATTERN "*.h")
 set(PACKAGE_FOLDER lib/cmake/prehend)
 install(EXPORT prehend NAMESPACE prehend:: DESTINATION ${PACKAGE_FOLDER} FILE targets.cmake
         COMPONENT development)
