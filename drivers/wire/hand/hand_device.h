@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -97,7 +98,10 @@ class WiredHand : public HandDevice<Interface> {
   }
 
  private:
-  static constexpr auto kTick = std::chrono::milliseconds(2);  // the next question waits no longer
+  // The next question waits no longer while something is under way, else as long as rounds may
+  // take: waking up is most of what a hand at rest costs.
+  static constexpr auto kTick = std::chrono::milliseconds(2), kIdle = std::chrono::milliseconds(10);
+  static constexpr auto kRound = std::chrono::milliseconds(10);
   static constexpr auto kPause = std::chrono::milliseconds(20);
 
   void run() {
@@ -121,9 +125,8 @@ class WiredHand : public HandDevice<Interface> {
   }
   void serve() {
     const std::shared_ptr<Port> port = port_;
-    port->wait(kTick);
-    Reading reading;
-    bool is_news = false;
+    port->wait(is_settled_ ? kIdle : kTick);
+    std::optional<Reading> news;
     {
       const std::lock_guard lock(this->mutex_);
       const auto states = wired_->reading().states;
@@ -132,10 +135,11 @@ class WiredHand : public HandDevice<Interface> {
         return take(event, words);
       });
       wired_->update(steady_now());
-      reading = wired_->reading();
-      is_news = reading.states != states || reading.state != state;
+      is_settled_ = wired_->is_settled();
+      const Reading& reading = wired_->reading();
+      if (reading.states != states || reading.state != state) news = reading;
     }
-    if (is_news) callbacks_.on_state(reading);
+    if (news) callbacks_.on_state(*news);
   }
   bool take(PortEvent event, const std::string& words) {
     std::string& problem = this->line_problem_;
@@ -161,10 +165,12 @@ class WiredHand : public HandDevice<Interface> {
     return false;
   }
   void round() {
-    if (!callbacks_.on_round) return;
+    const Time now = steady_now();
+    if (!callbacks_.on_round || now - last_round_ < kRound) return;
+    last_round_ = now;
     const std::string why = callbacks_.on_round(this->reading());
     if (why.empty()) return;
-    this->with_driver([&](auto& driver, Time now) { driver.begin_anew(why, now); });
+    this->with_driver([&](auto& driver, Time then) { driver.begin_anew(why, then); });
     callbacks_.on_round(this->reading());
   }
   bool serve_until_settled() {
@@ -205,6 +211,8 @@ class WiredHand : public HandDevice<Interface> {
   Reopening reopening_;
   std::shared_ptr<Port> port_;  // changed by the thread, with the lock held
   Driver* wired_ = nullptr;
+  bool is_settled_ = false;  // of the thread
+  Time last_round_{};        // of the thread
   std::atomic<bool> ends_ = false;
   std::thread thread_;
 };
