@@ -249,5 +249,43 @@ TEST(LaunchFilesOfTheRepository, BringupAndHilTakeABarrettHand) {
               ::testing::Not(HasSubstr("barrett_emulator")));
 }
 
+// A BH8-262 is the same hand on a serial line; what is another model's is refused by name.
+TEST(LaunchFilesOfTheRepository, BringupAndHilTakeABarrettHandByItsSerialLine) {
+  const ScratchDirectory scratch;
+  int calls = 0;
+  const auto dry_run = [&](std::vector<std::string> words, int exit_code) {
+    words.insert(words.begin(), {"launch", "--dry-run"});
+    ChildProgram program("prehend", words, scratch.path(std::to_string(calls++) + ".txt"));
+    EXPECT_EQ(program.wait(seconds(30)), exit_code) << program.output();
+    return program.output();
+  };
+  const auto bringup = [&](std::vector<std::string> more, int exit_code) {
+    more.insert(more.begin(), {"launch/bringup.yaml", "platform:=pa10_barrett", "hand:=barrett",
+                               "barrett_model:=bh8_262"});
+    return dry_run(more, exit_code);
+  };
+  const std::string line = "barrett:=/dev/ttyUSB3";
+  const std::string hand = bringup({line, "barrett_fast_baud:=38400"}, 0);
+  for (const char* part : {"node: barrett", "model: bh8_262", "line: /dev/ttyUSB3",
+                           "fast_baud: 38400", "/tactile/*: /unused/tactile/*"}) {
+    EXPECT_THAT(hand, HasSubstr(part));
+  }
+  EXPECT_THAT(hand, ::testing::Not(HasSubstr("can: ")));
+  EXPECT_THAT(bringup({}, 1), HasSubstr("name it, barrett:=/dev/ttyUSB2"));
+  EXPECT_THAT(bringup({line, "barrett_initialise:=done"}, 1), HasSubstr("tells by itself"));
+  EXPECT_THAT(bringup({line, "tactile:=dsa"}, 1), HasSubstr("a BH8-262 has none"));
+  EXPECT_THAT(bringup({line, "most_torque:=900"}, 1), HasSubstr("no effect"));
+  EXPECT_THAT(bringup({line, "barrett_baud:=115200"}, 1), HasSubstr("38400"));
+  const std::vector<std::string> of_280{"launch/bringup.yaml", "platform:=pa10_barrett",
+                                        "hand:=barrett", "strain_range:=50"};
+  EXPECT_THAT(dry_run(of_280, 1), HasSubstr("no effect"));
+  const std::string all =
+      dry_run({"launch/hil.yaml", "platform:=pa10_barrett", "barrett_model:=bh8_262"}, 0);
+  for (const char* part : {"node: barrett_serial_emulator", "line: /tmp/prehend_hil_barrett",
+                           "initialise: at_start", "gripper_driver: barrett"}) {
+    EXPECT_THAT(all, HasSubstr(part));
+  }
+}
+
 }  // namespace
 }  // namespace prehend::testing

@@ -226,8 +226,11 @@ void declare_hand(graph::Node& node, Declared& declared, Settings& s) {
 void declare_times(Declared& declared, Settings& s) {
   const auto both = [&](const char* name, double DriverOptions::*can,
                         double gcl::DriverOptions::*gcl, double least, const char* words) {
-    double& of = s.model == k280 ? s.can.*can : s.gcl.*gcl;
-    of = declared.seconds(name, of, least, words);
+    const bool is_280 = s.model == k280;
+    const std::string other = is_280 ? "; without it " + number(s.gcl.*gcl) + " of a BH8-262"
+                                     : "; without it " + number(s.can.*can) + " of a BH8-280";
+    double& of = is_280 ? s.can.*can : s.gcl.*gcl;
+    of = declared.seconds(name, of, least, words + other);
   };
   using Can = DriverOptions;
   using Gcl = gcl::DriverOptions;

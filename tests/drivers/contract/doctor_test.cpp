@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "drivers/barrett/emulator/gcl/hand.h"
 #include "drivers/barrett/emulator/served_hand.h"
 #include "drivers/dsa/driver/probe.h"
 #include "drivers/dsa/emulator/controller.h"
@@ -304,6 +305,55 @@ TEST_F(DoctorAsksDevices, BarrettHandAnswersAndIsNotMoved) {
   const auto missing = ask({"--barrett", "slcan:/dev/no_adapter"});
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.output, HasSubstr("cannot open /dev/no_adapter"));
+}
+
+TEST_F(DoctorAsksDevices, BarrettHandOnASerialLineAnswersAndIsNotMoved) {
+  auto end = std::make_unique<PseudoTerminal>();
+  const std::string line = end->name();
+  barrett::ClutchHand plant;
+  barrett::gcl::HandOptions of_hand;
+  of_hand.plant = &plant;
+  of_hand.boot_time = 0;
+  of_hand.host_baud = [terminal = end.get()] { return terminal->baud(); };
+  ServedDevice<barrett::gcl::Hand> hand(of_hand, std::move(end));
+  const auto good = ask({"--barrett", line});
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output,
+              AllOf(HasSubstr("hand: BarrettHand BH8-262 on " + line + " answers at 9600 baud"),
+                    HasSubstr("not initialised")));
+  hand.with_device([](barrett::gcl::Hand& h, Time) {
+    EXPECT_EQ(h.moves() + h.aborts(), 0u);
+    h.set_mute(true);
+  });
+  const auto silent = ask({"--barrett", line});
+  EXPECT_EQ(silent.exit_code, 1);
+  EXPECT_THAT(silent.output, AllOf(HasSubstr("the hand does not answer on " + line),
+                                   HasSubstr("-> check its supply (24 V)")));
+}
+
+TEST_F(DriversDoctor, NamesTheBarrettHandThatDoesNotAnswerOnItsLine) {
+  const PseudoTerminal nobody;
+  EXPECT_THAT(page_of("barrett", {"model:=bh8_262", "line:=" + nobody.name()}, "does not answer"),
+              AllOf(HasSubstr("the hand does not answer on " + nobody.name()),
+                    HasSubstr("Check its supply (24 V)")));
+}
+
+TEST_F(DriversDoctor, ParametersOfAnotherBarrettHandAreRefusedByName) {
+  struct Case {
+    const char *model, *parameter, *words;
+  };
+  for (const Case& one :
+       {Case{"bh8_280", "fast_baud:=38400", "fast_baud is a parameter of a BH8-262"},
+        Case{"bh8_262", "can:=can1", "can is a parameter of a BH8-280"},
+        Case{"bh8_262", "initialise:=done", "tells by itself"}}) {
+    const auto outcome =
+        testing::run_program("barrett",
+                             {"--registry", registry_.endpoint(), "--param",
+                              std::string("model:=") + one.model, "--param", one.parameter},
+                             std::chrono::seconds(20));
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(one.words));
+  }
 }
 
 TEST_F(DriversDoctor, NamesTheBarrettHandThatDoesNotAnswer) {
