@@ -101,6 +101,20 @@ std::vector<StoppedRobot> stopped_robots() {
        .most = 1.8,
        .way = 1.0,
        .fault = {"barrett_emulator", "mute", "true", "false", "",
+                 "barrett: the hand's answers are missing", 0}},
+      {.name = "ArmAndSerialBarrettHand",
+       .launch_file = "launch/emulated_robot.yaml",
+       .arguments = {"platform:=pa10_barrett", "hand:=barrett", "barrett_model:=bh8_262",
+                     "wrench:=ft300", "lines:=LINES"},
+       .required = {"barrett", "simulation", "ft300"},
+       .world_joints = "/world/joint_states",
+       .arm_set_points = "",
+       .hand_set_points = "/world/hand/command",
+       .hand_joint = "finger_1_inner",
+       .least = 0,
+       .most = 1.8,
+       .way = 1.0,
+       .fault = {"barrett_serial_emulator", "mute", "true", "false", "",
                  "barrett: the hand's answers are missing", 0}}};
 }
 

@@ -46,7 +46,7 @@ struct StoppedRobot {
 };
 
 /// All emulators that there are, and what is simulated beside each: stage and PG70, a KUKA's arm
-/// over RSI and a simulated gripper, simulated arms with an SDH-2 and with a BarrettHand.
+/// over RSI and a simulated gripper, simulated arms with an SDH-2 and with both BarrettHands.
 std::vector<StoppedRobot> stopped_robots();
 
 /// A robot of which arm and hand can be moved and stopped, and are watched in the world, whatever
