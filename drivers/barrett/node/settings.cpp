@@ -107,18 +107,13 @@ void declare_gcl(Declared& declared, Settings& s) {
   if (s.model == k262) s.wire = line;
   gcl::DriverOptions& d = s.gcl;
   const auto rate = [&](const char* name, unsigned value, const char* words) {
-    return static_cast<unsigned>(declared.only<int>(
-        k262, {.name = name,
-               .default_value = static_cast<int>(value),
-               .unit = "bit/s",
-               .description = words,
-               .validate = [is_other = value == 0](const int& baud) -> std::string {
-                 for (const unsigned one : gcl::kBauds) {
-                   if (baud == static_cast<int>(one)) return {};
-                 }
-                 if (is_other && baud == 0) return {};
-                 return "the hand has 600, 1200, 2400, 4800, 9600, 19200 and 38400";
-               }}));
+    std::vector<int> rates(gcl::kBauds.begin(), gcl::kBauds.end());
+    if (value == 0) rates.insert(rates.begin(), 0);
+    return static_cast<unsigned>(declared.only<int>(k262, {.name = name,
+                                                           .default_value = static_cast<int>(value),
+                                                           .unit = "bit/s",
+                                                           .choices = rates,
+                                                           .description = words}));
   };
   d.baud = rate("baud", d.baud, "that the hand has after power-on");
   d.fast_baud =
@@ -138,11 +133,9 @@ void declare_gcl(Declared& declared, Settings& s) {
   d.velocity_factor = declared.only<int>(
       k262, {.name = "velocity_factor",
              .default_value = d.velocity_factor,
+             .choices = {1, 16},
              .description = "parts of a count per 10 ms that LCV is counted in: 1 (BHand API), 16 "
-                            "(manual of firmware 4.3); a hand that is too fast for it is stopped",
-             .validate = [](const int& factor) -> std::string {
-               return factor == 1 || factor == 16 ? "" : "it is 1 or 16";
-             }});
+                            "(manual of firmware 4.3); a hand that is too fast for it is stopped"});
   d.temperature_unit =
       declared.only<double>(k262, {.name = "temperature_unit",
                                    .default_value = d.temperature_unit,

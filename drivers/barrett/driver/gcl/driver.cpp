@@ -41,26 +41,14 @@ Driver::Driver(const DriverOptions& options, Send send, SetBaud set_baud, Note n
       note_(std::move(note)),
       begins_by_initialising_(options.initialisation == Initialisation::kAtStart),
       baud_(options.baud) {
-  for (const double value : {options.state_period,
-                             options.watchdog,
-                             options.loss_time,
-                             options.reply_time,
-                             options.block_time,
-                             options.stop_repeat,
-                             options.stop_time,
-                             options.quiet_time,
-                             options.stall_time,
-                             options.tolerance,
-                             options.approach,
-                             options.grip_give,
-                             options.linger,
-                             options.initialise_time,
-                             options.temperature_period,
-                             options.gauge_range,
-                             options.strain_range,
-                             options.gearing.finger,
-                             options.gearing.spread,
-                             options.gearing.counts_per_turn}) {
+  for (const double value :
+       {options.state_period,       options.watchdog,       options.loss_time,
+        options.reply_time,         options.block_time,     options.stop_repeat,
+        options.stop_time,          options.quiet_time,     options.stall_time,
+        options.tolerance,          options.approach,       options.settle_time,
+        options.grip_give,          options.linger,         options.initialise_time,
+        options.temperature_period, options.gauge_range,    options.strain_range,
+        options.gearing.finger,     options.gearing.spread, options.gearing.counts_per_turn}) {
     check(std::isfinite(value) && value > 0, "times, tolerances and gears must be positive");
   }
   check(options.tries >= 1, "a line needs at least one try");

@@ -46,7 +46,8 @@ struct DriverOptions {
   double quiet_time = 0.02;       // s of silence behind a prompt, then no other comes
   double stall_time = 0.3;        // s of standing although told to move, then it is blocked
   double tolerance = 0.02;        // rad of a motor, within which a target counts as reached
-  double approach = 12;           // 1/s: speed by the way that is left
+  double approach = 8;            // 1/s: speed by the way that is left
+  double settle_time = 0.1;       // s at its target, then a motor has arrived
   double grip_give = 0.1;         // rad that what is held may give way before the grip is lost
   double linger = 0.5;            // s in RealTime mode behind a continuous motion
   double initialise_time = 20;    // s that HI may take
@@ -163,7 +164,8 @@ class Driver : public HandDriver {
     int velocity = 0;                           // counts per 10 ms that it was told
     Time standing_since{};
     double standing_at = 0;
-    int pressing = 0, fast = 0;  // blocks in a row
+    std::optional<Time> arrived;  // at its target, since then
+    int pressing = 0, fast = 0;   // blocks in a row
     bool blocked = false;
     CommandMode mode = CommandMode::kStop;  // of a continuous one
     double asked = 0;                       // rad or rad/s, of a continuous one

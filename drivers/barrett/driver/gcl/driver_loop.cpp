@@ -157,7 +157,12 @@ void Driver::look_at_axis(std::size_t axis, Time now) {
     motion.phase = Phase::kEnded;
     return;
   }
-  if (is_there(axis) && std::abs(way) <= 0.5 * options_.tolerance && stands(axis)) {
+  // What swings through its target has not arrived.
+  if (std::abs(way) > 0.5 * options_.tolerance) {
+    motion.arrived.reset();
+  } else if (!motion.arrived) {
+    motion.arrived = now;
+  } else if (now - *motion.arrived >= to_time(options_.settle_time) && stands(axis)) {
     motion.phase = Phase::kEnded;
     return;
   }

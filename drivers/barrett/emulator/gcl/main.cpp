@@ -61,8 +61,7 @@ SerialSettings declare_serial_settings(graph::Node& node) {
       node.declare_parameter<int>({.name = "baud",
                                    .default_value = static_cast<int>(s.options.baud),
                                    .unit = "bit/s",
-                                   .minimum = 600,
-                                   .maximum = 38400,
+                                   .choices = {gcl::kBauds.begin(), gcl::kBauds.end()},
                                    .description = "as stored: after power-on and RESET",
                                    .read_only = true}));
   s.options.prints_abort = node.declare_parameter<bool>(
@@ -73,8 +72,7 @@ SerialSettings declare_serial_settings(graph::Node& node) {
   s.options.velocity_factor = node.declare_parameter<int>(
       {.name = "velocity_factor",
        .default_value = s.options.velocity_factor,
-       .minimum = 1,
-       .maximum = 16,
+       .choices = {1, 16},
        .description = "parts of a count per 10 ms that LCV is counted in",
        .read_only = true});
   s.options.boot_time =
