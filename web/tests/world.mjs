@@ -75,6 +75,11 @@ export function tableUpdate() {
   return encode("foxglove.SceneUpdate", {
     entities: [
       { frameId: "world", id: "table", cubes: [{ pose: at(0, 0, -0.01), size: { x: 0.9, y: 0.7, z: 0.02 }, color: { r: 0.72, g: 0.69, b: 0.64, a: 1 } }] },
+      ...["carton", "bottle", "ball"].map((name, i) => ({
+        frameId: "world",
+        id: `truth/${name}`,
+        texts: [{ pose: at(centers[i][0], centers[i][1], 0.2), billboard: true, fontSize: 14, scaleInvariant: true, color: { r: 0.9, g: 0.2, b: 0.2, a: 1 }, text: name }],
+      })),
     ],
   });
 }

@@ -118,7 +118,7 @@ export function stagePanel(app: App, viewport: Viewport): void {
   viewport.onClick = (id, at) => {
     const [kind, object, rank] = id?.split("/") ?? [];
     if (object === undefined) store.select(null);
-    else if (kind === "grasp") store.select(Number(object), Number(rank));
+    else if (kind === "grasp" && /^\d+$/.test(rank ?? "")) store.select(Number(object), Number(rank));
     else store.select(Number(object), null, at);
   };
 }

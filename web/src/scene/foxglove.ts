@@ -77,6 +77,13 @@ function primitivesOf(entity: Fields, lists: TriangleList[]): Primitive[] {
     const list = lists[i];
     if (list) result.push({ kind: "mesh", ...common(from), mesh: triangles(list) });
   });
+  each("texts", (from) => ({
+    kind: "text",
+    ...common(from),
+    text: text(from, "text"),
+    size: number(from, "fontSize"),
+    isScaleInvariant: from["scaleInvariant"] === true,
+  }));
   each("models", (from) => ({
     kind: "model",
     pose: poseOf(child(from, "pose")),

@@ -116,3 +116,12 @@ test("keys turn the view, and fit it", () =>
     const fitted = await center();
     assert.ok(Math.hypot(fitted.x - far.x, fitted.y - far.y) > 3);
   }));
+
+test("labels of the truth are drawn when they are asked for", () =>
+  withPage(async ({ page }) => {
+    await showOnly(page);
+    const without = await hues(page);
+    await showOnly(page, "truth");
+    const shown = await hues(page);
+    assert.ok(shown.red > without.red + 60, JSON.stringify(shown));
+  }));
