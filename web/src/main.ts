@@ -53,7 +53,11 @@ const app: App = {
       const answer = await connection.callJson(service, body);
       const { ok, message } = (answer ?? {}) as { ok?: unknown; message?: unknown };
       if (ok === true) return true;
-      say(`Refused: ${typeof message === "string" && message !== "" ? message : "the server does not say why"}`, "error", service);
+      say(
+        `Refused: ${typeof message === "string" && message !== "" ? message : "the server does not say why"}`,
+        "error",
+        service,
+      );
     } catch (error) {
       say(error instanceof Error ? error.message : String(error), "error", service);
     }
@@ -75,7 +79,8 @@ connection.time.on((time) => {
   store.touch("clock");
 });
 connection.message.on((channel, time, data) => {
-  if (!player) ingest.take(`live ${channel.id} ${channel.schemaName}`, channel, () => base64Bytes(channel.schema), time, data);
+  if (!player)
+    ingest.take(`live ${channel.id} ${channel.schemaName}`, channel, () => base64Bytes(channel.schema), time, data);
 });
 
 function setPlayer(next: Player | null): void {
@@ -124,7 +129,11 @@ byId("side").append(
 try {
   const viewport = new Viewport(byId<HTMLCanvasElement>("view"), store);
   const paint = (): void =>
-    viewport.setTheme(cssColor("--stage"), cssColor("--stage-grid"), byId("theme").getAttribute("aria-pressed") === "true");
+    viewport.setTheme(
+      cssColor("--stage"),
+      cssColor("--stage-grid"),
+      byId("theme").getAttribute("aria-pressed") === "true",
+    );
   window.addEventListener("theme", paint);
   paint();
   viewport.view.onTrouble = (text) => say(text, "warning");

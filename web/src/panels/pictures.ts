@@ -30,7 +30,9 @@ export function picturesPanel(app: App): HTMLElement {
       }
       if (view.drawn !== picture) {
         view.drawn = picture;
-        void draw(view.canvas, picture).catch((error: unknown) => app.say(`${topic}: ${String(error)}`, "warning", topic));
+        void draw(view.canvas, picture).catch((error: unknown) =>
+          app.say(`${topic}: ${String(error)}`, "warning", topic),
+        );
       }
     }
   };

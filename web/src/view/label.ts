@@ -5,7 +5,8 @@ import type { Color } from "../scene/types.js";
 
 const kPixels = 40; // height of a line in the texture
 const kLongest = 80; // letters; the lists have it whole
-const kPixelSize = 0.00128; // of a scale-invariant label's height a pixel of a view of 600 pixels, at 1 m and 42 degrees
+// m at 1 m: the height of a pixel in a view of 600 pixels and 42 degrees.
+const kPixelSize = 0.00128;
 
 /** `size`: m, or pixels where it is the same from everywhere. */
 export function label(text: string, size: number, isScaleInvariant: boolean, color: Color): Sprite {
@@ -24,14 +25,23 @@ export function label(text: string, size: number, isScaleInvariant: boolean, col
     context.beginPath();
     context.roundRect(0, 0, canvas.width, kPixels, 8);
     context.fill();
-    context.fillStyle = `rgb(${color.slice(0, 3).map((part) => 255 * (0.65 * part + 0.35)).join(" ")})`;
+    context.fillStyle = `rgb(${color
+      .slice(0, 3)
+      .map((part) => 255 * (0.65 * part + 0.35))
+      .join(" ")})`;
     context.fillText(shown, 8, kPixels / 2);
   }
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
   map.minFilter = LinearFilter;
   const sprite = new Sprite(
-    new SpriteMaterial({ map, depthTest: false, transparent: true, opacity: color[3], sizeAttenuation: !isScaleInvariant }),
+    new SpriteMaterial({
+      map,
+      depthTest: false,
+      transparent: true,
+      opacity: color[3],
+      sizeAttenuation: !isScaleInvariant,
+    }),
   );
   const height = isScaleInvariant ? size * kPixelSize * 1.4 : size * 1.4;
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);

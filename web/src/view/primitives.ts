@@ -1,8 +1,24 @@
 /** Primitives of entities -> three.js objects. */
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color as ThreeColor, CylinderGeometry, DoubleSide, Group, Line, LineBasicMaterial,
-  LineLoop, LineSegments, Matrix4, Mesh as ThreeMesh, MeshLambertMaterial, SphereGeometry, Sprite, SRGBColorSpace, type Object3D,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  Color as ThreeColor,
+  CylinderGeometry,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  LineLoop,
+  LineSegments,
+  Matrix4,
+  Mesh as ThreeMesh,
+  MeshLambertMaterial,
+  SphereGeometry,
+  Sprite,
+  SRGBColorSpace,
+  type Object3D,
 } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
@@ -37,7 +53,14 @@ function meshObject(given: Mesh, color: Color, flat: boolean): Object3D {
   geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
   if (mesh.indices) geometry.setIndex(new BufferAttribute(mesh.indices, 1));
   if (mesh.colors) {
-    geometry.setAttribute("color", new BufferAttribute(mesh.colors.map((byte, i) => (i % 4 === 3 ? byte : kLinear[byte]!)), 4, true));
+    geometry.setAttribute(
+      "color",
+      new BufferAttribute(
+        mesh.colors.map((byte, i) => (i % 4 === 3 ? byte : kLinear[byte]!)),
+        4,
+        true,
+      ),
+    );
   }
   if (!flat) geometry.computeVertexNormals();
   return new ThreeMesh(geometry, material(mesh.colors ? null : color, { flat, vertexColors: mesh.colors !== null }));
