@@ -54,7 +54,7 @@ export function panel(
   id: string,
   title: string,
   isOpen = true,
-): { root: HTMLElement; body: HTMLElement; note: HTMLElement } {
+): { root: HTMLDetailsElement; body: HTMLElement; note: HTMLElement } {
   const body = el("div", { class: "panel-body" });
   const note = el("span", { class: "panel-note" });
   const root = el("details", { class: "panel", id, open: isOpen }, el("summary", {}, el("h2", {}, title), note), body);

@@ -19,7 +19,7 @@ import { Connection } from "./protocol/connection.js";
 import { base64Bytes } from "./protocol/frames.js";
 import { Player } from "./recording/player.js";
 import { openRecording } from "./recording/recording.js";
-import { Ingest, isShown } from "./scene/ingest.js";
+import { Ingest, isPicture, isShown } from "./scene/ingest.js";
 import { Store } from "./scene/store.js";
 import { themeSwitch } from "./theme.js";
 import { seconds } from "./time.js";
@@ -36,7 +36,11 @@ try {
 } catch {
   say(`?ws= of this page's address is no address: give one as ws://127.0.0.1:8765`, "error");
 }
-const connection = new Connection(address, (channel, all) => player === null && isShown(channel, all.values()));
+const pictures = picturesPanel(store, (text, id) => say(text, "warning", id));
+const connection = new Connection(address, (channel, all) => {
+  if (player !== null || !isShown(channel, all.values())) return false;
+  return pictures.root.open || !isPicture(channel);
+});
 
 const app: App = {
   store,
@@ -110,6 +114,8 @@ const playback = playbackPanel(
   () => setPlayer(null),
 );
 
+pictures.root.addEventListener("toggle", () => connection.refresh());
+
 themeSwitch();
 stopPanel(app);
 connectionPanel(app);
@@ -120,7 +126,7 @@ byId("side").append(
   objectsPanel(app),
   touchPanel(app),
   surprisesPanel(app),
-  picturesPanel(app),
+  pictures.root,
   diagnosticsPanel(app),
   parametersPanel(app),
   logPanel(app),

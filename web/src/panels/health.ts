@@ -56,7 +56,7 @@ export function logPanel(app: App): HTMLElement {
   const list = el("ol", { class: "log", tabindex: 0, "aria-label": "Log, newest first" });
   body.append(el("div", { class: "row" }, least, search), list);
   const paint = (): void => {
-    if (!(root as HTMLDetailsElement).open) return;
+    if (!root.open) return;
     const from = kLevels.indexOf(least.value as Level);
     const words = search.value.toLowerCase();
     const lines = store.log

@@ -134,10 +134,10 @@ export function parametersPanel(app: App): HTMLElement {
     if (isNew) build();
   });
   connection.offersChanged.on(() => {
-    if ((root as HTMLDetailsElement).open) void describe();
+    if (root.open) void describe();
   });
   root.addEventListener("toggle", () => {
-    if ((root as HTMLDetailsElement).open) void describe();
+    if (root.open) void describe();
   });
   connection.sessionChanged.on(() => {
     descriptions.clear();

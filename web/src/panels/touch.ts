@@ -65,7 +65,7 @@ export function touchPanel(app: App): HTMLElement {
       view.root.remove();
       views.delete(name);
     }
-    if (!(root as HTMLDetailsElement).open) return;
+    if (!root.open) return;
     const { prediction, title } = predictionOf(app);
     note.textContent = title;
     let most = kLeastScale;

@@ -80,6 +80,13 @@ export function isShown(source: Source, all: Iterable<Source>): boolean {
   return true;
 }
 
+/** Whether a source sends pictures: the most traffic of all, wanted only while somebody looks at them. */
+export function isPicture({ topic, schemaName }: Source): boolean {
+  return (
+    /\.(RawImage|CompressedImage|StereoPair|Image|DepthImage)$/.test(schemaName) && !topic.startsWith("/viewer/pad/")
+  );
+}
+
 export class Ingest {
   /** What could not be shown, in words; each once. */
   onTrouble: (text: string) => void = () => {};

@@ -96,6 +96,19 @@ test("a server that says it dropped messages is heard, and taken back", () =>
     await page.getByText("40 messages were dropped").waitFor({ state: "detached" });
   }));
 
+test("pictures are asked for only while somebody looks at them", () =>
+  withPage(async ({ page, server }) => {
+    assert.equal(server.isSubscribed("/viewer/image/left"), false);
+    await page.locator("#pictures > summary").click();
+    await page.waitForFunction(() => document.querySelector("#pictures canvas")?.width === 160);
+    const pixel = await page.evaluate(() => [
+      ...document.querySelector("#pictures canvas").getContext("2d").getImageData(40, 20, 1, 1).data,
+    ]);
+    assert.deepEqual(pixel, [90, 100, 120, 255]);
+    await page.locator("#pictures > summary").click();
+    await eventually(() => !server.isSubscribed("/viewer/image/left"), "the end of the subscription");
+  }));
+
 async function drop(page, bytes, name) {
   await page.evaluate(
     ([base64, fileName]) => {
