@@ -1,5 +1,5 @@
-// Bundles src/ into dist/: viewer.js, viewer.css, index.html and the licences of what is bundled. Nothing in dist/ depends
-// on the machine it is made on.
+// Bundles src/ into dist/: viewer.js, viewer.css, index.html and the licences of what is bundled. Nothing in dist/
+// depends on the machine it is made on.
 
 import { build } from "esbuild";
 import { mkdir, readFile, readdir, writeFile } from "node:fs/promises";
@@ -13,7 +13,10 @@ async function licenceOf(name) {
   const folder = join(root, "node_modules", name);
   const { version, license } = JSON.parse(await readFile(join(folder, "package.json"), "utf8"));
   const file = (await readdir(folder)).find((entry) => /^licen[cs]e/i.test(entry));
-  const text = await readFile(file ? join(folder, file) : join(root, "licenses", `${name.replace("/", "__")}.txt`), "utf8");
+  const text = await readFile(
+    file ? join(folder, file) : join(root, "licenses", `${name.replace("/", "__")}.txt`),
+    "utf8",
+  );
   return `${"=".repeat(78)}\n${name} ${version}: ${license}\n\n${text.replaceAll("\r\n", "\n").trimEnd()}\n`;
 }
 

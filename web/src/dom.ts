@@ -3,7 +3,9 @@
 type Child = Node | string | number | null | false | undefined;
 type Attributes = { [name: string]: string | number | boolean | ((event: Event) => void) | undefined };
 
-/** `el("button", { class: "small", onclick: run, disabled: true }, "Run")`; a false or undefined attribute is not set. */
+/**
+ * `el("button", { class: "small", onclick: run, disabled: true }, "Run")`; a false or undefined attribute is not set.
+ */
 export function el<Name extends keyof HTMLElementTagNameMap>(
   name: Name,
   attributes: Attributes = {},
@@ -15,7 +17,8 @@ export function el<Name extends keyof HTMLElementTagNameMap>(
     else if (value !== undefined && value !== false) element.setAttribute(key, value === true ? "" : String(value));
   }
   for (const child of children) {
-    if (child !== null && child !== false && child !== undefined) element.append(typeof child === "number" ? String(child) : child);
+    if (child !== null && child !== false && child !== undefined)
+      element.append(typeof child === "number" ? String(child) : child);
   }
   return element;
 }
@@ -32,7 +35,9 @@ export function fill(parent: HTMLElement, ...children: Child[]): void {
   const active = document.activeElement;
   const key = active instanceof HTMLElement && parent.contains(active) ? active.dataset["key"] : undefined;
   const top = parent.scrollTop;
-  parent.replaceChildren(...children.filter((child): child is Node | string => child instanceof Node || typeof child === "string"));
+  parent.replaceChildren(
+    ...children.filter((child): child is Node | string => child instanceof Node || typeof child === "string"),
+  );
   parent.scrollTop = top;
   if (key !== undefined) {
     for (const element of parent.querySelectorAll<HTMLElement>("[data-key]")) {
@@ -45,7 +50,11 @@ export function fill(parent: HTMLElement, ...children: Child[]): void {
 }
 
 /** A panel of the side with its heading; `body` is where its content goes. */
-export function panel(id: string, title: string, isOpen = true): { root: HTMLElement; body: HTMLElement; note: HTMLElement } {
+export function panel(
+  id: string,
+  title: string,
+  isOpen = true,
+): { root: HTMLDetailsElement; body: HTMLElement; note: HTMLElement } {
   const body = el("div", { class: "panel-body" });
   const note = el("span", { class: "panel-note" });
   const root = el("details", { class: "panel", id, open: isOpen }, el("summary", {}, el("h2", {}, title), note), body);

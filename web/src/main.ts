@@ -19,7 +19,7 @@ import { Connection } from "./protocol/connection.js";
 import { base64Bytes } from "./protocol/frames.js";
 import { Player } from "./recording/player.js";
 import { openRecording } from "./recording/recording.js";
-import { Ingest, isShown } from "./scene/ingest.js";
+import { Ingest, isPicture, isShown } from "./scene/ingest.js";
 import { Store } from "./scene/store.js";
 import { themeSwitch } from "./theme.js";
 import { seconds } from "./time.js";
@@ -36,7 +36,11 @@ try {
 } catch {
   say(`?ws= of this page's address is no address: give one as ws://127.0.0.1:8765`, "error");
 }
-const connection = new Connection(address, (channel, all) => player === null && isShown(channel, all.values()));
+const pictures = picturesPanel(store, (text, id) => say(text, "warning", id));
+const connection = new Connection(address, (channel, all) => {
+  if (player !== null || !isShown(channel, all.values())) return false;
+  return pictures.root.open || !isPicture(channel);
+});
 
 const app: App = {
   store,
@@ -53,7 +57,11 @@ const app: App = {
       const answer = await connection.callJson(service, body);
       const { ok, message } = (answer ?? {}) as { ok?: unknown; message?: unknown };
       if (ok === true) return true;
-      say(`Refused: ${typeof message === "string" && message !== "" ? message : "the server does not say why"}`, "error", service);
+      say(
+        `Refused: ${typeof message === "string" && message !== "" ? message : "the server does not say why"}`,
+        "error",
+        service,
+      );
     } catch (error) {
       say(error instanceof Error ? error.message : String(error), "error", service);
     }
@@ -75,7 +83,8 @@ connection.time.on((time) => {
   store.touch("clock");
 });
 connection.message.on((channel, time, data) => {
-  if (!player) ingest.take(`live ${channel.id} ${channel.schemaName}`, channel, () => base64Bytes(channel.schema), time, data);
+  if (!player)
+    ingest.take(`live ${channel.id} ${channel.schemaName}`, channel, () => base64Bytes(channel.schema), time, data);
 });
 
 function setPlayer(next: Player | null): void {
@@ -105,6 +114,8 @@ const playback = playbackPanel(
   () => setPlayer(null),
 );
 
+pictures.root.addEventListener("toggle", () => connection.refresh());
+
 themeSwitch();
 stopPanel(app);
 connectionPanel(app);
@@ -115,7 +126,7 @@ byId("side").append(
   objectsPanel(app),
   touchPanel(app),
   surprisesPanel(app),
-  picturesPanel(app),
+  pictures.root,
   diagnosticsPanel(app),
   parametersPanel(app),
   logPanel(app),
@@ -124,7 +135,11 @@ byId("side").append(
 try {
   const viewport = new Viewport(byId<HTMLCanvasElement>("view"), store);
   const paint = (): void =>
-    viewport.setTheme(cssColor("--stage"), cssColor("--stage-grid"), byId("theme").getAttribute("aria-pressed") === "true");
+    viewport.setTheme(
+      cssColor("--stage"),
+      cssColor("--stage-grid"),
+      byId("theme").getAttribute("aria-pressed") === "true",
+    );
   window.addEventListener("theme", paint);
   paint();
   viewport.view.onTrouble = (text) => say(text, "warning");

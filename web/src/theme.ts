@@ -7,7 +7,8 @@ const kKey = "prehend-theme";
 export function themeSwitch(): void {
   const button = byId("theme");
   const system = matchMedia("(prefers-color-scheme: dark)");
-  const isDark = (): boolean => (document.documentElement.dataset["theme"] ?? (system.matches ? "dark" : "light")) === "dark";
+  const isDark = (): boolean =>
+    (document.documentElement.dataset["theme"] ?? (system.matches ? "dark" : "light")) === "dark";
   const paint = (): void => {
     button.setAttribute("aria-pressed", String(isDark()));
     button.textContent = isDark() ? "Light" : "Dark";
@@ -35,4 +36,3 @@ export function themeSwitch(): void {
   system.addEventListener("change", paint);
   paint();
 }
-

@@ -1,4 +1,5 @@
-// The small world of the tests on a server of its own, as long as wanted: node tests/demo.mjs [PORT], to work at the page.
+// The small world of the tests on a server of its own, as long as wanted: node tests/demo.mjs [PORT], to work at the
+// page.
 
 import { pathToFileURL } from "node:url";
 import { TestServer } from "./server.mjs";
@@ -19,13 +20,33 @@ export function populate(server, { points = 9000, links = 8 } = {}) {
   latch("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(false));
   let spoken = 0;
   const done = { ok: true, message: "" };
-  server.services.set("/viewer/stop", () => (latch("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(true)), done));
-  server.services.set("/viewer/reset_stop", () => (latch("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(false)), done));
+  server.services.set(
+    "/viewer/stop",
+    () => (latch("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(true)), done),
+  );
+  server.services.set(
+    "/viewer/reset_stop",
+    () => (latch("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(false)), done),
+  );
   server.services.set("/viewer/simulation", () => done);
   server.services.set("/viewer/execute", () => done);
   server.services.set("/viewer/describe_parameters", () => [
-    { name: "grasp_cycle.grasp_force", type: "double", value: 12, min: 0, max: 100, description: "force of each pad on the object", unit: "N" },
-    { name: "grasp_planning.generators", type: "string", value: "circles", choices: ["circles", "boxes", "antipodal"], description: "what makes candidates" },
+    {
+      name: "grasp_cycle.grasp_force",
+      type: "double",
+      value: 12,
+      min: 0,
+      max: 100,
+      description: "force of each pad on the object",
+      unit: "N",
+    },
+    {
+      name: "grasp_planning.generators",
+      type: "string",
+      value: "circles",
+      choices: ["circles", "boxes", "antipodal"],
+      description: "what makes candidates",
+    },
     { name: "grasp_cycle.reacts", type: "bool", value: true, description: "stops the approach where the hand touches" },
   ]);
   server.parameters = [

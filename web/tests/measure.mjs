@@ -1,6 +1,7 @@
-// How long the page works: npm run measure. At 300 000 points and 100 links, the processor's time of its main thread for a
-// picture's messages (decoding, store, panels, scene), with the drawing itself left out, and the time until the first
-// picture. Processor's time, so that what else runs on the machine does not count; the first picture is by the clock.
+// How long the page works: npm run measure. At 300 000 points and 100 links, the processor's time of its main thread
+// for a picture's messages (decoding, store, panels, scene), with the drawing itself left out, and the time until the
+// first picture. Processor's time, so that what else runs on the machine does not count; the first picture is by the
+// clock.
 
 import { launch, whatIsMissing } from "./browser.mjs";
 import { populate } from "./demo.mjs";
@@ -25,7 +26,12 @@ try {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
   page.setDefaultTimeout(60_000);
   await page.goto(`http://127.0.0.1:${port}/`);
-  await page.waitForFunction(() => window.prehend?.store.cloud && window.prehend.store.plans.size === 3 && window.prehend.viewport.frameTimes.first > 0);
+  await page.waitForFunction(
+    () =>
+      window.prehend?.store.cloud &&
+      window.prehend.store.plans.size === 3 &&
+      window.prehend.viewport.frameTimes.first > 0,
+  );
   const first = await page.evaluate(() => window.prehend.viewport.frameTimes.first);
   const loaded = await page.evaluate(() => performance.getEntriesByType("navigation")[0].domContentLoadedEventEnd);
   await page.evaluate(() => (window.prehend.viewport.drawNow = () => {}));
@@ -59,7 +65,8 @@ try {
     server.publish("/viewer/cloud", "foxglove.PointCloud", clouds[i % 2]);
   });
   const said = (times) => {
-    const at = (share) => Math.max(0, times[Math.floor(share * times.length)] - nothing[nothing.length >> 1]).toFixed(2);
+    const at = (share) =>
+      Math.max(0, times[Math.floor(share * times.length)] - nothing[nothing.length >> 1]).toFixed(2);
     return `median ${at(0.5)} ms, 90 % below ${at(0.9)} ms`;
   };
   console.log(`${points} points, ${links} links: the page's work a picture, apart from drawing`);

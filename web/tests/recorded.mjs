@@ -21,16 +21,28 @@ export async function writeRecording({ compression = "", seconds = 15 } = {}) {
     },
     chunkSize: 40_000,
     ...(compression !== "" && {
-      compressChunk: (data) => ({ compression, compressedData: compression === "zstd" ? wasmZstd.compress(data, 3) : Uint8Array.from(lz4.compress(data)) }),
+      compressChunk: (data) => ({
+        compression,
+        compressedData: compression === "zstd" ? wasmZstd.compress(data, 3) : Uint8Array.from(lz4.compress(data)),
+      }),
     }),
   });
   await writer.start({ profile: "", library: "tests" });
   const channels = new Map();
   const schemas = new Map();
   const add = async (time, topic, type, data) => {
-    if (!schemas.has(type)) schemas.set(type, await writer.registerSchema({ name: type, encoding: "protobuf", data: schemaOf(type) }));
+    if (!schemas.has(type))
+      schemas.set(type, await writer.registerSchema({ name: type, encoding: "protobuf", data: schemaOf(type) }));
     if (!channels.has(topic)) {
-      channels.set(topic, await writer.registerChannel({ topic, schemaId: schemas.get(type), messageEncoding: "protobuf", metadata: new Map() }));
+      channels.set(
+        topic,
+        await writer.registerChannel({
+          topic,
+          schemaId: schemas.get(type),
+          messageEncoding: "protobuf",
+          metadata: new Map(),
+        }),
+      );
     }
     const stamp = BigInt(Math.round(time * 1e9));
     await writer.addMessage({ channelId: channels.get(topic), sequence: 0, logTime: stamp, publishTime: stamp, data });

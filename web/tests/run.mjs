@@ -24,17 +24,36 @@ for (const kind of wanted) {
     if (whatIsMissing() !== "") skip(whatIsMissing());
   }
   const folder = join(root, "tests", kind);
-  let files = readdirSync(folder).filter((file) => /\.test\.(ts|mjs)$/.test(file)).map((file) => join(folder, file));
+  let files = readdirSync(folder)
+    .filter((file) => /\.test\.(ts|mjs)$/.test(file))
+    .map((file) => join(folder, file));
   const built = join(root, "tests", ".build");
   if (kind === "unit") {
     // The sources are TypeScript: each test is bundled with what it tests.
     const { build } = await import("esbuild");
     rmSync(built, { recursive: true, force: true });
     mkdirSync(built);
-    await build({ entryPoints: files, outdir: built, outExtension: { ".js": ".mjs" }, bundle: true, format: "esm", platform: "node", target: "node20", packages: "external", external: ["*/schemas.mjs", "*/world.mjs", "*/recorded.mjs", "*/build.mjs"], logLevel: "warning" });
-    files = readdirSync(built).filter((file) => file.endsWith(".test.mjs")).map((file) => join(built, file));
+    await build({
+      entryPoints: files,
+      outdir: built,
+      outExtension: { ".js": ".mjs" },
+      bundle: true,
+      format: "esm",
+      platform: "node",
+      target: "node20",
+      packages: "external",
+      external: ["*/schemas.mjs", "*/world.mjs", "*/recorded.mjs", "*/build.mjs"],
+      logLevel: "warning",
+    });
+    files = readdirSync(built)
+      .filter((file) => file.endsWith(".test.mjs"))
+      .map((file) => join(built, file));
   }
-  const { status } = spawnSync(process.execPath, ["--test", "--test-concurrency=1", "--test-timeout=120000", ...files], { stdio: "inherit", cwd: root });
+  const { status } = spawnSync(
+    process.execPath,
+    ["--test", "--test-concurrency=1", "--test-timeout=120000", ...files],
+    { stdio: "inherit", cwd: root },
+  );
   rmSync(built, { recursive: true, force: true });
   if (status !== 0) process.exit(1);
 }

@@ -15,7 +15,9 @@ function compiled(folder, files) {
   const scratch = mkdtempSync(join(tmpdir(), "prehend-web-"));
   try {
     const out = join(scratch, "set");
-    execFileSync("protoc", [`-I${folder}`, "--include_imports", `--descriptor_set_out=${out}`, ...files], { cwd: folder });
+    execFileSync("protoc", [`-I${folder}`, "--include_imports", `--descriptor_set_out=${out}`, ...files], {
+      cwd: folder,
+    });
     return readFileSync(out);
   } finally {
     rmSync(scratch, { recursive: true });
@@ -24,7 +26,12 @@ function compiled(folder, files) {
 
 const sets = {
   foxglove: compiled(here, ["foxglove.proto"]),
-  prehend: compiled(tree, readdirSync(join(tree, "msgs")).filter((file) => file.endsWith(".proto")).map((file) => `msgs/${file}`)),
+  prehend: compiled(
+    tree,
+    readdirSync(join(tree, "msgs"))
+      .filter((file) => file.endsWith(".proto"))
+      .map((file) => `msgs/${file}`),
+  ),
 };
 const registries = Object.fromEntries(
   Object.entries(sets).map(([name, set]) => [name, createFileRegistry(fromBinary(FileDescriptorSetSchema, set))]),
@@ -35,7 +42,10 @@ export function schemaOf(name) {
   return sets[name.split(".")[0]];
 }
 
-/** Bytes of a message: `encode("prehend.msgs.Wrench", { wrench: { force: { x: 1 } } })`. Throws on a field of no such name. */
+/**
+ * Bytes of a message: `encode("prehend.msgs.Wrench", { wrench: { force: { x: 1 } } })`. Throws on a field of no such
+ * name.
+ */
 export function encode(name, value) {
   const type = registries[name.split(".")[0]].getMessage(name);
   if (!type) throw new Error(`no message ${name}`);

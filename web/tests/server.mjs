@@ -1,4 +1,5 @@
-// A server of the Foxglove WebSocket protocol and of the page, in the process of the tests: what the graph's own would be.
+// A server of the Foxglove WebSocket protocol and of the page, in the process of the tests: what the graph's own
+// would be.
 
 import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
@@ -8,7 +9,12 @@ import { WebSocketServer } from "ws";
 import { schemaOf } from "./schemas.mjs";
 
 const dist = join(dirname(fileURLToPath(import.meta.url)), "../dist");
-const types = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".txt": "text/plain" };
+const types = {
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".txt": "text/plain",
+};
 
 export const contentSecurityPolicy =
   "default-src 'self'; connect-src 'self' ws: wss:; img-src 'self' blob: data:; style-src 'self'; script-src 'self'; " +
@@ -34,7 +40,8 @@ export class TestServer {
     this.#http = createServer((request, response) => void this.#serve(request, response));
     this.#sockets = new WebSocketServer({
       server: this.#http,
-      handleProtocols: (offered) => ["foxglove.sdk.v1", "foxglove.websocket.v1"].find((name) => offered.has(name)) ?? false,
+      handleProtocols: (offered) =>
+        ["foxglove.sdk.v1", "foxglove.websocket.v1"].find((name) => offered.has(name)) ?? false,
     });
     this.#sockets.on("connection", (socket) => this.#welcome(socket));
     await new Promise((resolve, reject) => {
@@ -99,7 +106,14 @@ export class TestServer {
 
   #channel(topic) {
     const { id, schemaName } = this.#channels.get(topic);
-    return { id, topic, encoding: "protobuf", schemaName, schemaEncoding: "protobuf", schema: schemaOf(schemaName).toString("base64") };
+    return {
+      id,
+      topic,
+      encoding: "protobuf",
+      schemaName,
+      schemaEncoding: "protobuf",
+      schema: schemaOf(schemaName).toString("base64"),
+    };
   }
 
   #welcome(socket) {
@@ -111,10 +125,19 @@ export class TestServer {
       else this.#take(client, JSON.parse(data.toString()));
     });
     const send = (message) => socket.send(JSON.stringify(message));
-    send({ op: "serverInfo", name: "test world", capabilities: ["time", "services", "parameters", "parametersSubscribe"], supportedEncodings: ["json", "protobuf"], sessionId: this.sessionId });
+    send({
+      op: "serverInfo",
+      name: "test world",
+      capabilities: ["time", "services", "parameters", "parametersSubscribe"],
+      supportedEncodings: ["json", "protobuf"],
+      sessionId: this.sessionId,
+    });
     send({ op: "advertise", channels: [...this.#channels.keys()].map((topic) => this.#channel(topic)) });
     const json = { encoding: "json", schemaName: "", schemaEncoding: "jsonschema", schema: "{}" };
-    send({ op: "advertiseServices", services: [...this.services.keys()].map((name, id) => ({ id, name, type: name, request: json, response: json })) });
+    send({
+      op: "advertiseServices",
+      services: [...this.services.keys()].map((name, id) => ({ id, name, type: name, request: json, response: json })),
+    });
   }
 
   #take({ socket, subscriptions }, message) {
@@ -125,7 +148,8 @@ export class TestServer {
         for (const [time, data] of this.#latched.get(topic) ?? []) socket.send(frame(id, time, data));
       }
     } else if (message.op === "unsubscribe") {
-      for (const [channel, id] of subscriptions) if (message.subscriptionIds.includes(id)) subscriptions.delete(channel);
+      for (const [channel, id] of subscriptions)
+        if (message.subscriptionIds.includes(id)) subscriptions.delete(channel);
     } else if (message.op === "getParameters") {
       socket.send(JSON.stringify({ op: "parameterValues", parameters: this.parameters, id: message.id }));
     } else if (message.op === "setParameters") {
@@ -153,7 +177,9 @@ export class TestServer {
       head.write("json", 13);
       socket.send(Buffer.concat([head, answer]));
     } catch (error) {
-      socket.send(JSON.stringify({ op: "serviceCallFailure", serviceId: service, callId: call, message: error.message }));
+      socket.send(
+        JSON.stringify({ op: "serviceCallFailure", serviceId: service, callId: call, message: error.message }),
+      );
     }
   }
 

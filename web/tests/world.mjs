@@ -1,51 +1,12 @@
-// A small world as a graph would publish it: a table, three things on it, an arm of eight links that moves, pads, plans.
+// A small world as a graph would publish it: a table, three things on it, an arm of eight links that moves, pads,
+// plans.
 
 import { encode } from "./schemas.mjs";
+import { centers, meshes, originColors, originOf } from "./shapes.mjs";
 
 const second = 1_000_000_000n;
 const identity = { position: { x: 0, y: 0, z: 0 }, orientation: { x: 0, y: 0, z: 0, w: 1 } };
 const at = (x, y, z) => ({ position: { x, y, z }, orientation: { x: 0, y: 0, z: 0, w: 1 } });
-export const originColors = {
-  seen: { r: 0.3, g: 0.69, b: 0.31, a: 1 },
-  mirrored: { r: 0.13, g: 0.59, b: 0.95, a: 1 },
-  touched: { r: 1, g: 0.6, b: 0, a: 1 },
-  guessed: { r: 0.62, g: 0.62, b: 0.62, a: 1 },
-};
-
-/** Vertices and triangles of a solid of revolution about z. */
-function revolved(profile, center, slices = 48) {
-  const points = [];
-  const indices = [];
-  for (const [radius, z] of profile) {
-    for (let i = 0; i < slices; i++) {
-      const angle = (2 * Math.PI * i) / slices;
-      points.push({ x: center[0] + radius * Math.cos(angle), y: center[1] + radius * Math.sin(angle), z });
-    }
-  }
-  for (let ring = 0; ring + 1 < profile.length; ring++) {
-    for (let i = 0; i < slices; i++) {
-      const [a, b] = [ring * slices + i, ring * slices + ((i + 1) % slices)];
-      indices.push(a, b, a + slices, b, b + slices, a + slices);
-    }
-  }
-  return { points, indices };
-}
-
-const profiles = [
-  Array.from({ length: 12 }, (_, i) => [i === 0 || i === 11 ? 1e-4 : 0.034, (0.11 * Math.min(Math.max(i - 1, 0), 9)) / 9]),
-  [[1e-4, 0], ...Array.from({ length: 14 }, (_, i) => [i < 8 ? 0.031 : i < 11 ? 0.031 - 0.006 * (i - 7) : 0.013, (0.18 * i) / 13]), [1e-4, 0.18]],
-  Array.from({ length: 17 }, (_, i) => [Math.max(1e-4, 0.036 * Math.sin((Math.PI * i) / 16)), 0.036 - 0.036 * Math.cos((Math.PI * i) / 16)]),
-];
-export const centers = [[-0.14, 0.07, 0], [0.02, -0.1, 0], [0.16, 0.08, 0]];
-
-export const meshes = profiles.map((profile, i) => revolved(profile, centers[i]));
-
-function originOf(point, center, object) {
-  if (point.z < 0.004) return "guessed";
-  if (object === 0 && point.z > 0.07 && point.y < center[1] - 0.025) return "touched";
-  return point.y < center[1] + 0.006 ? "seen" : "mirrored";
-}
-
 export function objectsUpdate() {
   return encode("foxglove.SceneUpdate", {
     entities: meshes.map(({ points, indices }, i) => ({
@@ -74,7 +35,27 @@ export function objectsUpdate() {
 export function tableUpdate() {
   return encode("foxglove.SceneUpdate", {
     entities: [
-      { frameId: "world", id: "table", cubes: [{ pose: at(0, 0, -0.01), size: { x: 0.9, y: 0.7, z: 0.02 }, color: { r: 0.72, g: 0.69, b: 0.64, a: 1 } }] },
+      {
+        frameId: "world",
+        id: "table",
+        cubes: [
+          { pose: at(0, 0, -0.01), size: { x: 0.9, y: 0.7, z: 0.02 }, color: { r: 0.72, g: 0.69, b: 0.64, a: 1 } },
+        ],
+      },
+      ...["carton", "bottle", "ball"].map((name, i) => ({
+        frameId: "world",
+        id: `truth/${name}`,
+        texts: [
+          {
+            pose: at(centers[i][0], centers[i][1], 0.2),
+            billboard: true,
+            fontSize: 14,
+            scaleInvariant: true,
+            color: { r: 0.9, g: 0.2, b: 0.2, a: 1 },
+            text: name,
+          },
+        ],
+      })),
     ],
   });
 }
@@ -83,7 +64,11 @@ export function tableUpdate() {
 export function cloud(count) {
   const stride = 20;
   const data = Buffer.alloc(count * stride);
-  const image = [[196, 64, 48], [62, 120, 170], [80, 150, 70]];
+  const image = [
+    [196, 64, 48],
+    [62, 120, 170],
+    [80, 150, 70],
+  ];
   let random = 12345;
   const next = () => (random = (random * 1103515245 + 12345) & 0x7fffffff) / 0x7fffffff;
   for (let i = 0; i < count; i++) {
@@ -98,7 +83,16 @@ export function cloud(count) {
     data[i * stride + 15] = 255;
     data.writeUInt16LE(object, i * stride + 16);
   }
-  const fields = [["x", 0, 7], ["y", 4, 7], ["z", 8, 7], ["red", 12, 1], ["green", 13, 1], ["blue", 14, 1], ["alpha", 15, 1], ["object", 16, 3]];
+  const fields = [
+    ["x", 0, 7],
+    ["y", 4, 7],
+    ["z", 8, 7],
+    ["red", 12, 1],
+    ["green", 13, 1],
+    ["blue", 14, 1],
+    ["alpha", 15, 1],
+    ["object", 16, 3],
+  ];
   return encode("foxglove.PointCloud", {
     frameId: "world",
     pose: identity,
@@ -116,7 +110,13 @@ export function robotUpdate(links = 8) {
       id: `robot/link_${i}`,
       frameLocked: true,
       cylinders: [
-        { pose: at(0, 0, 0.05), size: { x: 0.07 - 0.005 * (i % 8), y: 0.07 - 0.005 * (i % 8), z: 0.1 }, bottomScale: 1, topScale: 0.85, color: { r: 0.86, g: 0.47, b: 0.16, a: 1 } },
+        {
+          pose: at(0, 0, 0.05),
+          size: { x: 0.07 - 0.005 * (i % 8), y: 0.07 - 0.005 * (i % 8), z: 0.1 },
+          bottomScale: 1,
+          topScale: 0.85,
+          color: { r: 0.86, g: 0.47, b: 0.16, a: 1 },
+        },
       ],
     })),
   });
@@ -124,7 +124,12 @@ export function robotUpdate(links = 8) {
 
 export function frames(time, links = 8) {
   const transforms = [
-    { parentFrameId: "world", childFrameId: "camera", translation: { x: 0, y: -0.7, z: 0.5 }, rotation: { x: -0.854, y: 0, z: 0, w: 0.52 } },
+    {
+      parentFrameId: "world",
+      childFrameId: "camera",
+      translation: { x: 0, y: -0.7, z: 0.5 },
+      rotation: { x: -0.854, y: 0, z: 0, w: 0.52 },
+    },
   ];
   for (let i = 0; i < links; i++) {
     const angle = i === 0 ? 0 : 0.28 + 0.12 * Math.sin(time + i);
@@ -171,7 +176,10 @@ function graspOf(object, rank) {
   const z = 0.06 + 0.012 * rank;
   return {
     // The gripper's z is the approach: downward and forward by turns.
-    XWG: { position: { x, y, z }, orientation: rank % 2 === 0 ? { w: 0, x: 1, y: 0, z: 0 } : { w: half, x: -half, y: 0, z: 0 } },
+    XWG: {
+      position: { x, y, z },
+      orientation: rank % 2 === 0 ? { w: 0, x: 1, y: 0, z: 0 } : { w: half, x: -half, y: 0, z: 0 },
+    },
     approachDirection: rank % 2 === 0 ? { x: 0, y: 0, z: -1 } : { x: 0, y: 1, z: 0 },
     pregraspOpening: 0.068,
     pregraspDistance: 0.09,
@@ -203,7 +211,13 @@ export function plan(object, stamp = second) {
     outcome: grasps.length > 0 ? 2 : 1,
     problem: object === 2 ? "no candidate passes: the arm cannot reach 214 of 450" : "",
     remedies: object === 2 ? [{ text: "with 6 mm more opening (75 mm): 12 grasps", grasps: 12 }] : [],
-    choices: grasps.slice(0, 2).map((_, i) => ({ act: 1, grasp: i, success: 0.93 - 0.04 * i, worth: 84 - i, text: `grasp it now: lifted with ${(0.93 - 0.04 * i).toFixed(2)}, worth ${84 - i} s` })),
+    choices: grasps.slice(0, 2).map((_, i) => ({
+      act: 1,
+      grasp: i,
+      success: 0.93 - 0.04 * i,
+      worth: 84 - i,
+      text: `grasp it now: lifted with ${(0.93 - 0.04 * i).toFixed(2)}, worth ${84 - i} s`,
+    })),
   });
 }
 
@@ -252,20 +266,39 @@ export function signalsAt(time) {
   const header = { stamp, frameId: "wrist" };
   const force = Math.max(0, Math.sin(0.35 * time)) ** 2;
   return [
-    ["/tactile/left", "prehend.msgs.TactileFrame", encode("prehend.msgs.TactileFrame", { ...tactile("left_pad", force), header: { stamp, frameId: "left_pad" } })],
-    ["/tactile/right", "prehend.msgs.TactileFrame", encode("prehend.msgs.TactileFrame", { ...tactile("right_pad", 0.92 * force), header: { stamp, frameId: "right_pad" } })],
+    [
+      "/tactile/left",
+      "prehend.msgs.TactileFrame",
+      encode("prehend.msgs.TactileFrame", { ...tactile("left_pad", force), header: { stamp, frameId: "left_pad" } }),
+    ],
+    [
+      "/tactile/right",
+      "prehend.msgs.TactileFrame",
+      encode("prehend.msgs.TactileFrame", {
+        ...tactile("right_pad", 0.92 * force),
+        header: { stamp, frameId: "right_pad" },
+      }),
+    ],
     [
       "/wrench",
       "prehend.msgs.Wrench",
       encode("prehend.msgs.Wrench", {
         header,
         wrench: {
-          force: { x: 0.4 * Math.sin(3 * time), y: 0.3 * Math.cos(2.2 * time), z: -3.4 * force + 0.1 * Math.sin(9 * time) },
+          force: {
+            x: 0.4 * Math.sin(3 * time),
+            y: 0.3 * Math.cos(2.2 * time),
+            z: -3.4 * force + 0.1 * Math.sin(9 * time),
+          },
           torque: { x: 0.03 * Math.sin(time), y: 0.02 * Math.cos(time), z: 0.01 * force },
         },
       }),
     ],
-    ["/gripper/state", "prehend.msgs.GripperState", encode("prehend.msgs.GripperState", { header, opening: 0.068 - 0.02 * force })],
+    [
+      "/gripper/state",
+      "prehend.msgs.GripperState",
+      encode("prehend.msgs.GripperState", { header, opening: 0.068 - 0.02 * force }),
+    ],
   ];
 }
 
@@ -274,10 +307,35 @@ export function eventsUntil(time) {
   const events = [];
   phases.forEach((phase, i) => {
     const begin = 2 + 3 * i;
-    events.push([begin, "/cycle/state", "prehend.msgs.CycleState", encode("prehend.msgs.CycleState", { header: { stamp: BigInt(begin) * second }, phase, objectId: 0, graspIndex: 0, detail: phase === 3 ? "along a straight way, 90 mm" : "", taskState: "pick" })]);
+    events.push([
+      begin,
+      "/cycle/state",
+      "prehend.msgs.CycleState",
+      encode("prehend.msgs.CycleState", {
+        header: { stamp: BigInt(begin) * second },
+        phase,
+        objectId: 0,
+        graspIndex: 0,
+        detail: phase === 3 ? "along a straight way, 90 mm" : "",
+        taskState: "pick",
+      }),
+    ]);
   });
   const surprise = (begin, kind, predicted, felt, tolerance, surprising, reaction) =>
-    events.push([begin, "/surprise", "prehend.msgs.Surprise", encode("prehend.msgs.Surprise", { header: { stamp: BigInt(Math.round(begin * 1e9)) }, kind, predicted, felt, tolerance, surprising, reaction })]);
+    events.push([
+      begin,
+      "/surprise",
+      "prehend.msgs.Surprise",
+      encode("prehend.msgs.Surprise", {
+        header: { stamp: BigInt(Math.round(begin * 1e9)) },
+        kind,
+        predicted,
+        felt,
+        tolerance,
+        surprising,
+        reaction,
+      }),
+    ]);
   surprise(8.5, 0, 0.0672, 0.0664, 0.004, false, "");
   surprise(9.4, 2, 12, 17.8, 3, true, "the grip is loosened to 12 N");
   surprise(11.5, 3, 1, 1, 0.5, false, "");
@@ -297,10 +355,17 @@ export function diagnostics() {
 /** An image of `width` x `height` pixels. */
 export function picture(width = 160, height = 120) {
   const data = Buffer.alloc(3 * width * height);
-  for (let y = 0; y < height; y++) for (let x = 0; x < width; x++) data.set([70 + x / 2, 90 + y / 2, 120], 3 * (y * width + x));
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) data.set([70 + x / 2, 90 + y / 2, 120], 3 * (y * width + x));
   return encode("foxglove.RawImage", { width, height, encoding: "rgb8", step: 3 * width, data, frameId: "camera" });
 }
 
 export function stopState(stopped) {
-  return encode("prehend.msgs.EmergencyStop", { stopped, source: stopped ? "viewer" : "", reason: stopped ? "stopped on the viewer's page" : "", since: 12n * second, count: stopped ? 1n : 0n });
+  return encode("prehend.msgs.EmergencyStop", {
+    stopped,
+    source: stopped ? "viewer" : "",
+    reason: stopped ? "stopped on the viewer's page" : "",
+    since: 12n * second,
+    count: stopped ? 1n : 0n,
+  });
 }

@@ -16,7 +16,9 @@ export function diagnosticsPanel(app: App): HTMLElement {
   const empty = el("p", { class: "muted" }, "No node has said anything of its health.");
   body.append(empty, list);
   store.watch(["diagnostics"], () => {
-    const all = [...store.diagnostics.values()].sort((a, b) => kOrder[a.level] - kOrder[b.level] || a.node.localeCompare(b.node));
+    const all = [...store.diagnostics.values()].sort(
+      (a, b) => kOrder[a.level] - kOrder[b.level] || a.node.localeCompare(b.node),
+    );
     empty.hidden = all.length > 0;
     const bad = all.filter((one) => one.level !== "ok").length;
     note.textContent = all.length === 0 ? "" : bad === 0 ? "all well" : `${bad} of ${all.length} complain`;
@@ -24,7 +26,13 @@ export function diagnosticsPanel(app: App): HTMLElement {
     fill(
       list,
       ...all.map((one) =>
-        el("li", { class: one.level }, el("span", { class: "badge" }, one.level), el("strong", {}, one.node), el("span", {}, one.text)),
+        el(
+          "li",
+          { class: one.level },
+          el("span", { class: "badge" }, one.level),
+          el("strong", {}, one.node),
+          el("span", {}, one.text),
+        ),
       ),
     );
   });
@@ -35,13 +43,20 @@ export function logPanel(app: App): HTMLElement {
   const { store } = app;
   const { root, body } = panel("log", "Log", false);
   const least = el("select", { "aria-label": "Least level that is shown", onchange: () => paint() });
-  least.append(...kLevels.map((level) => el("option", { value: level }, level === "debug" ? "all" : `${level} and worse`)));
+  least.append(
+    ...kLevels.map((level) => el("option", { value: level }, level === "debug" ? "all" : `${level} and worse`)),
+  );
   least.value = "info";
-  const search = el("input", { type: "search", placeholder: "node or text", "aria-label": "Search the log", oninput: () => paint() });
+  const search = el("input", {
+    type: "search",
+    placeholder: "node or text",
+    "aria-label": "Search the log",
+    oninput: () => paint(),
+  });
   const list = el("ol", { class: "log", tabindex: 0, "aria-label": "Log, newest first" });
   body.append(el("div", { class: "row" }, least, search), list);
   const paint = (): void => {
-    if (!(root as HTMLDetailsElement).open) return;
+    if (!root.open) return;
     const from = kLevels.indexOf(least.value as Level);
     const words = search.value.toLowerCase();
     const lines = store.log
@@ -52,7 +67,15 @@ export function logPanel(app: App): HTMLElement {
       ...lines
         .slice(-kMostLines)
         .reverse()
-        .map((line) => el("li", { class: line.level }, el("time", {}, clockText(line.time)), el("strong", {}, line.node), el("span", {}, line.text))),
+        .map((line) =>
+          el(
+            "li",
+            { class: line.level },
+            el("time", {}, clockText(line.time)),
+            el("strong", {}, line.node),
+            el("span", {}, line.text),
+          ),
+        ),
     );
   };
   store.watch(["log"], paint);

@@ -20,7 +20,10 @@ export class LineChart {
   #values: HTMLElement[] = [];
   #names = "";
 
-  /** `least`: that the axis spans, in its unit, so that noise stays small. `factor`: of the axis' unit in the series' one. */
+  /**
+   * `least`: that the axis spans, in its unit, so that noise stays small. `factor`: of the axis' unit in the series'
+   * one.
+   */
   constructor(
     private readonly title: string,
     private readonly unit: string,
@@ -29,7 +32,12 @@ export class LineChart {
   ) {
     this.#canvas.setAttribute("aria-label", title);
     const heading = el("h3", {}, title, el("small", {}, unit));
-    this.root = el("section", { class: "chart" }, el("div", { class: "chart-head" }, heading, this.#legend), this.#canvas);
+    this.root = el(
+      "section",
+      { class: "chart" },
+      el("div", { class: "chart-head" }, heading, this.#legend),
+      this.#canvas,
+    );
   }
 
   draw(curves: Curve[]): void {
@@ -47,7 +55,8 @@ export class LineChart {
     context.clearRect(0, 0, width, height);
 
     let end = -Infinity;
-    for (const { series } of curves) if (series.length > 0) end = Math.max(end, series.times[series.place(series.length - 1)]!);
+    for (const { series } of curves)
+      if (series.length > 0) end = Math.max(end, series.times[series.place(series.length - 1)]!);
     if (!Number.isFinite(end)) return;
     const begin = end - kSpan;
     let [low, high_] = [0, 0];
@@ -90,7 +99,16 @@ export class LineChart {
 
   #drawAxes(
     context: CanvasRenderingContext2D,
-    axes: { x: (time: number) => number; y: (value: number) => number; begin: number; right: number; bottom: number; low: number; high: number; step: number },
+    axes: {
+      x: (time: number) => number;
+      y: (value: number) => number;
+      begin: number;
+      right: number;
+      bottom: number;
+      low: number;
+      high: number;
+      step: number;
+    },
   ): void {
     const { x, y, begin, right, bottom, low, high, step } = axes;
     context.font = "11px system-ui, sans-serif";
@@ -129,9 +147,12 @@ export class LineChart {
     }
     curves.forEach(({ series }, i) => {
       const last = series.last();
-      this.#values[i]!.textContent = last === undefined ? "" : (last * this.factor).toFixed(Math.abs(last * this.factor) < 10 ? 2 : 1);
+      this.#values[i]!.textContent =
+        last === undefined ? "" : (last * this.factor).toFixed(Math.abs(last * this.factor) < 10 ? 2 : 1);
     });
-    const said = curves.map(({ name, series }) => `${name} ${((series.last() ?? 0) * this.factor).toFixed(2)} ${this.unit}`);
+    const said = curves.map(
+      ({ name, series }) => `${name} ${((series.last() ?? 0) * this.factor).toFixed(2)} ${this.unit}`,
+    );
     this.#canvas.setAttribute("aria-label", `${this.title} over the last ${kSpan} s: ${said.join(", ")}`);
   }
 }

@@ -61,7 +61,11 @@ export function objectsPanel(app: App): HTMLElement {
     const rows = shown.map((grasp) => graspRow(grasp, most));
     const more =
       plan.grasps.length > shown.length
-        ? el("button", { class: "plain", "data-key": "more", onclick: () => ((showsAll = true), paint()) }, `all ${plan.grasps.length}`)
+        ? el(
+            "button",
+            { class: "plain", "data-key": "more", onclick: () => ((showsAll = true), paint()) },
+            `all ${plan.grasps.length}`,
+          )
         : null;
     return el(
       "div",
@@ -76,8 +80,19 @@ export function objectsPanel(app: App): HTMLElement {
             "tr",
             {},
             el("th", { scope: "col" }, "#"),
-            el("th", { scope: "col", title: "Epsilon of the grasp wrench space: the least disturbance that breaks it" }, "quality"),
-            el("th", { scope: "col", title: "Probability that it is lifted; in brackets the share of disturbed cases it holds in" }, "P(lift)"),
+            el(
+              "th",
+              { scope: "col", title: "Epsilon of the grasp wrench space: the least disturbance that breaks it" },
+              "quality",
+            ),
+            el(
+              "th",
+              {
+                scope: "col",
+                title: "Probability that it is lifted; in brackets the share of disturbed cases it holds in",
+              },
+              "P(lift)",
+            ),
             el("th", { scope: "col", title: "Share of the contact on surface that nobody saw" }, "guessed"),
             el("th", { scope: "col" }, ""),
           ),
@@ -93,7 +108,11 @@ export function objectsPanel(app: App): HTMLElement {
     const isSelected = selection.object === grasp.object && selection.grasp === grasp.rank;
     const bar = el("meter", { min: 0, max: most, value: grasp.quality ?? 0, "aria-label": "quality" });
     const chance =
-      grasp.success !== undefined ? percent(grasp.success) : grasp.robustness !== undefined ? `(${percent(grasp.robustness)})` : "–";
+      grasp.success !== undefined
+        ? percent(grasp.success)
+        : grasp.robustness !== undefined
+          ? `(${percent(grasp.robustness)})`
+          : "–";
     const why = app.whyNot(kExecuteService);
     const select = (): void => store.select(grasp.object, isSelected ? null : grasp.rank);
     return el(
@@ -102,7 +121,16 @@ export function objectsPanel(app: App): HTMLElement {
       el(
         "th",
         { scope: "row" },
-        el("button", { class: "plain rank", "data-key": `grasp ${grasp.rank}`, "aria-pressed": String(isSelected), onclick: select }, grasp.rank + 1),
+        el(
+          "button",
+          {
+            class: "plain rank",
+            "data-key": `grasp ${grasp.rank}`,
+            "aria-pressed": String(isSelected),
+            onclick: select,
+          },
+          grasp.rank + 1,
+        ),
       ),
       el("td", { onclick: select }, bar, el("span", { class: "number" }, grasp.quality?.toFixed(3) ?? "–")),
       el("td", { class: "number" }, chance),
@@ -178,7 +206,11 @@ function ledger(plan: Plan, clicked: Vector | undefined): HTMLElement {
       el("span", { class: "reason" }, rejection.reason),
       el("span", { class: "number" }, rejection.count),
       el("meter", { min: 0, max: most, value: rejection.count, "aria-hidden": "true" }),
-      el("small", {}, [rejection.generator, rejection.nearestMiss && `nearest ${rejection.nearestMiss}`].filter(Boolean).join(": ")),
+      el(
+        "small",
+        {},
+        [rejection.generator, rejection.nearestMiss && `nearest ${rejection.nearestMiss}`].filter(Boolean).join(": "),
+      ),
     );
   const total = plan.candidates > 0 ? `${plan.candidates} candidates, ${plan.grasps.length} grasps` : "";
   return el(
@@ -188,7 +220,12 @@ function ledger(plan: Plan, clicked: Vector | undefined): HTMLElement {
     clicked && nearestGrasp(plan, clicked),
     plan.problem && plan.grasps.length > 0 ? el("p", { class: "problem" }, plan.problem) : null,
     reasons.length === 0 ? el("p", { class: "muted" }, "Nothing was rejected.") : null,
-    el("ul", {}, ...reasons.map(row), rest > 0 ? row({ reason: "other reasons", count: rest, generator: "", nearestMiss: "" }) : null),
+    el(
+      "ul",
+      {},
+      ...reasons.map(row),
+      rest > 0 ? row({ reason: "other reasons", count: rest, generator: "", nearestMiss: "" }) : null,
+    ),
     plan.remedies.length > 0 ? el("h4", {}, "It could be grasped") : null,
     el("ul", { class: "plain-list" }, ...plan.remedies.map((text) => el("li", {}, text))),
     plan.choices.length > 0 ? el("h4", {}, "Worth most first") : null,
@@ -202,5 +239,9 @@ function nearestGrasp(plan: Plan, clicked: Vector): HTMLElement | null {
     Math.min(...grasp.contacts.map((contact) => Math.hypot(...contact.map((value, i) => value - clicked[i]!))));
   const [nearest] = plan.grasps.filter((grasp) => grasp.contacts.length > 0).sort((a, b) => distance(a) - distance(b));
   if (!nearest) return null;
-  return el("p", {}, `Where you clicked: grasp ${nearest.rank + 1} touches nearest, ${(1000 * distance(nearest)).toFixed(0)} mm away.`);
+  return el(
+    "p",
+    {},
+    `Where you clicked: grasp ${nearest.rank + 1} touches nearest, ${(1000 * distance(nearest)).toFixed(0)} mm away.`,
+  );
 }

@@ -27,7 +27,12 @@ export function parametersPanel(app: App): HTMLElement {
   const { connection } = app;
   const { root, body, note } = panel("parameters", "Parameters", false);
   const empty = el("p", { class: "muted" }, "The server offers no parameters.");
-  const search = el("input", { type: "search", placeholder: "node or name", "aria-label": "Search parameters", oninput: () => filter() });
+  const search = el("input", {
+    type: "search",
+    placeholder: "node or name",
+    "aria-label": "Search parameters",
+    oninput: () => filter(),
+  });
   const list = el("div", { class: "parameters" });
   body.append(search, empty, list);
   const descriptions = new Map<string, Description>();
@@ -44,7 +49,10 @@ export function parametersPanel(app: App): HTMLElement {
       }
       build();
     } catch (error) {
-      app.say(`Ranges of parameters are not known: ${error instanceof Error ? error.message : String(error)}`, "warning");
+      app.say(
+        `Ranges of parameters are not known: ${error instanceof Error ? error.message : String(error)}`,
+        "warning",
+      );
     }
   };
 
@@ -59,7 +67,9 @@ export function parametersPanel(app: App): HTMLElement {
       nodes.set(node, [...(nodes.get(node) ?? []), row.root]);
     }
     list.replaceChildren(
-      ...[...nodes].map(([node, own]) => el("details", { class: "node" }, el("summary", {}, node || "parameters", el("small", {}, own.length)), ...own)),
+      ...[...nodes].map(([node, own]) =>
+        el("details", { class: "node" }, el("summary", {}, node || "parameters", el("small", {}, own.length)), ...own),
+      ),
     );
     filter();
   };
@@ -79,7 +89,12 @@ export function parametersPanel(app: App): HTMLElement {
       root: el(
         "div",
         { class: "parameter", "data-name": name },
-        el("label", { title: description?.text ?? "" }, el("span", {}, own, description?.unit ? el("small", {}, description.unit) : null), editor.element),
+        el(
+          "label",
+          { title: description?.text ?? "" },
+          el("span", {}, own, description?.unit ? el("small", {}, description.unit) : null),
+          editor.element,
+        ),
         remark,
         description?.text ? el("p", { class: "muted" }, description.text) : null,
       ),
@@ -119,10 +134,10 @@ export function parametersPanel(app: App): HTMLElement {
     if (isNew) build();
   });
   connection.offersChanged.on(() => {
-    if ((root as HTMLDetailsElement).open) void describe();
+    if (root.open) void describe();
   });
   root.addEventListener("toggle", () => {
-    if ((root as HTMLDetailsElement).open) void describe();
+    if (root.open) void describe();
   });
   connection.sessionChanged.on(() => {
     descriptions.clear();
@@ -144,7 +159,9 @@ function descriptionOf(given: unknown): (Description & { name: string }) | null 
     type: text("type"),
     ...(min !== undefined && { min }),
     ...(max !== undefined && { max }),
-    choices: Array.isArray(from["choices"]) ? from["choices"].filter((choice): choice is string => typeof choice === "string") : [],
+    choices: Array.isArray(from["choices"])
+      ? from["choices"].filter((choice): choice is string => typeof choice === "string")
+      : [],
     text: text("description"),
     unit: text("unit"),
     isReadOnly: from["read_only"] === true,
@@ -178,12 +195,31 @@ function makeEditor(
   if (typeof value === "number") {
     const { min, max } = description ?? {};
     const isWhole = description?.type === "int" || description?.type === "int64";
-    const field = el("input", { type: "number", step: isWhole ? 1 : "any", min, max, disabled, onchange: () => change(field) });
-    const range = min !== undefined && max !== undefined ? el("input", { type: "range", min, max, step: isWhole ? 1 : (max - min) / 200, disabled, "aria-label": `${name}, range`, onchange: (event) => change(event.currentTarget as HTMLInputElement) }) : null;
+    const field = el("input", {
+      type: "number",
+      step: isWhole ? 1 : "any",
+      min,
+      max,
+      disabled,
+      onchange: () => change(field),
+    });
+    const range =
+      min !== undefined && max !== undefined
+        ? el("input", {
+            type: "range",
+            min,
+            max,
+            step: isWhole ? 1 : (max - min) / 200,
+            disabled,
+            "aria-label": `${name}, range`,
+            onchange: (event) => change(event.currentTarget as HTMLInputElement),
+          })
+        : null;
     const change = (from: HTMLInputElement): void => {
       const wanted = from.valueAsNumber;
       if (!Number.isFinite(wanted)) refuse("that is no number");
-      else if ((min !== undefined && wanted < min) || (max !== undefined && wanted > max)) refuse(`it has to be within ${min ?? "…"} and ${max ?? "…"}`);
+      else if ((min !== undefined && wanted < min) || (max !== undefined && wanted > max))
+        refuse(`it has to be within ${min ?? "…"} and ${max ?? "…"}`);
       else set(wanted);
     };
     const show = (now: ParameterValue | undefined): void => {

@@ -1,11 +1,14 @@
 /** What the cameras see. */
 
-import type { App } from "../app.js";
 import { el, panel } from "../dom.js";
+import type { Store } from "../scene/store.js";
 import type { Picture } from "../scene/types.js";
 
-export function picturesPanel(app: App): HTMLElement {
-  const { store } = app;
+/** `trouble` hears of pictures that cannot be drawn: what, and of which topic. */
+export function picturesPanel(
+  store: Store,
+  trouble: (text: string, topic: string) => void,
+): { root: HTMLDetailsElement } {
   const { root, body } = panel("pictures", "Cameras", false);
   const empty = el("p", { class: "muted" }, "No image has come yet.");
   const place = el("div", { class: "pictures" });
@@ -19,7 +22,7 @@ export function picturesPanel(app: App): HTMLElement {
       view.root.remove();
       views.delete(topic);
     }
-    if (!(root as HTMLDetailsElement).open) return;
+    if (!root.open) return;
     for (const [topic, picture] of store.pictures) {
       let view = views.get(topic);
       if (!view) {
@@ -30,13 +33,13 @@ export function picturesPanel(app: App): HTMLElement {
       }
       if (view.drawn !== picture) {
         view.drawn = picture;
-        void draw(view.canvas, picture).catch((error: unknown) => app.say(`${topic}: ${String(error)}`, "warning", topic));
+        void draw(view.canvas, picture).catch((error: unknown) => trouble(`${topic}: ${String(error)}`, topic));
       }
     }
   };
   store.watch(["pictures"], paint);
   root.addEventListener("toggle", paint);
-  return root;
+  return { root };
 }
 
 async function draw(canvas: HTMLCanvasElement, picture: Picture): Promise<void> {

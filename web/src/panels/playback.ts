@@ -7,7 +7,11 @@ import { durationText } from "../time.js";
 
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
-export function playbackPanel(app: App, open: (file: File) => Promise<void>, close: () => void): { show: (player: Player | null) => void } {
+export function playbackPanel(
+  app: App,
+  open: (file: File) => Promise<void>,
+  close: () => void,
+): { show: (player: Player | null) => void } {
   const place = byId("playback");
   const input = byId<HTMLInputElement>("file");
   const drop = byId("drop");
@@ -16,7 +20,10 @@ export function playbackPanel(app: App, open: (file: File) => Promise<void>, clo
   const play = el("button", { class: "play", onclick: () => player?.play(!player.playing) }, "Play");
   const slider = el("input", { type: "range", min: 0, step: "any", value: 0, "aria-label": "Time of the recording" });
   const time = el("output", { class: "number" });
-  const speed = el("select", { "aria-label": "Speed of the replay", onchange: () => player && (player.speed = Number(speed.value)) });
+  const speed = el("select", {
+    "aria-label": "Speed of the replay",
+    onchange: () => player && (player.speed = Number(speed.value)),
+  });
   speed.append(...kSpeeds.map((value) => el("option", { value: String(value) }, `${value} ×`)));
   speed.value = "1";
   const name = el("span", { class: "file-name" });
@@ -47,7 +54,11 @@ export function playbackPanel(app: App, open: (file: File) => Promise<void>, clo
     try {
       await open(file);
     } catch (error) {
-      app.say(`${file.name} cannot be shown: ${error instanceof Error ? error.message : String(error)}`, "error", "file");
+      app.say(
+        `${file.name} cannot be shown: ${error instanceof Error ? error.message : String(error)}`,
+        "error",
+        "file",
+      );
     }
   };
   byId("open").addEventListener("click", () => input.click());

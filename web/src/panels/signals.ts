@@ -34,7 +34,8 @@ export function signalsPanel(app: App): void {
     const drawn = charts.map(({ chart, prefix }) => {
       const curves: Curve[] = [];
       for (const [name, series] of store.series) {
-        if (name.startsWith(prefix)) curves.push({ name: name.slice(name.lastIndexOf(" ") + 1).replaceAll("_", " "), series });
+        if (name.startsWith(prefix))
+          curves.push({ name: name.slice(name.lastIndexOf(" ") + 1).replaceAll("_", " "), series });
       }
       curves.sort((a, b) => a.name.localeCompare(b.name));
       chart.root.hidden = curves.length === 0; // all of them before one is drawn: it changes their widths

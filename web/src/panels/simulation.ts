@@ -20,7 +20,10 @@ export function simulationPanel(app: App): void {
     "Step",
   );
   const speed = el("select", { "aria-label": "Speed of simulated time", onchange: () => void setSpeed() });
-  speed.append(...kSpeeds.map((value) => el("option", { value: String(value) }, `${value} ×`)), el("option", { value: "0" }, "fastest"));
+  speed.append(
+    ...kSpeeds.map((value) => el("option", { value: String(value) }, `${value} ×`)),
+    el("option", { value: "0" }, "fastest"),
+  );
   speed.value = "1";
   place.append(pause, step, speed);
 

@@ -34,7 +34,9 @@ export function stagePanel(app: App, viewport: Viewport): void {
     return el("label", { class: "toggle" }, box, title);
   });
   const coloring = el("select", { "aria-label": "Colour of the cloud", onchange: () => recolor() });
-  coloring.append(...(["image", "object", "depth"] as const).map((mode) => el("option", { value: mode }, `by ${mode}`)));
+  coloring.append(
+    ...(["image", "object", "depth"] as const).map((mode) => el("option", { value: mode }, `by ${mode}`)),
+  );
   const grasps = el("select", { "aria-label": "Grasps that are drawn", onchange: () => regrasp() });
   grasps.append(
     el("option", { value: "selected" }, "of the chosen object"),
@@ -62,7 +64,11 @@ export function stagePanel(app: App, viewport: Viewport): void {
     ...toggles.slice(1, 4),
     grasps,
     ...toggles.slice(4),
-    el("span", { class: "views", role: "group", "aria-label": "Look from" }, ...cameras.map(([name, go]) => el("button", { class: "small", onclick: go }, name))),
+    el(
+      "span",
+      { class: "views", role: "group", "aria-label": "Look from" },
+      ...cameras.map(([name, go]) => el("button", { class: "small", onclick: go }, name)),
+    ),
   );
 
   const legend = byId("legend");
@@ -76,7 +82,10 @@ export function stagePanel(app: App, viewport: Viewport): void {
       { "aria-label": "What a surface rests on" },
       ...kOrigins.map(({ name, color }) => {
         const key = el("span", { class: "swatch", "aria-hidden": "true" });
-        key.style.background = `rgb(${color.slice(0, 3).map((value) => 255 * value).join(" ")})`;
+        key.style.background = `rgb(${color
+          .slice(0, 3)
+          .map((value) => 255 * value)
+          .join(" ")})`;
         return el("li", {}, key, name);
       }),
     ),
@@ -104,11 +113,41 @@ export function stagePanel(app: App, viewport: Viewport): void {
     const why = chosen ? app.whyNot(kExecuteService) : "";
     fill(
       card,
-      el("div", { class: "row" }, el("strong", {}, chosen ? `Object ${object}, grasp ${rank + 1}` : `Object ${object}`), el("button", { class: "plain", "data-key": "unselect", "aria-label": "Choose nothing", onclick: () => store.select(null) }, "×")),
+      el(
+        "div",
+        { class: "row" },
+        el("strong", {}, chosen ? `Object ${object}, grasp ${rank + 1}` : `Object ${object}`),
+        el(
+          "button",
+          { class: "plain", "data-key": "unselect", "aria-label": "Choose nothing", onclick: () => store.select(null) },
+          "×",
+        ),
+      ),
       chosen
-        ? el("p", {}, [chosen.generator, chosen.quality !== undefined ? `quality ${chosen.quality.toFixed(3)}` : "", chosen.success !== undefined ? `P(lift) ${Math.round(100 * chosen.success)} %` : ""].filter(Boolean).join(" · "))
+        ? el(
+            "p",
+            {},
+            [
+              chosen.generator,
+              chosen.quality !== undefined ? `quality ${chosen.quality.toFixed(3)}` : "",
+              chosen.success !== undefined ? `P(lift) ${Math.round(100 * chosen.success)} %` : "",
+            ]
+              .filter(Boolean)
+              .join(" · "),
+          )
         : el("p", { class: "problem" }, plan ? plan.problem || "There is no grasp." : "It is not planned on yet."),
-      chosen ? el("button", { class: "primary", "data-key": "execute", disabled: why !== "", onclick: () => void execute(app, object, rank) }, "Execute") : null,
+      chosen
+        ? el(
+            "button",
+            {
+              class: "primary",
+              "data-key": "execute",
+              disabled: why !== "",
+              onclick: () => void execute(app, object, rank),
+            },
+            "Execute",
+          )
+        : null,
       why ? el("small", { class: "muted" }, why) : null,
     );
   };
@@ -118,7 +157,7 @@ export function stagePanel(app: App, viewport: Viewport): void {
   viewport.onClick = (id, at) => {
     const [kind, object, rank] = id?.split("/") ?? [];
     if (object === undefined) store.select(null);
-    else if (kind === "grasp") store.select(Number(object), Number(rank));
+    else if (kind === "grasp" && /^\d+$/.test(rank ?? "")) store.select(Number(object), Number(rank));
     else store.select(Number(object), null, at);
   };
 }

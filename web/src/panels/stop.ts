@@ -19,7 +19,8 @@ export function stopPanel(app: App): void {
       return;
     }
     button.classList.add("pressed");
-    if (await app.request(kStopService, { reason: "stopped on the viewer's page" })) app.say("Stop was sent.", "warning", "stop");
+    if (await app.request(kStopService, { reason: "stopped on the viewer's page" }))
+      app.say("Stop was sent.", "warning", "stop");
     button.classList.remove("pressed");
   };
   button.addEventListener("click", () => void stop());
@@ -37,7 +38,9 @@ export function stopPanel(app: App): void {
   const paint = (): void => {
     const isReachable = connection.state === "connected" && app.whyNot(kStopService) === "";
     button.classList.toggle("unreachable", !isReachable);
-    button.title = isReachable ? "Stops all motion (Escape or !)" : "The emergency stop cannot be reached from this page now";
+    button.title = isReachable
+      ? "Stops all motion (Escape or !)"
+      : "The emergency stop cannot be reached from this page now";
     const state = store.stop;
     banner.hidden = state?.stopped !== true;
     button.setAttribute("aria-pressed", String(state?.stopped === true));
@@ -46,7 +49,11 @@ export function stopPanel(app: App): void {
     fill(
       banner,
       el("strong", {}, `${where} motion is stopped`),
-      el("span", {}, `by ${state.source || "somebody"}: ${state.reason || "no reason given"} (since ${clockText(state.since)})`),
+      el(
+        "span",
+        {},
+        `by ${state.source || "somebody"}: ${state.reason || "no reason given"} (since ${clockText(state.since)})`,
+      ),
       app.isRecording()
         ? null
         : el(

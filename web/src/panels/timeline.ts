@@ -22,7 +22,9 @@ export function timeline(app: App): void {
     const names = now && !kSteps.includes(now.phase) ? [...kSteps, now.phase] : kSteps;
     fill(
       steps,
-      ...names.map((name) => el("li", { "data-phase": name, ...(name === now?.phase && { "aria-current": "step" }) }, name)),
+      ...names.map((name) =>
+        el("li", { "data-phase": name, ...(name === now?.phase && { "aria-current": "step" }) }, name),
+      ),
     );
     const target = now && now.phase !== "waiting" ? `object ${now.object}, grasp ${now.grasp + 1}` : "";
     const task = store.taskState ? `task: ${store.taskState}` : "";
@@ -40,13 +42,20 @@ export function timeline(app: App): void {
     const at = (time: number): string => `${(100 * (time - first)) / (last - first)}%`;
     const segments = phases.map((mark, i) => {
       const end = phases[i + 1]?.time ?? last;
-      const segment = el("div", { class: "segment", "data-phase": mark.phase, title: `${mark.phase}, ${clockText(mark.time)}: ${mark.detail}` }, el("span", {}, mark.phase));
+      const segment = el(
+        "div",
+        { class: "segment", "data-phase": mark.phase, title: `${mark.phase}, ${clockText(mark.time)}: ${mark.detail}` },
+        el("span", {}, mark.phase),
+      );
       segment.style.left = at(mark.time);
       segment.style.width = `calc(${at(first + Math.max(0, end - mark.time))} - 1px)`;
       return segment;
     });
     const marks = surprises.map((mark) => {
-      const tick = el("div", { class: `tick${mark.surprising ? " alarm" : ""}`, title: `${clockText(mark.time)} ${mark.name}: ${mark.felt} (${mark.predicted})` });
+      const tick = el("div", {
+        class: `tick${mark.surprising ? " alarm" : ""}`,
+        title: `${clockText(mark.time)} ${mark.name}: ${mark.felt} (${mark.predicted})`,
+      });
       tick.style.left = at(mark.time);
       return tick;
     });
@@ -75,7 +84,14 @@ export function surprisesPanel(app: App): HTMLElement {
       "li",
       { class: mark.surprising ? "alarm" : "" },
       el("span", { class: "number" }, clockText(mark.time)),
-      el("span", {}, el("strong", {}, mark.name), " ", el("span", {}, `${mark.felt}, predicted ${mark.predicted}`), mark.reaction ? el("small", {}, mark.reaction) : null),
+      el(
+        "span",
+        {},
+        el("strong", {}, mark.name),
+        " ",
+        el("span", {}, `${mark.felt}, predicted ${mark.predicted}`),
+        mark.reaction ? el("small", {}, mark.reaction) : null,
+      ),
       el("span", { class: "badge" }, mark.surprising ? "surprise" : "as expected"),
     );
   store.watch(["surprises"], () => {

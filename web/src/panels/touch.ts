@@ -23,7 +23,13 @@ export function touchPanel(app: App): HTMLElement {
   const pads = el("div", { class: "pads" });
   const low = el("span", {}, "0");
   const high = el("span", {}, "");
-  const bar = el("canvas", { width: 256, height: 1, class: "ramp", role: "img", "aria-label": "scale of force on a cell" });
+  const bar = el("canvas", {
+    width: 256,
+    height: 1,
+    class: "ramp",
+    role: "img",
+    "aria-label": "scale of force on a cell",
+  });
   bar.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(kRamp), 256, 1), 0, 0);
   const scale = el("div", { class: "scale" }, low, bar, high);
   body.append(empty, pads, scale);
@@ -59,11 +65,12 @@ export function touchPanel(app: App): HTMLElement {
       view.root.remove();
       views.delete(name);
     }
-    if (!(root as HTMLDetailsElement).open) return;
+    if (!root.open) return;
     const { prediction, title } = predictionOf(app);
     note.textContent = title;
     let most = kLeastScale;
-    for (const image of [...store.pads.values(), ...prediction.values()]) for (const force of image.forces) most = Math.max(most, force);
+    for (const image of [...store.pads.values(), ...prediction.values()])
+      for (const force of image.forces) most = Math.max(most, force);
     full = niceAtLeast(most);
     high.textContent = `${full} N a cell`;
     for (const [name, image] of store.pads) {
@@ -89,7 +96,9 @@ function predictionOf({ store }: App): { prediction: ReadonlyMap<string, PadImag
   const { object, grasp } = store.selection;
   const phase = store.phases.at(-1);
   const chosen =
-    object !== null ? store.plans.get(object)?.grasps[grasp ?? 0] : phase && store.plans.get(phase.object)?.grasps[phase.grasp];
+    object !== null
+      ? store.plans.get(object)?.grasps[grasp ?? 0]
+      : phase && store.plans.get(phase.object)?.grasps[phase.grasp];
   if (!chosen || chosen.predicted.size === 0) return { prediction: new Map(), title: "" };
   return { prediction: chosen.predicted, title: `beside grasp ${chosen.rank + 1} of object ${chosen.object}` };
 }

@@ -1,7 +1,7 @@
 /**
- * The vertices of foxglove.TriangleListPrimitive, taken out of a foxglove.SceneUpdate before it is decoded: as messages of their
- * own they are a hundred thousand objects a model, which cost a fifth of a second; as arrays a hundredth of one. Field numbers
- * are those of the published schemas.
+ * The vertices of foxglove.TriangleListPrimitive, taken out of a foxglove.SceneUpdate before it is decoded: as
+ * messages of their own they are a hundred thousand objects a model, which cost a fifth of a second; as arrays a
+ * hundredth of one. Field numbers are those of the published schemas.
  */
 
 export interface TriangleList {
@@ -92,7 +92,12 @@ export function splitTriangles(data: Uint8Array): Split {
 }
 
 /** The message with other bytes for its fields of this number. */
-function replaced(data: Uint8Array, message: Walker, number: number, change: (field: Walker) => Uint8Array[]): Uint8Array[] {
+function replaced(
+  data: Uint8Array,
+  message: Walker,
+  number: number,
+  change: (field: Walker) => Uint8Array[],
+): Uint8Array[] {
   const parts: Uint8Array[] = [];
   while (message.next()) {
     if (message.number !== number || message.wire !== kDelimited) {
@@ -116,7 +121,11 @@ function takeList(data: Uint8Array, list: Walker): [TriangleList, Uint8Array[]] 
     else if (list.number === kIndices) indexed += (list.at - list.begin) >> 2;
     else rest.push(data.subarray(list.tag, list.at));
   }
-  const taken = { positions: new Float32Array(3 * points), colors: new Uint8Array(4 * colored), indices: new Uint32Array(indexed) };
+  const taken = {
+    positions: new Float32Array(3 * points),
+    colors: new Uint8Array(4 * colored),
+    indices: new Uint32Array(indexed),
+  };
   const again = new Walker(data, begin, list.end);
   let [point, color, index] = [0, 0, 0];
   while (again.next()) {
@@ -124,7 +133,10 @@ function takeList(data: Uint8Array, list: Walker): [TriangleList, Uint8Array[]] 
       doubles(again, (c, value) => c < 3 && (taken.positions[point + c] = value));
       point += 3;
     } else if (again.number === kColors) {
-      doubles(again, (c, value) => c < 4 && (taken.colors[color + c] = Math.round(255 * Math.min(1, Math.max(0, value)))));
+      doubles(
+        again,
+        (c, value) => c < 4 && (taken.colors[color + c] = Math.round(255 * Math.min(1, Math.max(0, value)))),
+      );
       color += 4;
     } else if (again.number === kIndices) {
       for (let at = again.begin; at + 4 <= again.at; at += 4) taken.indices[index++] = again.view.getUint32(at, true);

@@ -121,7 +121,8 @@ export function parseFrame(buffer: ArrayBuffer): ServerFrame {
 
 type Json = { [key: string]: unknown };
 
-const isObject = (value: unknown): value is Json => typeof value === "object" && value !== null && !Array.isArray(value);
+const isObject = (value: unknown): value is Json =>
+  typeof value === "object" && value !== null && !Array.isArray(value);
 const textOf = (value: unknown): string => (typeof value === "string" ? value : "");
 
 function array(message: Json, key: string): unknown[] {
@@ -139,7 +140,8 @@ function identifier(message: Json, key: string, op: string): number {
 }
 
 function channelOf(value: unknown): Channel {
-  if (!isObject(value) || typeof value["topic"] !== "string") throw new ProtocolError('"advertise": a channel has no topic');
+  if (!isObject(value) || typeof value["topic"] !== "string")
+    throw new ProtocolError('"advertise": a channel has no topic');
   return {
     id: identifier(value, "id", "advertise"),
     topic: value["topic"],
@@ -232,7 +234,12 @@ export function parseMessage(text: string): ServerMessage | null {
 }
 
 /** The binary frame of a service's request. */
-export function serviceRequest(service: number, call: number, encoding: string, data: Uint8Array): Uint8Array<ArrayBuffer> {
+export function serviceRequest(
+  service: number,
+  call: number,
+  encoding: string,
+  data: Uint8Array,
+): Uint8Array<ArrayBuffer> {
   const name = encoder.encode(encoding);
   const frame = new Uint8Array(13 + name.length + data.length);
   const view = new DataView(frame.buffer);

@@ -73,8 +73,8 @@ export class Player {
   }
 
   /**
-   * Shows the moment `position` [s from the beginning]: state as it was, signals of the time a chart is wide. Ends when it is
-   * shown, or another that was asked for meanwhile.
+   * Shows the moment `position` [s from the beginning]: state as it was, signals of the time a chart is wide. Ends
+   * when it is shown, or another that was asked for meanwhile.
    */
   seek(position: number): Promise<void> {
     const { start, end } = this.recording;
@@ -106,7 +106,12 @@ export class Player {
     const messages = await this.#stateUntil(goal, stopped);
     if (!messages) return;
     for (const topic of this.#topics.latest) {
-      for await (const message of recording.messages({ topics: [topic], from: recording.start, to: goal, reverse: true })) {
+      for await (const message of recording.messages({
+        topics: [topic],
+        from: recording.start,
+        to: goal,
+        reverse: true,
+      })) {
         messages.push(message);
         break;
       }
@@ -162,7 +167,9 @@ export class Player {
     const passed = Math.min(Math.max(0, now - this.#lastTick) / 1000, kMostBehind) * this.speed;
     this.#lastTick = now;
     if (!this.#seeking) {
-      this.#advancing = this.#advance(this.#at + BigInt(Math.round(passed * 1e9))).catch((error: unknown) => this.#fail(error));
+      this.#advancing = this.#advance(this.#at + BigInt(Math.round(passed * 1e9))).catch((error: unknown) =>
+        this.#fail(error),
+      );
       await this.#advancing;
       this.changed.emit();
     }
@@ -189,7 +196,8 @@ export class Player {
       }
       const message = this.#next;
       this.#next = null;
-      if (kindOf(this.recording.channels.get(message.channel)?.schemaName ?? "") === "latest") latest.set(message.channel, message);
+      if (kindOf(this.recording.channels.get(message.channel)?.schemaName ?? "") === "latest")
+        latest.set(message.channel, message);
       else this.#take(message);
     }
     for (const message of latest.values()) this.#take(message);

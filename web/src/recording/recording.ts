@@ -80,7 +80,10 @@ function indexed(reader: McapIndexedReader): Recording {
     channels.set(channel.id, channelOf(channel, reader.schemasById.get(channel.schemaId)));
   }
   const chunks = reader.chunkIndexes.filter((chunk) => chunk.messageEndTime > 0n);
-  const start = chunks.reduce((least, { messageStartTime: at }) => (at < least ? at : least), chunks[0]?.messageStartTime ?? 0n);
+  const start = chunks.reduce(
+    (least, { messageStartTime: at }) => (at < least ? at : least),
+    chunks[0]?.messageStartTime ?? 0n,
+  );
   const end = chunks.reduce((most, { messageEndTime: at }) => (at > most ? at : most), 0n);
   return {
     channels,
@@ -107,7 +110,7 @@ async function unindexed(file: Blob, why: string): Promise<Recording> {
   try {
     const reader = new McapStreamReader({ decompressHandlers: kDecompress, validateCrcs: true });
     reader.append(new Uint8Array(await file.arrayBuffer()));
-    for (let record; (record = reader.nextRecord()); ) {
+    for (let record; (record = reader.nextRecord());) {
       if (record.type === "Schema") schemas.set(record.id, record);
       else if (record.type === "Channel") channels.set(record.id, channelOf(record, schemas.get(record.schemaId)));
       else if (record.type === "Message") {

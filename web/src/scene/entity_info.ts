@@ -16,7 +16,9 @@ export function objectFromEntity(store: Store, entity: Entity): void {
   if (!match) return;
   const id = Number(match[1]);
   const { metadata } = entity;
-  const [confidence, volume, guessedArea] = ["confidence", "volume", "guessed_area"].map((key) => numberIn(metadata.get(key)));
+  const [confidence, volume, guessedArea] = ["confidence", "volume", "guessed_area"].map((key) =>
+    numberIn(metadata.get(key)),
+  );
   const [method, known] = [metadata.get("method"), metadata.get("known")];
   store.objects.set(id, {
     id,

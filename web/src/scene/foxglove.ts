@@ -34,8 +34,10 @@ function pointsOf(list: Fields[]): Float32Array {
 
 function triangles({ positions, colors, indices }: TriangleList): Mesh {
   const vertices = positions.length / 3;
-  if (indices.some((index) => index >= vertices)) throw new Error("a triangle names a vertex that its mesh does not have");
-  if ((indices.length || vertices) % 3 !== 0) throw new Error("the vertices of a triangle list are no multiple of three");
+  if (indices.some((index) => index >= vertices))
+    throw new Error("a triangle names a vertex that its mesh does not have");
+  if ((indices.length || vertices) % 3 !== 0)
+    throw new Error("the vertices of a triangle list are no multiple of three");
   return {
     positions,
     indices: indices.length > 0 ? indices : null,
@@ -77,6 +79,13 @@ function primitivesOf(entity: Fields, lists: TriangleList[]): Primitive[] {
     const list = lists[i];
     if (list) result.push({ kind: "mesh", ...common(from), mesh: triangles(list) });
   });
+  each("texts", (from) => ({
+    kind: "text",
+    ...common(from),
+    text: text(from, "text"),
+    size: number(from, "fontSize"),
+    isScaleInvariant: from["scaleInvariant"] === true,
+  }));
   each("models", (from) => ({
     kind: "model",
     pose: poseOf(child(from, "pose")),
@@ -102,7 +111,13 @@ const kLevels: Level[] = ["info", "debug", "info", "warning", "error", "error"];
 /** Places of the packed columns by name; those of another type than expected are not there. */
 function packed(fields: Fields[], stride: number): Map<string, number> {
   const kTypes: Readonly<Record<string, [type: number, size: number]>> = {
-    x: [7, 4], y: [7, 4], z: [7, 4], red: [1, 1], green: [1, 1], blue: [1, 1], object: [3, 2],
+    x: [7, 4],
+    y: [7, 4],
+    z: [7, 4],
+    red: [1, 1],
+    green: [1, 1],
+    blue: [1, 1],
+    object: [3, 2],
   };
   const result = new Map<string, number>();
   for (const field of fields) {
@@ -121,7 +136,10 @@ export const kFoxgloveHandlers: Handlers = {
       if (name === "" || (store.frames.size >= 5000 && !store.frames.has(name))) continue;
       store.frames.set(name, {
         parent: text(transform, "parentFrameId"),
-        pose: { position: vectorOf(child(transform, "translation")), rotation: rotationOf(child(transform, "rotation")) },
+        pose: {
+          position: vectorOf(child(transform, "translation")),
+          rotation: rotationOf(child(transform, "rotation")),
+        },
       });
     }
     store.touch("frames");
@@ -156,7 +174,8 @@ export const kFoxgloveHandlers: Handlers = {
     const stride = number(fields, "pointStride");
     const data = aligned(bytes(fields, "data"));
     const count = stride > 0 ? data.length / stride : 0;
-    if (!Number.isInteger(count) || count > kMostPoints) throw new Error(`a cloud of ${data.length} bytes has points of ${stride}`);
+    if (!Number.isInteger(count) || count > kMostPoints)
+      throw new Error(`a cloud of ${data.length} bytes has points of ${stride}`);
     const at = packed(children(fields, "fields"), stride);
     const x = at.get("x");
     if (count > 0 && (x === undefined || at.get("y") !== x + 4 || at.get("z") !== x + 8)) {
@@ -182,13 +201,20 @@ export const kFoxgloveHandlers: Handlers = {
       setPad(store, topic.slice("/viewer/pad/".length), width, height, bytes(fields, "data"));
       return;
     }
-    setPicture(store, topic, pixels(width, height, number(fields, "step"), text(fields, "encoding"), bytes(fields, "data")));
+    setPicture(
+      store,
+      topic,
+      pixels(width, height, number(fields, "step"), text(fields, "encoding"), bytes(fields, "data")),
+    );
   },
 
   "foxglove.CompressedImage": (store, { topic, fields }) => {
     const format = text(fields, "format");
     if (!/^(jpeg|png|webp|avif)$/.test(format)) throw new Error(`images compressed as "${format}" are not shown`);
-    setPicture(store, topic, { kind: "compressed", blob: new Blob([bytes(fields, "data").slice()], { type: `image/${format}` }) });
+    setPicture(store, topic, {
+      kind: "compressed",
+      blob: new Blob([bytes(fields, "data").slice()], { type: `image/${format}` }),
+    });
   },
 
   "foxglove.Log": (store, { fields }) => {
@@ -208,9 +234,16 @@ export function setPicture(store: Parameters<Handlers[string]>[0], topic: string
   store.touch("pictures");
 }
 
-function setPad(store: Parameters<Handlers[string]>[0], name: string, columns: number, rows: number, data: Uint8Array): void {
+function setPad(
+  store: Parameters<Handlers[string]>[0],
+  name: string,
+  columns: number,
+  rows: number,
+  data: Uint8Array,
+): void {
   const cells = rows * columns;
-  if (cells === 0 || data.length < 4 * cells) throw new Error(`pad ${name} of ${rows} x ${columns} cells has ${data.length} bytes`);
+  if (cells === 0 || data.length < 4 * cells)
+    throw new Error(`pad ${name} of ${rows} x ${columns} cells has ${data.length} bytes`);
   const forces = new Float32Array(data.slice(0, 4 * cells).buffer);
   store.pads.set(name, { rows, columns, forces, sum: forces.reduce((sum, force) => sum + force, 0) });
   store.touch("pads");

@@ -84,8 +84,9 @@ export function pointsOf(from: Fields): Points {
 let scratch = new Uint8Array();
 
 /**
- * Bytes at a multiple of 4 of their buffer, so that views of wider numbers can lie on them. Where they are not, a copy that
- * holds until the next call: clouds come many times a second, and new memory for each costs more than copying.
+ * Bytes at a multiple of 4 of their buffer, so that views of wider numbers can lie on them. Where they are not, a
+ * copy that holds until the next call: clouds come many times a second, and new memory for each costs more than
+ * copying.
  */
 export function aligned(data: Uint8Array): Uint8Array {
   if (data.byteOffset % 4 === 0) return data;
@@ -104,7 +105,13 @@ function reused<Kind extends Float32Array | Uint8Array | Uint16Array>(
 }
 
 /** x, y, z of records of `stride` bytes. */
-export function column(data: Uint8Array, count: number, stride: number, offset: number, old?: Float32Array | null): Float32Array {
+export function column(
+  data: Uint8Array,
+  count: number,
+  stride: number,
+  offset: number,
+  old?: Float32Array | null,
+): Float32Array {
   const result = reused(old, 3 * count, (length) => new Float32Array(length));
   if (stride % 4 === 0 && offset % 4 === 0 && data.byteOffset % 4 === 0) {
     const all = new Float32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
@@ -126,10 +133,23 @@ export function column(data: Uint8Array, count: number, stride: number, offset: 
 }
 
 /** Opaque rgba of the three bytes at these offsets of each record. */
-export function colorColumn(data: Uint8Array, count: number, stride: number, offsets: number[], old?: Uint8Array | null): Uint8Array {
+export function colorColumn(
+  data: Uint8Array,
+  count: number,
+  stride: number,
+  offsets: number[],
+  old?: Uint8Array | null,
+): Uint8Array {
   const result = reused(old, 4 * count, (length) => new Uint8Array(length));
   const [red = 0, green = 0, blue = 0] = offsets;
-  if (stride % 4 === 0 && red % 4 === 0 && green === red + 1 && blue === red + 2 && data.byteOffset % 4 === 0 && red + 4 <= stride) {
+  if (
+    stride % 4 === 0 &&
+    red % 4 === 0 &&
+    green === red + 1 &&
+    blue === red + 2 &&
+    data.byteOffset % 4 === 0 &&
+    red + 4 <= stride
+  ) {
     const all = new Uint32Array(data.buffer, data.byteOffset, data.byteLength >> 2);
     const words = new Uint32Array(result.buffer, result.byteOffset, count);
     const step = stride >> 2;
@@ -146,7 +166,13 @@ export function colorColumn(data: Uint8Array, count: number, stride: number, off
 }
 
 /** A number of 16 bits of each record. */
-export function shortColumn(data: Uint8Array, count: number, stride: number, offset: number, old?: Uint16Array | null): Uint16Array {
+export function shortColumn(
+  data: Uint8Array,
+  count: number,
+  stride: number,
+  offset: number,
+  old?: Uint16Array | null,
+): Uint16Array {
   const result = reused(old, count, (length) => new Uint16Array(length));
   if (stride % 2 === 0 && offset % 2 === 0 && data.byteOffset % 2 === 0) {
     const all = new Uint16Array(data.buffer, data.byteOffset, data.byteLength >> 1);

@@ -7,6 +7,7 @@ import { seconds } from "../time.js";
 import { kFoxgloveHandlers } from "./foxglove.js";
 import type { Handler, Handlers } from "./handler.js";
 import { kCycleHandlers } from "./raw_cycle.js";
+import { kPlanHandlers } from "./raw_plans.js";
 import { kShapeHandlers } from "./raw_shapes.js";
 import { kSignalHandlers } from "./raw_signals.js";
 import { kStageHandlers } from "./raw_stage.js";
@@ -18,7 +19,14 @@ export interface Source {
   encoding: string;
 }
 
-const kHandlers: Handlers = { ...kFoxgloveHandlers, ...kShapeHandlers, ...kSignalHandlers, ...kCycleHandlers, ...kStageHandlers };
+const kHandlers: Handlers = {
+  ...kFoxgloveHandlers,
+  ...kShapeHandlers,
+  ...kPlanHandlers,
+  ...kSignalHandlers,
+  ...kCycleHandlers,
+  ...kStageHandlers,
+};
 
 /** A topic of well-known type that shows what messages of these types would: they are not read beside it. */
 const kReplaced: Readonly<Record<string, string[]>> = {
@@ -70,6 +78,13 @@ export function isShown(source: Source, all: Iterable<Source>): boolean {
     if (topic.startsWith("/viewer/pad/") && other.schemaName === "prehend.msgs.TactileFrame") return false;
   }
   return true;
+}
+
+/** Whether a source sends pictures: the most traffic of all, wanted only while somebody looks at them. */
+export function isPicture({ topic, schemaName }: Source): boolean {
+  return (
+    /\.(RawImage|CompressedImage|StereoPair|Image|DepthImage)$/.test(schemaName) && !topic.startsWith("/viewer/pad/")
+  );
 }
 
 export class Ingest {

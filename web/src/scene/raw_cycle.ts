@@ -56,7 +56,8 @@ export const kCycleHandlers: Handlers = {
 
   "prehend.msgs.CycleResult": (store, { fields }) => {
     const path = texts(fields, "taskPath").at(-1);
-    store.result = `${kOutcomes[number(fields, "outcome")] ?? "failed"}: ${text(fields, "reason") || path || "no reason given"}`;
+    const outcome = kOutcomes[number(fields, "outcome")] ?? "failed";
+    store.result = `${outcome}: ${text(fields, "reason") || path || "no reason given"}`;
     store.touch("cycle");
   },
 

@@ -1,31 +1,18 @@
-/** The graph's own messages of what is seen and planned: objects, models, plans, camera images. */
+/** The graph's own messages of what is seen and predicted: objects, models, camera images. */
 
-import {
-  bytes, child, children, has, integer64, number, numbers, optionalNumber, text, type Fields,
-} from "../protobuf/fields.js";
-import { meshOf, planePose, pointsOf, poseOf, rotationToX, turned, vectorOf } from "./geometry.js";
+import { bytes, child, children, has, number, numbers, optionalNumber, text } from "../protobuf/fields.js";
+import { setPicture } from "./foxglove.js";
+import { meshOf, planePose, pointsOf, poseOf, turned } from "./geometry.js";
 import type { Handlers } from "./handler.js";
 import { pixels } from "./pictures.js";
-import { setPicture } from "./foxglove.js";
-import { kGraspsTopic, kRawPlansTopic } from "./store.js";
-import { tactileImage } from "./raw_signals.js";
-import { kNoPose, kOrigins, type Color, type Entity, type GraspInfo, type Mesh, type PadImage, type Plan, type Pose,
-  type Primitive, type Vector } from "./types.js";
+import { entity, header } from "./raw_header.js";
+import { kNoPose, kOrigins, type Color, type Mesh, type Vector } from "./types.js";
 
 /** SurfaceOrigin of objects.proto: seen, predicted, assumed, touched -> places in kOrigins. */
 const kOriginOf = [0, 1, 3, 2];
 const kTableColor: Color = [0.62, 0.6, 0.57, 1];
 const kTableSize = 1.2; // m, of the table that is drawn; how far it goes is not said
 const kCamera = "camera";
-
-function header(fields: Fields): { stamp: bigint; frame: string } {
-  const from = child(fields, "header");
-  return { stamp: integer64(from, "stamp"), frame: text(from, "frameId") || "world" };
-}
-
-function entity(id: string, primitives: Primitive[]): Entity {
-  return { id, frame: "world", primitives, metadata: new Map() };
-}
 
 function colored(mesh: Mesh, origin: Uint8Array): Mesh {
   const vertices = mesh.positions.length / 3;
@@ -37,112 +24,6 @@ function colored(mesh: Mesh, origin: Uint8Array): Mesh {
   }
   return { ...mesh, colors };
 }
-
-function jaw(pose: Pose, at: Vector, size: Vector, color: Color): Primitive {
-  const offset = turned(pose.rotation, at);
-  const position: Vector = [pose.position[0] + offset[0], pose.position[1] + offset[1], pose.position[2] + offset[2]];
-  return { kind: "cube", pose: { position, rotation: pose.rotation }, size, color };
-}
-
-/** The approach as an arrow; fingertips at the contacts, or the jaws of a parallel gripper open as it comes. */
-function graspPrimitives(grasp: Fields, color: Color): Primitive[] {
-  const result: Primitive[] = [];
-  const pose = poseOf(child(grasp, "XWG"));
-  const direction = vectorOf(child(grasp, "approachDirection"));
-  const contacts = children(grasp, "contacts").map(vectorOf);
-  const length = Math.max(0.04, Math.min(0.15, number(grasp, "pregraspDistance", 0.08)));
-  const size = Math.hypot(...direction);
-  if (size > 0.5) {
-    const unit: Vector = [direction[0] / size, direction[1] / size, direction[2] / size];
-    const head = contacts.length > 0 ? mean(contacts) : pose.position;
-    const position: Vector = [head[0] - unit[0] * length, head[1] - unit[1] * length, head[2] - unit[2] * length];
-    result.push({
-      kind: "arrow",
-      pose: { position, rotation: rotationToX(unit) },
-      shaftLength: 0.7 * length,
-      shaftDiameter: 0.004,
-      headLength: 0.3 * length,
-      headDiameter: 0.012,
-      color,
-    });
-  }
-  for (const contact of contacts) {
-    result.push({ kind: "sphere", pose: { position: contact, rotation: [0, 0, 0, 1] }, size: [0.01, 0.01, 0.01], color });
-  }
-  const opening = number(grasp, "pregraspOpening");
-  if (opening > 0) {
-    // Pads of a parallel gripper close along y of its frame.
-    for (const side of [-1, 1]) {
-      result.push(jaw(pose, [0, (side * (opening + 0.008)) / 2, -0.015], [0.02, 0.006, 0.045], color));
-    }
-    result.push(jaw(pose, [0, 0, -0.042], [0.02, opening + 0.014, 0.012], color));
-  }
-  return result;
-}
-
-function mean(points: Vector[]): Vector {
-  const sum: Vector = [0, 0, 0];
-  for (const point of points) for (let c = 0; c < 3; c++) sum[c]! += point[c]! / points.length;
-  return sum;
-}
-
-function predictedPads(grasp: Fields): Map<string, PadImage> {
-  const result = new Map<string, PadImage>();
-  for (const pad of children(child(grasp, "predicted"), "pads")) {
-    const image = child(pad, "image");
-    const name = text(child(image, "header"), "frameId");
-    const read = tactileImage(image);
-    if (name !== "" && read) result.set(name, read);
-  }
-  return result;
-}
-
-/** Choice.Act of grasp.proto. */
-const kGraspAct = 1;
-
-export function planOf(fields: Fields): Plan {
-  const object = number(fields, "id");
-  const chances = new Map<number, number>();
-  for (const choice of children(fields, "choices")) {
-    if (number(choice, "act") === kGraspAct) chances.set(number(choice, "grasp"), number(choice, "success"));
-  }
-  const grasps = children(fields, "grasps").map((grasp, rank): GraspInfo => {
-    const [success, robustness] = [chances.get(rank), optionalNumber(grasp, "robustness")];
-    return {
-      object,
-      rank,
-      quality: number(grasp, "quality"),
-      guessedContact: number(grasp, "guessedContact"),
-      width: number(grasp, "pregraspOpening"),
-      ...(success !== undefined && { success }),
-      ...(robustness !== undefined && { robustness }),
-      generator: text(grasp, "generator"),
-      remark: text(grasp, "remark"),
-      contacts: children(grasp, "contacts").map(vectorOf),
-      predicted: predictedPads(grasp),
-    };
-  });
-  return {
-    object,
-    stamp: header(fields).stamp,
-    outcome: (["failed", "ungraspable", "graspable"] as const)[number(fields, "outcome")] ?? "failed",
-    problem: text(fields, "problem"),
-    candidates: number(fields, "candidates"),
-    grasps,
-    rejections: children(fields, "rejections")
-      .map((rejection) => ({
-        reason: text(rejection, "reason"),
-        count: number(rejection, "count"),
-        generator: text(rejection, "generator"),
-        nearestMiss: text(rejection, "nearestMiss"),
-      }))
-      .sort((a, b) => b.count - a.count),
-    remedies: children(fields, "remedies").map((remedy) => text(remedy, "text")),
-    choices: children(fields, "choices").map((choice) => text(choice, "text")),
-  };
-}
-
-const kGraspColor: Color = [0.1, 0.55, 0.62, 1];
 
 export const kShapeHandlers: Handlers = {
   "prehend.msgs.CameraInfo": (store, { fields }) => {
@@ -232,26 +113,11 @@ export const kShapeHandlers: Handlers = {
         { kind: "mesh", pose: kNoPose, mesh: meshOf(alternative), color: [0.62, 0.62, 0.62, 0.25] },
       ]);
       const weight = weights[i + 1];
-      store.setEntity(topic, weight === undefined ? shown : { ...shown, metadata: new Map([["weight", weight.toFixed(3)]]) });
+      store.setEntity(
+        topic,
+        weight === undefined ? shown : { ...shown, metadata: new Map([["weight", weight.toFixed(3)]]) },
+      );
     });
-  },
-
-  "prehend.msgs.GraspPlan": (store, { fields }) => {
-    const plan = planOf(fields);
-    if (!store.beginView(plan.stamp)) return;
-    store.plans.set(plan.object, plan);
-    if (!store.objects.has(plan.object)) store.objects.set(plan.object, { id: plan.object, problem: "", details: [] });
-    store.touch("objects");
-    if (store.entities.has(kGraspsTopic)) return; // whoever converts them draws them
-    const topic = kRawPlansTopic;
-    for (const other of [...(store.entities.get(topic)?.keys() ?? [])]) {
-      if (other.startsWith(`grasp/${plan.object}/`)) store.deleteEntity(topic, other);
-    }
-    children(fields, "grasps")
-      .slice(0, 100)
-      .forEach((grasp, rank) => {
-        store.setEntity(topic, entity(`grasp/${plan.object}/${rank}`, graspPrimitives(grasp, kGraspColor)));
-      });
   },
 
   "prehend.msgs.StereoPair": (store, { topic, fields }) => {
@@ -259,14 +125,19 @@ export const kShapeHandlers: Handlers = {
     const encoding = channels === 1 ? "mono8" : "rgb8";
     const data = bytes(fields, "data");
     const half = width * height * channels;
-    if (data.length !== 2 * half) throw new Error(`a stereo pair of ${width} x ${height} pixels has ${data.length} bytes`);
+    if (data.length !== 2 * half)
+      throw new Error(`a stereo pair of ${width} x ${height} pixels has ${data.length} bytes`);
     setPicture(store, `${topic} left`, pixels(width, height, 0, encoding, data.subarray(0, half)));
     setPicture(store, `${topic} right`, pixels(width, height, 0, encoding, data.subarray(half)));
   },
 
   "prehend.msgs.Image": (store, { topic, fields }) => {
     const encoding = number(fields, "channels") === 1 ? "mono8" : "rgb8";
-    setPicture(store, topic, pixels(number(fields, "width"), number(fields, "height"), 0, encoding, bytes(fields, "data")));
+    setPicture(
+      store,
+      topic,
+      pixels(number(fields, "width"), number(fields, "height"), 0, encoding, bytes(fields, "data")),
+    );
   },
 
   "prehend.msgs.DepthImage": (store, { topic, fields }) => {

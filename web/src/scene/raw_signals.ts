@@ -37,7 +37,10 @@ export const kSignalHandlers: Handlers = {
   "prehend.msgs.Wrench": (store, { time, fields }) => {
     const at = stampOf(fields, time);
     const wrench = child(fields, "wrench");
-    for (const [part, unit] of [["force", "F"], ["torque", "T"]] as const) {
+    for (const [part, unit] of [
+      ["force", "F"],
+      ["torque", "T"],
+    ] as const) {
       const vector = child(wrench, part);
       for (const axis of ["x", "y", "z"]) store.sample(`wrench ${unit}${axis}`, at, number(vector, axis));
     }

@@ -1,6 +1,7 @@
 /**
- * The hand of a stage (config/robots/stage_pg70.urdf) out of its joints alone, whose values are where the middle of the pads is
- * and how they are turned. A sketch, for recordings of the graph's own topics: they have no geometry of the robot.
+ * The hand of a stage (config/robots/stage_pg70.urdf) out of its joints alone, whose values are where the middle of
+ * the pads is and how they are turned. A sketch, for recordings of the graph's own topics: they have no geometry of
+ * the robot.
  */
 
 import { numbers, texts } from "../protobuf/fields.js";
@@ -18,7 +19,10 @@ function box(position: Vector, size: Vector, color: Color): Primitive {
   return { kind: "cube", pose: { position, rotation: [0, 0, 0, 1] }, size, color };
 }
 
-/** The fingers, open by `opening` [m] along y, the palm over them and the quill that carries it. Rough sizes of a PG70. */
+/**
+ * The fingers, open by `opening` [m] along y, the palm over them and the quill that carries it. Rough sizes of a
+ * PG70.
+ */
 function hand(opening: number): Primitive[] {
   return [
     ...[-1, 1].map((side) => box([0, side * (opening / 2 + 0.006), 0.02], [0.026, 0.012, 0.085], kDark)),

@@ -138,7 +138,12 @@ export class Store {
   }
 
   addLog(entry: LogEntry): void {
-    if (this.log.slice(-100).some((line) => line.time === entry.time && line.text === entry.text && line.node === entry.node)) return;
+    if (
+      this.log
+        .slice(-100)
+        .some((line) => line.time === entry.time && line.text === entry.text && line.node === entry.node)
+    )
+      return;
     this.log.push(entry);
     if (this.log.length > kMostLines) this.log = this.log.slice(-kMostLines / 2);
     this.touch("log");
@@ -155,7 +160,8 @@ export class Store {
   addPhase(mark: PhaseMark): void {
     const last = this.phases.at(-1);
     if (last && mark.time < last.time) {
-      if (this.phases.some((other) => other.time === mark.time && other.phase === mark.phase)) return; // latched, once more
+      // Latched, once more.
+      if (this.phases.some((other) => other.time === mark.time && other.phase === mark.phase)) return;
       this.phases = this.phases.filter((other) => other.time <= mark.time); // time began anew
     }
     const again = last && last.phase === mark.phase && last.object === mark.object && last.grasp === mark.grasp;

@@ -35,6 +35,8 @@ export type Primitive =
   | { kind: "sphere"; pose: Pose; size: Vector; color: Color }
   | { kind: "cylinder"; pose: Pose; size: Vector; bottomScale: number; topScale: number; color: Color }
   | { kind: "line"; pose: Pose; shape: "strip" | "loop" | "list"; points: Float32Array; color: Color }
+  // `size` in m, or in pixels of the same size from everywhere.
+  | { kind: "text"; pose: Pose; text: string; size: number; isScaleInvariant: boolean; color: Color }
   | { kind: "model"; pose: Pose; scale: Vector; color: Color | null; mediaType: string; data: Uint8Array };
 
 /** Something drawn, by its id: `table`, `object/3`, `grasp/3/0`, `robot/link_1`. */

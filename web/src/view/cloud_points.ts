@@ -1,7 +1,15 @@
 /** The cloud: colours are made on the graphics card, so that a change of colouring costs nothing here. */
 
 import {
-  BufferAttribute, BufferGeometry, DataTexture, Points, RGBAFormat, ShaderMaterial, UnsignedByteType, Vector2, Vector3,
+  BufferAttribute,
+  BufferGeometry,
+  DataTexture,
+  Points,
+  RGBAFormat,
+  ShaderMaterial,
+  UnsignedByteType,
+  Vector2,
+  Vector3,
   type Matrix4,
 } from "three";
 import type { Cloud } from "../scene/types.js";
@@ -93,7 +101,12 @@ export class CloudPoints {
     if (cloud !== this.#cloud) {
       this.#cloud = cloud;
       const geometry = this.points.geometry;
-      const set = (name: string, array: Float32Array | Uint8Array | Uint16Array, size: number, normalized: boolean): void => {
+      const set = (
+        name: string,
+        array: Float32Array | Uint8Array | Uint16Array,
+        size: number,
+        normalized: boolean,
+      ): void => {
         const old = geometry.getAttribute(name) as BufferAttribute | undefined;
         if (old && old.array.length === array.length && old.array.constructor === array.constructor) {
           old.array = array; // the buffer on the card is filled again instead of made anew
@@ -122,7 +135,12 @@ export class CloudPoints {
     const drawn = Math.ceil(count / every);
     if (every === 1) geometry.setIndex(null);
     else if (geometry.index?.count !== drawn || geometry.index.getX(1) !== every) {
-      geometry.setIndex(new BufferAttribute(Uint32Array.from({ length: drawn }, (_, i) => i * every), 1));
+      geometry.setIndex(
+        new BufferAttribute(
+          Uint32Array.from({ length: drawn }, (_, i) => i * every),
+          1,
+        ),
+      );
     }
     geometry.setDrawRange(0, drawn);
   }

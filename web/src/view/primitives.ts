@@ -1,14 +1,31 @@
 /** Primitives of entities -> three.js objects. */
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, Color as ThreeColor, CylinderGeometry, DoubleSide, Group, Line, LineBasicMaterial,
-  LineLoop, LineSegments, Matrix4, Mesh as ThreeMesh, MeshLambertMaterial, SphereGeometry, SRGBColorSpace, type Object3D,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  Color as ThreeColor,
+  CylinderGeometry,
+  DoubleSide,
+  Group,
+  Line,
+  LineBasicMaterial,
+  LineLoop,
+  LineSegments,
+  Matrix4,
+  Mesh as ThreeMesh,
+  MeshLambertMaterial,
+  SphereGeometry,
+  Sprite,
+  SRGBColorSpace,
+  type Object3D,
 } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import { OBJLoader } from "three/examples/jsm/loaders/OBJLoader.js";
 import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
 import type { Color, Mesh, Primitive } from "../scene/types.js";
 import { simplified } from "./simplify.js";
+import { label } from "./label.js";
 import { matrixOf } from "./frame_tree.js";
 
 /** Bytes of sRGB -> of linear light, in which three.js computes. */
@@ -36,7 +53,14 @@ function meshObject(given: Mesh, color: Color, flat: boolean): Object3D {
   geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
   if (mesh.indices) geometry.setIndex(new BufferAttribute(mesh.indices, 1));
   if (mesh.colors) {
-    geometry.setAttribute("color", new BufferAttribute(mesh.colors.map((byte, i) => (i % 4 === 3 ? byte : kLinear[byte]!)), 4, true));
+    geometry.setAttribute(
+      "color",
+      new BufferAttribute(
+        mesh.colors.map((byte, i) => (i % 4 === 3 ? byte : kLinear[byte]!)),
+        4,
+        true,
+      ),
+    );
   }
   if (!flat) geometry.computeVertexNormals();
   return new ThreeMesh(geometry, material(mesh.colors ? null : color, { flat, vertexColors: mesh.colors !== null }));
@@ -133,6 +157,8 @@ function shape(primitive: Primitive, flat: boolean, loaded: () => void): Object3
     }
     case "line":
       return line(primitive);
+    case "text":
+      return label(primitive.text, primitive.size, primitive.isScaleInvariant, primitive.color);
     case "model":
       return model(primitive, loaded);
   }
@@ -150,6 +176,10 @@ export function primitiveObject(primitive: Primitive, flat: boolean, loaded: () 
 /** Frees what the object holds on the graphics card. */
 export function dispose(object: Object3D): void {
   object.traverse((part) => {
+    if (part instanceof Sprite) {
+      part.material.map?.dispose();
+      part.material.dispose();
+    }
     if (!(part instanceof ThreeMesh || part instanceof Line)) return;
     (part.geometry as BufferGeometry).dispose();
     for (const paint of Array.isArray(part.material) ? part.material : [part.material]) paint.dispose();

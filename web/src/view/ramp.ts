@@ -1,4 +1,6 @@
-/** The colours of a quantity from its least to its largest: perceptually even, and told apart by those who see no red. */
+/**
+ * The colours of a quantity from its least to its largest: perceptually even, and told apart by those who see no red.
+ */
 
 const kStops: [number, number, number][] = [
   [48, 18, 92],
@@ -18,7 +20,8 @@ function makeRamp(stops: [number, number, number][]): Uint8Array<ArrayBuffer> {
     const place = (i / 255) * (stops.length - 1);
     const from = Math.min(Math.floor(place), stops.length - 2);
     const share = place - from;
-    for (let c = 0; c < 3; c++) ramp[4 * i + c] = Math.round(stops[from]![c]! * (1 - share) + stops[from + 1]![c]! * share);
+    for (let c = 0; c < 3; c++)
+      ramp[4 * i + c] = Math.round(stops[from]![c]! * (1 - share) + stops[from + 1]![c]! * share);
     ramp[4 * i + 3] = 255;
   }
   return ramp;

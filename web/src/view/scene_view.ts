@@ -83,7 +83,8 @@ export class SceneView {
       if (layer === "grasps") {
         const chosen = isSelected && (grasp === null ? parts[2] === "0" : parts[2] === String(grasp));
         if (this.graspChoice === "best") visible &&= parts[2] === "0" || chosen;
-        else if (this.graspChoice === "selected") visible &&= object === null ? parts[2] === "0" : isSelected && (grasp === null || chosen);
+        else if (this.graspChoice === "selected")
+          visible &&= object === null ? parts[2] === "0" : isSelected && (grasp === null || chosen);
         // Of the chosen object's grasps the one that would be executed stands out.
         highlight(root, chosen ? 0.2 : 0, isSelected && !chosen ? 0.22 : 1);
       } else if (layer === "shapes") {

@@ -41,7 +41,8 @@ export function simplified(mesh: Mesh, most = 25_000, cells = 160): Mesh {
     sums[4 * cluster + 3]!++;
   }
   const moved = new Float32Array(3 * clusters.size);
-  for (let i = 0; i < clusters.size; i++) for (let c = 0; c < 3; c++) moved[3 * i + c] = sums[4 * i + c]! / sums[4 * i + 3]!;
+  for (let i = 0; i < clusters.size; i++)
+    for (let c = 0; c < 3; c++) moved[3 * i + c] = sums[4 * i + c]! / sums[4 * i + 3]!;
   const kept = new Uint32Array(indices.length);
   let length = 0;
   for (let i = 0; i + 2 < indices.length; i += 3) {

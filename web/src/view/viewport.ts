@@ -1,8 +1,18 @@
 /** The canvas of the 3-D view: drawn when something changed, turned by pointer, touch and keys, clicked to choose. */
 
 import {
-  AmbientLight, Color, DirectionalLight, GridHelper, HemisphereLight, PerspectiveCamera, Raycaster, Sphere, Vector2, Vector3,
-  WebGLRenderer, type Material,
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  GridHelper,
+  HemisphereLight,
+  PerspectiveCamera,
+  Raycaster,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  type Material,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Vector } from "../scene/types.js";

@@ -11,11 +11,18 @@ test("a click on an object chooses it, and Execute asks for its best grasp", () 
     const at = await page.evaluate(() => window.prehend.viewport.project(-0.14, 0.07, 0.05));
     await page.mouse.click(at.x, at.y);
     await page.waitForFunction(() => window.prehend.store.selection.object === 0);
-    assert.match(await page.locator(".ledger").innerText(), /the arm cannot reach it[\s\S]*214[\s\S]*12 mm out of reach/);
+    assert.match(
+      await page.locator(".ledger").innerText(),
+      /the arm cannot reach it[\s\S]*214[\s\S]*12 mm out of reach/,
+    );
     // The nearest contact to the click, of all grasps, by the picture's own numbers.
     const [said, least] = await page.evaluate(() => {
       const { at } = window.prehend.store.selection;
-      const distances = window.prehend.store.plans.get(0).grasps.map(({ contacts }) => Math.min(...contacts.map((p) => Math.hypot(p[0] - at[0], p[1] - at[1], p[2] - at[2]))));
+      const distances = window.prehend.store.plans
+        .get(0)
+        .grasps.map(({ contacts }) =>
+          Math.min(...contacts.map((p) => Math.hypot(p[0] - at[0], p[1] - at[1], p[2] - at[2]))),
+        );
       return [document.querySelector(".ledger p").textContent, Math.min(...distances)];
     });
     assert.ok(least > 0 && least < 0.1);
@@ -113,7 +120,10 @@ test("simulated time is paused, stepped and sped up", () =>
     await page.getByRole("button", { name: "Step" }).click();
     await page.getByLabel("Speed of simulated time").selectOption("0.5");
     await eventually(() => server.calls.length === 3, "the third call");
-    assert.deepEqual(server.calls.map(([, request]) => request), [{ pause: true }, { step: 0.05 }, { speed: 0.5 }]);
+    assert.deepEqual(
+      server.calls.map(([, request]) => request),
+      [{ pause: true }, { step: 0.05 }, { speed: 0.5 }],
+    );
   }));
 
 test("parameters are set within their ranges, and what the node keeps is shown", () =>
@@ -132,5 +142,8 @@ test("parameters are set within their ranges, and what the node keeps is shown",
     await field.press("Enter");
     await row.getByText("refused: it stays").waitFor();
     assert.equal(await field.inputValue(), "40");
-    assert.deepEqual(server.settings, [["grasp_cycle.grasp_force", 40], ["grasp_cycle.grasp_force", 95]]);
+    assert.deepEqual(server.settings, [
+      ["grasp_cycle.grasp_force", 40],
+      ["grasp_cycle.grasp_force", 95],
+    ]);
   }));

@@ -17,7 +17,10 @@ export function useBrowser() {
 }
 
 /** Runs `body` with a page that shows the small world. Fails when the page threw, or loaded anything from elsewhere. */
-export async function withPage(body, { viewport = { width: 1280, height: 860 }, colorScheme = "light", world = true, connect = true, ...options } = {}) {
+export async function withPage(
+  body,
+  { viewport = { width: 1280, height: 860 }, colorScheme = "light", world = true, connect = true, ...options } = {},
+) {
   const server = new TestServer();
   const step = world ? populate(server) : () => {};
   const port = await server.start();
@@ -27,16 +30,19 @@ export async function withPage(body, { viewport = { width: 1280, height: 860 }, 
   const wrong = [];
   page.on("pageerror", (error) => wrong.push(error.stack ?? String(error)));
   page.on("console", (message) => {
-    if (message.type() === "error" && !/WebSocket connection|ERR_CONNECTION_REFUSED/.test(message.text())) wrong.push(message.text());
+    if (message.type() === "error" && !/WebSocket connection|ERR_CONNECTION_REFUSED/.test(message.text()))
+      wrong.push(message.text());
   });
   page.on("request", (request) => {
     const { hostname, protocol } = new URL(request.url());
-    if (hostname !== "127.0.0.1" && protocol !== "data:" && protocol !== "blob:") wrong.push(`it asked for ${request.url()}`);
+    if (hostname !== "127.0.0.1" && protocol !== "data:" && protocol !== "blob:")
+      wrong.push(`it asked for ${request.url()}`);
   });
   const stage = { server, page, step, port, wrong };
   try {
     await page.goto(`http://127.0.0.1:${port}/`);
-    if (connect && world) await page.waitForFunction(() => window.prehend?.store.plans.size === 3 && window.prehend.store.cloud !== null);
+    if (connect && world)
+      await page.waitForFunction(() => window.prehend?.store.plans.size === 3 && window.prehend.store.cloud !== null);
     await body(stage);
     if (wrong.length > 0) throw new Error(`the page complained:\n${wrong.join("\n")}`);
   } finally {
@@ -47,7 +53,12 @@ export async function withPage(body, { viewport = { width: 1280, height: 860 }, 
 
 /** Shares of the pixels of an element by hue: green, blue, orange, ..., and what is too grey to have one. */
 export async function hues(page, selector = "#view") {
-  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve)))));
+  await page.evaluate(
+    () =>
+      new Promise((resolve) =>
+        requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve))),
+      ),
+  );
   const image = await page.locator(selector).screenshot({ timeout: 60_000 });
   return page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -63,9 +74,27 @@ export async function hues(page, selector = "#view") {
         counts.grey++;
         continue;
       }
-      const third = most === r ? (g - b) / (most - least) : most === g ? 2 + (b - r) / (most - least) : 4 + (r - g) / (most - least);
+      const third =
+        most === r
+          ? (g - b) / (most - least)
+          : most === g
+            ? 2 + (b - r) / (most - least)
+            : 4 + (r - g) / (most - least);
       const hue = (60 * third + 360) % 360;
-      const name = hue < 18 || hue > 340 ? "red" : hue < 46 ? "orange" : hue < 75 ? "yellow" : hue < 160 ? "green" : hue < 195 ? "cyan" : hue < 245 ? "blue" : "purple";
+      const name =
+        hue < 18 || hue > 340
+          ? "red"
+          : hue < 46
+            ? "orange"
+            : hue < 75
+              ? "yellow"
+              : hue < 160
+                ? "green"
+                : hue < 195
+                  ? "cyan"
+                  : hue < 245
+                    ? "blue"
+                    : "purple";
       counts[name]++;
     }
     return counts;

@@ -13,7 +13,8 @@ test("the meshes are drawn in the colours of what they rest on, and go with thei
     for (const color of ["green", "blue", "orange"]) assert.ok(shown[color] > 60, `${color}: ${JSON.stringify(shown)}`);
     await showOnly(page);
     const hidden = await hues(page);
-    for (const color of ["green", "blue"]) assert.ok(hidden[color] < shown[color] / 10, `${color}: ${JSON.stringify(hidden)}`);
+    for (const color of ["green", "blue"])
+      assert.ok(hidden[color] < shown[color] / 10, `${color}: ${JSON.stringify(hidden)}`);
   }));
 
 test("the cloud is coloured by image, by object and by depth", () =>
@@ -28,7 +29,10 @@ test("the cloud is coloured by image, by object and by depth", () =>
     const [image, object, depth] = pictures;
     assert.ok(image.red > 60, JSON.stringify(image)); // the first thing is red in the image, blue as object 0
     assert.ok(object.red < image.red / 4 && object.orange > 60, JSON.stringify(object));
-    assert.ok(depth.purple + depth.cyan + depth.yellow > image.purple + image.cyan + image.yellow + 60, JSON.stringify(depth));
+    assert.ok(
+      depth.purple + depth.cyan + depth.yellow > image.purple + image.cyan + image.yellow + 60,
+      JSON.stringify(depth),
+    );
     assert.match(await page.locator("#legend .scale").innerText(), /0\.\d+ m[\s\S]*\d\.\d+ m/);
   }));
 
@@ -39,7 +43,9 @@ test("the arm moves with its frames", () =>
         const { view } = window.prehend.viewport;
         view.scene.updateMatrixWorld(true);
         let found = null;
-        view.scene.traverse((part) => part.userData.id === "robot/link_7" && (found = part.matrixWorld.elements.slice(12, 15)));
+        view.scene.traverse(
+          (part) => part.userData.id === "robot/link_7" && (found = part.matrixWorld.elements.slice(12, 15)),
+        );
         return found;
       });
     step(0);
@@ -73,7 +79,13 @@ test("dark as the system has it, and by the switch, which is kept", () =>
   withPage(
     async ({ page }) => {
       const brightness = () =>
-        page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number).reduce((sum, value) => sum + value) / 3);
+        page.evaluate(
+          () =>
+            getComputedStyle(document.body)
+              .backgroundColor.match(/\d+/g)
+              .map(Number)
+              .reduce((sum, value) => sum + value) / 3,
+        );
       assert.ok((await brightness()) < 60);
       await page.getByRole("button", { name: "Light colours" }).click();
       assert.ok((await brightness()) > 200);
@@ -93,7 +105,12 @@ test("whatever can be pressed or filled in has a name", () =>
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll("button, input, select, canvas, meter")]
         .filter((element) => !element.closest("[aria-hidden=true]") && element.getAttribute("aria-hidden") !== "true")
-        .filter((element) => !(element.textContent.trim() && element.tagName === "BUTTON") && !element.ariaLabel && !element.closest("label"))
+        .filter(
+          (element) =>
+            !(element.textContent.trim() && element.tagName === "BUTTON") &&
+            !element.ariaLabel &&
+            !element.closest("label"),
+        )
         .map((element) => element.outerHTML.slice(0, 120)),
     );
     assert.deepEqual(nameless, []);
@@ -115,4 +132,13 @@ test("keys turn the view, and fit it", () =>
     await page.keyboard.press("f");
     const fitted = await center();
     assert.ok(Math.hypot(fitted.x - far.x, fitted.y - far.y) > 3);
+  }));
+
+test("labels of the truth are drawn when they are asked for", () =>
+  withPage(async ({ page }) => {
+    await showOnly(page);
+    const without = await hues(page);
+    await showOnly(page, "truth");
+    const shown = await hues(page);
+    assert.ok(shown.red > without.red + 60, JSON.stringify(shown));
   }));

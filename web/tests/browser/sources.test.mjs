@@ -37,7 +37,9 @@ test("the same run, after the connection was lost, goes on with what it had", ()
     const before = await page.evaluate(() => window.prehend.store.phases.length);
     await stage.server.stop();
     await stage.server.start(port);
-    await page.waitForFunction(() => window.prehend.connection.state === "connected" && window.prehend.connection.channels.size > 5);
+    await page.waitForFunction(
+      () => window.prehend.connection.state === "connected" && window.prehend.connection.channels.size > 5,
+    );
     stage.step(12.5);
     await page.waitForFunction(() => window.prehend.store.time === 12.5);
     assert.equal(await page.evaluate(() => window.prehend.store.phases.length), before);
@@ -51,18 +53,36 @@ test("frames and messages that are garbage are said, and the page goes on", () =
     const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
     for (let i = 0; i < 300; i++) {
       const bytes = Buffer.from({ length: Math.floor(60 * random()) }).map(() => 256 * random());
-      if (bytes.length > 5 && i % 2 === 0) bytes.set([1, 1 + Math.floor(9 * random()), 0, 0, 0]); // a message of a subscription
+      // Every second one is a message of a subscription.
+      if (bytes.length > 5 && i % 2 === 0) bytes.set([1, 1 + Math.floor(9 * random()), 0, 0, 0]);
       server.sendRaw(bytes);
     }
-    for (const text of ["{", "[]", '{"op":"advertise","channels":5}', '{"op":"advertise","channels":[{"id":-1,"topic":"/x"}]}', '{"op":"serverInfo"}', '{"op":"status"}', '{"op":"parameterValues","parameters":[null,3,{"name":"a.b","value":{"c":[]}}]}', '{"op":"advertiseServices","services":[{"id":77,"name":"/viewer/execute<img src=x>"}]}', "x".repeat(200_000)]) {
+    for (const text of [
+      "{",
+      "[]",
+      '{"op":"advertise","channels":5}',
+      '{"op":"advertise","channels":[{"id":-1,"topic":"/x"}]}',
+      '{"op":"serverInfo"}',
+      '{"op":"status"}',
+      '{"op":"parameterValues","parameters":[null,3,{"name":"a.b","value":{"c":[]}}]}',
+      '{"op":"advertiseServices","services":[{"id":77,"name":"/viewer/execute<img src=x>"}]}',
+      "x".repeat(200_000),
+    ]) {
       server.sendRaw(text);
     }
-    server.sendRaw(JSON.stringify({ op: "advertise", channels: [{ id: 999, topic: "/evil", encoding: "protobuf", schemaName: "foxglove.Log", schema: "!!!" }] }));
+    server.sendRaw(
+      JSON.stringify({
+        op: "advertise",
+        channels: [{ id: 999, topic: "/evil", encoding: "protobuf", schemaName: "foxglove.Log", schema: "!!!" }],
+      }),
+    );
     server.status(2, "<img src=x onerror=alert(1)> is shown as it is", "evil");
     await page.getByText("<img src=x onerror=alert(1)> is shown as it is").waitFor();
     assert.equal(await page.locator("#notices img, #side img").count(), 0);
     for (let time = 30; time < 31; time += 0.1) step(time);
-    await page.waitForFunction(() => window.prehend.store.series.get("pad left_pad")?.length > 5 && window.prehend.store.time < 31);
+    await page.waitForFunction(
+      () => window.prehend.store.series.get("pad left_pad")?.length > 5 && window.prehend.store.time < 31,
+    );
     assert.deepEqual(wrong, []);
   }));
 
@@ -74,6 +94,19 @@ test("a server that says it dropped messages is heard, and taken back", () =>
     assert.equal(await page.getByText("12 messages were dropped").count(), 0);
     server.sendRaw(JSON.stringify({ op: "removeStatus", statusIds: ["dropped"] }));
     await page.getByText("40 messages were dropped").waitFor({ state: "detached" });
+  }));
+
+test("pictures are asked for only while somebody looks at them", () =>
+  withPage(async ({ page, server }) => {
+    assert.equal(server.isSubscribed("/viewer/image/left"), false);
+    await page.locator("#pictures > summary").click();
+    await page.waitForFunction(() => document.querySelector("#pictures canvas")?.width === 160);
+    const pixel = await page.evaluate(() => [
+      ...document.querySelector("#pictures canvas").getContext("2d").getImageData(40, 20, 1, 1).data,
+    ]);
+    assert.deepEqual(pixel, [90, 100, 120, 255]);
+    await page.locator("#pictures > summary").click();
+    await eventually(() => !server.isSubscribed("/viewer/image/left"), "the end of the subscription");
   }));
 
 async function drop(page, bytes, name) {
@@ -104,9 +137,13 @@ test("a recording that is dropped is replayed by the same panels, and live comes
     await slider.fill("4");
     await page.waitForFunction(() => window.prehend.store.phases.at(-1)?.phase === "waiting");
     await page.getByRole("button", { name: "Play", exact: true }).click();
-    await page.waitForFunction(() => window.prehend.store.time > 5.2 && window.prehend.store.phases.at(-1)?.phase === "approach");
+    await page.waitForFunction(
+      () => window.prehend.store.time > 5.2 && window.prehend.store.phases.at(-1)?.phase === "approach",
+    );
     await page.getByRole("button", { name: "Back to live" }).click();
-    await page.waitForFunction(() => window.prehend.store.entities.has("/viewer/objects") && !window.prehend.store.entities.has("raw models"));
+    await page.waitForFunction(
+      () => window.prehend.store.entities.has("/viewer/objects") && !window.prehend.store.entities.has("raw models"),
+    );
   }));
 
 test("a file that is no recording is refused in words, and what was shown stays", () =>

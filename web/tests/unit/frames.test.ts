@@ -3,7 +3,8 @@ import { test } from "node:test";
 import { base64Bytes, parseFrame, parseMessage, ProtocolError, serviceRequest } from "../../src/protocol/frames.js";
 import { serverAddress } from "../../src/address.js";
 
-const bytes = (hex: string): ArrayBuffer => Uint8Array.from(hex.trim().split(/\s+/), (byte) => Number.parseInt(byte, 16)).buffer;
+const bytes = (hex: string): ArrayBuffer =>
+  Uint8Array.from(hex.trim().split(/\s+/), (byte) => Number.parseInt(byte, 16)).buffer;
 
 // Frames as the protocol's description has them.
 const message = "01 00 00 00 00 00 ca 9a 3b 00 00 00 00 09 00 00 00 00 00 00 f8 3f";
@@ -36,12 +37,20 @@ test("a request of a service is the description's", () => {
 });
 
 test("a frame that is cut off anywhere in its head is an error in words", () => {
-  for (const [whole, head] of [[message, 13], [time, 9], [response, 17], [asset, 10]] as const) {
+  for (const [whole, head] of [
+    [message, 13],
+    [time, 9],
+    [response, 17],
+    [asset, 10],
+  ] as const) {
     for (let length = 0; length < head; length++) {
-      assert.throws(() => parseFrame(bytes(whole).slice(0, length)), (error) => error instanceof ProtocolError && error.message.length > 10);
+      assert.throws(
+        () => parseFrame(bytes(whole).slice(0, length)),
+        (error) => error instanceof ProtocolError && error.message.length > 10,
+      );
     }
   }
-  assert.throws(() => parseFrame(bytes("03 01 00 00 00 09 00 00 00 ff ff ff ff 6a")), ProtocolError); // 4 GB of encoding
+  assert.throws(() => parseFrame(bytes("03 01 00 00 00 09 00 00 00 ff ff ff ff 6a")), ProtocolError);
   assert.throws(() => parseFrame(bytes("7f 00")), /unknown opcode 127/);
 });
 
@@ -49,12 +58,42 @@ test("random bytes and texts give frames or errors of the protocol, nothing else
   let state = 7;
   const random = (): number => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
   const values = [null, 1, -1, "x", [], {}, [null], [{}], [{ id: -1, topic: "/t" }], [{ name: "p" }]];
-  const keys = ["channels", "services", "parameters", "channelIds", "statusIds", "capabilities", "id", "serviceId", "callId"];
-  const ops = ["serverInfo", "advertise", "unadvertise", "advertiseServices", "parameterValues", "status", "serviceCallFailure", "removeStatus", "?", 3];
+  const keys = [
+    "channels",
+    "services",
+    "parameters",
+    "channelIds",
+    "statusIds",
+    "capabilities",
+    "id",
+    "serviceId",
+    "callId",
+  ];
+  const ops = [
+    "serverInfo",
+    "advertise",
+    "unadvertise",
+    "advertiseServices",
+    "parameterValues",
+    "status",
+    "serviceCallFailure",
+    "removeStatus",
+    "?",
+    3,
+  ];
   for (let i = 0; i < 4000; i++) {
-    const data = Uint8Array.from({ length: Math.floor(random() * 40) }, (_, at) => (at === 0 ? random() * 7 : random() * 256));
-    const text = JSON.stringify({ op: ops[Math.floor(random() * ops.length)], ...Object.fromEntries(keys.map((key) => [key, values[Math.floor(random() * values.length)]])) });
-    for (const read of [() => parseFrame(data.buffer), () => parseMessage(text), () => parseMessage(text.slice(0, 20 * random()))]) {
+    const data = Uint8Array.from({ length: Math.floor(random() * 40) }, (_, at) =>
+      at === 0 ? random() * 7 : random() * 256,
+    );
+    const text = JSON.stringify({
+      op: ops[Math.floor(random() * ops.length)],
+      ...Object.fromEntries(keys.map((key) => [key, values[Math.floor(random() * values.length)]])),
+    });
+    for (const read of [
+      () => parseFrame(data.buffer),
+      () => parseMessage(text),
+      () => parseMessage(text.slice(0, 20 * random())),
+    ]) {
       try {
         read();
       } catch (error) {
@@ -65,9 +104,13 @@ test("random bytes and texts give frames or errors of the protocol, nothing else
 });
 
 test("what is advertised is read, in the older form of services, too", () => {
-  const channels = parseMessage('{"op":"advertise","channels":[{"id":3,"topic":"/p","encoding":"protobuf","schemaName":"t.P","schema":"AA=="}]}');
+  const channels = parseMessage(
+    '{"op":"advertise","channels":[{"id":3,"topic":"/p","encoding":"protobuf","schemaName":"t.P","schema":"AA=="}]}',
+  );
   assert.equal(channels?.op === "advertise" && channels.channels[0]?.schemaName, "t.P");
-  const services = parseMessage('{"op":"advertiseServices","services":[{"id":1,"name":"/s","requestSchema":"a","responseSchema":"b"}]}');
+  const services = parseMessage(
+    '{"op":"advertiseServices","services":[{"id":1,"name":"/s","requestSchema":"a","responseSchema":"b"}]}',
+  );
   assert.equal(services?.op === "advertiseServices" && services.services[0]?.response.schema, "b");
   assert.equal(parseMessage('{"op":"somethingNew"}'), null);
   assert.throws(() => base64Bytes("§"), ProtocolError);

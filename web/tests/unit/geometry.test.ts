@@ -8,11 +8,17 @@ import { FrameTree } from "../../src/view/frame_tree.js";
 import { simplified } from "../../src/view/simplify.js";
 import { niceAtLeast } from "../../src/panels/scale.js";
 
-const directions: Vector[] = [[1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, -1, 0], ...Array.from({ length: 50 }, (_, i): Vector => {
-  const z = 1 - (2 * i + 1) / 50;
-  const radius = Math.sqrt(1 - z * z);
-  return [radius * Math.cos(2.4 * i), radius * Math.sin(2.4 * i), z];
-})];
+const directions: Vector[] = [
+  [1, 0, 0],
+  [-1, 0, 0],
+  [0, 0, 1],
+  [0, -1, 0],
+  ...Array.from({ length: 50 }, (_, i): Vector => {
+    const z = 1 - (2 * i + 1) / 50;
+    const radius = Math.sqrt(1 - z * z);
+    return [radius * Math.cos(2.4 * i), radius * Math.sin(2.4 * i), z];
+  }),
+];
 
 const near = (a: Vector, b: Vector): boolean => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) < 1e-9;
 
@@ -58,7 +64,14 @@ test("a series keeps peaks and its bounds, and begins anew when time does", () =
 });
 
 test("scales end at 1, 2 or 5 times a power of ten", () => {
-  for (const [value, end] of [[0.05, 0.05], [0.051, 0.1], [3, 5], [5.1, 10], [180, 200]] as const) assert.equal(niceAtLeast(value), end);
+  for (const [value, end] of [
+    [0.05, 0.05],
+    [0.051, 0.1],
+    [3, 5],
+    [5.1, 10],
+    [180, 200],
+  ] as const)
+    assert.equal(niceAtLeast(value), end);
 });
 
 test("a mesh of too many vertices is drawn with fewer, within a cell of where they were, in colours it had", () => {
@@ -85,7 +98,9 @@ test("a mesh of too many vertices is drawn with fewer, within a cell of where th
   }
   let area = 0; // of the sheet from above: nothing of it is lost
   for (let i = 0; i < fewer.indices!.length; i += 3) {
-    const [a, b, c] = [0, 1, 2].map((k) => fewer.positions.subarray(3 * fewer.indices![i + k]!, 3 * fewer.indices![i + k]! + 2));
+    const [a, b, c] = [0, 1, 2].map((k) =>
+      fewer.positions.subarray(3 * fewer.indices![i + k]!, 3 * fewer.indices![i + k]! + 2),
+    );
     area += Math.abs((b![0]! - a![0]!) * (c![1]! - a![1]!) - (c![0]! - a![0]!) * (b![1]! - a![1]!)) / 2;
   }
   assert.ok(Math.abs(area / 0.09 - 1) < 0.06, String(area));

@@ -12,7 +12,10 @@ const identity = { position: {}, orientation: { w: 1 } };
 test("a mesh of well-known type and the graph's own model have the same vertices, triangles and colours", () => {
   const known = new Taken().take("/viewer/objects", "foxglove.SceneUpdate", world.objectsUpdate());
   const own = new Taken().take("/models", "prehend.msgs.ObjectModel", world.model(0));
-  const [a, b] = [known.store.entities.get("/viewer/objects")?.get("object/0"), own.store.entities.get("raw models")?.get("object/0")];
+  const [a, b] = [
+    known.store.entities.get("/viewer/objects")?.get("object/0"),
+    own.store.entities.get("raw models")?.get("object/0"),
+  ];
   const [first, other] = [a?.primitives[0], b?.primitives[0]];
   assert.ok(first?.kind === "mesh" && other?.kind === "mesh");
   assert.deepEqual([...first.mesh.positions], [...other.mesh.positions]);
@@ -38,7 +41,10 @@ test("a plan's grasps have their chance of success, and its ledger is sorted by 
   assert.ok(Math.abs(plan.grasps[5]!.robustness! - 0.71) < 1e-12);
   assert.equal(plan.grasps[0]!.predicted.get("left_pad")?.rows, 14);
   const counts = plan.rejections.map((rejection) => rejection.count);
-  assert.deepEqual(counts, [...counts].sort((a, b) => b - a));
+  assert.deepEqual(
+    counts,
+    [...counts].sort((a, b) => b - a),
+  );
   const none = store.plans.get(2)!;
   assert.equal(none.outcome, "ungraspable");
   assert.match(none.remedies[0]!, /6 mm more opening/);
@@ -47,7 +53,9 @@ test("a plan's grasps have their chance of success, and its ledger is sorted by 
 
 test("a later view takes away what was of the one before; an earlier one is not shown any more", () => {
   const taken = new Taken();
-  taken.take("/models", "prehend.msgs.ObjectModel", world.model(0, 5n * second)).take("/plans", "prehend.msgs.GraspPlan", world.plan(1, 5n * second));
+  taken
+    .take("/models", "prehend.msgs.ObjectModel", world.model(0, 5n * second))
+    .take("/plans", "prehend.msgs.GraspPlan", world.plan(1, 5n * second));
   taken.take("/models", "prehend.msgs.ObjectModel", world.model(2, 4n * second));
   assert.deepEqual([...taken.store.objects.keys()].sort(), [0, 1]);
   taken.take("/plans", "prehend.msgs.GraspPlan", world.plan(1, 6n * second));
@@ -57,7 +65,9 @@ test("a later view takes away what was of the one before; an earlier one is not 
 
 test("grasps that a server draws are not drawn again from the plan", () => {
   const taken = new Taken().take("/plans", "prehend.msgs.GraspPlan", world.plan(0));
-  taken.take("/viewer/grasps", "foxglove.SceneUpdate", { entities: [{ id: "grasp/0/0", frameId: "world", metadata: [{ key: "quality", value: "0.1" }] }] });
+  taken.take("/viewer/grasps", "foxglove.SceneUpdate", {
+    entities: [{ id: "grasp/0/0", frameId: "world", metadata: [{ key: "quality", value: "0.1" }] }],
+  });
   taken.take("/plans", "prehend.msgs.GraspPlan", world.plan(1));
   assert.equal(taken.store.entities.get("raw plans"), undefined);
   assert.equal(taken.store.plans.get(0)!.grasps.length, 8); // the plan says more than the entity
@@ -73,9 +83,21 @@ test("clouds are read with aligned and unaligned points, with colour and object"
       data.set([10, 20, 30, 255], i * stride + 12);
       data.writeUInt16LE(i === 0 ? 7 : 65535, i * stride + 16);
     }
-    const fields = [["x", 0, 7], ["y", 4, 7], ["z", 8, 7], ["red", 12, 1], ["green", 13, 1], ["blue", 14, 1], ["object", 16, 3]];
+    const fields = [
+      ["x", 0, 7],
+      ["y", 4, 7],
+      ["z", 8, 7],
+      ["red", 12, 1],
+      ["green", 13, 1],
+      ["blue", 14, 1],
+      ["object", 16, 3],
+    ];
     const { store, troubles } = new Taken().take("/viewer/cloud", "foxglove.PointCloud", {
-      frameId: "world", pose: identity, pointStride: stride, data, fields: fields.map(([name, offset, type]) => ({ name, offset, type })),
+      frameId: "world",
+      pose: identity,
+      pointStride: stride,
+      data,
+      fields: fields.map(([name, offset, type]) => ({ name, offset, type })),
     });
     assert.deepEqual(troubles, []);
     assert.deepEqual([...store.cloud!.positions], [0.25, 0.5, 0.75, -1.5, -3, -4.5]);
@@ -95,7 +117,8 @@ test("the view of objects gives the cloud by object, the table and the camera", 
 test("pads, wrench, surprise, phases, stop and health come in", () => {
   const taken = new Taken();
   for (const [topic, type, data] of world.signalsAt(4)) taken.take(topic, type, data);
-  for (const [time, topic, type, data] of world.eventsUntil(30)) taken.take(topic, type, data, BigInt(Math.round(time * 1e9)));
+  for (const [time, topic, type, data] of world.eventsUntil(30))
+    taken.take(topic, type, data, BigInt(Math.round(time * 1e9)));
   for (const data of world.diagnostics()) taken.take("/diagnostics", "prehend.msgs.graph.Diagnostic", data);
   taken.take("/emergency_stop", "prehend.msgs.EmergencyStop", world.stopState(true));
   const { store } = taken;
@@ -104,9 +127,15 @@ test("pads, wrench, surprise, phases, stop and health come in", () => {
   const sum = pad.forces.reduce((total, force) => total + force, 0);
   assert.ok(Math.abs(sum - pad.sum) < 1e-3 * sum && sum > 1);
   assert.ok(Math.abs(store.series.get("wrench Fx")!.last()! - 0.4 * Math.sin(12)) < 1e-6);
-  assert.deepEqual(store.surprises.map((mark) => mark.surprising), [false, true, false, true]);
+  assert.deepEqual(
+    store.surprises.map((mark) => mark.surprising),
+    [false, true, false, true],
+  );
   assert.equal(store.surprises[3]!.felt, "3.1 mm");
-  assert.deepEqual(store.phases.map((mark) => mark.phase), ["waiting", "approach", "grasp", "lift", "move", "release", "done"]);
+  assert.deepEqual(
+    store.phases.map((mark) => mark.phase),
+    ["waiting", "approach", "grasp", "lift", "move", "release", "done"],
+  );
   assert.equal(store.diagnostics.get("grasp_planning")?.level, "warning");
   assert.deepEqual([store.stop?.stopped, store.stop?.since], [true, 12]);
   // What is latched comes once more after a connection came back.
@@ -117,14 +146,34 @@ test("pads, wrench, surprise, phases, stop and health come in", () => {
 test("messages that contradict themselves are said in words and change nothing", () => {
   const taken = new Taken();
   const bad: [string, string, object][] = [
-    ["/models", "prehend.msgs.ObjectModel", { id: 1, mesh: { vertexCount: 4_000_000_000, triangleCount: 1, data: new Uint8Array(24) } }],
-    ["/models", "prehend.msgs.ObjectModel", { id: 1, mesh: { vertexCount: 1, triangleCount: 1, data: new Uint8Array(24).fill(9) } }],
-    ["/objects", "prehend.msgs.ObjectHypotheses", { objects: [{ cloud: { count: 5, stride: 4, data: new Uint8Array(20) } }] }],
+    [
+      "/models",
+      "prehend.msgs.ObjectModel",
+      { id: 1, mesh: { vertexCount: 4_000_000_000, triangleCount: 1, data: new Uint8Array(24) } },
+    ],
+    [
+      "/models",
+      "prehend.msgs.ObjectModel",
+      { id: 1, mesh: { vertexCount: 1, triangleCount: 1, data: new Uint8Array(24).fill(9) } },
+    ],
+    [
+      "/objects",
+      "prehend.msgs.ObjectHypotheses",
+      { objects: [{ cloud: { count: 5, stride: 4, data: new Uint8Array(20) } }] },
+    ],
     ["/viewer/cloud", "foxglove.PointCloud", { pointStride: 7, data: new Uint8Array(20) }],
-    ["/viewer/cloud", "foxglove.PointCloud", { pointStride: 10, data: new Uint8Array(20), fields: [{ name: "x", offset: 8, type: 7 }] }],
+    [
+      "/viewer/cloud",
+      "foxglove.PointCloud",
+      { pointStride: 10, data: new Uint8Array(20), fields: [{ name: "x", offset: 8, type: 7 }] },
+    ],
     ["/viewer/image/left", "foxglove.RawImage", { width: 4_000_000_000, height: 4_000_000_000, encoding: "rgb8" }],
     ["/viewer/image/left", "foxglove.RawImage", { width: 40, height: 40, encoding: "rgb8", data: new Uint8Array(3) }],
-    ["/viewer/image/left", "foxglove.RawImage", { width: 1, height: 1, encoding: "constructor", data: new Uint8Array(3) }],
+    [
+      "/viewer/image/left",
+      "foxglove.RawImage",
+      { width: 1, height: 1, encoding: "constructor", data: new Uint8Array(3) },
+    ],
     ["/camera/stereo", "prehend.msgs.StereoPair", { width: 4, height: 4, channels: 3, data: new Uint8Array(3) }],
     ["/tactile/left", "prehend.msgs.TactileFrame", { rows: 65_000, columns: 65_000, intensity: [1] }],
     ["/x", "foxglove.SceneUpdate", { entities: [{ id: "e", triangles: [{ points: [{}], indices: [0, 1, 2] }] }] }],
@@ -143,18 +192,35 @@ test("random bytes of every type are messages or words, and a damaged schema is 
   const taken = new Taken();
   let state = 3;
   const random = (): number => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
-  const types = ["foxglove.SceneUpdate", "foxglove.PointCloud", "foxglove.FrameTransforms", "prehend.msgs.GraspPlan", "prehend.msgs.TactileFrame", "prehend.msgs.Wrench", "prehend.msgs.CycleState"];
+  const types = [
+    "foxglove.SceneUpdate",
+    "foxglove.PointCloud",
+    "foxglove.FrameTransforms",
+    "prehend.msgs.GraspPlan",
+    "prehend.msgs.TactileFrame",
+    "prehend.msgs.Wrench",
+    "prehend.msgs.CycleState",
+  ];
   const seeds = [world.objectsUpdate(), world.cloud(50), world.frames(1), world.plan(0)];
   for (let i = 0; i < 1500; i++) {
     const type = types[i % types.length]!;
-    const data = i % 2 === 0 ? Uint8Array.from({ length: 60 * random() }, () => 256 * random()) : Uint8Array.from(seeds[i % seeds.length]!.slice(0, 3000));
+    const data =
+      i % 2 === 0
+        ? Uint8Array.from({ length: 60 * random() }, () => 256 * random())
+        : Uint8Array.from(seeds[i % seeds.length]!.slice(0, 3000));
     for (let k = 0; k < 3 && data.length > 0; k++) data[Math.floor(random() * data.length)] = 256 * random();
     taken.take("/t", type, data);
   }
   assert.ok(taken.store.frames.size <= 5000);
   const damaged = new Taken();
   for (let i = 0; i < 3; i++) {
-    damaged.ingest.take("k", { topic: "/t", schemaName: "foxglove.PointCloud", encoding: "protobuf" }, () => Uint8Array.of(1, 2, 3), 0n, new Uint8Array());
+    damaged.ingest.take(
+      "k",
+      { topic: "/t", schemaName: "foxglove.PointCloud", encoding: "protobuf" },
+      () => Uint8Array.of(1, 2, 3),
+      0n,
+      new Uint8Array(),
+    );
   }
   assert.equal(damaged.troubles.length, 1);
   assert.match(damaged.troubles[0]!, /schema/);
@@ -171,7 +237,10 @@ test("what is subscribed to is shown, and nothing twice", () => {
 });
 
 test("frames of the schema with fields that this page does not know are read", () => {
-  const data = Buffer.concat([encode("prehend.msgs.Clock", { time: 7n * second, speed: 1 }), Buffer.from([0xfa, 0x3f, 2, 1, 2])]);
+  const data = Buffer.concat([
+    encode("prehend.msgs.Clock", { time: 7n * second, speed: 1 }),
+    Buffer.from([0xfa, 0x3f, 2, 1, 2]),
+  ]);
   assert.equal(new Taken().take("/clock", "prehend.msgs.Clock", data).store.time, 7);
 });
 
@@ -181,7 +250,15 @@ test("vertices taken out of a scene are those that were put in, and what else it
   const message = encode("foxglove.SceneUpdate", {
     deletions: [{ id: "gone" }],
     entities: [
-      { id: "a", frameId: "f", metadata: [{ key: "k", value: "v" }], triangles: [{ points, colors, indices: [0, 1, 2, 2, 1, 3], pose: { position: { x: 9 }, orientation: { w: 1 } } }, { points: points.slice(0, 3), color: { g: 1, a: 1 } }] },
+      {
+        id: "a",
+        frameId: "f",
+        metadata: [{ key: "k", value: "v" }],
+        triangles: [
+          { points, colors, indices: [0, 1, 2, 2, 1, 3], pose: { position: { x: 9 }, orientation: { w: 1 } } },
+          { points: points.slice(0, 3), color: { g: 1, a: 1 } },
+        ],
+      },
       { id: "b", cubes: [{ size: { x: 1, y: 1, z: 1 }, color: { a: 1 } }] },
     ],
   });
@@ -193,7 +270,10 @@ test("vertices taken out of a scene are those that were put in, and what else it
   assert.deepEqual([...first.mesh.positions], [1, 2, 3, 4, 0, 0, 0, 0, 0, 0, 0, -0.5]);
   assert.deepEqual([...first.mesh.colors!], [255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 0, 0, 255, 0, 51, 255]);
   assert.deepEqual([...first.mesh.indices!], [0, 1, 2, 2, 1, 3]);
-  assert.deepEqual([first.pose.position[0], second.color[1], second.mesh.indices, a.metadata.get("k"), a.frame], [9, 1, null, "v", "f"]);
+  assert.deepEqual(
+    [first.pose.position[0], second.color[1], second.mesh.indices, a.metadata.get("k"), a.frame],
+    [9, 1, null, "v", "f"],
+  );
   // Cut off anywhere it is an error in words or a shorter message, never anything else.
   for (let length = 0; length < message.length; length++) {
     new Taken().take("/t", "foxglove.SceneUpdate", message.slice(0, length));
@@ -210,6 +290,8 @@ test("a stage's hand is sketched where its joints are, as far open as the grippe
   assert.deepEqual(pose.position, [0.1, -0.2, 0.3]);
   assert.ok(Math.abs(pose.rotation[2] - Math.SQRT1_2) < 1e-12);
   const fingers = taken.store.entities.get("sketched hand")!.get("hand/sketch")!.primitives.slice(0, 2);
-  const inner = fingers.map((finger) => (finger.kind === "cube" ? Math.abs(finger.pose.position[1]) - finger.size[1] / 2 : 0));
+  const inner = fingers.map((finger) =>
+    finger.kind === "cube" ? Math.abs(finger.pose.position[1]) - finger.size[1] / 2 : 0,
+  );
   for (const half of inner) assert.ok(Math.abs(half - 0.015) < 1e-9);
 });

@@ -8,7 +8,8 @@ import { encode as encodeAny, schemaOf as schemaOfAny } from "../schemas.mjs";
 export const encode = encodeAny as (name: string, value: object) => Uint8Array;
 export const schemaOf = schemaOfAny as (name: string) => Uint8Array;
 
-globalThis.requestAnimationFrame ??= (callback) => setTimeout(() => callback(performance.now()), 1) as unknown as number;
+globalThis.requestAnimationFrame ??= (callback) =>
+  setTimeout(() => callback(performance.now()), 1) as unknown as number;
 
 export class Taken {
   readonly store = new Store();
