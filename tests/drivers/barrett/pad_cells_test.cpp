@@ -59,7 +59,7 @@ TEST_F(BarrettPads, AnotherOrderIsTakenAndABadOneRefused) {
 
 // What clutches do to the joints' positions is what libbarrett computes of both encoders.
 TEST_F(BarrettPads, OuterJointsAreThoseOfBothEncoders) {
-  const HandAxes axes = hand_axes(platform_, kBh8Axes, {}, 2200);
+  const HandAxes axes = hand_axes(platform_, kBh8Axes, Model::kBh8_280, {}, 2200);
   ASSERT_EQ(axes.followers().size(), 3u);
   const Gearing gearing;
   for (const HandAxes::Follower& follower : axes.followers()) {

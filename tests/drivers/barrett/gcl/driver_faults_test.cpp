@@ -11,8 +11,6 @@ namespace {
 using ::testing::HasSubstr;
 using Kind = MotionReport::Kind;
 
-constexpr AxisValues kThere{0.6, 0.5, 0.4, 0.3};
-
 TEST(GclFaults, LateFirstPromptIsWaitedFor) {
   VirtualHand g;
   g.hand.set_mute(true);

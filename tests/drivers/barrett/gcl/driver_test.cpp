@@ -13,8 +13,6 @@ namespace {
 using ::testing::HasSubstr;
 using Kind = MotionReport::Kind;
 
-constexpr AxisValues kThere{0.6, 0.5, 0.4, 0.3};
-
 void expect_at(const VirtualHand& g, const AxisValues& there) {
   for (std::size_t i = 0; i < kAxes; ++i) {
     EXPECT_NEAR(g.hand.motion().position[i], there[i], 0.02) << axis_name(i);

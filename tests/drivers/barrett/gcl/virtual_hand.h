@@ -13,6 +13,8 @@
 
 namespace prehend::drivers::barrett::gcl {
 
+inline constexpr AxisValues kThere{0.6, 0.5, 0.4, 0.3};  // rad, within every range
+
 /// Driver and emulated BH8-262 in simulated time, bytes passing through lines that can fail.
 class VirtualHand {
  public:
