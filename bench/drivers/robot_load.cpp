@@ -153,7 +153,7 @@ class WholeRobot {
   }
 
  private:
-  static std::string arm_joint(int i) { return "axis_" + std::to_string(i + 1); }
+  static std::string arm_joint(int i) { return "arm_axis_" + std::to_string(i + 1); }
   std::optional<double> position(const std::string& joint) const {
     const std::lock_guard lock(mutex_);
     const auto found = position_.find(joint);

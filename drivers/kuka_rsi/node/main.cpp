@@ -286,7 +286,7 @@ void run(graph::Node& node) {
   for (const robot::ChainJoint& joint : limits.chain().joints()) names.push_back(joint.name);
   JointReport joints(node, names, settings.other_joints, std::move(joint_publisher));
   AxesTeller teller(device, joints);
-  constexpr double kJointPeriod = 0.01;  // s
+  constexpr double kJointPeriod = 0.02;  // s, as usual; each message wakes several threads
   const WallTimer timer(kJointPeriod, [&] { teller.tell(); });
   const Watcher watcher(node, device, settings.device, emergency);
   node.spin();
