@@ -149,7 +149,10 @@ void Hub::send_message(Viewer& viewer, const Offered& offered, std::uint32_t sub
   frame.kind = is_latched ? Outbox::Kind::kLatched : Outbox::Kind::kStream;
   frame.is_text = false;
   frame.subscription = subscription;
-  if (frame.kind == Outbox::Kind::kLatched) frame.sender = message.sender;
+  if (is_latched) {
+    frame.sender = message.sender;
+    frame.latched = offered.channel.latched;
+  }
   frame.head = message_head(subscription, message.time);
   frame.head_size = frame.head.size();
   frame.payload = message.payload;

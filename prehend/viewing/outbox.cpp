@@ -25,12 +25,18 @@ void Outbox::make_room(const Frame& frame) {
     ++dropped_;
   }
   if (!is_full() || frame.kind != Kind::kLatched) return;
-  const auto is_superseded = [&](const Frame& old) {
+  const auto is_of_it = [&](const Frame& old) {
     return old.kind == Kind::kLatched && old.subscription == frame.subscription &&
            old.sender == frame.sender;
   };
-  for (auto old = frames_.begin(); is_full() && old != frames_.end();) {
-    old = is_superseded(*old) ? erase(old) : std::next(old);
+  auto waiting = static_cast<std::size_t>(std::count_if(frames_.begin(), frames_.end(), is_of_it));
+  for (auto old = frames_.begin(); is_full() && waiting >= frame.latched && old != frames_.end();) {
+    if (is_of_it(*old)) {
+      old = erase(old);
+      --waiting;
+    } else {
+      ++old;
+    }
   }
 }
 

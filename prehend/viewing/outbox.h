@@ -15,7 +15,8 @@ namespace prehend::viewing {
 
 /// What waits to be sent to one viewer, bounded in bytes. When it is full, the oldest messages of
 /// channels that stream give way, and are counted; those of latched channels are superseded by
-/// newer ones of the same sender; words (parameters, answers) always wait. Not thread-safe.
+/// as many newer ones of the same sender as the channel keeps; words (parameters, answers) always
+/// wait. Not thread-safe.
 class Outbox {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -25,6 +26,7 @@ class Outbox {
     bool is_text = true;
     std::uint32_t subscription = 0;       // of messages
     std::string sender;                   // of latched messages
+    std::size_t latched = 1;              // how many of its sender count, of those
     std::array<std::uint8_t, 13> head{};  // sent before the payload
     std::size_t head_size = 0;
     Payload payload;
@@ -38,7 +40,7 @@ class Outbox {
   /// so that a slow line shows what is, not what was.
   static constexpr std::chrono::milliseconds kStale{1000};
   /// Words and latched messages may exceed the limit by this factor; then it has overflowed().
-  static constexpr std::size_t kMostWords = 4;
+  static constexpr std::size_t kMostWords = 8;
 
   explicit Outbox(std::size_t limit) : limit_(limit) {}
 

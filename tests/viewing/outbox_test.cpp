@@ -1,6 +1,7 @@
 #include "prehend/viewing/outbox.h"
 
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -50,6 +51,20 @@ TEST(Outbox, LatchedMessagesAreSupersededBySendersOwnOnly) {
   EXPECT_TRUE(b);
 }
 
+// The plans of six objects were one another's successors: a viewer that asked for much saw two of
+// them.
+TEST(Outbox, AsManyLatchedMessagesStayAsTheirChannelKeeps) {
+  Outbox outbox(kLimit);
+  for (int i = 0; i < 20; ++i) {
+    auto message = frame(Kind::kLatched, 1, 3000 + static_cast<std::size_t>(i), "a");
+    message.latched = 6;
+    outbox.push(message);
+  }
+  std::vector<std::size_t> sizes;
+  while (const auto next = outbox.pop({})) sizes.push_back(next->payload->size());
+  EXPECT_EQ(sizes, (std::vector<std::size_t>{3014, 3015, 3016, 3017, 3018, 3019}));
+}
+
 TEST(Outbox, OneMessageMayBeLargerThanAllThatMayWait) {
   Outbox outbox(kLimit);
   outbox.push(frame(Kind::kStream, 1, 3 * kLimit));
@@ -63,7 +78,7 @@ TEST(Outbox, WordsWithoutEndOverflow) {
   Outbox outbox(kLimit);
   for (int i = 0; i < 30; ++i) outbox.push(frame(Kind::kWord, 0, 1000));
   EXPECT_FALSE(outbox.overflowed());
-  for (int i = 0; i < 30; ++i) outbox.push(frame(Kind::kWord, 0, 1000));
+  for (int i = 0; i < 60; ++i) outbox.push(frame(Kind::kWord, 0, 1000));
   EXPECT_TRUE(outbox.overflowed());
 }
 
