@@ -247,16 +247,32 @@ void Driver::next_exchange(Time now) {
     if (reading_.problem.empty() || now - last_state_ < to_time(kFaultPeriod)) return;
     return begin_connecting(now);
   }
+  const bool loops = is_loop_wanted(now);
+  // What RealTime mode tells by itself need not be asked for before.
+  if (loops) std::erase_if(steps_, [](const Step& step) { return is_reading(step.kind); });
   if (steps_.empty()) {
-    if (is_loop_wanted(now)) {
+    if (loops) {
       return ask({Step::Kind::kLoop, encode(Request{{true, true, true, true}, "LOOP"})}, now);
     }
     if (now < next_cycle_) return;
     add_readings(now);
   }
+  // Who follows the joints hears of them between other questions, too.
+  constexpr double kOld = 0.06;  // s
+  const bool is_old = is_connected_ && now - last_state_ > to_time(kOld);
+  const Step::Kind next = steps_.front().kind;
+  if (is_old && next != Step::Kind::kPosition && next != Step::Kind::kInitialise) {
+    return ask({Step::Kind::kPosition, "FGET P"}, now);
+  }
   const Step step = steps_.front();
   steps_.pop_front();
   ask(step, now);
+}
+
+bool Driver::is_reading(Step::Kind kind) {
+  return kind == Step::Kind::kPosition || kind == Step::Kind::kStrain ||
+         kind == Step::Kind::kBreakaway || kind == Step::Kind::kBreakawayAt ||
+         kind == Step::Kind::kTemperature;
 }
 
 // Names of properties are asked for one by one: in which order several come is not published.

@@ -187,6 +187,7 @@ class Driver : public HandDriver {
   void begin_connecting(Time now);
   void add_connection_steps();
   void add_readings(Time now);
+  static bool is_reading(Step::Kind kind);
   void write(std::string_view text);
   void ask(const Step& step, Time now);
   double line_time(std::size_t bytes) const;  // s
@@ -233,8 +234,7 @@ class Driver : public HandDriver {
   void look_whether_it_moves();
 
   // driver_stop.cpp
-  void begin_sync(Time now, bool with_zeros);
-  void send_aborts(bool with_end_of_line);
+  void begin_sync(Time now, bool is_well);
   void watch_sync(Time now);
   void synced(Time now);
   void watch_stop(Time now);

@@ -45,7 +45,7 @@ void Driver::send_block(Time now) {
 // Zero velocities first.
 void Driver::leave_loop(Time now) {
   if (!is_at_rest_) return send_block(now);
-  begin_sync(now, false);
+  begin_sync(now, true);
 }
 
 // The speed falls with the way that is left. A motor's command is LCPG/4 times the speed that is

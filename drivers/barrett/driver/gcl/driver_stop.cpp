@@ -7,22 +7,22 @@
 
 namespace prehend::drivers::barrett::gcl {
 
-// In RealTime mode a hand that misses a byte of a block takes what comes for it: so many Ctrl-Cs
-// that one of them must be a header, which as velocities are the slowest. Zeros before them where
-// all is well.
-void Driver::begin_sync(Time now, bool with_zeros) {
-  const bool loops =
-      mode_ == Mode::kInLoop || (mode_ == Mode::kAsking && step_.kind == Step::Kind::kLoop);
-  if (mode_ == Mode::kInLoop && with_zeros) {
-    send_(encode_control(Header::kControlOnly, {}, layout_));
-  }
+// In RealTime mode a hand that misses a byte of a block takes what comes for it. Zeros before the
+// Ctrl-C then end the block, and the next of them is no header, which ends RealTime mode, too.
+// Where something is amiss so many Ctrl-Cs come that one of them must be a header; as velocities
+// they are the slowest. A hand answers each of them, so that there is one where all is well.
+void Driver::begin_sync(Time now, bool is_well) {
+  const bool loops = mode_ == Mode::kInLoop;
+  const bool may_loop = loops || (mode_ == Mode::kAsking && step_.kind == Step::Kind::kLoop);
+  if (loops && is_well) send_(encode_control(Header::kControlOnly, {}, layout_));
+  const std::size_t aborts = may_loop && !(loops && is_well) ? layout_.control_size() + 1 : 1;
   is_block_out_ = false;
   for (AxisMotion& axis : motion_.axes) axis.velocity = 0;
   mode_ = Mode::kSyncing;
   received_.clear();
   sent_ = last_byte_ = now;
   sync_tries_ = 0;
-  write(std::string(loops ? layout_.control_size() + 1 : 1, kAbort));
+  write(std::string(aborts, kAbort));
 }
 
 void Driver::watch_sync(Time now) {

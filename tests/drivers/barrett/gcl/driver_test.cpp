@@ -320,6 +320,34 @@ TEST(GclDriver, StatesKeepComingWhileItStands) {
   EXPECT_GT(g.driver.reading().states - before, 190u) << "19 a second at 9600 baud";
 }
 
+// Who follows the joints gives up after a quarter of a second.
+TEST(GclDriver, NeverTellsNothingForLong) {
+  VirtualHand g;
+  ASSERT_TRUE(g.begin());
+  g.run(1);
+  std::uint64_t states = g.driver.reading().states;
+  Time told = g.now;
+  double longest = 0;  // s
+  const auto watch = [&](double seconds) {
+    const Time end = g.now + to_time(seconds);
+    while (g.now < end) {
+      g.run(0.001);
+      if (g.driver.reading().states != states) told = g.now;
+      states = g.driver.reading().states;
+      longest = std::max(longest, to_seconds(g.now - told));
+    }
+  };
+  for (int i = 0; i < 12; ++i) {
+    g.plant.remove_objects();
+    if (i % 3 == 2) g.plant.hold_joint(0, 0.4, 0.6);
+    ASSERT_EQ(g.send(g.goal(i % 2 == 0 ? AxisValues{0.8, 0.5, 0.4, 0.3} : AxisValues{}, 1)), "");
+    watch(2.4 + 0.017 * i);
+    g.driver.stop(g.now);
+    watch(0.5);
+  }
+  EXPECT_LT(longest, 0.15);
+}
+
 TEST(GclDriver, BadOptionsAreRefused) {
   const auto refused = [](const DriverOptions& options) {
     try {
