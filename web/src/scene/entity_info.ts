@@ -9,7 +9,7 @@ function numberIn(text: string | undefined): number | undefined {
   return Number.isFinite(value) ? value : undefined;
 }
 
-const kShownApart = new Set(["confidence", "volume", "problem", "method", "known", "guessed_area"]);
+const kShownApart = new Set(["confidence", "volume", "problem", "method", "known", "guessed_area", "object"]);
 
 export function objectFromEntity(store: Store, entity: Entity): void {
   const match = /^object\/(\d+)$/.exec(entity.id);
