@@ -29,7 +29,7 @@ export function objectFromEntity(store: Store, entity: Entity): void {
     ...(method && { method }),
     ...(known && { known }),
     details: [...metadata]
-      .filter(([name, value]) => !kShownApart.has(name) && value !== "")
+      .filter(([name, value]) => !kShownApart.has(name) && value !== "" && !(name === "watertight" && value === "true"))
       .map(([name, value]) => ({ name: name.replaceAll("_", " "), value })),
   });
   store.touch("objects");
