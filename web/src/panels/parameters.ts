@@ -5,6 +5,7 @@ import { el, panel } from "../dom.js";
 import type { Parameter, ParameterValue } from "../protocol/frames.js";
 
 const kDescribe = "/viewer/describe_parameters";
+const kPatience = 60_000; // ms: every node is asked
 
 interface Description {
   type: string;
@@ -42,7 +43,7 @@ export function parametersPanel(app: App): HTMLElement {
   const describe = async (): Promise<void> => {
     if (descriptions.size > 0 || app.whyNot(kDescribe) !== "") return;
     try {
-      const answer = await connection.callJson(kDescribe, {});
+      const answer = await connection.callJson(kDescribe, {}, kPatience);
       for (const given of Array.isArray(answer) ? answer : []) {
         const description = descriptionOf(given);
         if (description) descriptions.set(description.name, description);

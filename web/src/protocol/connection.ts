@@ -117,8 +117,8 @@ export class Connection {
     if (fresh.length > 0) this.#send({ op: "subscribe", subscriptions: fresh });
   }
 
-  /** Calls a service; its answer, or an error in words. */
-  call(name: string, encoding: string, data: Uint8Array): Promise<Uint8Array> {
+  /** Calls a service; its answer, or an error in words, after `patience` [ms] at the latest. */
+  call(name: string, encoding: string, data: Uint8Array, patience = kCallTime): Promise<Uint8Array> {
     const service = this.services.get(name);
     if (this.state !== "connected") return Promise.reject(new Error("not connected"));
     if (!service) return Promise.reject(new Error(`${name} is not offered by what runs`));
@@ -126,16 +126,16 @@ export class Connection {
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => {
         this.#calls.delete(call);
-        reject(new Error(`${name} did not answer within ${kCallTime / 1000} s`));
-      }, kCallTime);
+        reject(new Error(`${name} did not answer within ${patience / 1000} s`));
+      }, patience);
       this.#calls.set(call, { service: service.id, resolve, reject, timer });
       this.#socket?.send(serviceRequest(service.id, call, encoding, data));
     });
   }
 
   /** Calls a service that talks JSON. */
-  async callJson(name: string, request: unknown): Promise<unknown> {
-    const answer = await this.call(name, "json", new TextEncoder().encode(JSON.stringify(request)));
+  async callJson(name: string, request: unknown, patience = kCallTime): Promise<unknown> {
+    const answer = await this.call(name, "json", new TextEncoder().encode(JSON.stringify(request)), patience);
     try {
       return JSON.parse(new TextDecoder().decode(answer));
     } catch {

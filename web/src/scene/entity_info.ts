@@ -9,7 +9,7 @@ function numberIn(text: string | undefined): number | undefined {
   return Number.isFinite(value) ? value : undefined;
 }
 
-const kShownApart = new Set(["confidence", "volume", "problem", "method", "known", "guessed_area"]);
+const kShownApart = new Set(["confidence", "volume", "problem", "method", "known", "guessed_area", "object"]);
 
 export function objectFromEntity(store: Store, entity: Entity): void {
   const match = /^object\/(\d+)$/.exec(entity.id);
@@ -29,7 +29,7 @@ export function objectFromEntity(store: Store, entity: Entity): void {
     ...(method && { method }),
     ...(known && { known }),
     details: [...metadata]
-      .filter(([name, value]) => !kShownApart.has(name) && value !== "")
+      .filter(([name, value]) => !kShownApart.has(name) && value !== "" && !(name === "watertight" && value === "true"))
       .map(([name, value]) => ({ name: name.replaceAll("_", " "), value })),
   });
   store.touch("objects");

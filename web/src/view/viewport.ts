@@ -22,6 +22,7 @@ import { SceneView } from "./scene_view.js";
 
 const kClickDistance = 5; // px, that a pointer may move between down and up
 const kMostPointsInSoftware = 40_000;
+const kIntervalInSoftware = 120; // ms between pictures, so that messages are read in time, too
 const kTurn = Math.PI / 24; // rad, of an arrow key
 
 export class Viewport {
@@ -36,6 +37,8 @@ export class Viewport {
   readonly #controls: OrbitControls;
   readonly #grid = new GridHelper(2, 20);
   #pending = false;
+  #interval = 0; // ms, at least, between pictures
+  #lastDrawn = -1e9; // ms
   #fitted: "no" | "surroundings" | "objects" | "by hand" = "no";
 
   /** Throws an Error when the browser has no WebGL. */
@@ -47,7 +50,10 @@ export class Viewport {
     this.#renderer = new WebGLRenderer({ canvas, antialias: !inSoftware, powerPreference: "high-performance" });
     this.#renderer.setPixelRatio(inSoftware ? 1 : Math.min(window.devicePixelRatio, 2));
     this.view = new SceneView(store, () => this.invalidate());
-    if (inSoftware) this.view.cloud.mostDrawn = kMostPointsInSoftware;
+    if (inSoftware) {
+      this.view.cloud.mostDrawn = kMostPointsInSoftware;
+      this.#interval = kIntervalInSoftware;
+    }
     const { scene } = this.view;
     this.#camera.up.set(0, 0, 1);
     this.#camera.position.set(-0.75, -0.85, 0.75);
@@ -95,10 +101,14 @@ export class Viewport {
   invalidate(): void {
     if (this.#pending) return;
     this.#pending = true;
-    requestAnimationFrame(() => {
+    const draw = (): void => {
       this.#pending = false;
+      this.#lastDrawn = performance.now();
       this.drawNow();
-    });
+    };
+    const wait = this.#lastDrawn + this.#interval - performance.now();
+    if (wait > 0) setTimeout(() => requestAnimationFrame(draw), wait);
+    else requestAnimationFrame(draw);
   }
 
   drawNow(): void {

@@ -53,10 +53,16 @@ export async function withPage(
 
 /** Shares of the pixels of an element by hue: green, blue, orange, ..., and what is too grey to have one. */
 export async function hues(page, selector = "#view") {
+  // What changed is drawn: at once, in case the page waits because it drew only just before.
   await page.evaluate(
     () =>
       new Promise((resolve) =>
-        requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve))),
+        requestAnimationFrame(() =>
+          requestAnimationFrame(() => {
+            window.prehend.viewport.drawNow();
+            requestAnimationFrame(resolve);
+          }),
+        ),
       ),
   );
   const image = await page.locator(selector).screenshot({ timeout: 60_000 });
