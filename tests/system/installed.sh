@@ -39,7 +39,14 @@ if PREHEND_NODE_PATH=$PWD/build prehend launch --check demo.yaml scene:=nowhere 
 fi
 grep -q nowhere refused.txt
 
-if cmake -S "$project" -B refused -G "$generator" -DCMAKE_PREFIX_PATH=/nowhere >refused.txt 2>&1; then
-  echo "prehend was found where it is not" >&2
+mkdir refused
+cat >refused/CMakeLists.txt <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(refused LANGUAGES C CXX)
+find_package(prehend REQUIRED COMPONENTS no_such_thing)
+END
+if cmake -S refused -B refused/build -G "$generator" -DCMAKE_PREFIX_PATH="$scratch/prefix" >refused.txt 2>&1; then
+  echo "a component that is not there was found" >&2
   exit 1
 fi
+grep -q "no library 'no_such_thing'" refused.txt
