@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using Kind = MotionReport::Kind;
 
-constexpr AxisValues kThere{0.6, 0.5, 0.4, 0.3};
+constexpr AxisValues kElsewhere{0.6, 0.5, 0.4, 0.3};
 
 TEST(GclFaults, LateFirstPromptIsWaitedFor) {
   VirtualHand g;
@@ -39,7 +39,7 @@ TEST(GclFaults, PromptThatIsMissingIsAskedForByCtrlC) {
   ASSERT_TRUE(g.run_until([&] { return g.hand.aborts() > aborts; }, 3));
   g.hand.set_prompts(true);
   EXPECT_TRUE(g.settles());
-  EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+  EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
 }
 
 TEST(GclFaults, PromptThatIsLateMakesItLostUntilItComes) {
@@ -47,11 +47,11 @@ TEST(GclFaults, PromptThatIsLateMakesItLostUntilItComes) {
   ASSERT_TRUE(g.begin());
   g.hand.set_delay(5);
   ASSERT_TRUE(g.is_in(DriverState::kLost, 5));
-  EXPECT_THAT(g.send(g.goal(kThere)), HasSubstr("answers are missing"));
+  EXPECT_THAT(g.send(g.goal(kElsewhere)), HasSubstr("answers are missing"));
   g.run(8);
   g.hand.set_delay(0);
   ASSERT_TRUE(g.is_in(DriverState::kStanding, 30)) << ::testing::PrintToString(g.problems);
-  EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+  EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
 }
 
 TEST(GclFaults, LostByteOfAnEchoIsAskedAgain) {
@@ -113,7 +113,7 @@ TEST(GclFaults, LineThatKeepsHarmingBlocksEndsTheMotion) {
   EXPECT_TRUE(g.run_until([&] { return !g.hand.is_moving(); }, 0.1));
   g.hand.shorten_blocks(0);
   ASSERT_TRUE(g.settles());
-  EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+  EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
 }
 
 TEST(GclFaults, OverheatingInRealTimeModeEndsTheMotion) {
@@ -126,11 +126,11 @@ TEST(GclFaults, OverheatingInRealTimeModeEndsTheMotion) {
   EXPECT_FALSE(g.hand.is_moving());
   EXPECT_FALSE(g.hand.is_looping());
   ASSERT_TRUE(g.settles());
-  EXPECT_THAT(g.move(g.goal(kThere)).reason, HasSubstr("over-temperature"));
+  EXPECT_THAT(g.move(g.goal(kElsewhere)).reason, HasSubstr("over-temperature"));
   ASSERT_TRUE(g.settles());
   ASSERT_TRUE(g.run_until([&] { return *g.driver.reading().temperature > 69; }));
   g.hand.set_temperature(50);
-  EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+  EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
 }
 
 TEST(GclFaults, AnyErrInRealTimeModeMeansThatItWasLeft) {
@@ -144,7 +144,7 @@ TEST(GclFaults, AnyErrInRealTimeModeMeansThatItWasLeft) {
     EXPECT_THAT(g.driver.report(g.ticket).reason, HasSubstr("ERR " + std::to_string(code)));
     g.hand.set_refusal(0);
     ASSERT_TRUE(g.settles()) << code;
-    EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached) << code;
+    EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached) << code;
   }
 }
 
@@ -161,11 +161,11 @@ TEST(GclFaults, ResetInTheMiddleNeedsHiAgain) {
     const auto count = g.hand.moves();
     g.run(5);
     EXPECT_EQ(g.hand.moves(), count) << "nothing is resumed, nor initialised";
-    EXPECT_THAT(g.send(g.goal(kThere)), HasSubstr("/hand/initialise"));
+    EXPECT_THAT(g.send(g.goal(kElsewhere)), HasSubstr("/hand/initialise"));
     std::uint64_t ticket = 0;
     ASSERT_EQ(g.driver.initialise(g.now, ticket), "");
     ASSERT_TRUE(g.is_in(DriverState::kStanding, 25));
-    EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+    EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
   }
 }
 
@@ -210,7 +210,7 @@ TEST(GclFaults, MissingMotorIsAFault) {
   g.is_cut = true;
   g.driver.receive({reinterpret_cast<const std::uint8_t*>(answer.data()), answer.size()}, g.now);
   EXPECT_EQ(g.driver.reading().state, DriverState::kFault);
-  EXPECT_THAT(g.send(g.goal(kThere)), HasSubstr("F2 of the hand: ERR 2 a motor is missing"));
+  EXPECT_THAT(g.send(g.goal(kElsewhere)), HasSubstr("F2 of the hand: ERR 2 a motor is missing"));
 }
 
 TEST(GclFaults, FirmwareThatIsAnotherIsAFaultWithItsMend) {
@@ -260,7 +260,7 @@ TEST(GclFaults, HandThatMovesOnAfterCtrlCIsSwitchedOff) {
 TEST(GclFaults, CtrlCMaySayNothing) {
   VirtualHand g({}, {.prints_abort = false});
   ASSERT_TRUE(g.begin());
-  EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+  EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
   ASSERT_TRUE(g.begin_to_move());
   g.driver.stop(g.now);
   EXPECT_TRUE(g.run_until([&] { return g.driver.is_settled(); }));
@@ -323,7 +323,7 @@ TEST(GclFaults, BadLineNeverMakesItLeaveItsLimits) {
     std::uint64_t ticket = 0;
     ASSERT_EQ(g.driver.initialise(g.now, ticket), "");
     ASSERT_TRUE(g.is_in(DriverState::kStanding, 30)) << ::testing::PrintToString(g.problems);
-    EXPECT_EQ(g.move(g.goal(kThere)).kind, Kind::kReached);
+    EXPECT_EQ(g.move(g.goal(kElsewhere)).kind, Kind::kReached);
   }
 }
 
