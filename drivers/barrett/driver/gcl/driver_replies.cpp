@@ -240,10 +240,12 @@ void Driver::take_positions(const AxisValues& counts, Time now) {
   reading_.position = sample.motor;
   reading_.joint = sample.joint;
   const Sample& first = samples_.front();
-  const double passed = to_seconds(now - first.time);
+  // Of readings that lie close together their jitter would be most of it.
+  constexpr double kLeastSpan = 0.08;  // s
+  const double passed = std::max(to_seconds(now - first.time), kLeastSpan);
   for (std::size_t i = 0; i < kAxes; ++i) {
-    reading_.velocity[i] = passed > 0 ? (sample.motor[i] - first.motor[i]) / passed : 0;
-    reading_.joint_velocity[i] = passed > 0 ? (sample.joint[i] - first.joint[i]) / passed : 0;
+    reading_.velocity[i] = (sample.motor[i] - first.motor[i]) / passed;
+    reading_.joint_velocity[i] = (sample.joint[i] - first.joint[i]) / passed;
   }
   reading_.answers.fill(true);
   last_state_ = now;

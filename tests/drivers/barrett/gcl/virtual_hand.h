@@ -69,7 +69,6 @@ class VirtualHand {
   /// Connects, and initialises.
   bool begin() {
     if (!connect()) return false;
-    std::uint64_t ticket = 0;
     if (!driver.initialise(now, ticket).empty()) return false;
     return is_in(DriverState::kStanding, 25);
   }
