@@ -109,15 +109,23 @@ View grasps_view() {
 }
 
 View table_view() {
-  View view{view_channel<SceneUpdate>("/viewer/table", 1, true), {"/objects", "/ground_truth"}, {}};
+  View view{view_channel<SceneUpdate>("/viewer/table", 1, false), {"/objects"}, {}};
+  view.begin = [](View::Publish publish) {
+    return std::vector<View::Source>{
+        {"/objects", [publish](const graph::RawMessage& raw) {
+           const auto update = convert::table_update(decoded<msgs::ObjectHypotheses>(raw));
+           publish(raw.info.publish_time, update.SerializeAsString(), "table");
+         }}};
+  };
+  return view;
+}
+
+// A channel of its own, as a slow viewer may miss some of it.
+View truth_view() {
+  View view{view_channel<SceneUpdate>("/viewer/truth", 1, true), {"/ground_truth"}, {}};
   view.begin = [](View::Publish publish) {
     auto state = std::make_shared<TruthState>();
     return std::vector<View::Source>{
-        {"/objects",
-         [publish](const graph::RawMessage& raw) {
-           const auto update = convert::table_update(decoded<msgs::ObjectHypotheses>(raw));
-           publish(raw.info.publish_time, update.SerializeAsString(), "table");
-         }},
         {"/ground_truth", [publish, state](const graph::RawMessage& raw) {
            {
              const std::lock_guard lock(state->mutex);

@@ -84,5 +84,6 @@ View robot_view(std::shared_ptr<const robot::Platform> platform);
 View objects_view();
 View grasps_view();
 View table_view();
+View truth_view();
 
 }  // namespace prehend::nodes

@@ -26,6 +26,7 @@ std::vector<View> standard_views(std::shared_ptr<const robot::Platform> platform
       objects_view(),
       grasps_view(),
       table_view(),
+      truth_view(),
       simple_view<msgs::ObjectHypotheses>(
           view_channel<::foxglove::PointCloud>("/viewer/cloud", 1, true), "/objects",
           [](const msgs::ObjectHypotheses& objects) { return convert::objects_cloud(objects); }),

@@ -41,7 +41,8 @@ class EmergencyStopped : public ::testing::TestWithParam<StoppedRobot> {
     const msgs::Acknowledge answer = rig_->reset();
     EXPECT_TRUE(answer.success()) << answer.reason();
     ASSERT_TRUE(eventually([&] { return !rig_->is_stopped(); }));
-    std::this_thread::sleep_for(100ms);  // until the drivers have heard it, too
+    // Until the drivers have heard it, too, and have seen their last stop done.
+    std::this_thread::sleep_for(600ms);
     EXPECT_THAT(rig_->move(), IsEmpty()) << rig_->output();
   }
   Outcome command(const std::vector<std::string>& arguments) const {
