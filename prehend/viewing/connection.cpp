@@ -79,8 +79,12 @@ class ViewerConnection : public std::enable_shared_from_this<ViewerConnection> {
     socket_.auto_fragment(false);  // a payload goes out from where it lies
     error_code ignored;
     beast::get_lowest_layer(socket_).socket().set_option(tcp::no_delay(true), ignored);
+    writing_ = true;  // the answer: a close frame may not come between
     socket_.async_accept(request, [self](error_code error) {
-      if (!error) self->begin();
+      self->writing_ = false;
+      if (error) return;
+      if (self->pending_close_) return self->send_close();
+      self->begin();
     });
   }
 

@@ -46,8 +46,8 @@ TEST(Protocol, BinaryFramesAreThoseOfTheExample) {
   EXPECT_EQ(asset_response(5, "no", "x"), bytes({4, 5, 0, 0, 0, 1, 2, 0, 0, 0}) + "no");
   EXPECT_EQ(service_response(1, 9, "json", R"({"ok":true})"),
             bytes({3, 1, 0, 0, 0, 9, 0, 0, 0, 4, 0, 0, 0}) + R"(json{"ok":true})");
-  const auto call = std::get<ServiceCall>(
-      parse_binary(bytes({2, 1, 0, 0, 0, 9, 0, 0, 0, 4, 0, 0, 0}) + "json{}"));
+  const std::string request = bytes({2, 1, 0, 0, 0, 9, 0, 0, 0, 4, 0, 0, 0}) + "json{}";
+  const auto call = std::get<ServiceCall>(parse_binary(request));
   EXPECT_EQ(call.service, 1u);
   EXPECT_EQ(call.call, 9u);
   EXPECT_EQ(call.encoding, "json");
