@@ -1,6 +1,7 @@
 # make demo   build, then watch an object being predicted, grasped, lifted, moved and released
 # make build  install what is missing, configure and build
 # make test   build, then run all tests
+# make test-thorough   the same, every task on every robot
 # make asan   the same under AddressSanitizer and UndefinedBehaviorSanitizer (build-debug)
 # make asan-quick  those that end within three minutes
 # make tsan   the same under ThreadSanitizer (build-tsan)
@@ -10,7 +11,7 @@
 # make format, make check-format   clang-format
 # make clean  remove build and out
 
-.PHONY: demo build test asan asan-quick tsan format check-format bench fuzz web clean configure packages
+.PHONY: demo build test test-thorough asan asan-quick tsan format check-format bench fuzz web clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -31,6 +32,9 @@ demo: configure
 
 test: build
 	@scripts/run-tests.sh build
+
+test-thorough: build
+	@PREHEND_THOROUGH_TESTS=1 scripts/run-tests.sh build
 
 # All tests under AddressSanitizer and UndefinedBehaviorSanitizer, or under ThreadSanitizer.
 asan: packages

@@ -16,6 +16,9 @@ if(PREHEND_FAST_BUILD)
   target_compile_options(prehend_compile_flags INTERFACE
                          $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>>)
 endif()
+# Messages of failed tests name files as seen from the source tree.
+target_compile_options(prehend_compile_flags INTERFACE
+                       "$<BUILD_INTERFACE:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>")
 # There are some 250 programs: gold (of binutils) links each in a fifth of the time.
 include(CheckLinkerFlag)
 check_linker_flag(CXX -fuse-ld=gold PREHEND_HAS_GOLD)
