@@ -1,7 +1,9 @@
 #include <memory>
 
+#include "tools/bag_import/choices.h"
 #include "tools/bag_tools.h"
 #include "tools/commands.h"
+#include "tools/given_words.h"
 #include "tools/programs.h"
 
 namespace prehend::tools {
@@ -86,16 +88,33 @@ void add_export(CLI::App& group, const std::shared_ptr<BagChoices>& choices) {
   });
 }
 
+// Likewise.
+void add_import(CLI::App& group) {
+  auto choices = std::make_shared<BagImportChoices>();
+  CLI::App* command = group.add_subcommand(
+      "import", "Make a recording of a bag of ROS 1 or an MCAP file of ROS 2, to be replayed");
+  add_bag_import_options(*command, *choices);
+  command->footer(
+      "Taken are Image, CompressedImage, CameraInfo, PointCloud2, JointState and WrenchStamped, on "
+      "their own topics; with --stereo or --depth, what segmentation looks at.\n\n"
+      "Examples:\n"
+      "  prehend bag import table.bag table.mcap --depth /camera/depth/image_rect_raw\n"
+      "  prehend bag import table.bag table.mcap --stereo /left/image_rect /right/image_rect\n"
+      "  prehend launch launch/replay.yaml bag:=table.mcap input:=depth world:=table");
+  command->callback([command, choices] { become_program("bag_import", given_words(*command)); });
+}
+
 }  // namespace
 
 void add_bag_commands(CLI::App& app, Outcome& outcome) {
-  CLI::App* group = app.add_subcommand("bag", "Look at, cut, export and mend recordings");
+  CLI::App* group = app.add_subcommand("bag", "Look at, cut, import, export and mend recordings");
   group->require_subcommand(1);
   auto choices = std::make_shared<BagChoices>();
   add_looks(*group, choices, outcome);
   add_recover(*group, choices, outcome);
   add_filter(*group, outcome);
   add_export(*group, choices);
+  add_import(*group);
 }
 
 }  // namespace prehend::tools
