@@ -52,7 +52,8 @@ void write_evidence(YAML::Emitter& out, const shape::Evidence& evidence) {
     out << YAML::Key << figure.name << YAML::Value << evidence.*figure.value;
   }
   out << YAML::Key << "cut_by_image" << YAML::Value << evidence.cut_by_image << YAML::Key
-      << "on_another" << YAML::Value << evidence.on_another << YAML::EndMap;
+      << "on_another" << YAML::Value << evidence.on_another << YAML::Key << "may_be_several"
+      << YAML::Value << evidence.may_be_several << YAML::EndMap;
 }
 
 shape::Evidence read_evidence(const YAML::Node& node) {
@@ -63,6 +64,7 @@ shape::Evidence read_evidence(const YAML::Node& node) {
   }
   evidence.cut_by_image = node["cut_by_image"].as<bool>();
   evidence.on_another = node["on_another"].as<bool>();
+  evidence.may_be_several = node["may_be_several"].as<bool>();
   return evidence;
 }
 

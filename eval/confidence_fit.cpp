@@ -18,7 +18,7 @@ using shape::ConfidenceModel;
 using shape::Evidence;
 
 constexpr int kMethods = 5;
-constexpr int kCoefficients = 17;
+constexpr int kCoefficients = 18;
 constexpr int kMostSteps = 5000;
 constexpr double kLeastStep = 0.1;  // between methods: fall-backs stay in their order
 
@@ -40,7 +40,8 @@ constexpr std::array<std::pair<const char*, double ConfidenceModel::*>, kCoeffic
      {"occluded", &ConfidenceModel::occluded},
      {"on_another", &ConfidenceModel::on_another},
      {"disagreement", &ConfidenceModel::disagreement},
-     {"guessed_depth", &ConfidenceModel::guessed_depth}}};
+     {"guessed_depth", &ConfidenceModel::guessed_depth},
+     {"may_be_several", &ConfidenceModel::may_be_several}}};
 
 using Vector = Eigen::Matrix<double, kCoefficients, 1>;
 

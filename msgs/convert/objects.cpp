@@ -95,6 +95,7 @@ msgs::CompletionEvidence evidence_message(const shape::Evidence& evidence) {
   message.set_on_another(evidence.on_another);
   message.set_disagreement(evidence.disagreement);
   message.set_guessed_depth(evidence.guessed_depth);
+  message.set_may_be_several(evidence.may_be_several);
   return message;
 }
 
@@ -113,7 +114,8 @@ shape::Evidence read_evidence(const msgs::CompletionEvidence& message,
           message.occluded(),
           message.on_another(),
           message.disagreement(),
-          message.guessed_depth()};
+          message.guessed_depth(),
+          message.may_be_several()};
 }
 
 /// Numbers in 0..1 as bytes.
@@ -206,6 +208,7 @@ msgs::ObjectHypotheses to_message(const perception::SegmentedScene& scene) {
     write_mask(object.mask, out);
     out.set_touches_image_border(object.touches_image_border);
     out.set_occluded_share(object.occluded_share);
+    out.set_may_be_several(object.may_be_several);
     if (object.support_W) *out.mutable_support() = to_message(*object.support_W);
   }
   for (const std::string& dropped : scene.dropped) message.add_notes("not an object: " + dropped);
@@ -227,6 +230,7 @@ perception::SegmentedScene from_message(const msgs::ObjectHypotheses& message) {
                              read_mask(object, scene.camera.width, scene.camera.height),
                              object.touches_image_border(),
                              object.occluded_share(),
+                             object.may_be_several(),
                              object.has_support()
                                  ? std::optional<geometry::Plane>(from_message(object.support()))
                                  : std::nullopt,

@@ -339,8 +339,10 @@ bool differ(const geometry::PointCloud& cloud_C, const Parts& parts, bool is_rim
           difference >= factor * kBeyondShade * options.least_color_difference);
 }
 
+/// @param alike  set where a ledge was found whose sides have colours of one thing
 std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geometry::Plane& table_C,
-                                const std::vector<int>& members, const LedgeOptions& options) {
+                                const std::vector<int>& members, const LedgeOptions& options,
+                                bool* alike) {
   if (members.size() < 2 * kLeastPoints) return std::nullopt;
   const Tops tops(cloud_C, table_C, members, options);
   if (tops.top.empty()) return std::nullopt;
@@ -371,7 +373,10 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
       Parts parts = divided(tops, members, ledge, risen, height, beside);
       if (std::min(parts.first.size(), parts.second.size()) < kLeastPoints) continue;
       const bool is_rim = cv::countNonZero(ledge) < kLeastLedgeShare * cv::countNonZero(risen);
-      if (!differ(cloud_C, parts, is_rim, options)) continue;
+      if (!differ(cloud_C, parts, is_rim, options)) {
+        *alike = *alike || !is_rim;
+        continue;
+      }
       return parts;
     }
   }
@@ -380,18 +385,19 @@ std::optional<Parts> split_once(const geometry::PointCloud& cloud_C, const geome
 
 }  // namespace
 
-std::vector<std::vector<int>> split_at_ledges(const geometry::PointCloud& cloud_C,
-                                              const geometry::Plane& table_C,
-                                              const std::vector<int>& members,
-                                              const LedgeOptions& options) {
+std::vector<LedgePart> split_at_ledges(const geometry::PointCloud& cloud_C,
+                                       const geometry::Plane& table_C,
+                                       const std::vector<int>& members,
+                                       const LedgeOptions& options) {
   check(options);
-  std::vector<std::vector<int>> open{members}, parts;
+  std::vector<std::vector<int>> open{members};
+  std::vector<LedgePart> parts;
   while (!open.empty()) {
-    std::vector<int> part = std::move(open.back());
+    LedgePart part{std::move(open.back())};
     open.pop_back();
     std::optional<Parts> two;
     if (parts.size() + open.size() + 1 < kMostParts) {
-      two = split_once(cloud_C, table_C, part, options);
+      two = split_once(cloud_C, table_C, part.members, options, &part.may_be_several);
     }
     if (two) {
       open.push_back(std::move(two->first));
@@ -400,8 +406,9 @@ std::vector<std::vector<int>> split_at_ledges(const geometry::PointCloud& cloud_
       parts.push_back(std::move(part));
     }
   }
-  std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
-    return a.size() != b.size() ? a.size() > b.size() : a < b;
+  std::sort(parts.begin(), parts.end(), [](const LedgePart& a, const LedgePart& b) {
+    return a.members.size() != b.members.size() ? a.members.size() > b.members.size()
+                                                : a.members < b.members;
   });
   return parts;
 }

@@ -24,6 +24,13 @@ struct LedgeOptions {
   double least_hue_difference = 0.09;
 };
 
+struct LedgePart {
+  std::vector<int> members;  // indices of its points
+  /// There is such a ledge in it, but the colours on either side are not two things': a stack of
+  /// one colour, or one thing with a step.
+  bool may_be_several = false;
+};
+
 /// Splits a cluster of points over `table_C` where a level ledge is beside something that rises
 /// from it to a level top of its own: one box on another, or two of unequal heights side by side.
 /// Whether what rises stands on the ledge or beside it is told by the points under the ledge's
@@ -35,9 +42,9 @@ struct LedgeOptions {
 /// @param members indices of the cluster's points. @returns disjoint parts that together are
 /// `members`, largest first. O(members).
 /// @throws std::invalid_argument for a bad option.
-std::vector<std::vector<int>> split_at_ledges(const geometry::PointCloud& cloud_C,
-                                              const geometry::Plane& table_C,
-                                              const std::vector<int>& members,
-                                              const LedgeOptions& options = {});
+std::vector<LedgePart> split_at_ledges(const geometry::PointCloud& cloud_C,
+                                       const geometry::Plane& table_C,
+                                       const std::vector<int>& members,
+                                       const LedgeOptions& options = {});
 
 }  // namespace prehend::perception

@@ -222,12 +222,14 @@ SegmentedScene as_scene(const MergedViews& merged) {
     out.cloud_W = object.cloud_W;
     out.touches_image_border = true;
     out.occluded_share = 1;
+    out.may_be_several = true;
     for (std::size_t v = 0; v < merged.views.size(); ++v) {
       if (object.hypothesis[v] < 0) continue;
       const ObjectHypothesis& one =
           merged.views[v].objects[static_cast<std::size_t>(object.hypothesis[v])];
       out.touches_image_border = out.touches_image_border && one.touches_image_border;
       out.occluded_share = std::min(out.occluded_share, one.occluded_share);
+      out.may_be_several = out.may_be_several && one.may_be_several;
     }
     if (object.hypothesis[chosen] >= 0) {
       out.mask = view.objects[static_cast<std::size_t>(object.hypothesis[chosen])].mask;

@@ -140,8 +140,8 @@ struct FoundObjects {
     std::vector<int> members;
     std::string reason;
   };
-  std::vector<std::vector<int>> objects;  // largest first
-  std::vector<Dropped> dropped;           // likewise
+  std::vector<LedgePart> objects;  // largest first
+  std::vector<Dropped> dropped;    // likewise
 };
 
 // Tells objects from what is none.
@@ -176,7 +176,7 @@ class ObjectFinder {
     }
     sort();
     while (found_.objects.size() > static_cast<std::size_t>(options_.max_objects)) {
-      drop(std::move(found_.objects.back()),
+      drop(std::move(found_.objects.back().members),
            words("there are %.0f larger objects (max_objects)", options_.max_objects));
       found_.objects.pop_back();
     }
@@ -225,22 +225,23 @@ class ObjectFinder {
   }
 
   void take(std::vector<int> members) {
-    if (options_.split == Splitting::kNone) return take_part(std::move(members));
-    for (auto& part : split_at_ledges(cloud_C_, table_.plane_C, members, options_.ledges)) {
-      std::sort(part.begin(), part.end());
+    if (options_.split == Splitting::kNone) return take_part({std::move(members)});
+    for (LedgePart& part : split_at_ledges(cloud_C_, table_.plane_C, members, options_.ledges)) {
+      std::sort(part.members.begin(), part.members.end());
       take_part(std::move(part));
     }
   }
 
-  void take_part(std::vector<int> members) {
+  void take_part(LedgePart part) {
     if (options_.split != Splitting::kTouching || !cloud_C_.organized())
-      return take_piece(std::move(members));
-    for (auto& piece : split_touching(cloud_C_, camera_, members, options_.splitting)) {
-      take_piece(std::move(piece));
-    }
+      return take_piece(std::move(part));
+    auto pieces = split_touching(cloud_C_, camera_, part.members, options_.splitting);
+    const bool may_be_several = part.may_be_several && pieces.size() == 1;
+    for (auto& piece : pieces) take_piece({std::move(piece), may_be_several});
   }
 
-  void take_piece(std::vector<int> members) {
+  void take_piece(LedgePart piece) {
+    std::vector<int>& members = piece.members;
     const double area = seen_area(cloud_C_, camera_, members, options_);
     const double height = height_of(cloud_C_, members, table_);
     if (members.size() < kLeastObjectPoints) {
@@ -257,7 +258,7 @@ class ObjectFinder {
                                    " mm (min_object_height, or 2.5 times min_height: what the "
                                    "table's noise reaches)");
     } else {
-      found_.objects.push_back(std::move(members));
+      found_.objects.push_back(std::move(piece));
     }
   }
 
@@ -286,7 +287,8 @@ class ObjectFinder {
     const auto larger = [](const auto& a, const auto& b) {
       return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
     };
-    std::sort(found_.objects.begin(), found_.objects.end(), larger);
+    std::sort(found_.objects.begin(), found_.objects.end(),
+              [&](const auto& a, const auto& b) { return larger(a.members, b.members); });
     std::sort(found_.dropped.begin(), found_.dropped.end(),
               [&](const auto& a, const auto& b) { return larger(a.members, b.members); });
   }
@@ -377,7 +379,8 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     throw std::invalid_argument("segment_on_table: the camera's size is not the cloud's");
   }
   const FoundObjects found = ObjectFinder(cloud_C, camera, table, options).find();
-  const std::vector<std::vector<int>>& members = found.objects;
+  std::vector<std::vector<int>> members;
+  for (const LedgePart& object : found.objects) members.push_back(object.members);
   ObjectImages images = draw_objects(cloud_C, camera, members, options.close_radius);
 
   SegmentedScene scene;
@@ -396,6 +399,7 @@ SegmentedScene segment_on_table(const PointCloud& cloud_C, const geometry::Pinho
     object.cloud_W = geometry::transformed(geometry::select(cloud_C, members[k]), scene.X_WC);
     object.mask = std::move(images.masks[k]);
     object.touches_image_border = touches_border(object.mask, area, margin);
+    object.may_be_several = found.objects[k].may_be_several;
     scene.objects.push_back(std::move(object));
   }
   find_occlusions(scene);

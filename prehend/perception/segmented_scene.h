@@ -21,6 +21,9 @@ struct ObjectHypothesis {
   /// Share of the mask's outline along which another object stands right before this one, 0..1: it
   /// goes on behind that.
   double occluded_share = 0;
+  /// It has a level ledge beside something that rises, as two things have that stand on or beside
+  /// each other, in colours that do not tell (ledges.h).
+  bool may_be_several = false;
   /// What it stands on where that is not the table but the top of another object; world.
   std::optional<geometry::Plane> support_W;
   /// Depth [m] of the objects that stand right before this one, 0 elsewhere: what they hide nobody

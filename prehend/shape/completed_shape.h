@@ -30,6 +30,7 @@ struct ObjectView {
   /// Depth [m] of everything that was seen, of the whole image, NaN where unknown. Null or empty:
   /// not given, and the shape's `seen_space` is empty.
   const geometry::DepthImage* depth = nullptr;
+  bool may_be_several = false;  // ObjectHypothesis::may_be_several
 };
 
 /// Whose viewpoint a point was "seen" from (CompletedShape::viewpoint_of). Points that a fall-back

@@ -40,6 +40,7 @@ constexpr std::array kCoefficients{
     Coefficient{"on_another", &ConfidenceModel::on_another, false},
     Coefficient{"disagreement", &ConfidenceModel::disagreement, false},
     Coefficient{"guessed_depth", &ConfidenceModel::guessed_depth, false},
+    Coefficient{"may_be_several", &ConfidenceModel::may_be_several, false},
 };
 
 }  // namespace
@@ -75,6 +76,7 @@ double confidence(const Evidence& e, const ConfidenceModel& model) {
        model.disagreement * std::clamp(e.disagreement / kRight, 0.0, 1.0) +
        model.guessed_depth * std::max(0.0, e.guessed_depth) / kDeep;
   if (e.on_another) x -= model.on_another;
+  if (e.may_be_several) x -= model.may_be_several;
   return 1 / (1 + std::exp(-x));
 }
 

@@ -58,7 +58,8 @@ struct Evidence {
   /// Mean distance of the prediction by the next plane that faces the viewer and votes nearly as
   /// well to this one's [m]; 0 without one.
   double disagreement = 0;
-  double guessed_depth = 0;  // mean depth of the predicted points behind the seen surface [m]
+  double guessed_depth = 0;     // mean depth of the predicted points behind the seen surface [m]
+  bool may_be_several = false;  // it has a step as two things of one colour have
 
   /// Much of what was seen is the inside of a vessel, whose outside and floor are mostly guessed.
   bool open_vessel() const { return open_top > 0.08; }
@@ -74,18 +75,19 @@ struct ConfidenceModel {
   double convex_hull = 2.24;
   double refused_mirror = 2.14;
   // Taken off.
-  double contradiction = 0.00;  // times the root of Evidence::contradiction, at most 1
-  double contradicted = 5.69;   // times the root of Evidence::contradicted
-  double unsupported = 2.32;    // times 1 - support
-  double unseen = 1.01;         // times Evidence::unseen
-  double ambiguous = 0.00;      // times 1 - margin
-  double concavity = 12.88;     // times Evidence::concavity
-  double open_vessel = 0.00;    // when the object is an open vessel
-  double cut_by_image = 1.93;   // when it is
-  double occluded = 3.11;       // times the root of Evidence::occluded
-  double on_another = 2.78;     // when it is
-  double disagreement = 0.00;   // times Evidence::disagreement / 5 mm, at most 1
-  double guessed_depth = 0.00;  // times Evidence::guessed_depth / 0.1 m
+  double contradiction = 0.00;   // times the root of Evidence::contradiction, at most 1
+  double contradicted = 5.69;    // times the root of Evidence::contradicted
+  double unsupported = 2.32;     // times 1 - support
+  double unseen = 1.01;          // times Evidence::unseen
+  double ambiguous = 0.00;       // times 1 - margin
+  double concavity = 12.88;      // times Evidence::concavity
+  double open_vessel = 0.00;     // when the object is an open vessel
+  double cut_by_image = 1.93;    // when it is
+  double occluded = 3.11;        // times the root of Evidence::occluded
+  double on_another = 2.78;      // when it is
+  double disagreement = 0.00;    // times Evidence::disagreement / 5 mm, at most 1
+  double guessed_depth = 0.00;   // times Evidence::guessed_depth / 0.1 m
+  double may_be_several = 2.54;  // when it is
 
   bool operator==(const ConfidenceModel&) const = default;
 };
@@ -100,6 +102,7 @@ struct ConfidenceModel {
 ///         - open_vessel [e.open_vessel()] - cut_by_image [e.cut_by_image]
 ///         - occluded sqrt(e.occluded) - on_another [e.on_another]
 ///         - disagreement min(1, e.disagreement / 5 mm) - guessed_depth e.guessed_depth / 0.1 m
+///         - may_be_several [e.may_be_several]
 ///
 /// Roots, because the step from nothing to 1 % that speaks against it says more than from 10 to 11
 /// %. In (0, 1); never rises when evidence gets worse.

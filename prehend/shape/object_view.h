@@ -15,7 +15,8 @@ inline ObjectView view_of(const perception::SegmentedScene& scene,
           perception::support_of(scene, object),
           &object.nearer,
           object.support_W.has_value(),
-          &scene.depth};
+          &scene.depth,
+          object.may_be_several};
 }
 
 }  // namespace prehend::shape

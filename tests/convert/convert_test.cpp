@@ -117,6 +117,7 @@ TEST(Convert, HypothesesKeepMasksAndDepth) {
   object.mask.at(3, 2) = object.mask.at(5, 4) = 255;
   object.touches_image_border = true;
   object.occluded_share = 0.25;
+  object.may_be_several = true;
   scene.objects = {object};
   auto message = to_message(scene);
   EXPECT_EQ(message.objects(0).mask().size(), 9u);  // only the window
@@ -124,6 +125,7 @@ TEST(Convert, HypothesesKeepMasksAndDepth) {
   EXPECT_EQ(back.objects[0].mask.data, object.mask.data);
   EXPECT_TRUE(back.objects[0].touches_image_border);
   EXPECT_EQ(back.objects[0].occluded_share, 0.25);
+  EXPECT_TRUE(back.objects[0].may_be_several);
   EXPECT_NEAR(back.depth.at(3, 2), 0.73215, 1e-4);
   EXPECT_TRUE(std::isnan(back.depth.at(0, 0)));
   message.mutable_objects(0)->set_mask_x(7);
@@ -141,6 +143,7 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   shape.refused = "mirror: two heads";
   shape.confidence = 0.6;
   shape.evidence.open_top = 0.3;
+  shape.evidence.may_be_several = true;
   shape.planes = {shape.symmetry};
   shape.seen_space = {
       {2, 1, 500, 500, -7, 3}, geometry::look_at({1, 0, 1}, {0, 0, 0}), {2, 1, 0.7f}};
@@ -157,6 +160,7 @@ TEST(Convert, CompletedShapeAndModelRoundTrip) {
   EXPECT_EQ(received.refused, shape.refused);
   EXPECT_EQ(received.confidence, 0.6);
   EXPECT_TRUE(received.evidence.open_vessel());
+  EXPECT_TRUE(received.evidence.may_be_several);
   EXPECT_EQ(received.planes.front().vote, 0.25);
   ASSERT_EQ(received.bounds_W.size(), 1u);
   EXPECT_EQ(received.bounds_W[0].normal, Eigen::Vector3d::UnitY());

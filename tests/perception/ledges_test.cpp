@@ -53,7 +53,11 @@ struct Pile {
   std::vector<std::vector<int>> split(const LedgeOptions& options = {}) const {
     std::vector<int> members(cloud.size());
     std::iota(members.begin(), members.end(), 0);
-    return split_at_ledges(cloud, geometry::Plane{}, members, options);
+    std::vector<std::vector<int>> parts;
+    for (LedgePart& part : split_at_ledges(cloud, geometry::Plane{}, members, options)) {
+      parts.push_back(std::move(part.members));
+    }
+    return parts;
   }
   /// Share of the points that are in a part that is mostly of their body, every body having one.
   double agreement(const std::vector<std::vector<int>>& parts) const {
@@ -98,6 +102,22 @@ TEST(Ledges, DivideAStackOfThree) {
   const auto parts = pile.split();
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_GT(pile.agreement(parts), 0.95);
+}
+
+// One thing with a step, or two in one colour: nobody can tell, and that is said.
+TEST(Ledges, AStepInOneColourMayBeSeveral) {
+  const auto parts_of = [](const Pile& pile) {
+    std::vector<int> members(pile.cloud.size());
+    std::iota(members.begin(), members.end(), 0);
+    return split_at_ledges(pile.cloud, geometry::Plane{}, members);
+  };
+  const auto alike = parts_of(stack(kRed));
+  ASSERT_EQ(alike.size(), 1u);
+  EXPECT_TRUE(alike[0].may_be_several);
+  for (const LedgePart& part : parts_of(stack(kBlue))) EXPECT_FALSE(part.may_be_several);
+  Pile box;
+  box.box({-0.05, -0.05, 0}, {0.05, 0.05, 0.1}, 0, kRed);
+  EXPECT_FALSE(parts_of(box).front().may_be_several);
 }
 
 // Of the middle one only a strip is seen: known colours tell it from a lid.
@@ -229,10 +249,10 @@ TEST(Ledges, AreNotTheFloorOfAHollowTheShoulderOfANeckNorABrim) {
 
 TEST(Ledges, KeepEveryPointOfHostileClusters) {
   Pile pile = stack(kBlue);
-  EXPECT_TRUE(split_at_ledges(pile.cloud, geometry::Plane{}, {}, {}).front().empty());
+  EXPECT_TRUE(split_at_ledges(pile.cloud, geometry::Plane{}, {}, {}).front().members.empty());
   const auto few = split_at_ledges(pile.cloud, geometry::Plane{}, {1, 5, 9}, {});
   ASSERT_EQ(few.size(), 1u);
-  EXPECT_EQ(few[0].size(), 3u);
+  EXPECT_EQ(few[0].members.size(), 3u);
   // A point a kilometre off: no map is made of that.
   pile.cloud.points.front() = {1000, 0, 0.1f};
   EXPECT_EQ(pile.split().size(), 1u);

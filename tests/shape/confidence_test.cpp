@@ -33,7 +33,8 @@ TEST(Confidence, NeverRisesWhenEvidenceGetsWorse) {
       [](Evidence& e, double by) { e.occluded += by; },
       [](Evidence& e, double) { e.on_another = true; },
       [](Evidence& e, double by) { e.disagreement += 0.01 * by; },
-      [](Evidence& e, double by) { e.guessed_depth += 0.1 * by; }};
+      [](Evidence& e, double by) { e.guessed_depth += 0.1 * by; },
+      [](Evidence& e, double) { e.may_be_several = true; }};
   for (int i = 0; i < 2000; ++i) {
     const Evidence before{static_cast<CompletionMethod>(random() % 5),
                           unit(),
