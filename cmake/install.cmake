@@ -83,9 +83,9 @@ install(FILES ${PROJECT_BINARY_DIR}/install/prehend-config.cmake
               ${PROJECT_BINARY_DIR}/install/prehend-config-version.cmake
         DESTINATION ${PACKAGE_FOLDER} COMPONENT development)
 
-# Debian packages: `cpack -G DEB` in the build tree makes prehend and libprehend-dev.
+# Debian packages: `cpack -G DEB` in the build tree makes prehend, libprehend-dev and python3-prehend.
 file(STRINGS apt-packages.txt development_packages REGEX "-dev$")
-list(FILTER development_packages EXCLUDE REGEX "gtest|gmock|benchmark")
+list(FILTER development_packages EXCLUDE REGEX "gtest|gmock|benchmark|pybind11|python3")
 list(JOIN development_packages ", " development_packages)
 set(CPACK_PACKAGE_NAME prehend)
 set(CPACK_PACKAGE_VENDOR "the prehend developers")
@@ -94,6 +94,12 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL programs development)
+if(TARGET prehend_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-prehend)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "prehend, python3, python3-numpy")
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)

@@ -1,0 +1,85 @@
+"""prehend: grasping objects that nobody has seen before.
+
+    cloud = prehend.read_cloud("table.pcd")
+    scene = prehend.segment(cloud)
+    model = scene.complete()[0].model()
+    plan = prehend.plan_grasps(model, prehend.hand("sdh2"), table=scene.table)
+
+Lengths are metres, angles radians, poses 4 x 4 arrays; X_WC is the pose of C in W. Arrays of a
+cloud, mesh or image are read-only views of its memory. Bad input raises InputError (a ValueError)
+that says what, where and what to do; arrays of a wrong type TypeError, of a wrong shape ValueError.
+Calls that take long release the interpreter's lock, so that threads go on.
+"""
+
+import os
+import pathlib
+
+from ._prehend import (
+    Completion,
+    Grasp,
+    GraspPlan,
+    Hand,
+    InputError,
+    ObjectModel,
+    Platform,
+    PointCloud,
+    Rejection,
+    Scene,
+    SeenObject,
+    SurfaceOrigin,
+    TriangleMesh,
+    model_of_mesh,
+    plan_grasps,
+    read_cloud,
+    read_mesh,
+    segment,
+    write_cloud,
+    write_mesh,
+)
+
+__all__ = [
+    "Completion", "Grasp", "GraspPlan", "Hand", "InputError", "ObjectModel", "Platform",
+    "PointCloud", "Rejection", "Scene", "SeenObject", "SurfaceOrigin", "TriangleMesh",
+    "config_folder", "hand", "model_of_mesh", "plan_grasps", "platform", "read_cloud", "read_mesh",
+    "segment", "write_cloud", "write_mesh",
+]
+
+
+InputError.__doc__ = "Input that cannot be used: the thing, the place and the mend, in words."
+
+
+def config_folder():
+    """The folder of robots, scenes and tasks: $PREHEND_CONFIG, else that of the installation or
+    build tree that this module is in. Raises InputError where there is none."""
+    given = os.environ.get("PREHEND_CONFIG")
+    if given:
+        return pathlib.Path(given)
+    for above in pathlib.Path(__file__).resolve().parents:
+        for folder in (above / "share" / "prehend" / "config", above / "config"):
+            if (folder / "robots").is_dir():
+                return folder
+    raise InputError("There is no folder config/robots above the module prehend. "
+                     "Set PREHEND_CONFIG to prehend's folder config.")
+
+
+def _robot_file(name):
+    """config/robots/NAME.yaml, or the file itself where NAME is one."""
+    path = pathlib.Path(name)
+    if path.suffix == ".yaml" or path.parent != pathlib.Path("."):
+        return path
+    robots = config_folder() / "robots"
+    file = robots / f"{name}.yaml"
+    if not file.is_file():
+        known = ", ".join(sorted(one.stem for one in robots.glob("*.yaml")))
+        raise InputError(f"There is no robot '{name}' in {robots}. Give one of: {known}.")
+    return file
+
+
+def hand(name):
+    """A Hand: of config/robots by its name, or a YAML file of one's own."""
+    return Hand.read(_robot_file(name))
+
+
+def platform(name):
+    """A Platform: of config/robots by its name, or a YAML file of one's own."""
+    return Platform.read(_robot_file(name))
