@@ -50,7 +50,8 @@ MergedViews merge_views(std::vector<SegmentedScene> views, const MergeOptions& o
 /// The merged objects as one scene, for what works on one view: seen by the camera of the view that
 /// has most of the objects (of equals the first), with the masks of that view; objects that it does
 /// not have get the mask of their merged points, splatted. An object is cut by the image's border
-/// when it is in every view that has it; `occluded_share` is the least of these views, and it `may_be_several` when it is in all.
+/// when it is in every view that has it; `occluded_share` is the least of these views, and it
+/// `may_be_several` when it is in all.
 /// @pre merge_views() made it.
 SegmentedScene as_scene(const MergedViews& merged);
 
