@@ -36,14 +36,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// "sensor_msgs/msg/Image" -> "sensor_msgs/Image".
-std::string short_name(std::string_view name) {
-  std::string result(name);
-  const std::size_t middle = result.find("/msg/");
-  if (middle != std::string::npos) result.erase(middle, 4);
-  return result;
-}
-
 std::uint64_t unsigned_at(std::string_view bytes, std::size_t size) {
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < size; ++i) {
@@ -76,6 +68,13 @@ RosValue scalar(const Primitive& type, std::string_view bytes) {
 }
 
 }  // namespace
+
+std::string ros_type_name(std::string_view name) {
+  std::string result(name);
+  const std::size_t middle = result.find("/msg/");
+  if (middle != std::string::npos) result.erase(middle, 4);
+  return result;
+}
 
 const RosValue& RosValue::operator[](std::string_view field) const {
   if (const auto* fields = std::get_if<Fields>(&content_)) {
@@ -213,7 +212,8 @@ class RosType::Reader {
   std::size_t position_ = 0, begin_ = 0, values_ = 0;
 };
 
-RosType::RosType(const std::string& name, std::string_view definition) : root_(short_name(name)) {
+RosType::RosType(const std::string& name, std::string_view definition)
+    : root_(ros_type_name(name)) {
   std::string current = root_;
   std::string text;
   bool names_next = false;
@@ -226,7 +226,7 @@ RosType::RosType(const std::string& name, std::string_view definition) : root_(s
       text.clear();
       names_next = true;
     } else if (names_next && line.substr(0, 4) == "MSG:") {
-      current = short_name(trimmed(line.substr(4)));
+      current = ros_type_name(trimmed(line.substr(4)));
       names_next = false;
     } else {
       text.append(line).push_back('\n');
@@ -287,7 +287,7 @@ RosType::Field RosType::parse_field(std::string_view line, const std::string& pa
   } else if (type.find('/') == std::string_view::npos) {
     field.type = package + "/" + std::string(type);
   } else {
-    field.type = short_name(type);
+    field.type = ros_type_name(type);
   }
   return field;
 }

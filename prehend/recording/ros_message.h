@@ -20,6 +20,9 @@ class RosError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A type's name without "msg/" in its middle: "sensor_msgs/msg/Image" is "sensor_msgs/Image".
+std::string ros_type_name(std::string_view name);
+
 /// How messages are laid out in bytes.
 enum class RosEncoding {
   kRos1,  // wiki.ros.org/msg and roscpp's serialisation: packed, little endian

@@ -6,13 +6,6 @@
 namespace prehend::recording {
 namespace {
 
-// "sensor_msgs/msg/Image" -> "sensor_msgs/Image".
-std::string one_name(std::string type) {
-  const std::size_t middle = type.find("/msg/");
-  if (middle != std::string::npos) type.erase(middle, 4);
-  return type;
-}
-
 bool is_ros(const McapChannel& channel) {
   return channel.message_encoding == "cdr" || channel.message_encoding == "ros1";
 }
@@ -52,7 +45,7 @@ std::optional<RosRecordedMessage> RosRecording::next_of_bag() {
   if (!message) return std::nullopt;
   const Ros1Connection& connection = bag_->connections().at(message->connection);
   return RosRecordedMessage{connection.topic,
-                            one_name(connection.type),
+                            ros_type_name(connection.type),
                             message->time,
                             RosEncoding::kRos1,
                             reader_of(message->connection, connection.type, connection.definition),
@@ -75,7 +68,7 @@ std::optional<RosRecordedMessage> RosRecording::next_of_mcap() {
     }
     return RosRecordedMessage{
         channel.topic,
-        one_name(schema->name),
+        ros_type_name(schema->name),
         current_->log_time,
         channel.message_encoding == "cdr" ? RosEncoding::kCdr : RosEncoding::kRos1,
         reader_of(current_->channel_id, schema->name, schema->data),

@@ -165,7 +165,7 @@ TEST(RosPointCloud, HasPointsColoursAndOrder) {
 TEST(RosOthers, AreLeftToTheCaller) {
   EXPECT_EQ(from_ros("std_msgs/String", recording::RosValue(std::string_view("x"))), nullptr);
   EXPECT_THAT(ros_types(), testing::Contains("sensor_msgs/Image"));
-  EXPECT_EQ(ros_type_name("sensor_msgs/msg/Image"), "sensor_msgs/Image");
+  EXPECT_EQ(recording::ros_type_name("sensor_msgs/msg/Image"), "sensor_msgs/Image");
 }
 
 }  // namespace

@@ -402,15 +402,8 @@ const std::vector<std::string>& ros_types() {
   return kNames;
 }
 
-std::string ros_type_name(const std::string& type) {
-  std::string name = type;
-  const std::size_t middle = name.find("/msg/");
-  if (middle != std::string::npos) name.erase(middle, 4);
-  return name;
-}
-
 MessagePointer from_ros(const std::string& type, const RosValue& message) {
-  const auto found = conversions().find(ros_type_name(type));
+  const auto found = conversions().find(recording::ros_type_name(type));
   return found == conversions().end() ? nullptr : found->second(message);
 }
 

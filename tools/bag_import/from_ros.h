@@ -20,9 +20,6 @@ namespace prehend::tools {
 /// Types that from_ros() knows, as "sensor_msgs/Image", sorted.
 const std::vector<std::string>& ros_types();
 
-/// `type` without "msg/" in its middle.
-std::string ros_type_name(const std::string& type);
-
 /// A message of one of ros_types() as prehend has it:
 ///   sensor_msgs/Image, CompressedImage  msgs::Image, or msgs::DepthImage where it is depth (16UC1,
 ///                                       mono16 [mm], 32FC1 [m], compressedDepth as PNG)
