@@ -25,9 +25,10 @@ const std::string kInfo = "/camera/depth/camera_info";
 const std::string kLeft = "/left/image", kRight = "/right/image";
 
 std::string image(std::uint32_t seconds, const std::string& encoding,
-                  const std::vector<std::uint8_t>& row, std::uint32_t width = 1) {
+                  const std::vector<std::uint8_t>& row, std::uint32_t nanoseconds = 0) {
   RosBytes bytes(false);
-  bytes.header(seconds, 0, "cam").number(std::uint32_t{1}).number(width).text(encoding);
+  bytes.header(seconds, nanoseconds, "cam").number(std::uint32_t{1}).number(std::uint32_t{1});
+  bytes.text(encoding);
   bytes.number(std::uint8_t{0}).number(static_cast<std::uint32_t>(row.size())).list(row);
   return bytes.bytes();
 }
@@ -125,6 +126,24 @@ TEST_F(BagImport, DepthWithTheColoursOfItsInstant) {
   for (const auto& [id, channel] : reader.channels()) {
     EXPECT_EQ(recording::latched_depth(channel), channel.topic == "/camera/info" ? 1u : 0u);
   }
+}
+
+// At 30 frames a second the colours of the frame before are within 50 ms, too.
+TEST_F(BagImport, TheNearestColoursAreTaken) {
+  constexpr std::uint32_t kFrame = 33'000'000;  // ns
+  bag_.message(1, 9, image(9, "rgb8", {1, 1, 1}, 0));
+  bag_.message(0, 9, image(9, "16UC1", {0xE8, 3}, kFrame));
+  bag_.message(1, 9, image(9, "rgb8", {2, 2, 2}, kFrame + 1'000'000));
+  bag_.message(1, 9, image(9, "rgb8", {3, 3, 3}, 2 * kFrame));
+  bag_.message(0, 9, image(9, "16UC1", {0xE8, 3}, 2 * kFrame));
+  bag_.chunk("none");
+  scratch_.write("b.bag", bag_.file());
+  import({"--depth", kDepth, "--color", kColor}, "b.bag");
+  EXPECT_EQ(code_, 0);
+  const auto depth = messages<msgs::DepthImage>("/camera/depth");
+  ASSERT_EQ(depth.size(), 5u);
+  EXPECT_EQ(depth[3].data(), std::string("\xE8\3\2\2\2"));
+  EXPECT_EQ(depth[4].data(), std::string("\xE8\3\3\3\3"));
 }
 
 TEST_F(BagImport, StereoPairsWithTheRightCamerasBaseline) {

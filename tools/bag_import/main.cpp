@@ -1,14 +1,17 @@
 // Recordings of ROS as recordings of prehend: what `prehend bag import` starts.
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -199,8 +202,7 @@ class DepthView : public View {
     if (topic == color_topic_) {
       const auto* image = dynamic_cast<const msgs::Image*>(&message);
       require(image != nullptr, color_topic_ + " has no images of 8 bit");
-      color_ = *image;
-      if (waiting_ && has_color(*waiting_)) tell(output);
+      take_color(*image, output);
     }
     if (topic == depth_.info_topic && !told_info_) {
       output.write("/camera/info", time, message);
@@ -212,8 +214,8 @@ class DepthView : public View {
     if (waiting_) tell(output);
     waiting_ = *depth;
     waiting_time_ = time;
-    // Its colours may come after it.
-    if (color_topic_.empty() || has_color(*waiting_)) tell(output);
+    // Nearer colours than the newest may come after it.
+    if (color_topic_.empty() || apart(color_, *waiting_) <= kSameInstant) tell(output);
   }
   void finish(Output& output) override {
     if (waiting_) tell(output);
@@ -225,12 +227,24 @@ class DepthView : public View {
   }
 
  private:
-  const Camera depth_;
-  bool has_color(const msgs::DepthImage& depth) const {
-    return color_ && std::abs(color_->header().stamp() - depth.header().stamp()) <= kSameView;
+  /// [ns] Between two stamps; without a colour more than any.
+  static std::int64_t apart(const std::optional<msgs::Image>& color,
+                            const msgs::DepthImage& depth) {
+    if (!color) return std::numeric_limits<std::int64_t>::max();
+    return std::abs(color->header().stamp() - depth.header().stamp());
+  }
+  void take_color(const msgs::Image& image, Output& output) {
+    std::optional<msgs::Image> before = std::exchange(color_, image);
+    if (!waiting_) return;
+    const bool is_last = image.header().stamp() >= waiting_->header().stamp();
+    if (apart(before, *waiting_) < apart(color_, *waiting_)) std::swap(color_, before);
+    if (is_last) {
+      tell(output);
+      color_ = image;
+    }
   }
   void tell(Output& output) {
-    const bool is_colored = has_color(*waiting_);
+    const bool is_colored = apart(color_, *waiting_) <= kSameView;
     output.write("/camera/depth", waiting_time_,
                  is_colored ? tools::colored(*waiting_, *color_) : *waiting_);
     ++images_;
@@ -238,6 +252,7 @@ class DepthView : public View {
     waiting_.reset();
   }
 
+  const Camera depth_;
   const std::string color_topic_;
   std::optional<msgs::Image> color_;
   std::optional<msgs::DepthImage> waiting_;  // for its colours
