@@ -1,4 +1,3 @@
-import enum
 import os
 import pathlib
 from typing import List, Optional, Sequence, Tuple, Union
@@ -85,11 +84,16 @@ class Completion:
     def symmetry_plane(self) -> _Plane: ...
     def model(self) -> ObjectModel: ...
 
-class SurfaceOrigin(enum.Enum):
-    SEEN = 0
-    PREDICTED = 1
-    ASSUMED = 2
-    TOUCHED = 3
+class SurfaceOrigin:
+    SEEN: SurfaceOrigin
+    PREDICTED: SurfaceOrigin
+    ASSUMED: SurfaceOrigin
+    TOUCHED: SurfaceOrigin
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
 
 class ObjectModel:
     mesh: TriangleMesh
