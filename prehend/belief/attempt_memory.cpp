@@ -1,15 +1,13 @@
 #include "prehend/belief/attempt_memory.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "prehend/belief/point_cells.h"
+#include "prehend/belief/points_beside.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/grasp/known/registration.h"
@@ -24,7 +22,6 @@ namespace {
 using Eigen::Vector3d;
 using geometry::RigidTransform;
 
-constexpr double kSeenAlready = 0.006;     // m, from what is seen now: an older point adds nothing
 constexpr double kLeastAlternative = 0.1;  // weight of a shape that grasps are tried on, too
 constexpr double kOnTable = 0.002;         // m over it: what is touched lower is the table
 constexpr std::size_t kMostAlternatives = 2;
@@ -45,34 +42,6 @@ Attempt moved_attempt(Attempt attempt, const RigidTransform& X) {
     for (Contact& contact : act.contacts) contact = moved_contact(contact, X);
   }
   return attempt;
-}
-
-/// Those points that are near none of `now`, about `most` of them spread over all.
-std::vector<std::size_t> only_then(const geometry::PointCloud& then,
-                                   const geometry::PointCloud& now, std::size_t most) {
-  const PointCells cells(now.points, kSeenAlready);
-  std::vector<std::size_t> left;
-  Eigen::AlignedBox3f box;
-  for (std::size_t i = 0; i < then.size(); ++i) {
-    bool is_seen = false;
-    cells.each_near(then.points[i], [&](std::size_t, float) { is_seen = true; });
-    if (is_seen) continue;
-    left.push_back(i);
-    box.extend(then.points[i]);
-  }
-  if (left.size() <= most) return left;
-  // One of each cell, of cells that grow until they are few enough.
-  for (float side = box.sizes().maxCoeff() / 32;; side *= 1.2F) {
-    std::map<std::array<int, 3>, std::size_t> chosen;
-    for (const std::size_t i : left) {
-      const Eigen::Array3i cell = ((then.points[i] - box.min()) / side).array().floor().cast<int>();
-      chosen.try_emplace({cell.x(), cell.y(), cell.z()}, i);
-    }
-    if (chosen.size() > most) continue;
-    std::vector<std::size_t> few;
-    for (const auto& [cell, i] : chosen) few.push_back(i);
-    return few;
-  }
 }
 
 /// Drops the contacts that are with something else.
@@ -213,7 +182,7 @@ void AttemptMemory::tell(const Object& object, const geometry::PointCloud& seen_
     belief->begin_act(registered);
     if (options_.use >= EvidenceUse::kLooks) {
       const auto most = static_cast<std::size_t>(options_.most_looks_points);
-      for (const std::size_t i : only_then(look.seen_W, seen_W, most)) {
+      for (const std::size_t i : points_beside(look.seen_W, seen_W, most)) {
         const Vector3d p_W = look.seen_W.points[i].cast<double>();
         belief->add(
             {p_W, look.seen_W.normals[i].cast<double>().normalized(), options_.seen_deviation});

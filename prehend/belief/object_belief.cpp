@@ -115,6 +115,19 @@ void ObjectBelief::add(const Contact& contact) {
   acts_.push_back(static_cast<int>(motions_.size()));
 }
 
+void ObjectBelief::add_seen(const geometry::PointCloud& seen_W) {
+  if (seen_W.normals.size() != seen_W.points.size()) {
+    throw std::invalid_argument("ObjectBelief: seen points have no normals");
+  }
+  for (std::size_t i = 0; i < seen_W.size(); ++i) {
+    if (!geometry::is_finite(seen_W.points[i]) || !geometry::is_finite(seen_W.normals[i])) {
+      throw std::invalid_argument("ObjectBelief: a seen point is not finite");
+    }
+  }
+  seen_.points.insert(seen_.points.end(), seen_W.points.begin(), seen_W.points.end());
+  seen_.normals.insert(seen_.normals.end(), seen_W.normals.begin(), seen_W.normals.end());
+}
+
 Evidence ObjectBelief::evidence() const {
   Evidence evidence;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -132,6 +145,8 @@ Evidence ObjectBelief::evidence() const {
   evidence.swept = &swept_;
   evidence.swept_tolerance = options_.swept_tolerance;
   evidence.table_W = table_W_;
+  evidence.seen = &seen_;
+  evidence.seen_spaces = seen_spaces_;
   return evidence;
 }
 
@@ -164,7 +179,7 @@ void ObjectBelief::update() {
     return !(shape->misfit() + shape->aside_misfit() <= kContradiction * kContradiction) ||
            !std::isfinite(shape->log_likelihood()) ||
            2 * shape->unexplained().size() > contacts_.size() ||
-           3 * shape->impossible(seen_spaces_) > contacts_.size();
+           3 * shape->impossible(all_evidence) > contacts_.size();
   });
 }
 
@@ -185,8 +200,8 @@ geometry::TriangleMesh ObjectBelief::mesh(std::size_t i,
     if (!space.empty_until.empty()) empty.seen.push_back(&space);
   }
   if (!swept_.empty()) empty.swept = &swept_;
-  return surface::reconstruct(shape(i).displaced(evidence(), seen_spaces_.front()), table_W_,
-                              surface, empty, shape(i).hypothesis().bounds_W);
+  return surface::reconstruct(shape(i).displaced(evidence()), table_W_, surface, empty,
+                              shape(i).hypothesis().bounds_W);
 }
 
 std::vector<ObjectBelief::Site> ObjectBelief::sites() const {

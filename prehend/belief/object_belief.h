@@ -11,6 +11,7 @@
 #include "prehend/belief/evidence.h"
 #include "prehend/belief/shape_evidence.h"
 #include "prehend/geometry/plane.h"
+#include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/swept_space.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/shape/completed_shape.h"
@@ -68,6 +69,12 @@ class ObjectBelief {
   /// Another look, at the object as it lies in the one that it was completed from, saw this to be
   /// empty.
   void add_seen_space(shape::SeenSpace space) { seen_spaces_.push_back(std::move(space)); }
+  /// What another look saw of its surface, as the object lies in the one that it was completed
+  /// from: the surface goes through these points, but those that yet another look saw through, and
+  /// what was guessed of the same side of the object is left out. They weigh no shape: whatever of
+  /// them is to do that is added as contacts.
+  /// @throws std::invalid_argument for points without normals, or not finite.
+  void add_seen(const geometry::PointCloud& seen_W);
   /// Where something may be swept: add balls and paths to it.
   geometry::SweptSpace& swept() { return swept_; }
   const geometry::SweptSpace& swept() const { return swept_; }
@@ -116,6 +123,7 @@ class ObjectBelief {
   geometry::Plane table_W_;
   double extent_ = 0;
   std::vector<shape::SeenSpace> seen_spaces_;  // the first of the completion's look
+  geometry::PointCloud seen_;                  // by add_seen()
   geometry::SweptSpace swept_;
   std::vector<Contact> contacts_;
   std::vector<int> acts_;  // of contacts

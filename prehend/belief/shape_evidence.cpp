@@ -42,6 +42,15 @@ std::vector<Eigen::Vector3f> of_seen(const ShapeHypothesis& hypothesis,
   return seen;
 }
 
+/// A look saw that nothing is there.
+bool is_seen_empty(const Eigen::Vector3d& p_W, std::span<const shape::SeenSpace> spaces) {
+  return std::any_of(spaces.begin(), spaces.end(), [&](const shape::SeenSpace& space) {
+    return !space.empty_until.empty() &&
+           shape::depth_in_empty_space(space, space.X_WC.inverse(Eigen::Isometry) * p_W) >
+               kBeforeSeen;
+  });
+}
+
 /// A disc of the surface about a contact.
 void add_disc(const Contact& contact, geometry::PointCloud* cloud) {
   constexpr double kSpacing = 0.0015;  // m
@@ -86,6 +95,24 @@ bool ShapeEvidence::is_double(const Eigen::Vector3f& p, const Eigen::Vector3f& n
   seen_.each_near(
       p, [&](std::size_t i, float) { found = found || seen_normals_[i].dot(normal) > kAlike; });
   return found;
+}
+
+/// Another look saw the side of the object that was guessed to be there: another place along its
+/// normal.
+bool ShapeEvidence::is_replaced(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
+                                const geometry::PointCloud& seen) const {
+  constexpr float kAlike = 0.7f;     // cosine
+  constexpr double kFarther = 0.25;  // of the extent
+  const auto beside = static_cast<float>(kBeside * extent_);
+  const auto along = static_cast<float>(kFarther * extent_);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen.normals[i].dot(normal) < kAlike) continue;
+    const Eigen::Vector3f r = p - seen.points[i];
+    const float way = r.dot(seen.normals[i]);
+    if (std::abs(way) > along) continue;
+    if (r.squaredNorm() - way * way < beside * beside) return true;
+  }
+  return false;
 }
 
 bool ShapeEvidence::is_known(std::size_t site) const {
@@ -290,7 +317,7 @@ void ShapeEvidence::take_in(const Evidence& evidence) {
   log_likelihood_ -= 0.5 * std::max(0.0, chi_squared() - touched);
 }
 
-std::size_t ShapeEvidence::impossible(const std::vector<shape::SeenSpace>& seen) const {
+std::size_t ShapeEvidence::impossible(const Evidence& evidence) const {
   const auto is_within = [&](const Eigen::Vector3f& p) {
     float least = std::numeric_limits<float>::infinity(), over = 0;
     for (std::size_t s = 0; s < sites_.size(); ++s) {
@@ -301,37 +328,36 @@ std::size_t ShapeEvidence::impossible(const std::vector<shape::SeenSpace>& seen)
     }
     return over < -kWithin;
   };
-  const auto is_before_seen = [&](const Eigen::Vector3d& p_W) {
-    return std::any_of(seen.begin(), seen.end(), [&](const shape::SeenSpace& space) {
-      return !space.empty_until.empty() &&
-             shape::depth_in_empty_space(space, space.X_WC.inverse() * p_W) > kBeforeSeen;
-    });
-  };
   return static_cast<std::size_t>(
       std::count_if(unexplained_.begin(), unexplained_.end(), [&](const Contact& contact) {
-        return is_within(contact.p_W.cast<float>()) || is_before_seen(contact.p_W);
+        return is_within(contact.p_W.cast<float>()) ||
+               is_seen_empty(contact.p_W, evidence.seen_spaces);
       }));
 }
 
-geometry::PointCloud ShapeEvidence::displaced(const Evidence& evidence,
-                                              const shape::SeenSpace& seen) const {
+geometry::PointCloud ShapeEvidence::displaced(const Evidence& evidence) const {
   const geometry::PointCloud& before = hypothesis_.points.cloud_W;
   std::vector<int> all(before.size());
   std::iota(all.begin(), all.end(), 0);
   const std::vector<Eigen::Vector3f> places = displacement_->places(all);
-  const geometry::RigidTransform X_CW = seen.X_WC.inverse();
   const auto is_there = [&](std::size_t i) {
     const Eigen::Vector3d p_W = places[i].cast<double>();
     const bool is_swept = evidence.swept && evidence.swept->depth(p_W) > evidence.swept_tolerance;
-    const bool is_before =
-        !seen.empty_until.empty() && shape::depth_in_empty_space(seen, X_CW * p_W) > kBeforeSeen;
-    return !is_swept && !is_before && !is_double(places[i], before.normals[i]);
+    return !is_swept && !is_seen_empty(p_W, evidence.seen_spaces) &&
+           !is_double(places[i], before.normals[i]) &&
+           !(evidence.seen && is_replaced(places[i], before.normals[i], *evidence.seen));
   };
   geometry::PointCloud cloud;
+  const auto add = [&cloud](const Eigen::Vector3f& p, const Eigen::Vector3f& normal) {
+    cloud.points.push_back(p);
+    cloud.normals.push_back(normal);
+  };
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (!is_seen(static_cast<int>(i)) && !is_there(i)) continue;
-    cloud.points.push_back(places[i]);
-    cloud.normals.push_back(before.normals[i]);
+    if (is_seen(static_cast<int>(i)) || is_there(i)) add(places[i], before.normals[i]);
+  }
+  for (std::size_t i = 0; evidence.seen && i < evidence.seen->size(); ++i) {
+    const Eigen::Vector3f& p = evidence.seen->points[i];
+    if (!is_seen_empty(p.cast<double>(), evidence.seen_spaces)) add(p, evidence.seen->normals[i]);
   }
   for (const Contact& contact : unexplained_) add_disc(contact, &cloud);
   return cloud;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "prehend/belief/point_cells.h"
 #include "prehend/belief/shape_hypothesis.h"
 #include "prehend/geometry/plane.h"
+#include "prehend/geometry/point_cloud.h"
 #include "prehend/geometry/swept_space.h"
 #include "prehend/shape/seen_space.h"
 
@@ -25,6 +27,8 @@ struct Evidence {
   const geometry::SweptSpace* swept = nullptr;
   double swept_tolerance = 0;  // m
   geometry::Plane table_W;
+  const geometry::PointCloud* seen = nullptr;     // of its surface, in other looks; with normals
+  std::span<const shape::SeenSpace> seen_spaces;  // of all looks
 };
 
 /// One shape, and what the evidence makes of it.
@@ -45,8 +49,9 @@ class ShapeEvidence {
   double aside_misfit() const { return aside_misfit_; }
   /// Contacts with something that this shape does not have.
   const std::vector<Contact>& unexplained() const { return unexplained_; }
-  /// How many of them are of no other part either: within the body, or where `seen` is empty.
-  std::size_t impossible(const std::vector<shape::SeenSpace>& seen) const;
+  /// How many of them are of no other part either: within the body, or where a look saw that
+  /// nothing is.
+  std::size_t impossible(const Evidence& evidence) const;
 
   /// Some of its points, spread over it, and where each is thought to be [m].
   const std::vector<int>& sites() const { return sites_; }
@@ -55,12 +60,15 @@ class ShapeEvidence {
   bool is_known(std::size_t site) const;
 
   /// Its points where they are thought to be, without those that would be in swept or seen space
-  /// or double what was seen, and with discs where contacts are that it does not explain.
-  geometry::PointCloud displaced(const Evidence& evidence, const shape::SeenSpace& seen) const;
+  /// or double what was seen, with what other looks saw, and with discs where contacts are that it
+  /// does not explain.
+  geometry::PointCloud displaced(const Evidence& evidence) const;
 
  private:
   bool is_seen(int point) const;
   bool is_double(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const;
+  bool is_replaced(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
+                   const geometry::PointCloud& seen) const;
   std::optional<std::size_t> matched(const Contact& contact, int act,
                                      const Evidence& evidence) const;
   std::optional<Observation> observed(const Contact& contact, int act,

@@ -10,17 +10,10 @@
 #include "prehend/belief/probe.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/surface/deviation.h"
 #include "tests/belief/predicted.h"
 
 namespace prehend::belief {
 namespace {
-
-geometry::TriangleMesh box() { return shape::standing(geometry::make_box({0.08, 0.06, 0.1}), 0); }
-
-double deviation_of(const geometry::TriangleMesh& mesh, const geometry::TriangleMesh& truth) {
-  return surface::mesh_deviation(truth, mesh, {.samples = 4000}).to_second.mean;
-}
 
 /// A fingertip that is moved from the far side towards the body at a height, and stopped by it.
 Probe from_behind(const Predicted& predicted, double height, double aside = 0) {

@@ -2,9 +2,19 @@
 
 #include "prehend/belief/object_belief.h"
 #include "prehend/shape/symmetry.h"
+#include "prehend/surface/deviation.h"
 #include "tests/shape/synthetic_view.h"
 
 namespace prehend::belief {
+
+inline geometry::TriangleMesh box() {
+  return shape::standing(geometry::make_box({0.08, 0.06, 0.1}), 0);
+}
+
+inline double deviation_of(const geometry::TriangleMesh& mesh,
+                           const geometry::TriangleMesh& truth) {
+  return surface::mesh_deviation(truth, mesh, {.samples = 4000}).to_second.mean;
+}
 
 /// A body on the table z = 0 as one ideal view predicts it, with whatever else it may be.
 struct Predicted {
