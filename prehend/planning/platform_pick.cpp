@@ -13,8 +13,11 @@
 
 #include "prehend/geometry/rotation_between.h"
 #include "prehend/motion/pick_ledger.h"
+#include "prehend/motion/pick_scenes.h"
+#include "prehend/motion/planner_registry.h"
 #include "prehend/motion/robot_shapes.h"
 #include "prehend/motion/robot_spheres.h"
+#include "prehend/robot/link_mesh.h"
 #include "prehend/text/require.h"
 
 namespace prehend::planning {
@@ -138,13 +141,8 @@ grasp::PlannerOptions within_reach(grasp::PlannerOptions options, const robot::P
 }
 
 PlatformGrasp to_pick(const grasp::Grasp& grasp) {
-  return {grasp.X_WG,
-          grasp.approach_W,
-          grasp.pregrasp_distance,
-          grasp.preshape,
-          grasp.open,
-          std::clamp(grasp.score, 0.0, 1.0),
-          true};
+  return {grasp.X_WG, grasp.approach_W, grasp.pregrasp_distance,           grasp.preshape,
+          grasp.open, grasp.closed_all, std::clamp(grasp.score, 0.0, 1.0), true};
 }
 
 FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene& scene,
@@ -179,6 +177,7 @@ class PlatformPicker {
       : platform_(platform),
         grasps_(grasps),
         options_(options),
+        table_W_(scene.table_W),
         X_BW_(platform.X_WB.inverse()),
         inverse_(platform.arm_chain()),
         checker_(motion::CheckerRegistry().create(options.checker)) {
@@ -284,6 +283,7 @@ class PlatformPicker {
     if (result_.motion.found()) {
       result_.grasp = static_cast<int>(turn[static_cast<std::size_t>(result_.motion.grasp)]);
       add_shifts(shape, grasps_[static_cast<std::size_t>(result_.grasp)].X_WG);
+      if (options_.inspection) add_views(shape);
     } else if (result_.motion.rejections.empty()) {
       start_problem_ = result_.motion.problem;
       not_tried(turn.size(), start_problem_);
@@ -324,6 +324,51 @@ class PlatformPicker {
     }
   }
 
+  void add_views(const HandShape& shape) {
+    const auto lift = std::find_if(result_.motion.segments.begin(), result_.motion.segments.end(),
+                                   [](const motion::PickSegment& segment) {
+                                     return segment.kind == motion::SegmentKind::kLift;
+                                   });
+    const HeldInspection& inspection = *options_.inspection;
+    if (lift == result_.motion.segments.end()) return;
+    // The tip is the flange.
+    const PlatformGrasp& grasp = grasps_[static_cast<std::size_t>(result_.grasp)];
+    const motion::PickGrasp& picked = task_.grasps[static_cast<std::size_t>(result_.motion.grasp)];
+    const RigidTransform X_TW = (platform_.X_WB * picked.X_BT).inverse(Eigen::Isometry);
+    HeldThing thing;
+    for (SurfacePatch patch : inspection.patches_W) {
+      patch.p_W = X_TW * patch.p_W;
+      patch.normal_W = X_TW.linear() * patch.normal_W;
+      thing.patches_T.push_back(patch);
+    }
+    const geometry::MeshQuery object_T(geometry::transformed(inspection.object_mesh_W, X_TW));
+    thing.object_T = &object_T;
+    std::optional<geometry::MeshQuery> hand_T;
+    if (TriangleMesh hand = hand_mesh(grasp); !hand.triangles.empty()) {
+      hand_T.emplace(geometry::transformed(hand, platform_.X_FH));
+      thing.hand_T = &*hand_T;
+    }
+    const motion::RobotInWorld carrying = motion::PickScenes(shape.robot, task_).carry(picked);
+    const auto planner = motion::PlannerRegistry().create(pick_.planner);
+    result_.views = plan_held_views(carrying, inverse_, platform_.X_WB, lift->waypoints.back(),
+                                    thing, inspection.camera, table_W_, *planner, pick_.path,
+                                    pick_.acceleration, inspection.options);
+  }
+
+  /// Of the hand as it holds, in its root's frame; empty where that is not known.
+  TriangleMesh hand_mesh(const PlatformGrasp& grasp) const {
+    std::vector<TriangleMesh> links;
+    const auto joints = static_cast<Eigen::Index>(platform_.hand.model.joints.size());
+    if (grasp.closed_all.size() != joints) return {};
+    std::vector<RigidTransform> poses;
+    platform_.hand.link_poses(grasp.closed_all, poses);
+    for (std::size_t l = 0; l < poses.size(); ++l) {
+      links.push_back(
+          geometry::transformed(robot::link_mesh(platform_.hand.model.links[l]), poses[l]));
+    }
+    return geometry::concatenated(links);
+  }
+
   void not_tried(std::size_t count, const std::string& why) {
     add_rejections({{motion::PickFilter::kNotTried, static_cast<int>(count), why}}, &rejections_);
   }
@@ -340,6 +385,7 @@ class PlatformPicker {
   const robot::Platform& platform_;
   const std::vector<PlatformGrasp>& grasps_;
   const PlatformPickOptions& options_;
+  geometry::Plane table_W_;
   RigidTransform X_BW_;
   robot::InverseKinematics inverse_;
   std::shared_ptr<const motion::CollisionChecker> checker_;  // null: balls

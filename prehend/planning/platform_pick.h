@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "prehend/motion/checker_registry.h"
 #include "prehend/motion/pick_motion.h"
 #include "prehend/planning/free_places.h"
+#include "prehend/planning/held_views.h"
 #include "prehend/robot/platform.h"
 
 // From ranked grasps of a hand to the motion of the arm that carries it.
@@ -29,6 +31,7 @@ struct PlatformGrasp {
   double pregrasp_distance = 0.08;                                       // m, > 0
   std::string preshape;
   Eigen::VectorXd open;         // of the hand's motors, before it closes; empty: the preshape's
+  Eigen::VectorXd closed_all;   // of all its joints when it holds; empty: not known
   double expected_success = 1;  // 0..1, as motion::PickGrasp
   /// The hand's straight ways were planned with the table, by the hand's own shapes.
   bool clears_table = false;
@@ -50,6 +53,7 @@ struct PlatformPickOptions {
   /// it is only lifted.
   std::vector<Eigen::Vector3d> moves_W;
   double shift = 0.02;  // m, >= 0, of PlatformPick::shifts at most; 0: none are looked for
+  std::optional<HeldInspection> inspection;  // none: PlatformPick::views are not looked for
 
   /// With those of `pick`. See text/knob.h.
   template <class Self, class Visit>
@@ -72,6 +76,7 @@ struct PlatformPick {
   /// To both sides along the closing direction and across it, as far as it is free of all but the
   /// object, of PlatformPickOptions::shift; those that are not free at all are left out.
   std::vector<SidewaysShift> shifts;
+  HeldViews views;  // of PlatformPickOptions::inspection, from the end of the lift on
 };
 
 /// Whether the arm of `platform` reaches a pose X_WH of the hand's root, its links and the world

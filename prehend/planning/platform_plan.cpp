@@ -69,6 +69,7 @@ void PlatformPlanOptions::validate() const {
   if (touch) touch->validate();
   decision.validate();
   probe.validate();
+  views.validate();
   RemedyOptions::knobs(remedies, text::CheckKnobs{require.of});
 }
 
@@ -116,6 +117,10 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   plan.grasp_time = seconds_since(begin);
   if (!platform_.hand.gripper) {
     for (grasp::Grasp& grasp : grasps.grasps) grasp.force = options.grip_force;
+  }
+  if (options.viewing) {
+    options.arm.inspection =
+        HeldInspection{*options.viewing, surface_patches(object), object.mesh_W, options.views};
   }
   if (!grasps.grasps.empty()) {
     add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W},
@@ -170,6 +175,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     planned.grasp = std::move(grasps[static_cast<std::size_t>(pick.grasp)]);
     planned.segments = std::move(pick.motion.segments);
     planned.shifts = std::move(pick.shifts);
+    planned.views = std::move(pick.views);
     if (pick.motion.place >= 0) {
       planned.move_W = arm.moves_W[static_cast<std::size_t>(pick.motion.place)];
     }
@@ -187,7 +193,7 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
     return;
   }
   for (grasp::Grasp& grasp : grasps)
-    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}});
+    plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}, {}});
 }
 
 void PlatformPlanner::add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,

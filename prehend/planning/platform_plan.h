@@ -33,6 +33,7 @@ struct PlannedPick {
   std::vector<motion::PickSegment> segments;  // timed; empty: no motion was planned for it
   std::optional<Eigen::Vector3d> move_W;      // m, by which the object is put elsewhere
   std::vector<SidewaysShift> shifts;          // as PlatformPick's, of those with a motion
+  HeldViews views = {};                       // the same
 };
 
 /// An answer, kGraspable when something can be executed, with what it is of.
@@ -75,6 +76,9 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
+  /// What is held is turned before this camera (PlannedPick::views); none: it is not.
+  std::optional<ViewingCamera> viewing;
+  HeldViewOptions views;
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

@@ -28,16 +28,9 @@ RigidTransform turned(const Eigen::Vector3d& middle, double angle, const Eigen::
 HeldLook look_at(const Predicted& predicted, const RigidTransform& X_WO,
                  const RigidTransform& slipped = RigidTransform::Identity(),
                  const std::vector<geometry::TriangleMesh>& hand_W = {}) {
-  const geometry::TriangleMesh object_W = geometry::transformed(predicted.truth_W, X_WO * slipped);
-  geometry::TriangleMesh all_W = object_W;
-  for (const geometry::TriangleMesh& link : hand_W) {
-    const int first = static_cast<int>(all_W.vertices.size());
-    all_W.vertices.insert(all_W.vertices.end(), link.vertices.begin(), link.vertices.end());
-    for (const auto& triangle : link.triangles) {
-      all_W.triangles.push_back((triangle.array() + first).matrix());
-    }
-  }
-  const geometry::MeshQuery query(all_W);
+  std::vector<geometry::TriangleMesh> all_W = hand_W;
+  all_W.push_back(geometry::transformed(predicted.truth_W, X_WO * slipped));
+  const geometry::MeshQuery query(geometry::concatenated(all_W));
   const shape::SyntheticView& view = predicted.view;
   geometry::DepthImage depth(view.camera.width, view.camera.height,
                              std::numeric_limits<float>::quiet_NaN());

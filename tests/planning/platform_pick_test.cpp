@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/surface/model.h"
 
 namespace prehend::planning {
 namespace {
@@ -57,6 +58,84 @@ TEST_P(PlatformPickTest, ReachesLiftsAndPuts) {
             1e-4);
   EXPECT_LT((tool(pick.motion.segments[4]).translation() - Eigen::Vector3d(0, 0.15, 0.14)).norm(),
             1e-4);
+}
+
+/// A camera at one side of the table that looks at its middle.
+ViewingCamera side_camera() {
+  ViewingCamera viewing;
+  viewing.camera = {640, 480, 550, 550, 319.5, 239.5};
+  viewing.X_WC = geometry::look_at({0.75, -0.35, 0.6}, {0, 0, 0.15});
+  return viewing;
+}
+
+/// The box of the tests, seen by that camera from where it stands.
+HeldInspection inspection_of(const TriangleMesh& mesh_W, const ViewingCamera& viewing) {
+  surface::ObjectModel object = surface::model_of_mesh(mesh_W);
+  object.vertex_origin.assign(object.mesh_W.vertices.size(), surface::SurfaceOrigin::kPredicted);
+  HeldInspection inspection{viewing, surface_patches(object), object.mesh_W, {}};
+  for (SurfacePatch& patch : inspection.patches_W) {
+    patch.seen = patch.normal_W.dot(viewing.X_WC.translation() - patch.p_W) > 0.2;
+  }
+  return inspection;
+}
+
+// What is lifted is turned so that the camera sees sides that it has not seen: the pose of the arm
+// at a view's end brings such a side to face it, and the way there is free.
+TEST_P(PlatformPickTest, TurnsWhatItHoldsBeforeACamera) {
+  const TriangleMesh box = box_at({0.04, 0.04, 0.16}, {0, 0, 0.08});
+  PlatformPickOptions options;
+  options.inspection = inspection_of(box, side_camera());
+  options.inspection->options.budget = 0;
+  const auto pick =
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  const HeldViews& views = pick.views;
+  const bool turns = !platform.fixed_approach(platform.hand.preshapes.front());
+  if (!turns) {
+    for (const HeldView& view : views.views) EXPECT_FALSE(view.trajectory.has_value());
+    return;
+  }
+  ASSERT_GE(views.views.size(), 2U) << views.problem;
+  EXPECT_GT(views.shown, views.seen + 0.15);
+  EXPECT_LE(views.shown, 1);
+  const robot::KinematicChain chain = platform.arm_chain();
+  const auto& lift = pick.motion.segments[2];
+  const RigidTransform X_BT = chain.forward(lift.waypoints.front());
+  const RigidTransform X_CW = side_camera().X_WC.inverse();
+  for (const HeldView& view : views.views) {
+    EXPECT_EQ(view.way.front(), lift.waypoints.back());
+    const RigidTransform X_moved =
+        platform.X_WB * chain.forward(view.way.back()) * X_BT.inverse() * platform.X_WB.inverse();
+    int shown = 0;
+    for (const SurfacePatch& patch : options.inspection->patches_W) {
+      const Eigen::Vector3d p_C = X_CW * X_moved * patch.p_W;
+      const Eigen::Vector2d pixel = side_camera().camera.project(p_C);
+      EXPECT_TRUE(pixel.x() > 0 && pixel.x() < 639 && pixel.y() > 0 && pixel.y() < 479);
+      const Eigen::Vector3d normal_C = X_CW.linear() * X_moved.linear() * patch.normal_W;
+      shown += !patch.seen && normal_C.dot(-p_C.normalized()) > 0.3;
+    }
+    if (view.trajectory) {
+      EXPECT_GT(view.gain, 0);
+      EXPECT_GE(shown, view.gain * static_cast<double>(options.inspection->patches_W.size()) * 0.9);
+    }
+  }
+}
+
+TEST_P(PlatformPickTest, SaysWhyNothingIsTurnedBeforeACamera) {
+  const TriangleMesh box = box_at({0.04, 0.04, 0.16}, {0, 0, 0.08});
+  PlatformPickOptions options;
+  ViewingCamera away = side_camera();
+  away.X_WC = geometry::look_at({0.75, -0.35, 0.6}, {5, -0.35, 0.6});
+  options.inspection = inspection_of(box, away);
+  const auto pick =
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options);
+  ASSERT_TRUE(pick.motion.found()) << pick.motion.problem;
+  EXPECT_TRUE(pick.views.views.empty());
+  EXPECT_NE(pick.views.problem, "");
+  options.inspection->camera.camera.fx = 0;
+  EXPECT_THROW(
+      plan_platform_pick(platform, home(), {from_above(platform, {0, 0, 0.14})}, scene, options),
+      std::invalid_argument);
 }
 
 TEST_P(PlatformPickTest, ArmReachAgreesWithTheMotionsFilter) {
