@@ -116,6 +116,10 @@ control::ArmGrasp arm_grasp_from_message(const msgs::Grasp& grasp) {
   for (const msgs::ArmSegment& segment : grasp.arm()) {
     result.segments.emplace_back(from_message(segment.kind()), from_message(segment.trajectory()));
   }
+  for (const msgs::JointTrajectory& view : grasp.held_view()) {
+    result.views.push_back(view.points().empty() ? control::JointTrajectory{} : from_message(view));
+  }
+  result.views_problem = grasp.held_views_problem();
   result.hand_joints.assign(grasp.hand_joint_name().begin(), grasp.hand_joint_name().end());
   result.hand = closing_way_of(grasp);
   try {
@@ -175,6 +179,10 @@ void add_motion(const control::ArmGrasp& grasp, msgs::Grasp* message) {
     segment.set_kind(to_message(kind));
     *segment.mutable_trajectory() = to_message(path);
   }
+  for (const control::JointTrajectory& view : grasp.views) {
+    *message->add_held_view() = to_message(view);
+  }
+  message->set_held_views_problem(grasp.views_problem);
   for (const std::string& name : grasp.hand_joints) message->add_hand_joint_name(name);
   for (const double position : grasp.hand.open) message->add_open_position(position);
   for (const double position : grasp.hand.closed) message->add_closed_position(position);

@@ -109,10 +109,7 @@ class BeliefNode {
     options.use = kUses.at(use);
     const control::Task task = nodes::declare_task(node_);
     const bool probes =
-        std::any_of(task.states.begin(), task.states.end(), [](const control::TaskState& state) {
-          return state.action.primitive == control::Primitive::kProbe ||
-                 state.action.primitive == control::Primitive::kDecide;
-        });
+        task.does(control::Primitive::kProbe) || task.does(control::Primitive::kDecide);
     const int most = node_.declare_parameter<int>(
         {.name = "probes",
          .default_value = 6,

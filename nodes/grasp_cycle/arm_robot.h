@@ -9,6 +9,7 @@
 #include "msgs/sensors.pb.h"
 #include "nodes/grasp_cycle/arm_ports.h"
 #include "nodes/grasp_cycle/gripper_ports.h"
+#include "nodes/grasp_cycle/held_looks.h"
 #include "nodes/grasp_cycle/view.h"
 #include "nodes/gripper_source/gripper_source.h"
 #include "prehend/control/arm_cycle.h"
@@ -107,6 +108,7 @@ class ArmRobot {
     std::shared_ptr<const touch::FeltPad> pad;
   };
   mutable std::map<std::string, Felt> felt_;
+  std::optional<HeldLooks> held_looks_;  // of a task that inspects
   std::vector<control::ArmGrasp> prepared_;
   control::Advice advice_;  // of their plan
 };

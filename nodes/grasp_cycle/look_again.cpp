@@ -21,7 +21,7 @@ void LookAgain::ask(double since) {
   asked_ = since;
   problem_.clear();
   if (!render_) {
-    render_.emplace(node_.client<msgs::Empty, msgs::Acknowledge>("/simulation/render"));
+    render_.emplace(node_.client<msgs::RenderRequest, msgs::Acknowledge>("/simulation/render"));
   }
   const std::chrono::duration<double> patience(timeout_);
   render_->call_async({}, std::chrono::duration_cast<std::chrono::nanoseconds>(patience),

@@ -26,7 +26,7 @@ class LookAgain {
   graph::Node& node_;
   double timeout_;
   /// Made when it is needed: a node declares its parameters before it makes anything else.
-  std::optional<graph::ServiceClient<msgs::Empty, msgs::Acknowledge>> render_;
+  std::optional<graph::ServiceClient<msgs::RenderRequest, msgs::Acknowledge>> render_;
   std::optional<double> asked_;  // s
   std::string problem_;
 };

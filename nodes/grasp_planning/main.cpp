@@ -104,6 +104,21 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   }
 }
 
+// Views of what is held are of a task that looks at it.
+void refuse_held_views(const graph::Node& node, const control::Task& task) {
+  if (task.does(control::Primitive::kInspect)) return;
+  std::vector<std::string> names;
+  planning::HeldViewOptions options;
+  planning::HeldViewOptions::knobs(options, text::ListKnobs{"held_view_", &names});
+  for (const std::string& name : names) {
+    if (!node.is_parameter_given(name)) continue;
+    throw geometry::InputError(
+        fmt::format("Parameter {} does not apply: the task {} does not look at what is held", name,
+                    task.name),
+        "Leave it out, or name a task that inspects");
+  }
+}
+
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
@@ -131,6 +146,8 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   options.remedies.budget = 3;
   planning::RemedyOptions::knobs(options.remedies, graph::DeclareKnobs{node});
   planning::DecisionOptions::knobs(options.decision, graph::DeclareKnobs{node, "decide_"});
+  planning::HeldViewOptions::knobs(options.views, graph::DeclareKnobs{node, "held_view_"});
+  refuse_held_views(node, task);
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,
@@ -222,6 +239,12 @@ class GraspPlanning {
     } else if (gripper_.model()) {
       throw geometry::InputError("Parameter gripper does not apply: the platform has its own hand",
                                  "Give one of the two");
+    }
+    if (platform_->inspects()) {
+      camera_ = node_.subscribe<msgs::CameraInfo>(
+          "/camera/info", graph::QoS::latched(), [this](const auto& camera) {
+            node_.shield("camera", [&] { platform_->view_by(*camera); });
+          });
     }
     joints_ = node_.subscribe<msgs::JointState>(
         "/joint_states", graph::QoS::latest(),
@@ -389,7 +412,7 @@ class GraspPlanning {
   std::map<std::uint32_t, planning::Neighbours> obstacles_;  // of the view, by object
   graph::Publisher<msgs::GraspPlan> plans_;
   graph::Subscription models_;
-  graph::Subscription results_, joints_;
+  graph::Subscription results_, joints_, camera_;
   graph::Node::Timer timer_;
 };
 

@@ -11,6 +11,7 @@
 #include "msgs/convert/fidelity.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
+#include "msgs/convert/images.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/convert/remedies.h"
 #include "msgs/convert/touch.h"
@@ -42,6 +43,12 @@ void PlatformPlanning::set_gripper(const robot::GripperModel& gripper) {
   planner_.set_gripper(gripper);
 }
 
+void PlatformPlanning::view_by(const msgs::CameraInfo& camera) {
+  const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(camera);
+  options_.viewing.reset();
+  if (X_WC) options_.viewing = planning::ViewingCamera{convert::from_message(camera).left, *X_WC};
+}
+
 void PlatformPlanning::start_from(const msgs::JointState& joints) {
   const robot::KinematicChain chain = planner_.platform().arm_chain();
   robot::Positions now = home_;
@@ -60,6 +67,9 @@ msgs::Grasp PlatformPlanning::to_message(const planning::PlannedPick& pick) cons
   convert::add_touch(pick.touch, planner_.platform().hand, message.mutable_predicted());
   if (pick.move_W) *message.mutable_move() = convert::to_message(*pick.move_W);
   convert::add_motion(control::arm_grasp(planner_.platform(), pick), &message);
+  if (inspects() && !options_.viewing) {
+    message.set_held_views_problem("no camera has said where it stands (/camera/info)");
+  }
   return message;
 }
 

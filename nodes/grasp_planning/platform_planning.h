@@ -41,6 +41,12 @@ class PlatformPlanning {
   /// Without all joints of the arm nothing changes.
   void start_from(const msgs::JointState& joints);
 
+  /// The task shows what is held to a camera: its plans have views, once view_by() was told of one.
+  bool inspects() const { return task_.does(control::Primitive::kInspect); }
+  /// The camera that looks at the table. Of one that does not say where it stands, plans have no
+  /// views, and say so. @throws geometry::InputError for a camera that is none.
+  void view_by(const msgs::CameraInfo& camera);
+
   /// Plans for this gripper, which the robot says it has. @pre says_its_gripper()
   void set_gripper(const robot::GripperModel& gripper);
   /// The robot has a parallel gripper, and says which (/gripper/model).

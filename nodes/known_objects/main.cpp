@@ -3,6 +3,7 @@
 #include <deque>
 #include <exception>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,11 +24,30 @@ using std::chrono::steady_clock;
 constexpr std::size_t kMostObjects = 32;  // that wait for a late reader
 constexpr std::size_t kMostViews = 4;     // of which the answers are kept
 
-planning::KnownModels declare_models(graph::Node& node) {
+/// The known objects, read again when the folder has other files than before.
+struct Shelf {
+  std::string folder;
+  double scale = 1;
+  grasp::RecognitionOptions options;
+  std::vector<std::string> files;
+  std::unique_ptr<planning::KnownModels> models;
+
+  /// Whether there are others now. @throws as planning::KnownModels.
+  bool read() {
+    std::vector<std::string> now = planning::known_model_files(folder);
+    if (models && now == files) return false;
+    models = std::make_unique<planning::KnownModels>(folder, scale, options);
+    files = std::move(now);
+    return true;
+  }
+};
+
+Shelf declare_shelf(graph::Node& node) {
   grasp::RecognitionOptions options;
   const auto folder = node.declare_parameter<std::string>(
       {.name = "models",
-       .description = "folder of the known objects' meshes (.ply, .obj, .stl)",
+       .description = "folder of the known objects' meshes (.ply, .obj, .stl), looked through anew "
+                      "with each view",
        .read_only = true,
        .reads_file = true});
   const auto scale = node.declare_parameter<double>({.name = "scale",
@@ -68,14 +88,16 @@ planning::KnownModels declare_models(graph::Node& node) {
            "by which the seen object may be larger or smaller than the known one, beyond "
            "three standard deviations of what its points tell",
        .read_only = true});
-  return planning::KnownModels(folder, scale, options);
+  Shelf shelf{folder, scale, options, {}, nullptr};
+  shelf.read();
+  return shelf;
 }
 
 class KnownObjects {
  public:
   explicit KnownObjects(graph::Node& node)
       : node_(node),
-        models_(declare_models(node)),
+        shelf_(declare_shelf(node)),
         patience_(node.declare_parameter<double>({.name = "patience",
                                                   .default_value = 5.0,
                                                   .unit = "s",
@@ -97,7 +119,7 @@ class KnownObjects {
               answer();
             })),
         timer_(node.create_timer(0.25, [this] { answer(); })) {
-    node.log_info("{} known objects", models_.size());
+    node.log_info("{} known objects", shelf_.models->size());
   }
 
  private:
@@ -112,13 +134,18 @@ class KnownObjects {
     while (answers_.size() > kMostViews) answers_.erase(answers_.begin());
     int known = 0;
     std::string problem;
+    const std::string unread = node_.shield("known objects", [&] {
+      if (shelf_.read()) node_.log_info("{} known objects now", shelf_.models->size());
+    });
+    if (!unread.empty()) problem = "; those known before stay: " + unread;
     const std::string damage = node_.shield("objects", [&] {
       const perception::SegmentedScene scene = convert::from_message(message);
       for (const perception::ObjectHypothesis& object : scene.objects) {
         const auto id = static_cast<std::uint32_t>(object.id);
         const std::string failure = node_.shield(fmt::format("object {}", id), [&] {
           const grasp::Recognition& best =
-              answers.insert_or_assign(id, models_.recognise(scene, object)).first->second.best;
+              answers.insert_or_assign(id, shelf_.models->recognise(scene, object))
+                  .first->second.best;
           known += best.accepted ? 1 : 0;
           node_.log_info("object {} {} {}{}{}", id, best.accepted ? "is" : "is not", best.name,
                          best.accepted ? fmt::format(": {:.0f} % of its seen points are explained",
@@ -179,7 +206,7 @@ class KnownObjects {
   }
 
   graph::Node& node_;
-  planning::KnownModels models_;
+  Shelf shelf_;
   double patience_;                          // s
   std::map<std::int64_t, Answers> answers_;  // by the view's stamp
   std::deque<Waiting> waiting_;

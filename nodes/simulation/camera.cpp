@@ -10,7 +10,7 @@
 
 namespace prehend::nodes {
 
-Camera::Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
+Camera::Camera(graph::Node& node, std::function<View(bool)> view, const simulation::Scene& scene,
                const simulation::RenderOptions& options, bool depth)
     : node_(node),
       view_(std::move(view)),
@@ -36,10 +36,11 @@ Camera::~Camera() {
   thread_.join();
 }
 
-void Camera::request(bool anew) {
+void Camera::request(bool anew, bool shows_robot) {
   {
     const std::lock_guard lock(mutex_);
     requested_ = true;
+    shows_robot_ = shows_robot_ || shows_robot;
     looks_ += anew ? 1 : 0;
   }
   wake_.notify_all();
@@ -52,14 +53,15 @@ void Camera::run() {
     if (ends_) return;
     requested_ = false;
     const std::uint64_t looks = looks_;
+    const bool shows_robot = std::exchange(shows_robot_, false);
     lock.unlock();
-    node_.shield("picture", [this, looks] { render(looks); });
+    node_.shield("picture", [this, looks, shows_robot] { render(looks, shows_robot); });
     lock.lock();
   }
 }
 
-void Camera::render(std::uint64_t looks) {
-  const View view = view_();
+void Camera::render(std::uint64_t looks, bool shows_robot) {
+  const View view = view_(shows_robot);
   const auto start = std::chrono::steady_clock::now();
   simulation::StereoImages images =
       simulation::render_stereo(scene_, view.bodies, frame_++, options_);

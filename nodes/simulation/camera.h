@@ -26,21 +26,23 @@ class Camera {
     std::uint64_t generation = 0;
   };
 
-  /// `view` tells what there is to see; it is called by the camera's thread.
-  Camera(graph::Node& node, std::function<View()> view, const simulation::Scene& scene,
-         const simulation::RenderOptions& options, bool depth);
+  /// `view` tells what there is to see, with the robot if asked to; it is called by the camera's
+  /// thread.
+  Camera(graph::Node& node, std::function<View(bool shows_robot)> view,
+         const simulation::Scene& scene, const simulation::RenderOptions& options, bool depth);
   ~Camera();
 
   /// Asks for a picture of the world as it is when the thread comes to it. Requests merge.
   /// @param anew counts as a change of the scene, so that it is looked at though nothing was added
-  void request(bool anew = false);
+  /// @param shows_robot although other pictures may not
+  void request(bool anew = false, bool shows_robot = false);
 
  private:
   void run();
-  void render(std::uint64_t looks);
+  void render(std::uint64_t looks, bool shows_robot);
 
   graph::Node& node_;
-  std::function<View()> view_;
+  std::function<View(bool)> view_;
   simulation::Scene scene_;
   simulation::RenderOptions options_;
   graph::Publisher<msgs::CameraInfo> info_;
@@ -50,7 +52,7 @@ class Camera {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  bool requested_ = false;
+  bool requested_ = false, shows_robot_ = false;
   std::uint64_t looks_ = 0;  // pictures asked for anew
   bool ends_ = false;
   std::thread thread_;

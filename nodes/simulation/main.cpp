@@ -181,10 +181,13 @@ class World {
     if (settings.camera) {
       camera_ = std::make_unique<nodes::Camera>(
           node,
-          [&robot] {
-            return robot.with_world([](auto& world) {
-              return nodes::Camera::View{world.visible_bodies(), world.time(),
-                                         world.scene_generation()};
+          [&robot, shows_always = settings.show_robot](bool shows_robot) {
+            return robot.with_world([&](auto& world) {
+              world.show_robot(shows_robot || shows_always);
+              nodes::Camera::View view{world.visible_bodies(), world.time(),
+                                       world.scene_generation()};
+              world.show_robot(shows_always);
+              return view;
             });
           },
           scene, settings.render, settings.depth);
@@ -196,12 +199,12 @@ class World {
           const nodes::EmergencyStopListener::Wait wait(emergency.minded());
           return spawn(robot, request);
         });
-    render_ = node.serve<msgs::Empty, msgs::Acknowledge>(
-        "/simulation/render", [this](const msgs::Empty&) {
+    render_ = node.serve<msgs::RenderRequest, msgs::Acknowledge>(
+        "/simulation/render", [this](const msgs::RenderRequest& request) {
           msgs::Acknowledge answer;
           answer.set_success(camera_ != nullptr);
           answer.set_reason(camera_ ? "the stereo pair follows" : "started with camera:=false");
-          if (camera_) camera_->request(true);
+          if (camera_) camera_->request(true, request.shows_robot());
           return answer;
         });
   }

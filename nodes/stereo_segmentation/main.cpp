@@ -1,7 +1,10 @@
 #include <chrono>
+#include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -157,6 +160,8 @@ perception::StereoOptions stereo_options(const graph::Node& node) {
   return o;
 }
 
+constexpr std::chrono::milliseconds kLookPatience(50);  // wall time, to see whether it is cancelled
+
 class StereoSegmentation {
  public:
   explicit StereoSegmentation(graph::Node& node) : node_(node) {
@@ -173,9 +178,63 @@ class StereoSegmentation {
                                                });
     images_ = takes_depth ? take<msgs::DepthImage>("/camera/depth")
                           : take<msgs::StereoPair>("/camera/stereo");
+    look_ = node.serve_action<msgs::LookGoal, msgs::LookFeedback, msgs::LookResult>(
+        "/camera/look",
+        [this](const msgs::LookGoal& goal, LookContext& context) { return look(goal, context); });
   }
 
  private:
+  using LookContext = graph::ActionContext<msgs::LookFeedback>;
+
+  // In a thread of its own: the picture comes to process().
+  msgs::LookResult look(const msgs::LookGoal& goal, LookContext& context) {
+    {
+      const std::lock_guard lock(look_mutex_);
+      look_since_ = goal.since();
+      looked_.reset();
+    }
+    context.feedback({});
+    std::unique_lock lock(look_mutex_);
+    while (!looked_ && !context.cancelled()) look_done_.wait_for(lock, kLookPatience);
+    look_since_.reset();
+    msgs::LookResult result;
+    if (looked_) return *std::exchange(looked_, std::nullopt);
+    result.set_problem("it was cancelled before a picture came");
+    return result;
+  }
+
+  // Whether the picture answers a look, and is no view of the table.
+  template <class Images>
+  bool answers_look(const Images& images) {
+    {
+      const std::lock_guard lock(look_mutex_);
+      if (!look_since_ || images.header().stamp() < *look_since_) return false;
+      look_since_.reset();
+    }
+    msgs::LookResult result;
+    const std::string problem =
+        node_.shield("look", [&] { result.set_depth(convert::pack_depth(depth_of(images))); });
+    result.set_problem(problem);
+    *result.mutable_camera() = *info_;
+    result.set_stamp(images.header().stamp());
+    const std::lock_guard lock(look_mutex_);
+    looked_ = std::move(result);
+    look_done_.notify_all();
+    return true;
+  }
+
+  geometry::DepthImage depth_of(const msgs::StereoPair& pair) const {
+    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const convert::StereoImages images = convert::from_message(pair);
+    return perception::depth_from_disparity(
+        perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
+            .disparity,
+        camera);
+  }
+  static geometry::DepthImage depth_of(const msgs::DepthImage& message) {
+    return convert::from_message(message).depth;
+  }
+
   template <class Images>
   graph::Subscription take(const char* topic) {
     return node_.subscribe<Images>(topic, graph::QoS::latest(),
@@ -193,6 +252,7 @@ class StereoSegmentation {
 
   template <class Images>
   void process(const Images& images) {
+    if (answers_look(images)) return;
     const std::uint64_t generation = images.scene_generation();
     const bool seen = generation != 0 && generation == last_generation_;
     if (seen && node_.parameter<std::string>("process") == "once_per_scene") return;
@@ -298,6 +358,11 @@ class StereoSegmentation {
   std::uint64_t last_generation_ = 0;
   graph::Subscription camera_;
   graph::Subscription images_;
+  std::mutex look_mutex_;
+  std::condition_variable look_done_;
+  std::optional<std::int64_t> look_since_;  // ns: a look waits for a picture from then on
+  std::optional<msgs::LookResult> looked_;
+  graph::ActionServer look_;
 };
 
 void run(graph::Node& node) {
@@ -310,7 +375,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "Finds the table and the objects on it in a rectified stereo pair or a depth image. Takes "
      "/camera/info and /camera/stereo or /camera/depth (input), publishes /objects (latched). Of "
      "several images that wait only the newest is looked at. When there is no table or no object, "
-     "/objects says why in `problem`."},
+     "/objects says why in `problem`. Whoever asks for a look (action /camera/look) gets the next "
+     "picture's depth instead."},
     run);
 
 }  // namespace

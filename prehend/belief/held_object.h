@@ -67,6 +67,9 @@ class HeldObject {
   TakenLook add(const HeldLook& look);
 
   int looks() const { return looks_; }  // that were taken
+  /// What closing, lifting and turning have done to it in the hand, by the last look: what was at p
+  /// when it was first seen is where X_held() p would be, had it not moved in the hand.
+  const geometry::RigidTransform& X_held() const { return X_held_; }
   /// As it is known now, in O. Its seen vertices are those that any look saw.
   /// @throws geometry::InputError when no surface comes out.
   surface::ObjectModel model() const;

@@ -63,7 +63,7 @@ bool ArmCycle::moves_hand() const {
 bool ArmCycle::waits() const {
   return step_ == Step::kRest || step_ == Step::kSettle || step_ == Step::kCheck ||
          step_ == Step::kVerify || step_ == Step::kWait || step_ == Step::kBrake ||
-         step_ == Step::kMet;
+         step_ == Step::kMet || step_ == Step::kStill;
 }
 
 bool ArmCycle::leaves() const {
@@ -121,10 +121,15 @@ bool ArmCycle::stop_when_lost() {
 void ArmCycle::stop_motion() {
   arm_.stop();
   hand_.stop();
+  if (inspection_ && step_ == Step::kInspect) inspection_->stop();
 }
 
 void ArmCycle::fail(const std::string& reason) {
   if (leaves()) return ended(Outcome::kFailed, reason);
+  if (inspects()) {
+    return give_up(fmt::format("grasp {}: {}", grasp_index(), reason), SurpriseKind::kMotion,
+                   Outcome::kLost);
+  }
   give_up(fmt::format("grasp {}: {}", grasp_index(), reason));
 }
 
@@ -139,13 +144,19 @@ void ArmCycle::take_plan(std::vector<ArmGrasp> grasps, const std::string& proble
 MotionStatus ArmCycle::motion_status() {
   if (moves_hand()) return hand_.motion();
   if (waits()) return MotionStatus::kReached;
+  if (step_ == Step::kInspect) {
+    const bool looks = inspection_->status() == MotionStatus::kMoving;
+    return looks && spent() < options_.motion_timeout ? MotionStatus::kMoving
+                                                      : MotionStatus::kReached;
+  }
   if (!refused_.empty()) return MotionStatus::kFailed;
   const std::optional<SegmentKind> kind = segment_of(step_);
-  const bool planned = step_ == Step::kGoBack || step_ == Step::kRelieve ||
-                       step_ == Step::kPutBack || step_ == Step::kShift ||
-                       step_ == Step::kBackOff || step_ == Step::kLower ||
-                       step_ == Step::kSetDown || (step_ == Step::kRaise && lowered_.has_value()) ||
-                       (kind && segment(*kind) != nullptr);
+  const bool planned =
+      step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
+      step_ == Step::kShift || step_ == Step::kBackOff || step_ == Step::kLower ||
+      step_ == Step::kSetDown || step_ == Step::kTurnBack ||
+      (step_ == Step::kTurn && !grasp().views[view_].points.empty()) ||
+      (step_ == Step::kRaise && lowered_.has_value()) || (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
 
@@ -299,6 +310,15 @@ void ArmCycle::advance(MotionStatus status) {
       return verify();
     case Step::kGoBack:
       return go_back();
+    case Step::kTurn:
+      return enter(Step::kStill, "holding it still before the camera");
+    case Step::kStill:
+      if (spent() < options_.rest_time) return;
+      return look_at_held();
+    case Step::kInspect:
+      return after_look();
+    case Step::kTurnBack:
+      return next_view();
     case Step::kWait:
       if (spent() < wait_time_) return;
       return ended(Outcome::kDone);

@@ -63,6 +63,9 @@ namespace prehend::control {
 /// after a place only where the retreat has led onto the way there, as from straight above, else
 /// from the retreat's end.
 ///
+/// Inspecting (inspect_by()), the arm turns what is held to each of the plan's views and back, and
+/// waits at each until it was looked at. A look that fails is no failed attempt.
+///
 /// It begins when joints and wrist have spoken. From then on, whenever one of them falls silent
 /// (`stale_time`), or who carries out a motion (`answer_time`), arm and hand are stopped and the
 /// cycle ends with that reason; not while it stands and waits for a new look.
@@ -79,6 +82,10 @@ class ArmCycle : public Cycle {
 
   /// From now on it says how likely lifts hold. @pre not started
   void judge_grips(GripJudge judge) { judge_ = std::move(judge); }
+
+  /// From now on it is looked at what it turns before a camera. Keeps a reference.
+  /// @pre not started
+  void inspect_by(InspectionPort& inspection) { inspection_ = &inspection; }
 
   /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
   /// @throws std::invalid_argument for a minimum_stability without a judge of grips.
@@ -126,6 +133,10 @@ class ArmCycle : public Cycle {
     kRetreat,
     kVerify,
     kGoBack,
+    kTurn,
+    kStill,
+    kInspect,
+    kTurnBack,
     kWait
   };
 
@@ -147,6 +158,13 @@ class ArmCycle : public Cycle {
   /// Starts the segment that is gone in `step`; without it `step` ends.
   void begin_segment(Step step, double contact_force);
   void begin_move(const Action& action);
+  /// Of the present step: what is held is turned before a camera.
+  bool inspects() const;
+  void begin_inspection();
+  void begin_view();
+  void look_at_held();
+  void after_look();
+  void next_view();
   using FromHere = decltype(&joined);
   void follow(const JointTrajectory& path, double contact_force, bool leads_back = true,
               FromHere from_here_on = joined);
@@ -222,6 +240,11 @@ class ArmCycle : public Cycle {
   HandPort& hand_;
   std::vector<ArmGrasp> grasps_;
   std::optional<GripJudge> judge_;
+  InspectionPort* inspection_ = nullptr;
+  ArmPercepts gripped_percepts_;     // when the lift began
+  std::size_t view_ = 0;             // of the plan's
+  int views_seen_ = 0;               // of this inspection
+  std::string view_problem_;         // of the last look that failed
   std::optional<double> stability_;  // that the lift holds, as judged last
   bool pressed_harder_ = false;      // in this attempt
   touch::HoldSlip hold_slip_;

@@ -55,7 +55,10 @@ void ArmCycle::begin(const Action& action) {
       share_ = regulates || gently_ ? robot::first_effort_share(gently_ ? 0 : grasp().effort) : 1;
       return gather();
     }
+    case Primitive::kInspect:
+      return begin_inspection();
     case Primitive::kLift:
+      gripped_percepts_ = percepts_;
       begin_hold();
       begin_segment(Step::kLift, held_collision_force());
       return;

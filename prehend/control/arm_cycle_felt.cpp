@@ -115,8 +115,8 @@ bool ArmCycle::watch_held() {
   const bool lifting = step_ == Step::kLift, carrying = step_ == Step::kCarry,
              placing = step_ == Step::kPlace;
   const bool shaking = step_ == Step::kLower || step_ == Step::kRaise;
-  if (!lifting && !carrying && !placing && !shaking) return false;
-  bool by_weight = carrying;
+  if (!lifting && !carrying && !placing && !shaking && !inspects()) return false;
+  bool by_weight = carrying || inspects();
   if (placing) by_weight = is_high(segment(motion::SegmentKind::kPlace), spent());
   const bool rests = placing || (step_ == Step::kLower && lowers_fully_);
   const std::string why = hand_.feels_its_grip()
@@ -125,11 +125,12 @@ bool ArmCycle::watch_held() {
   if (why.empty()) return false;
   add_surprise(lifting ? SurpriseKind::kHeldAfterLift : SurpriseKind::kHeldWhileCarried, 1, 0,
                "lets go and looks again");
-  give_up(
-      fmt::format(
-          "grasp {}: lost while {}: {}", grasp_index(),
-          lifting || step_ == Step::kRaise ? "lifting" : (carrying ? "carrying" : "lowering"), why),
-      SurpriseKind::kMotion, Outcome::kLost);
+  give_up(fmt::format("grasp {}: lost while {}: {}", grasp_index(),
+                      lifting || step_ == Step::kRaise
+                          ? "lifting"
+                          : (carrying ? "carrying" : (inspects() ? "turning" : "lowering")),
+                      why),
+          SurpriseKind::kMotion, Outcome::kLost);
   return true;
 }
 

@@ -39,6 +39,10 @@ struct ArmGrasp {
   std::vector<HandShift> shifts;
   robot::FingertipWays fingertips;  // in the world
   Eigen::VectorXd stops;            // rad or m, where it is predicted to be stopped by the thing
+  /// To turn it before a camera, each from the lift's end and back the same way; without points: it
+  /// is looked at where it is. Empty: it is not, and why, in words.
+  std::vector<JointTrajectory> views;
+  std::string views_problem;
   /// It is no grasp but a probe: the fingertip's foremost point on its way, in the hand's root
   /// frame [m]. Unset: a grasp.
   std::optional<Eigen::Vector3d> probe_H;

@@ -69,6 +69,18 @@ class HandPort {
   virtual std::string still_felt() const { return {}; }  // after it has let go; empty: nothing
 };
 
+/// What the cycle asks of who looks at what the hand holds. Calls return at once.
+class InspectionPort {
+ public:
+  virtual ~InspectionPort() = default;
+  /// What was gripped when `gripped` was perceived stands still before the camera `now`: look at
+  /// it.
+  virtual void look(const ArmPercepts& gripped, const ArmPercepts& now) = 0;
+  virtual MotionStatus status() = 0;  // of the last look; kMoving: it goes on
+  virtual std::string found() = 0;    // by that, in words: what is known now, or why it failed
+  virtual void stop() = 0;
+};
+
 /// What a parallel gripper's drive says.
 struct GripperPercept {
   double opening = 0;    // m

@@ -73,6 +73,7 @@ Phase Cycle::phase() const {
       return Phase::kLift;
     case Primitive::kMove:
     case Primitive::kPlace:
+    case Primitive::kInspect:
       return Phase::kMove;
     case Primitive::kRelease:
     case Primitive::kRetreat:

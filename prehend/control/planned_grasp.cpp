@@ -60,6 +60,10 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
   if (pick.touch.stopped.size() == static_cast<Eigen::Index>(result.hand.closed.size())) {
     result.closure = result.hand.closure(pick.touch.stopped);
   }
+  for (const planning::HeldView& view : pick.views.views) {
+    result.views.push_back(view.trajectory ? sampled(chain, *view.trajectory) : JointTrajectory{});
+  }
+  result.views_problem = pick.views.problem;
   for (const planning::SidewaysShift& shift : pick.shifts) {
     result.shifts.push_back({shift.way_W, list_of(shift.offsets)});
   }

@@ -34,6 +34,8 @@ std::string to_string(Primitive primitive) {
       return "decide";
     case Primitive::kProbe:
       return "probe";
+    case Primitive::kInspect:
+      return "inspect";
   }
   return "unknown";
 }
@@ -73,6 +75,7 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
     case Primitive::kPlace:
       return lost;
     case Primitive::kMove:
+    case Primitive::kInspect:
       return all;
     case Primitive::kWait:
       return done;
@@ -95,6 +98,12 @@ const TaskPlace* Task::place_for(double size) const {
 bool Task::is_placed(const Eigen::Vector2d& p_W) const {
   return std::any_of(places.begin(), places.end(),
                      [&p_W](const TaskPlace& place) { return place.holds(p_W); });
+}
+
+bool Task::does(Primitive primitive) const {
+  return std::any_of(states.begin(), states.end(), [primitive](const TaskState& state) {
+    return state.action.primitive == primitive;
+  });
 }
 
 std::string Task::name_of(int state) const {

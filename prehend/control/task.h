@@ -23,16 +23,18 @@ enum class Primitive {
   kRelease,   // opens the hand
   kRetreat,   // away from the object, along the plan or back the way it came
   kWait,
-  kDecide,  // what is worth most: to grasp now, to feel it first, or to leave it
-  kProbe,   // goes straight with one fingertip to where most is to be learnt, until it meets
-            // something
+  kDecide,   // what is worth most: to grasp now, to feel it first, or to leave it
+  kProbe,    // goes straight with one fingertip to where most is to be learnt, until it meets
+             // something
+  kInspect,  // turns what is held before a camera, and looks at it from each of the plan's views
 };
 
 /// How an action ends.
 enum class Outcome {
   kDone,
   kNothing,  // look: none is left; touch: met nothing; move: the plan has no place; decide: it
-             // is not worth an attempt; probe: the plan has none, or it was felt enough
+             // is not worth an attempt; probe: the plan has none, or it was felt enough; inspect:
+             // the plan has no views, or nobody looks
   kFailed,
   kLost,      // what was held is
   kDoubtful,  // decide: it is to be felt first
@@ -92,6 +94,7 @@ struct Task {
   /// Whether something that stands there is where it was to be put.
   bool is_placed(const Eigen::Vector2d& p_W) const;
   std::string name_of(int state) const;  // "success" and "failure", too
+  bool does(Primitive primitive) const;  // in one of its states
 };
 
 /// Reads a task (config/tasks/README.md says what may stand in it) and looks whether it can be

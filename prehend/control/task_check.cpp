@@ -100,6 +100,8 @@ Rule rule_of(const Action& action) {
       return {{kChosen}, kChosen, {{Outcome::kDoubtful, kChosen}, {Outcome::kNothing, kAway}}};
     case Primitive::kProbe:
       return {{kChosen}, kAtObject, {{Outcome::kNothing, kChosen}}};
+    case Primitive::kInspect:
+      return {{kRaised}, kRaised, {{Outcome::kNothing, kRaised}, {Outcome::kFailed, kRaised}}};
     case Primitive::kWait:
       break;
   }

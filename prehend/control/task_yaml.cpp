@@ -20,7 +20,8 @@ namespace {
 constexpr Primitive kPrimitives[] = {Primitive::kLook,    Primitive::kApproach, Primitive::kTouch,
                                      Primitive::kGrasp,   Primitive::kLift,     Primitive::kMove,
                                      Primitive::kPlace,   Primitive::kRelease,  Primitive::kWait,
-                                     Primitive::kRetreat, Primitive::kDecide,   Primitive::kProbe};
+                                     Primitive::kRetreat, Primitive::kDecide,   Primitive::kProbe,
+                                     Primitive::kInspect};
 constexpr int kMostStates = 100;
 constexpr int kMostTimes = 1000;
 

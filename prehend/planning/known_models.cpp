@@ -20,12 +20,12 @@ std::vector<fs::path> mesh_files_of(const fs::path& folder) {
     std::string ending = entry.path().extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (entry.path().filename().string().starts_with(".")) continue;  // not yet whole
     if (ending == ".ply" || ending == ".obj" || ending == ".stl") files.push_back(entry.path());
   }
-  if (files.empty()) {
-    throw geometry::InputError(
-        "'" + folder.string() + "' has no meshes" + (error ? ": " + error.message() : ""),
-        "Name a folder with .ply, .obj or .stl files of the known objects");
+  if (error) {
+    throw geometry::InputError("'" + folder.string() + "' has no meshes: " + error.message(),
+                               "Name a folder with .ply, .obj or .stl files of the known objects");
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -50,8 +50,19 @@ KnownModels::KnownModels(const fs::path& folder, double scale,
   }
 }
 
+std::vector<std::string> known_model_files(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& file : mesh_files_of(folder)) names.push_back(file.filename().string());
+  return names;
+}
+
 KnownModels::Found KnownModels::recognise(const perception::SegmentedScene& scene,
                                           const perception::ObjectHypothesis& object) const {
+  if (models_.empty()) {
+    Found none;
+    none.best.reason = "no object is known yet";
+    return none;
+  }
   const auto all =
       objects_.recognise({object.cloud_W, scene.camera, scene.X_WC, scene.depth, scene.table_W});
   Found found{all.front(), {}};

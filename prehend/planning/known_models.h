@@ -10,12 +10,16 @@
 
 namespace prehend::planning {
 
+/// Names of the meshes in a folder of known objects, sorted. @throws geometry::InputError naming a
+/// folder that is not there.
+std::vector<std::string> known_model_files(const std::filesystem::path& folder);
+
 /// Objects of which the meshes are in a folder, to be found in what a camera sees.
 class KnownModels {
  public:
-  /// Reads all meshes of `folder` (.ply, .obj, .stl), by name; `scale`: metres per unit of the
-  /// files. Some 0.1 s for each.
-  /// @throws geometry::InputError naming a folder without meshes, or the file that is no solid;
+  /// Reads all meshes of `folder` (.ply, .obj, .stl), by name, which may be none yet; `scale`:
+  /// metres per unit of the files. Some 0.1 s for each.
+  /// @throws geometry::InputError naming a folder that is not there, or the file that is no solid;
   /// std::invalid_argument as grasp::RecognitionOptions::validate().
   explicit KnownModels(const std::filesystem::path& folder, double scale = 1,
                        const grasp::RecognitionOptions& options = {});

@@ -49,7 +49,8 @@ std::string refusal(const std::string& yaml) {
 TEST(Task, EveryOneThatShipsCanBeDone) {
   const std::filesystem::path folder = "config/tasks";
   const std::vector<std::string> names = task_names(folder);
-  for (const char* name : {"pick_and_place", "work_cycle", "sort", "clear_table", "shake_test"}) {
+  for (const char* name :
+       {"pick_and_place", "work_cycle", "sort", "clear_table", "shake_test", "inspect"}) {
     EXPECT_THAT(names, Contains(name));
   }
   for (const std::string& name : names) {

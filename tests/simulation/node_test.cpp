@@ -128,7 +128,7 @@ TEST_F(SimulationNode, APictureThatIsAskedForIsOfAnotherScene) {
         generation = m->scene_generation();
       });
   EXPECT_TRUE(wait_until([&] { return generation == 1; }));
-  const auto answer = node_->client<msgs::Empty, msgs::Acknowledge>("/simulation/render")
+  const auto answer = node_->client<msgs::RenderRequest, msgs::Acknowledge>("/simulation/render")
                           .call({}, std::chrono::seconds(10));
   ASSERT_TRUE(answer.ok()) << answer.error();
   EXPECT_TRUE(answer->success()) << answer->reason();

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/robot/platform.h"
+
+namespace prehend::robot {
+
+/// The collision shapes of all links of a platform where they are, in the world; links without any
+/// are left out.
+/// @param arm of arm_chain()'s joints [rad or m]. @param hand of all joints of the hand's model.
+/// @throws std::invalid_argument for another number of either, or what is not finite.
+std::vector<geometry::TriangleMesh> placed_links(const Platform& platform,
+                                                 const Eigen::Ref<const Eigen::VectorXd>& arm,
+                                                 const Eigen::Ref<const Eigen::VectorXd>& hand);
+
+}  // namespace prehend::robot
