@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/belief/belief_report.h"
+#include "eval/belief/look_trial.h"
 #include "eval/belief/prior_fit.h"
 #include "eval/belief/surprise_report.h"
 #include "eval/belief/touch_trial.h"
@@ -28,11 +29,13 @@ namespace fs = std::filesystem;
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/belief");
   std::optional<int> touches;
-  std::string hand;  // empty: a fingertip
+  std::optional<int> looks;  // of what a hand holds, in place of touches
+  std::string hand;          // empty: a fingertip
   bool fit_prior = false;
   bool surprise = false;
   std::filesystem::path fit;
 
+  std::string robot() const { return hand.empty() ? "kr5_sdh" : hand; }
   int count() const { return touches.value_or(hand.empty() ? 5 : 3); }
 };
 
@@ -57,6 +60,9 @@ int run_surprise(const Options& options) {
   }
   if (options.touches) {
     throw geometry::InputError("--touches does not go with --surprise", "Leave it out");
+  }
+  if (options.looks) {
+    throw geometry::InputError("--looks does not go with --surprise", "Leave it out");
   }
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
@@ -98,23 +104,37 @@ int run(const Options& options) {
   if (!options.fit.empty()) {
     throw geometry::InputError("--fit goes with --surprise only", "Add --surprise");
   }
+  if (options.looks && (options.touches || options.fit_prior)) {
+    throw geometry::InputError("--touches and --fit-prior do not go with --looks",
+                               "Leave them out");
+  }
   const std::vector<eval::DataSet> sets = eval::chosen_data_sets(options.choice);
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
   eval::CaseRunOptions runs = options.choice.runs();
-  runs.setting = fmt::format("{} touches by {}", options.count(),
-                             options.hand.empty() ? "a fingertip" : options.hand);
+  runs.setting = options.looks
+                     ? fmt::format("{} looks in the hand of {}", *options.looks, options.robot())
+                     : fmt::format("{} touches by {}", options.count(),
+                                   options.hand.empty() ? "a fingertip" : options.hand);
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
   std::optional<eval::TouchingHand> hand;
-  if (!options.hand.empty()) hand.emplace(options.hand);
+  std::optional<eval::TurningRobot> robot;
+  if (options.looks) {
+    robot.emplace(options.robot());
+  } else if (!options.hand.empty()) {
+    hand.emplace(options.hand);
+  }
+  eval::LookTrialOptions look;
+  look.looks = options.looks.value_or(0);
   eval::TouchTrialOptions trial;
   trial.touches = options.count();
   trial.hand = hand ? &*hand : nullptr;
   const auto crashed = eval::run_cases(
       runs, names, [&](int, const fs::path& file) { return is_known(file); },
       [&](int i, const fs::path& file) {
-        eval::write_belief_case(file, eval::run_touch_trial(cases[i], trial));
+        eval::write_belief_case(file, robot ? eval::run_look_trial(cases[i], *robot, look)
+                                            : eval::run_touch_trial(cases[i], trial));
       });
   std::vector<eval::BeliefCase> results;
   for (int i = 0; i < static_cast<int>(cases.size()); ++i) {
@@ -142,6 +162,10 @@ int main(int argc, char** argv) {
   eval::add_case_options(app, options.choice);
   app.add_option("--touches", options.touches, "of each object; 5, of a hand 3")
       ->check(CLI::Range(1, 20));
+  app.add_option("--looks", options.looks,
+                 "in place of touching, the arm of --hand (a platform, kr5_sdh) grasps the object "
+                 "and turns it before the camera, so often at most")
+      ->check(CLI::Range(1, 16));
   app.add_flag("--fit-prior", options.fit_prior,
                "also fit the weights that shapes have before a touch (ShapePrior), and tell how "
                "well they do on objects that they were not fitted to");

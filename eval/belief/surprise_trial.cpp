@@ -8,6 +8,7 @@
 
 #include "eval/belief/predicted_case.h"
 #include "eval/grasp/resting_pose.h"
+#include "eval/grasp/trial_setup.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"

@@ -1,86 +1,21 @@
 #include "eval/belief/touch_trial.h"
 
-#include <cmath>
 #include <memory>
-#include <random>
 
 #include <yaml-cpp/yaml.h>
-#include <Eigen/Geometry>
 
+#include "eval/belief/belief_truth.h"
 #include "eval/belief/gaussian_surface.h"
 #include "eval/belief/predicted_case.h"
-#include "eval/case_runner.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
-#include "prehend/geometry/surface_samples.h"
 #include "prehend/geometry/whole_file.h"
-#include "prehend/surface/deviation.h"
 #include "prehend/surface/model.h"
 
 namespace prehend::eval {
 namespace {
-
-constexpr int kSamples = 6000;         // on each surface
-constexpr int kVolumeSamples = 12000;  // in the box of both
-constexpr double kSupport = 0.003;     // m over the support: what is lower cannot be touched
-
-/// The true object in the world, and how far a mesh is from it.
-class Truth {
- public:
-  Truth(const Case& one, const Eigen::Vector3d& viewpoint_W)
-      : mesh_(geometry::transformed(*one.data_set->mesh_B, one.X_WB())), query_(mesh_) {
-    std::vector<geometry::MeshQuery> others;
-    for (const auto& other : one.data_set->viewing.others_B) {
-      others.emplace_back(geometry::transformed(*other, one.X_WB()));
-    }
-    for (const auto& sample : geometry::surface_samples(mesh_, kSamples, one.seed)) {
-      all_.push_back(sample.point);
-      const Eigen::Vector3d away = viewpoint_W - sample.point;
-      const double distance = away.norm();
-      const Eigen::Vector3d direction = away / distance;
-      const Eigen::Vector3d from = sample.point + 5e-4 * direction;
-      bool hidden = query_.cast_ray(from, direction, distance).has_value();
-      for (const auto& other : others) {
-        hidden = hidden || other.cast_ray(from, direction, distance).has_value();
-      }
-      if (hidden && sample.point.z() > kSupport) unseen_.push_back(sample.point);
-    }
-  }
-
-  const geometry::MeshQuery& query() const { return query_; }
-  bool is_all_seen() const { return unseen_.empty(); }
-
-  void measure(const geometry::TriangleMesh& mesh, std::uint64_t seed, BeliefStep* step) const {
-    const geometry::MeshQuery believed(mesh);
-    step->unseen = surface::deviation(unseen_, believed).mean;
-    std::vector<Eigen::Vector3d> samples;
-    for (const auto& sample : geometry::surface_samples(mesh, kSamples, seed)) {
-      samples.push_back(sample.point);
-    }
-    step->chamfer =
-        0.5 * (surface::deviation(all_, believed).mean + surface::deviation(samples, query_).mean);
-    Eigen::AlignedBox3d box = query_.box();
-    box.extend(believed.box());
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> unit(0, 1);
-    int both = 0, either = 0;
-    for (int i = 0; i < kVolumeSamples; ++i) {
-      const Eigen::Vector3d share(unit(random), unit(random), unit(random));
-      const Eigen::Vector3d p = box.min() + share.cwiseProduct(box.sizes());
-      const bool in_truth = query_.contains(p), in_believed = believed.contains(p);
-      both += in_truth && in_believed;
-      either += in_truth || in_believed;
-    }
-    step->jaccard = either > 0 ? static_cast<double>(both) / either : 0;
-  }
-
- private:
-  geometry::TriangleMesh mesh_;
-  geometry::MeshQuery query_;
-  std::vector<Eigen::Vector3d> all_, unseen_;
-};
 
 std::unique_ptr<Toucher> make_toucher(const Case& one, const TouchTrialOptions& options) {
   if (options.hand) return std::make_unique<HandToucher>(*options.hand, options.noise, one.seed);
@@ -100,7 +35,7 @@ geometry::PointCloud seen_points(const shape::CompletedShape& shape, const geome
 }
 
 std::vector<TriedShape> try_shapes(const shape::CompletedShape& shape, const geometry::Plane& table,
-                                   const Truth& truth, std::uint64_t seed) {
+                                   const BeliefTruth& truth, std::uint64_t seed) {
   const belief::ObjectBelief belief(shape, table);
   std::vector<TriedShape> shapes;
   for (std::size_t i = 0; i < belief.shapes().size(); ++i) {
@@ -117,7 +52,7 @@ std::vector<TriedShape> try_shapes(const shape::CompletedShape& shape, const geo
 
 /// @param baseline gets what the baseline makes of the same evidence, unless null.
 BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plane& table, Told told,
-                        const Truth& truth, const Case& one, const TouchTrialOptions& options,
+                        const BeliefTruth& truth, const Case& one, const TouchTrialOptions& options,
                         BeliefSeries* baseline) {
   const geometry::PointCloud seen = baseline ? seen_points(shape, table) : geometry::PointCloud();
   BeliefSeries series;
@@ -164,7 +99,7 @@ BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
     const PredictedCase predicted = predict_case(one);
     const shape::CompletedShape& shape = predicted.shape;
     const geometry::Plane& table = predicted.support_W;
-    const Truth truth(one, predicted.viewpoint_W);
+    const BeliefTruth truth(one, predicted.viewpoint_W);
     if (truth.is_all_seen()) {
       throw geometry::InputError("All of it was seen", "Look from elsewhere");
     }

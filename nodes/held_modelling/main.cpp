@@ -40,20 +40,9 @@ using namespace prehend;
 
 constexpr std::size_t kMostObjects = 32;  // that wait for a late reader
 constexpr std::size_t kMostViews = 4;     // that are kept
-constexpr double kRoom = 1.4;             // of the predicted radius, in which points may be of it
 
 geometry::Plane support_of(const msgs::CompletedShape& shape) {
   return convert::from_message(shape.has_standing_on() ? shape.standing_on() : shape.table());
-}
-
-/// A farthest point's distance from the middle [m].
-double radius_of(const geometry::PointCloud& cloud) {
-  const Eigen::Vector3d middle = geometry::centroid(cloud);
-  double radius = 0;
-  for (const Eigen::Vector3f& p : cloud.points) {
-    radius = std::max(radius, (p.cast<double>() - middle).norm());
-  }
-  return radius;
 }
 
 Eigen::VectorXd vector_of(const google::protobuf::RepeatedField<double>& values) {
@@ -214,8 +203,7 @@ class HeldModelling {
         geometry::transformed(convert::from_message(*object.shape).cloud_W, X_WO);
     belief::HeldLook look =
         belief::held_look(convert::unpack_depth(seen.depth(), camera.width, camera.height), camera,
-                          *X_WC, convert::from_message(object.shape->table()), robot_W, thought_W,
-                          kRoom * radius_of(thought_W));
+                          *X_WC, convert::from_message(object.shape->table()), robot_W, thought_W);
     look.X_WO = X_WO;
     const belief::TakenLook taken = object.object.add(look);
     result->set_looks(static_cast<std::uint32_t>(object.object.looks()));
@@ -229,9 +217,8 @@ class HeldModelling {
     result->set_guessed_area(object.model->guessed_area);
     result->set_text(fmt::format(
         "{} looks in the hand leave {:.0f} % of it unseen; it lies {:.1f} mm other than it was "
-        "gripped by the plan{}",
-        object.object.looks(), 100 * object.model->guessed_area, 1e3 * taken.moved,
-        object.object.contradicted() ? "; no shape that was predicted is right" : ""));
+        "gripped by the plan",
+        object.object.looks(), 100 * object.model->guessed_area, 1e3 * taken.moved));
     publish(object);
   }
 

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include "prehend/belief/point_cells.h"
-#include "prehend/belief/points_beside.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/surface/normals.h"
@@ -25,8 +24,10 @@ using geometry::RigidTransform;
 constexpr std::size_t kLeastPoints = 60;  // of a look, of the object
 constexpr double kSeenThrough = 0.008;    // m, before what a look saw behind it
 constexpr float kSeenConfidence = 0.95F;
-constexpr double kReach = 1.5;     // spacings, of a seen point to a vertex
-constexpr int kWindowMargin = 24;  // pixels
+constexpr double kReach = 1.5;             // spacings, of a seen point to a vertex
+constexpr std::size_t kMostThought = 400;  // points of what is thought to be held
+constexpr double kLeastRoom = 0.01;        // m
+constexpr int kWindowMargin = 24;          // pixels
 
 /// What was seen, averaged and smoothed, with normals towards the camera.
 geometry::PointCloud oriented(const geometry::PointCloud& seen, const Eigen::Vector3d& viewpoint,
@@ -50,6 +51,59 @@ geometry::PointCloud seen_of(const shape::CompletedShape& shape, const geometry:
   return geometry::select(points.cloud_W, seen);
 }
 
+/// Whether the depth near a pixel jumps: what stands before something is seen larger than it is, by
+/// as much as a camera's matching is wide.
+bool is_at_edge(const geometry::DepthImage& depth, int u, int v, const HeldLookOptions& options) {
+  const auto step = static_cast<float>(options.step);
+  const float z = depth.at(u, v);
+  for (int y = v - options.edge; y <= v + options.edge; ++y) {
+    for (int x = u - options.edge; x <= u + options.edge; ++x) {
+      if (depth.contains(x, y) && std::abs(depth.at(x, y) - z) > step) return true;
+    }
+  }
+  return false;
+}
+
+/// Some of the points, evenly, about `most`.
+std::vector<Eigen::Vector3f> every(const std::vector<Eigen::Vector3f>& points, std::size_t most) {
+  std::vector<Eigen::Vector3f> few;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) {
+    few.push_back(points[i]);
+  }
+  return few;
+}
+
+/// The connected pixels of the mask, without steps in depth, that are not few.
+std::vector<std::vector<std::pair<int, int>>> pieces_of(const geometry::DepthImage& depth,
+                                                        geometry::MaskImage mask,
+                                                        const HeldLookOptions& options) {
+  std::vector<std::vector<std::pair<int, int>>> pieces;
+  std::size_t all = 0;
+  for (int v = 0; v < mask.height; ++v) {
+    for (int u = 0; u < mask.width; ++u) {
+      if (mask.at(u, v) == 0) continue;
+      std::vector<std::pair<int, int>> piece{{u, v}};
+      mask.at(u, v) = 0;
+      for (std::size_t i = 0; i < piece.size(); ++i) {
+        const auto [x, y] = piece[i];
+        for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+          if (!mask.contains(x + dx, y + dy) || mask.at(x + dx, y + dy) == 0) continue;
+          const double step = std::abs(depth.at(x + dx, y + dy) - depth.at(x, y));
+          if (step > options.step) continue;
+          mask.at(x + dx, y + dy) = 0;
+          piece.emplace_back(x + dx, y + dy);
+        }
+      }
+      all += piece.size();
+      pieces.push_back(std::move(piece));
+    }
+  }
+  const double least = options.least_piece * static_cast<double>(all);
+  std::erase_if(pieces,
+                [least](const auto& piece) { return static_cast<double>(piece.size()) < least; });
+  return pieces;
+}
+
 }  // namespace
 
 void HeldObjectOptions::validate() const {
@@ -61,7 +115,6 @@ void HeldObjectOptions::validate() const {
   }
   require(seen_deviation > 0 && seen_deviation < 0.1,
           "seen_deviation must be above 0, below 0.1 m");
-  require(most_contacts >= 0, "most_contacts must not be negative");
   require(largest_residual > 0 && largest_residual < 0.1,
           "largest_residual must be above 0, below 0.1 m");
   require(most_violated > 0 && most_violated <= 1, "most_violated must be above 0, at most 1");
@@ -71,9 +124,11 @@ HeldObject::HeldObject(const shape::CompletedShape& shape, const geometry::Plane
                        const HeldObjectOptions& options)
     : options_((options.validate(), options)),
       shape_(shape),
+      table_W_(table_W),
       belief_(shape, table_W, options.belief),
-      known_(seen_of(shape, table_W, options.model)),
-      middle_(geometry::centroid(known_)) {}
+      first_(seen_of(shape, table_W, options.model)),
+      known_(first_),
+      middle_(geometry::centroid(first_)) {}
 
 // Of what is known, how much would be where the look saw that nothing is.
 double HeldObject::violated(const shape::SeenSpace& space_O) const {
@@ -101,54 +156,62 @@ TakenLook HeldObject::add(const HeldLook& look) {
         look.seen_W.size());
     return taken;
   }
-  // Where it was in the hand at the look before.
-  const RigidTransform X_SW = taken.X_WO.inverse(Eigen::Isometry);
-  geometry::PointCloud seen_S;
+  const RigidTransform X_SW = look.X_WO.inverse(Eigen::Isometry);
+  Look added{{}, look.space};
+  added.space_S.X_WC = X_SW * look.space.X_WC;
   try {
-    seen_S = oriented(geometry::transformed(look.seen_W, X_SW),
-                      X_SW * look.space.X_WC.translation(), options_.model.cloud);
+    added.seen_S = oriented(geometry::transformed(look.seen_W, X_SW),
+                            added.space_S.X_WC.translation(), options_.model.cloud);
   } catch (const geometry::InputError& error) {
     taken.problem = error.what();
     return taken;
   }
-  const HeldPose pose =
-      held_pose(known_, seen_S, looks_ == 0 ? options_.closing : options_.holding);
+  looks_.push_back(std::move(added));
+  std::vector<geometry::PointCloud> clouds;
+  for (const Look& one : looks_) clouds.push_back(one.seen_S);
+  const std::vector<HeldPose> poses =
+      held_poses(first_, clouds, options_.closing, options_.holding);
+  const HeldPose& pose = poses.back();
   taken.matched = pose.matched;
-  const RigidTransform X_held = X_held_ * pose.X_KS.inverse(Eigen::Isometry);
-  taken.X_WO = look.X_WO * X_held;
-  taken.moved = (X_held * middle_ - middle_).norm();
-  shape::SeenSpace space_O = look.space;
-  space_O.X_WC = taken.X_WO.inverse(Eigen::Isometry) * look.space.X_WC;
+  shape::SeenSpace space_O = looks_.back().space_S;
+  space_O.X_WC = pose.X_KS * space_O.X_WC;
   const double through = violated(space_O);
   if (pose.matched >= kLeastPoints && pose.residual > options_.largest_residual) {
     taken.problem = fmt::format(
         "what was seen is {:.1f} mm off what is known of it: it is something else, or lies "
         "otherwise in the hand",
         1e3 * pose.residual);
-    return taken;
-  }
-  if (through > options_.most_violated) {
+  } else if (through > options_.most_violated) {
     taken.problem = fmt::format(
         "{:.0f} % of what is known of it would be where the look saw nothing: it is not held, or "
         "lies otherwise in the hand",
         100 * through);
+  }
+  if (!taken.problem.empty()) {
+    looks_.pop_back();
     return taken;
   }
-  const geometry::PointCloud seen_O = geometry::transformed(seen_S, pose.X_KS);
-  belief_.begin_act({options_.holding.along, 0});
-  for (const std::size_t i :
-       points_beside(seen_O, known_, static_cast<std::size_t>(options_.most_contacts))) {
-    belief_.add({seen_O.points[i].cast<double>(), seen_O.normals[i].cast<double>().normalized(),
-                 options_.seen_deviation});
-  }
-  belief_.add_seen(seen_O);
-  if (!space_O.empty_until.empty()) belief_.add_seen_space(std::move(space_O));
-  belief_.update();
-  known_.points.insert(known_.points.end(), seen_O.points.begin(), seen_O.points.end());
-  known_.normals.insert(known_.normals.end(), seen_O.normals.begin(), seen_O.normals.end());
-  X_held_ = X_held;
-  ++looks_;
+  X_held_ = pose.X_KS.inverse(Eigen::Isometry);
+  taken.X_WO = look.X_WO * X_held_;
+  taken.moved = (X_held_ * middle_ - middle_).norm();
+  believe(poses);
   return taken;
+}
+
+// All looks, where they lie now.
+void HeldObject::believe(const std::vector<HeldPose>& poses) {
+  belief_ = ObjectBelief(shape_, table_W_, options_.belief);
+  known_ = first_;
+  for (std::size_t i = 0; i < looks_.size(); ++i) {
+    const geometry::PointCloud seen_O = geometry::transformed(looks_[i].seen_S, poses[i].X_KS);
+    belief_.add_seen(seen_O);
+    shape::SeenSpace space_O = looks_[i].space_S;
+    space_O.X_WC = poses[i].X_KS * space_O.X_WC;
+    if (!space_O.empty_until.empty()) belief_.add_seen_space(std::move(space_O));
+    known_.points.insert(known_.points.end(), seen_O.points.begin(), seen_O.points.end());
+    known_.normals.insert(known_.normals.end(), seen_O.normals.begin(), seen_O.normals.end());
+  }
+  belief_.update();
 }
 
 surface::ObjectModel HeldObject::model() const {
@@ -172,34 +235,55 @@ surface::ObjectModel HeldObject::model() const {
 HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
                    const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
                    const std::vector<geometry::TriangleMesh>& robot_W,
-                   const geometry::PointCloud& thought_W, double reach, double clearance) {
+                   const geometry::PointCloud& thought_W, const HeldLookOptions& options) {
   HeldLook look;
   const Eigen::Vector3d middle = geometry::centroid(thought_W);
-  Eigen::AlignedBox3d near;
-  near.extend(middle - Eigen::Vector3d::Constant(reach));
-  near.extend(middle + Eigen::Vector3d::Constant(reach));
+  double radius = 0;
+  for (const Eigen::Vector3f& p : thought_W.points) {
+    radius = std::max(radius, (p.cast<double>() - middle).norm());
+  }
+  const double room = std::max(kLeastRoom, options.room * radius), reach = radius + room;
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(middle.array() - reach),
+                                Eigen::Vector3d(middle.array() + reach));
   std::vector<geometry::MeshQuery> links;
   for (const geometry::TriangleMesh& link : robot_W) {
     if (link.triangles.empty()) continue;
-    if (geometry::bounds(link).squaredExteriorDistance(near) > clearance * clearance) continue;
+    if (geometry::bounds(link).squaredExteriorDistance(box) > std::pow(options.clearance, 2)) {
+      continue;
+    }
     links.emplace_back(link);
   }
+  const std::vector<Eigen::Vector3f> few = every(thought_W.points, kMostThought);
+  const PointCells thought(few, room);
+  const auto may_be_held = [&](int u, int v, const Eigen::Vector3d& p_W) {
+    if ((p_W - middle).squaredNorm() > reach * reach) return false;
+    if (table_W.signed_distance(p_W) < options.height) return false;
+    if (is_at_edge(depth, u, v, options)) return false;
+    const bool is_robot = std::any_of(links.begin(), links.end(), [&](const auto& link) {
+      return link.box().squaredExteriorDistance(p_W) <= std::pow(options.clearance, 2) &&
+             (link.nearest(p_W, options.clearance).has_value() || link.contains(p_W));
+    });
+    if (is_robot) return false;
+    bool is_near = false;
+    thought.each_near(p_W.cast<float>(), [&](std::size_t, float) { is_near = true; });
+    return is_near;
+  };
+  geometry::MaskImage mask(depth.width, depth.height, 0);
   for (int v = 0; v < depth.height; ++v) {
     for (int u = 0; u < depth.width; ++u) {
       const double z = static_cast<double>(depth.at(u, v));
       if (!(z > 0) || !std::isfinite(z)) continue;
-      const Eigen::Vector3d p_W = X_WC * camera.unproject(u, v, z);
-      if ((p_W - middle).squaredNorm() > reach * reach) continue;
-      if (table_W.signed_distance(p_W) < clearance) continue;
-      const bool is_robot = std::any_of(links.begin(), links.end(), [&](const auto& link) {
-        return link.nearest(p_W, clearance).has_value() || link.contains(p_W);
-      });
-      if (!is_robot) look.seen_W.points.push_back(p_W.cast<float>());
+      if (may_be_held(u, v, X_WC * camera.unproject(u, v, z))) mask.at(u, v) = 255;
+    }
+  }
+  for (const std::vector<std::pair<int, int>>& piece : pieces_of(depth, mask, options)) {
+    for (const auto& [u, v] : piece) {
+      const auto z = static_cast<double>(depth.at(u, v));
+      look.seen_W.points.push_back((X_WC * camera.unproject(u, v, z)).cast<float>());
     }
   }
   look.space =
       shape::make_seen_space(depth, camera, X_WC, table_W, thought_W.points, kWindowMargin);
-  look.space.X_WC = X_WC;
   return look;
 }
 

@@ -19,9 +19,8 @@ struct HeldObjectOptions {
   BeliefOptions belief;
   surface::ModelOptions model;
   HeldPrior closing{0.006, 0.12};   // of what closing and lifting did to it, before the first look
-  HeldPrior holding{0.002, 0.03};   // of what turning it does, from one look to the next
+  HeldPrior holding{0.001, 0.01};   // of what turning it does, from one look to the next
   double seen_deviation = 0.0015;   // m, > 0, standard, of a seen point
-  int most_contacts = 48;           // >= 0, of a look's points, that weigh shapes
   double largest_residual = 0.005;  // m, > 0, of the points of a look on those known before
   double most_violated = 0.2;  // share of what is known, in (0, 1], that a look may see through
 
@@ -48,10 +47,9 @@ struct TakenLook {
 };
 
 /// An object that was predicted from one look, gripped, and is turned before a camera: its model
-/// closes look by look. Every look is laid onto what was seen before, beginning where the hand has
-/// brought it (held_pose()): by as far as closing may have moved it in the hand at first, then by
-/// what turning it may. What was seen becomes its surface, what was looked through is empty, and
-/// the shapes that it may have are weighed by it (ObjectBelief).
+/// closes look by look. Looks are laid onto the first one and onto each other, beginning where the
+/// hand has brought the object (held_poses()): with each look all of them anew. What was seen
+/// becomes its surface, and what was looked through is empty (ObjectBelief).
 ///
 /// Frame O: the world when it was first seen. Same looks, same model. Not thread-safe.
 class HeldObject {
@@ -66,36 +64,52 @@ class HeldObject {
   /// @throws std::invalid_argument for points that are not finite.
   TakenLook add(const HeldLook& look);
 
-  int looks() const { return looks_; }  // that were taken
-  /// What closing, lifting and turning have done to it in the hand, by the last look: what was at p
-  /// when it was first seen is where X_held() p would be, had it not moved in the hand.
+  int looks() const { return static_cast<int>(looks_.size()); }  // that were taken
+  /// What closing, lifting and turning have done to it in the hand, by the looks, when the last one
+  /// was taken: what was at p when it was first seen is where X_held() p would be, had it not moved
+  /// in the hand.
   const geometry::RigidTransform& X_held() const { return X_held_; }
   /// As it is known now, in O. Its seen vertices are those that any look saw.
   /// @throws geometry::InputError when no surface comes out.
   surface::ObjectModel model() const;
-  /// The looks speak against every shape that was predicted: only what was seen is sure.
-  bool contradicted() const { return belief_.contradicted(); }
 
  private:
+  /// A look that was taken.
+  struct Look {
+    geometry::PointCloud seen_S;  // with normals, where the hand alone would have them in O
+    shape::SeenSpace space_S;
+  };
   double violated(const shape::SeenSpace& space_O) const;
+  void believe(const std::vector<HeldPose>& poses);
 
   HeldObjectOptions options_;
   shape::CompletedShape shape_;
+  geometry::Plane table_W_;
   ObjectBelief belief_;
-  geometry::PointCloud known_;  // all that was seen, O, with normals
-  geometry::RigidTransform X_held_ = geometry::RigidTransform::Identity();  // in the hand, of O
-  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();                        // of the first look
-  int looks_ = 0;
+  geometry::PointCloud first_;  // what was seen at first, O, with normals
+  geometry::PointCloud known_;  // that, and all looks where they lie
+  std::vector<Look> looks_;
+  geometry::RigidTransform X_held_ = geometry::RigidTransform::Identity();
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of the first look
+};
+
+struct HeldLookOptions {
+  double room = 0.6;         // >= 0, of the radius of what is thought to be held, round its surface
+  double clearance = 0.006;  // m, >= 0, from the robot's links
+  double height = 0.03;      // m, >= 0, over the table
+  double least_piece = 0.05;  // share of what was seen, in [0, 1), that a piece by itself has
+  int edge = 3;               // pixels, >= 0: of an edge in depth nobody knows whose it is
+  double step = 0.015;        // m, > 0, of depth, that is an edge
 };
 
 /// What a view shows of the object that a hand holds, near where it is thought to be: the points
-/// within `reach` [m] of the middle of `thought_W`, its surface as it is thought to be now, that
-/// are farther than `clearance` [m] from every link of the robot and from the table.
+/// within some room about `thought_W`, its surface as it is thought to be now, that keep clear of
+/// every link of the robot, of the table, and of edges in depth, in pieces that are not small.
 /// @param depth of the camera's size [m], NaN where unknown.
 /// @param robot_W the robot's links as they are now.
 HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
                    const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
                    const std::vector<geometry::TriangleMesh>& robot_W,
-                   const geometry::PointCloud& thought_W, double reach, double clearance = 0.006);
+                   const geometry::PointCloud& thought_W, const HeldLookOptions& options = {});
 
 }  // namespace prehend::belief

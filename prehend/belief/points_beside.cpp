@@ -16,6 +16,7 @@ constexpr double kSeenAlready = 0.006;  // m
 
 std::vector<std::size_t> points_beside(const geometry::PointCloud& cloud,
                                        const geometry::PointCloud& known, std::size_t most) {
+  if (most == 0) return {};
   const PointCells cells(known.points, kSeenAlready);
   std::vector<std::size_t> left;
   Eigen::AlignedBox3f box;

@@ -28,8 +28,8 @@ constexpr int kSpins = 12;              // about the line of sight
 constexpr int kMostGoals = 8;           // positions that a path may lead to
 constexpr double kOverlap = 0.3;        // of what a view shows, that is known: enough to lay it on
 constexpr double kLower = 0.03;         // m, that it may be brought below where it is lifted to
-constexpr double kNearest = 0.3;        // m, before the camera
 constexpr double kOffSurface = 5e-4;    // m, of a ray's start
+constexpr double kFarthestPlace = 2;    // m, beyond the nearest place before the camera
 constexpr double kPlaceStep = 0.05;     // m, between places along the line of sight
 constexpr std::size_t kMostPlaces = 3;  // besides where it is lifted to
 
@@ -138,7 +138,7 @@ class ViewPlanner {
   bool in_picture(const Vector3d& p_W) const {
     const geometry::PinholeCamera& camera = camera_.camera;
     const Vector3d p_C = camera_.X_WC.inverse(Eigen::Isometry) * p_W;
-    if (p_C.z() < std::max(kNearest, 2 * radius_)) return false;
+    if (p_C.z() < options_.nearest + radius_) return false;
     const Eigen::Vector2d pixel = camera.project(p_C);
     const double x = camera.fx * radius_ / p_C.z() + options_.image_margin * camera.width;
     const double y = camera.fy * radius_ / p_C.z() + options_.image_margin * camera.height;
@@ -159,7 +159,8 @@ class ViewPlanner {
          camera.unproject(0.5 * (camera.width - 1), 0.5 * (camera.height - 1), 1))
             .normalized();
     std::vector<std::pair<double, Vector3d>> found;
-    for (double along = kNearest; along < 2.5; along += kPlaceStep) {
+    for (double along = options_.nearest; along < options_.nearest + kFarthestPlace;
+         along += kPlaceStep) {
       const Vector3d p_W = eye_W + along * ahead_W;
       if (table_W.signed_distance(p_W) < least || !in_picture(p_W)) continue;
       found.emplace_back((p_W - lifted_W).norm(), p_W);

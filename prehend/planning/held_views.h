@@ -43,6 +43,7 @@ struct HeldViewOptions {
   double least_gain = 0.03;
   double steepest = 1.2;  // rad
   double image_margin = 0.04;
+  double nearest = 0.45;  // m
   double speed_factor = 0.5;
   double budget = 1;
 
@@ -57,6 +58,9 @@ struct HeldViewOptions {
                "between surface and line of sight: what is seen flatter counts as not seen"});
     visit(Knob{"image_margin", self.image_margin, "", 0, 0.4,
                "of the picture, that the object keeps from its border"});
+    visit(Knob{"nearest", self.nearest, "m", 0.01, 10,
+               "that any of it is brought to the camera: nearer than it measures depth, what it "
+               "says is wrong"});
     visit(Knob{"speed_factor", self.speed_factor, "", 0.01, 1,
                "of the joints' speed while it is turned"});
     visit(Knob{"budget", self.budget, "s", 0, 3600,
