@@ -245,6 +245,8 @@ class ArmCycle : public Cycle {
   std::size_t view_ = 0;             // of the plan's
   int views_seen_ = 0;               // of this inspection
   std::string view_problem_;         // of the last look that failed
+  std::string last_found_;           // by the last look that was taken
+  std::string inspected_;            // in words, for the result; empty: it was not
   std::optional<double> stability_;  // that the lift holds, as judged last
   bool pressed_harder_ = false;      // in this attempt
   touch::HoldSlip hold_slip_;

@@ -32,6 +32,7 @@ void ArmCycle::prepare_attempt() {
   adapted_ = 0;
   shifted_.clear();
   stability_.reset();
+  inspected_.clear();
   pressed_harder_ = holds_ = false;
   slid_ = 0;
   holding_.begin();

@@ -184,9 +184,10 @@ void ArmCycle::verify() {
     return ended(Outcome::kFailed,
                  name + ": what was to be put down did not leave the hand: " + empty.why);
   }
-  achieved(fmt::format("{}: lifted{}, held all the way{}, put down{}; {}", name,
+  achieved(fmt::format("{}: lifted{}{}, held all the way{}, put down{}; {}", name,
                        holding_.weight() ? fmt::format(" {:.2f} N", *holding_.weight()) : "",
-                       foretold() + slipped(), is_at_place() ? "" : " where it stood", empty.why));
+                       inspected_, foretold() + slipped(), is_at_place() ? "" : " where it stood",
+                       empty.why));
   ended(Outcome::kDone);
 }
 

@@ -41,6 +41,7 @@ void ArmCycle::after_look() {
   switch (inspection_->status()) {
     case MotionStatus::kReached:
       ++views_seen_;
+      last_found_ = inspection_->found();
       break;
     case MotionStatus::kMoving:
       inspection_->stop();
@@ -63,9 +64,9 @@ void ArmCycle::next_view() {
   if (views_seen_ == 0) {
     return ended(Outcome::kFailed, "it was not seen in any view: " + view_problem_);
   }
-  achieved(fmt::format("{}: lifted and seen from {} of {} sides; {}",
-                       described(grasp(), grasp_index()), views_seen_, grasp().views.size(),
-                       inspection_->found()));
+  inspected_ = fmt::format(", seen from {} of {} sides ({})", views_seen_, grasp().views.size(),
+                           last_found_);
+  achieved(fmt::format("{}: lifted{}", described(grasp(), grasp_index()), inspected_));
   ended(Outcome::kDone);
 }
 
