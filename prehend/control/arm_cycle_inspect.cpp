@@ -12,11 +12,16 @@ bool ArmCycle::inspects() const {
 }
 
 void ArmCycle::begin_inspection() {
-  if (!inspection_) return ended(Outcome::kNothing, "nobody looks at what is held");
-  if (grasp().views.empty()) {
-    return ended(Outcome::kNothing, grasp().views_problem.empty()
-                                        ? "the plan has no view of what is held"
-                                        : grasp().views_problem);
+  std::string why;
+  if (!inspection_) {
+    why = "nobody looks at what is held";
+  } else if (grasp().views.empty()) {
+    why = grasp().views_problem.empty() ? "the plan has no view of what is held"
+                                        : grasp().views_problem;
+  }
+  if (!why.empty()) {
+    inspected_ = ", not looked at (" + why + ")";
+    return ended(Outcome::kNothing, why);
   }
   view_ = 0;
   views_seen_ = 0;
@@ -62,6 +67,7 @@ void ArmCycle::next_view() {
   // Turning has loaded the pads otherwise: what they feel now is what is compared from here on.
   if (holds_) hold_slip_.begin(now());
   if (views_seen_ == 0) {
+    inspected_ = ", not seen in any view (" + view_problem_ + ")";
     return ended(Outcome::kFailed, "it was not seen in any view: " + view_problem_);
   }
   inspected_ = fmt::format(", seen from {} of {} sides ({})", views_seen_, grasp().views.size(),

@@ -27,7 +27,7 @@ constexpr int kDirections = 64;         // that an object may be seen from, even
 constexpr int kSpins = 12;              // about the line of sight
 constexpr int kMostGoals = 8;           // positions that a path may lead to
 constexpr double kOverlap = 0.3;        // of what a view shows, that is known: enough to lay it on
-constexpr double kLower = 0.03;         // m, that it may be brought below where it is lifted to
+constexpr double kOverTable = 0.04;     // m, that all of it stays over the table when it is turned
 constexpr double kOffSurface = 5e-4;    // m, of a ray's start
 constexpr double kFarthestPlace = 2;    // m, beyond the nearest place before the camera
 constexpr double kPlaceStep = 0.05;     // m, between places along the line of sight
@@ -151,7 +151,7 @@ class ViewPlanner {
   void find_places(const geometry::Plane& table_W) {
     const Vector3d lifted_W = X_WT_lifted_ * middle_T_;
     if (in_picture(lifted_W)) places_.push_back(lifted_W);
-    const double least = table_W.signed_distance(lifted_W) - kLower;
+    const double least = radius_ + kOverTable;
     const geometry::PinholeCamera& camera = camera_.camera;
     const Vector3d eye_W = camera_.X_WC.translation();
     const Vector3d ahead_W =

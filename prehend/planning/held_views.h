@@ -43,7 +43,7 @@ struct HeldViewOptions {
   double least_gain = 0.03;
   double steepest = 1.2;  // rad
   double image_margin = 0.04;
-  double nearest = 0.45;  // m
+  double nearest = 0.37;  // m
   double speed_factor = 0.5;
   double budget = 1;
 
@@ -104,8 +104,7 @@ struct HeldThing {
 /// side to the camera, within the picture, and a free path to it. The first view is where the lift
 /// ends, if the object is within the picture there.
 /// @param carrying with the object held by the hand. @param X_WB of the arm's base.
-/// @param lifted of the arm, at the lift's end. @param table_W over which it stays about as high as
-/// it was lifted.
+/// @param lifted of the arm, at the lift's end. @param table_W over which it stays.
 /// @throws std::invalid_argument for options out of range.
 HeldViews plan_held_views(const motion::RobotInWorld& carrying,
                           const robot::InverseKinematics& inverse,

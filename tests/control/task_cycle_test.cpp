@@ -472,6 +472,8 @@ TEST(InspectTask, WithoutViewsOrAnyoneWhoLooksItIsPutBack) {
     f.run(cycle);
     EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
     EXPECT_TRUE(inspection.looked_at.empty());
+    EXPECT_THAT(cycle.result().reason,
+                HasSubstr(looks ? "the plan's words" : "nobody looks at what is held"));
   }
 }
 
