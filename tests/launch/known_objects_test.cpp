@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <vector>
 
@@ -156,8 +158,35 @@ TEST_F(KnownObjects, TakeTheirPlaceAndTheirGraspsAreRemembered) {
   EXPECT_THAT(program.output(), HasSubstr("is not angle_iron"));
 }
 
-TEST_F(KnownObjects, AFolderWithoutMeshesIsRefused) {
-  ChildProgram program("known_objects", {"--param", "models:=" + scratch_.path()},
+// Of an empty folder none is known; what is put there counts from the next view on, and a file that
+// is none leaves the others.
+TEST_F(KnownObjects, WhatComesIntoTheFolderIsKnownFromThenOn) {
+  const std::string folder = scratch_.path("models");
+  std::filesystem::create_directories(folder);
+  ChildProgram program("container",
+                       {"--", "known_objects", "--param", "models:=" + folder, "--",
+                        "grasp_planning", "--param", "gripper:=config/robots/pg70_dsa.yaml"},
+                       scratch_.path("output.txt"), registry_.endpoint());
+  const auto mesh = grasp::angle_iron();
+  publish(1, mesh, 0.4);
+  ASSERT_TRUE(have(1)) << program.output();
+  geometry::write_mesh_file(folder + "/angle_iron.ply", mesh);
+  publish(2, mesh, 0.4);
+  ASSERT_TRUE(have(2)) << program.output();
+  std::ofstream(folder + "/broken.ply") << "ply\nnonsense\n";
+  publish(3, mesh, 0.4);
+  ASSERT_TRUE(have(3)) << program.output();
+  ::kill(program.pid(), SIGINT);
+  EXPECT_EQ(program.wait(seconds(30)), 0) << program.output();
+  const std::lock_guard lock(mutex_);
+  EXPECT_FALSE(received_models_[0].has_known());
+  EXPECT_EQ(received_models_[1].known().name(), "angle_iron");
+  EXPECT_EQ(received_models_[2].known().name(), "angle_iron");
+  EXPECT_THAT(program.output(), HasSubstr("broken.ply"));
+}
+
+TEST_F(KnownObjects, AFolderThatIsNotThereIsRefused) {
+  ChildProgram program("known_objects", {"--param", "models:=" + scratch_.path("missing")},
                        scratch_.path("output.txt"), registry_.endpoint());
   EXPECT_EQ(program.wait(seconds(30)), 2);
   EXPECT_THAT(program.output(), HasSubstr("no meshes"));
