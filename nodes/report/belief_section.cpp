@@ -61,6 +61,31 @@ std::string what_it_weighs(const msgs::Belief& belief) {
   return text;
 }
 
+Eigen::AlignedBox3d box_of(const surface::ObjectModel& before, const surface::ObjectModel& after) {
+  Eigen::AlignedBox3d box = geometry::bounds(before.mesh_W);
+  box.extend(geometry::bounds(after.mesh_W));
+  return box;
+}
+
+double diagonal_of(const surface::ObjectModel& before, const surface::ObjectModel& after) {
+  return box_of(before, after).diagonal().norm();
+}
+
+/// Two models of an object side by side, from before and from behind.
+void add_both(report::Page& page, const surface::ObjectModel& before,
+              const surface::ObjectModel& after, const std::vector<report::ColoredMesh>& marks,
+              const std::vector<std::string>& captions) {
+  std::vector<geometry::ColorImage> pictures;
+  for (const auto& X_WC : two_views(box_of(before, after), 0.6)) {
+    for (const surface::ObjectModel* model : {&before, &after}) {
+      std::vector<report::ColoredMesh> drawn = by_origin(*model);
+      drawn.insert(drawn.end(), marks.begin(), marks.end());
+      pictures.push_back(report::draw_meshes(drawn, object_camera(), X_WC));
+    }
+  }
+  page.add_pictures(pictures, captions);
+}
+
 void add_pictures(report::Page& page, const Collected& collected, const msgs::Belief& belief) {
   const std::pair key{belief.header().stamp(), belief.id()};
   const auto predicted = collected.predicted.find(key), believed = collected.believed.find(key);
@@ -70,21 +95,10 @@ void add_pictures(report::Page& page, const Collected& collected, const msgs::Be
   }
   const auto before = convert::from_message(predicted->second);
   const auto after = convert::from_message(believed->second);
-  Eigen::AlignedBox3d box = geometry::bounds(before.mesh_W);
-  box.extend(geometry::bounds(after.mesh_W));
-  const auto marks = marks_of(belief, box.diagonal().norm());
-  std::vector<geometry::ColorImage> pictures;
-  for (const auto& X_WC : two_views(box, 0.6)) {
-    for (const surface::ObjectModel* model : {&before, &after}) {
-      std::vector<report::ColoredMesh> drawn = by_origin(*model);
-      drawn.insert(drawn.end(), marks.begin(), marks.end());
-      pictures.push_back(report::draw_meshes(drawn, object_camera(), X_WC));
-    }
-  }
-  page.add_pictures(pictures,
-                    {"As it was predicted; red: where it was touched",
-                     "As it is believed; green rests on what was felt",
-                     "As it was predicted, from behind", "As it is believed, from behind"});
+  add_both(page, before, after, marks_of(belief, diagonal_of(before, after)),
+           {"As it was predicted; red: where it was touched",
+            "As it is believed; green rests on what was felt", "As it was predicted, from behind",
+            "As it is believed, from behind"});
 }
 
 }  // namespace
@@ -109,6 +123,29 @@ void add_beliefs(report::Page& page, const Collected& collected) {
                     "misfit (1: as far off as expected)"},
                    rows);
   }
+}
+
+void add_held(report::Page& page, const Collected& collected) {
+  std::vector<std::vector<std::string>> rows;
+  for (const msgs::ObjectModel& look : collected.held) {
+    rows.push_back({std::to_string(rows.size() + 1), std::to_string(look.id()),
+                    fmt::format("{:.0f} %", 100 * look.guessed_area()),
+                    fmt::format("{:.0f} cm³", 1e6 * look.volume())});
+  }
+  page.add_paragraph(
+      "The arm turned what it held before the camera. Each look was laid onto those before it; "
+      "what "
+      "they saw is the object's surface, and nothing is left where they looked through.");
+  page.add_table({"look", "object", "of its surface still guessed", "volume"}, rows);
+  const msgs::ObjectModel& last = collected.held.back();
+  const auto known = collected.predicted.find({last.header().stamp(), last.id()});
+  if (known == collected.predicted.end()) {
+    page.add_paragraph("Its predicted mesh did not come.");
+    return;
+  }
+  add_both(page, convert::from_message(known->second), convert::from_message(last), {},
+           {"As it was predicted from one look", "After the last look in the hand",
+            "As it was predicted, from behind", "After the last look in the hand, from behind"});
 }
 
 }  // namespace prehend::nodes

@@ -9,4 +9,7 @@ namespace prehend::nodes {
 /// and as it is believed, with the places where it was touched; or why nothing was made of them.
 void add_beliefs(report::Page& page, const Collected& collected);
 
+/// What looks in the hand made of a prediction, after each of them. @pre there are some
+void add_held(report::Page& page, const Collected& collected);
+
 }  // namespace prehend::nodes

@@ -48,6 +48,7 @@ struct Collected {
   std::vector<msgs::Belief> beliefs;  // as they came
   // By stamp and object, the newest of a run: as it was predicted, and as it is believed.
   std::map<std::pair<std::int64_t, std::uint32_t>, msgs::ObjectModel> predicted, believed;
+  std::vector<msgs::ObjectModel> held;  // of what was turned before the camera, after each look
   std::vector<msgs::Surprise> surprises;
   std::vector<msgs::PerceptSurprise> percept_surprises;  // as they came
   std::optional<msgs::CycleResult> result;

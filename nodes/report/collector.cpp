@@ -61,6 +61,9 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
   listen<msgs::Belief>("/belief", QoS::queue(64), [&c](const auto& m) {
     if (c.beliefs.size() < kMostBeliefs) c.beliefs.push_back(m);
   });
+  listen<msgs::ObjectModel>("/held/model", QoS::queue(64), [&c](const auto& m) {
+    if (c.held.size() < kMostBeliefs) c.held.push_back(m);
+  });
   listen<msgs::PerceptSurprise>("/percepts/surprise", QoS::queue(64), [&c](const auto& m) {
     if (c.percept_surprises.size() < kMostBeliefs) c.percept_surprises.push_back(m);
   });

@@ -249,6 +249,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   if (!collected.beliefs.empty()) {
     section(page, "What touch changed", [&] { add_beliefs(page, collected); });
   }
+  if (!collected.held.empty()) {
+    section(page, "What was seen in the hand", [&] { add_held(page, collected); });
+  }
   section(page, "Over time", [&] { add_charts(page, collected); });
   add_tables(page, collected, processes);
   return page;

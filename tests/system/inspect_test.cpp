@@ -2,6 +2,7 @@
 // people.
 
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -42,6 +43,10 @@ TEST(Inspect, TurnsAnUnknownObjectIntoAKnownOne) {
   const Outcome looked = launch("inspect");
   ASSERT_EQ(looked.exit_code, 0) << looked.output;
   EXPECT_NE(looked.output.find("no object is known yet"), std::string::npos) << looked.output;
+  std::ifstream in(scratch.path() / "inspect" / "report.html");
+  const std::string page{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(page.find("What was seen in the hand"), std::string::npos);
+  EXPECT_EQ(page.find("could not be drawn"), std::string::npos);
   const auto file = known / "object-1.ply";
   ASSERT_TRUE(std::filesystem::exists(file)) << looked.output;
   const geometry::TriangleMesh mesh_O = geometry::read_mesh_file(file);
