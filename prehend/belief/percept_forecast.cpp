@@ -59,7 +59,7 @@ class Perceiver {
   ActMoment moment() const {
     const RobotWorld& world = act_.world();
     const simulation::ContactWrench wrench = world.wrist_wrench();
-    ActMoment now{world.time(), {}, world.hand_positions(), Wrench{wrench.force, wrench.torque}};
+    ActMoment now{world.time(), {}, joints_of_motors(), Wrench{wrench.force, wrench.torque}};
     // As the pads' electronics show it, not as the simulation knows it.
     for (const simulation::HandPadReading& pad : world.pads()) {
       const robot::HandPad& model = hand_.pads[now.pads.size()];
@@ -67,6 +67,20 @@ class Perceiver {
                                    model.model.newton_per_count, options_.touch_counts));
     }
     return now;
+  }
+
+  // As the joints' states have them: of a coupling that broke away, the motor goes on without the
+  // joint.
+  Eigen::VectorXd joints_of_motors() const {
+    const std::vector<simulation::JointReading> joints = act_.world().joints();
+    Eigen::VectorXd positions = act_.world().hand_positions();
+    const std::vector<std::string> names = hand_.actuated_names();
+    for (std::size_t m = 0; m < names.size(); ++m) {
+      const auto joint = std::find_if(joints.begin(), joints.end(),
+                                      [&](const auto& one) { return one.name == names[m]; });
+      if (joint != joints.end()) positions[static_cast<Eigen::Index>(m)] = joint->position;
+    }
+    return positions;
   }
 
   const robot::HandModel& hand_;

@@ -146,7 +146,7 @@ TEST_P(PerceivedBox, LeavesOutWhatThereIsNoSensorFor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Platforms, PerceivedBox,
-                         testing::Values("stage_pg70", "kr5_pg70", "kr5_sdh"));
+                         testing::Values("stage_pg70", "kr5_pg70", "kr5_sdh", "pa10_barrett"));
 
 }  // namespace
 }  // namespace prehend::control
