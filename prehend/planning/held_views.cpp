@@ -26,6 +26,7 @@ using std::chrono::steady_clock;
 constexpr int kDirections = 64;         // that an object may be seen from, evenly spread
 constexpr int kSpins = 12;              // about the line of sight
 constexpr int kMostGoals = 8;           // positions that a path may lead to
+constexpr double kApart = 0.7;          // rad, of views that show nothing new
 constexpr double kOverlap = 0.3;        // of what a view shows, that is known: enough to lay it on
 constexpr double kOverTable = 0.04;     // m, that all of it stays over the table when it is turned
 constexpr double kOffSurface = 5e-4;    // m, of a ray's start
@@ -72,6 +73,10 @@ class ViewPlanner {
     HeldViews result;
     result.seen = known_share();
     result.shown = result.seen;
+    if (1 - result.seen < options_.least_gain) {
+      result.problem = "all of it is known";
+      return result;
+    }
     if (places_.empty()) {
       result.problem = "what is lifted is not brought into the camera's picture";
       return result;
@@ -82,6 +87,7 @@ class ViewPlanner {
       const std::vector<char> shown =
           shown_from(X_WT_lifted_.linear().transpose() * to_eye(X_WT_lifted_ * middle_T_));
       stays.gain = learn(shown);
+      taken_T_.push_back(X_WT_lifted_.linear().transpose() * to_eye(X_WT_lifted_ * middle_T_));
       result.views.push_back(std::move(stays));
     }
     std::vector<Vector3d> directions_T = even_directions(kDirections);
@@ -90,15 +96,7 @@ class ViewPlanner {
     std::vector<char> open(directions_T.size(), 1);
     const std::size_t most = static_cast<std::size_t>(options_.views);
     while (result.views.size() < most && !is_over()) {
-      std::size_t best = open.size();
-      double most_worth = 0;
-      for (std::size_t i = 0; i < open.size(); ++i) {
-        if (!open[i] || gain(shown[i]) < options_.least_gain) continue;
-        const double worth = gain(shown[i]) * std::min(1.0, overlap(shown[i]) / kOverlap);
-        if (worth <= most_worth) continue;
-        most_worth = worth;
-        best = i;
-      }
+      const std::size_t best = best_direction(directions_T, shown, open);
       if (best == open.size()) break;
       open[best] = 0;
       const std::vector<Positions> goals = poses_for(directions_T[best]);
@@ -113,6 +111,7 @@ class ViewPlanner {
       view.trajectory = motion::blend_trajectory(carrying_, way.waypoints, acceleration, timing);
       view.way = std::move(way.waypoints);
       view.gain = learn(shown[best]);
+      taken_T_.push_back(directions_T[best]);
       result.views.push_back(std::move(view));
     }
     result.shown = known_share();
@@ -129,6 +128,34 @@ class ViewPlanner {
     return std::chrono::duration<double>(steady_clock::now() - begin_).count();
   }
   bool is_over() const { return options_.budget > 0 && elapsed() > options_.budget; }
+
+  /// Of the open directions that which shows most anew; where none shows enough, but something was
+  /// learnt in the hand, that which shows most from another side than those taken: looks that
+  /// overlap put each other right. As many as there are: none.
+  std::size_t best_direction(const std::vector<Vector3d>& directions_T,
+                             const std::vector<std::vector<char>>& shown,
+                             const std::vector<char>& open) const {
+    std::size_t best = open.size();
+    double most = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (!open[i] || gain(shown[i]) < options_.least_gain) continue;
+      const double worth = gain(shown[i]) * std::min(1.0, overlap(shown[i]) / kOverlap);
+      if (worth > most) best = i;
+      most = std::max(most, worth);
+    }
+    if (best < open.size() || taken_T_.empty()) return best;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const bool is_another = std::none_of(
+          taken_T_.begin(), taken_T_.end(),
+          [&](const Vector3d& taken_T) { return taken_T.dot(directions_T[i]) > std::cos(kApart); });
+      if (!open[i] || !is_another) continue;
+      const double area = share(static_cast<std::size_t>(std::count_if(
+          shown[i].begin(), shown[i].end(), [](char is_shown) { return is_shown != 0; })));
+      if (area > most) best = i;
+      most = std::max(most, area);
+    }
+    return best;
+  }
 
   Vector3d to_eye(const Vector3d& p_W) const {
     return (camera_.X_WC.translation() - p_W).normalized();
@@ -255,6 +282,7 @@ class ViewPlanner {
   double radius_ = 0;        // m, of a ball about its middle that holds it
   std::vector<char> known_;  // patches, by looks and views so far
   std::vector<Vector3d> places_;
+  std::vector<Vector3d> taken_T_;  // directions of the views so far
   steady_clock::time_point begin_ = steady_clock::now();
 };
 

@@ -101,8 +101,9 @@ struct HeldThing {
 /// Views by which most of the surface is seen that was not: each time the direction from which most
 /// new patches are seen - not too steeply, hidden by neither the object nor the hand - while enough
 /// of what is known is seen, too, to lay the look onto it; then a pose of the arm that turns that
-/// side to the camera, within the picture, and a free path to it. The first view is where the lift
-/// ends, if the object is within the picture there.
+/// side to the camera, within the picture, and a free path to it. Once none shows enough anew,
+/// those that show most from another side: looks that overlap put each other right. The first view
+/// is where the lift ends, if the object is within the picture there.
 /// @param carrying with the object held by the hand. @param X_WB of the arm's base.
 /// @param lifted of the arm, at the lift's end. @param table_W over which it stays.
 /// @throws std::invalid_argument for options out of range.
