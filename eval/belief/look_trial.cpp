@@ -72,11 +72,7 @@ robot::Positions TurningRobot::start() const { return planner_.platform().home("
 
 BeliefCase run_look_trial(const Case& one, const TurningRobot& robot,
                           const LookTrialOptions& options) {
-  BeliefCase result;
-  result.case_name = one.name();
-  result.group = one.data_set->group;
-  result.data_set = one.data_set->name;
-  result.orientation = one.orientation;
+  BeliefCase result = belief_case_of(one);
   try {
     const PredictedCase predicted = predict_case(one);
     const BeliefTruth truth(one, predicted.viewpoint_W);

@@ -89,12 +89,17 @@ BeliefSeries run_series(const shape::CompletedShape& shape, const geometry::Plan
 
 }  // namespace
 
-BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
+BeliefCase belief_case_of(const Case& one) {
   BeliefCase result;
   result.case_name = one.name();
   result.group = one.data_set->group;
   result.data_set = one.data_set->name;
   result.orientation = one.orientation;
+  return result;
+}
+
+BeliefCase run_touch_trial(const Case& one, const TouchTrialOptions& options) {
+  BeliefCase result = belief_case_of(one);
   try {
     const PredictedCase predicted = predict_case(one);
     const shape::CompletedShape& shape = predicted.shape;

@@ -47,6 +47,9 @@ struct BeliefCase {
   std::vector<TriedShape> shapes;
 };
 
+/// Of this view, nothing in it yet.
+BeliefCase belief_case_of(const Case& one);
+
 struct TouchTrialOptions {
   int touches = 5;
   const TouchingHand* hand = nullptr;  // null: a fingertip

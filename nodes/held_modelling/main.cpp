@@ -270,7 +270,6 @@ class HeldModelling {
     message.set_object_count(held.shape->object_count());
     *message.mutable_table() = held.shape->table();
     message.set_method("held");
-    message.set_confidence(1 - held.model->guessed_area);
     models_.publish(std::move(message));
   }
 

@@ -25,6 +25,7 @@ constexpr std::size_t kLeastPoints = 60;  // of a look, of the object
 constexpr double kSeenThrough = 0.008;    // m, before what a look saw behind it
 constexpr float kSeenConfidence = 0.95F;
 constexpr double kReach = 1.5;             // spacings, of a seen point to a vertex
+constexpr double kLeastReach = 0.003;      // m, the same
 constexpr std::size_t kMostThought = 400;  // points of what is thought to be held
 constexpr double kLeastRoom = 0.01;        // m
 constexpr int kWindowMargin = 24;          // pixels
@@ -113,11 +114,19 @@ void HeldObjectOptions::validate() const {
     require(prior->along > 0 && prior->along < 0.1, "along must be above 0, below 0.1 m");
     require(prior->turn > 0 && prior->turn < 1, "turn must be above 0, below 1 rad");
   }
-  require(seen_deviation > 0 && seen_deviation < 0.1,
-          "seen_deviation must be above 0, below 0.1 m");
   require(largest_residual > 0 && largest_residual < 0.1,
           "largest_residual must be above 0, below 0.1 m");
   require(most_violated > 0 && most_violated <= 1, "most_violated must be above 0, at most 1");
+}
+
+void HeldLookOptions::validate() const {
+  const text::Require require{"HeldLookOptions."};
+  require(room >= 0 && room < 10, "room must be from 0 to 10");
+  require(clearance >= 0 && clearance < 0.1, "clearance must be from 0 to 0.1 m");
+  require(height >= 0 && height < 1, "height must be from 0 to 1 m");
+  require(least_piece >= 0 && least_piece < 1, "least_piece must be from 0 to below 1");
+  require(edge >= 0 && edge < 100, "edge must be from 0 to 100 pixels");
+  require(step > 0 && step < 1, "step must be above 0, below 1 m");
 }
 
 HeldObject::HeldObject(const shape::CompletedShape& shape, const geometry::Plane& table_W,
@@ -218,7 +227,7 @@ surface::ObjectModel HeldObject::model() const {
   surface::ObjectModel model =
       surface::model_of_shape(belief_.mesh(), shape_, options_.model.convex_pieces);
   const double reach = kReach * surface::spacing_of(shape_.cloud_W);
-  const PointCells cells(known_.points, std::max(reach, 2 * options_.seen_deviation));
+  const PointCells cells(known_.points, std::max(reach, kLeastReach));
   for (std::size_t v = 0; v < model.mesh_W.vertices.size(); ++v) {
     if (!surface::is_guessed(model.vertex_origin[v])) continue;
     bool is_seen = false;
@@ -236,6 +245,10 @@ HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCam
                    const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
                    const std::vector<geometry::TriangleMesh>& robot_W,
                    const geometry::PointCloud& thought_W, const HeldLookOptions& options) {
+  options.validate();
+  if (depth.width != camera.width || depth.height != camera.height) {
+    throw std::invalid_argument("held_look(): the depth is not of the camera's size");
+  }
   HeldLook look;
   const Eigen::Vector3d middle = geometry::centroid(thought_W);
   double radius = 0;

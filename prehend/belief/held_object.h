@@ -20,7 +20,6 @@ struct HeldObjectOptions {
   surface::ModelOptions model;
   HeldPrior closing{0.006, 0.12};   // of what closing and lifting did to it, before the first look
   HeldPrior holding{0.001, 0.01};   // of what turning it does, from one look to the next
-  double seen_deviation = 0.0015;   // m, > 0, standard, of a seen point
   double largest_residual = 0.005;  // m, > 0, of the points of a look on those known before
   double most_violated = 0.2;  // share of what is known, in (0, 1], that a look may see through
 
@@ -100,13 +99,16 @@ struct HeldLookOptions {
   double least_piece = 0.05;  // share of what was seen, in [0, 1), that a piece by itself has
   int edge = 3;               // pixels, >= 0: of an edge in depth nobody knows whose it is
   double step = 0.015;        // m, > 0, of depth, that is an edge
+
+  void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
 /// What a view shows of the object that a hand holds, near where it is thought to be: the points
 /// within some room about `thought_W`, its surface as it is thought to be now, that keep clear of
 /// every link of the robot, of the table, and of edges in depth, in pieces that are not small.
 /// @param depth of the camera's size [m], NaN where unknown.
-/// @param robot_W the robot's links as they are now.
+/// @param robot_W the robot's links as they are now. @throws std::invalid_argument for options out
+/// of range, or a depth of another size.
 HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
                    const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
                    const std::vector<geometry::TriangleMesh>& robot_W,

@@ -139,6 +139,14 @@ TEST(HeldObject, RefusesWhatIsNoLook) {
   HeldObjectOptions options;
   options.closing.turn = 0;
   EXPECT_THROW(HeldObject(predicted.shape, predicted.view.table_W, options), std::invalid_argument);
+  const shape::SyntheticView& view = predicted.view;
+  EXPECT_THROW(held_look({}, view.camera, view.X_WC, view.table_W, {}, predicted.shape.cloud_W),
+               std::invalid_argument);
+  HeldLookOptions taking;
+  taking.step = 0;
+  EXPECT_THROW(held_look(view.depth, view.camera, view.X_WC, view.table_W, {},
+                         predicted.shape.cloud_W, taking),
+               std::invalid_argument);
   geometry::PointCloud bare = predicted.shape.cloud_W;
   bare.normals.clear();
   EXPECT_THROW(held_poses(bare, {}, {}, {}), std::invalid_argument);
