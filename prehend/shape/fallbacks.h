@@ -30,7 +30,7 @@ struct FallbackInput {
   const VotingPoints& voting;
   const SeenMap& map;
   const geometry::PinholeCamera& camera;
-  const geometry::RigidTransform& X_CT;
+  geometry::RigidTransform X_CT;
   double depth_tolerance;  // m
   double spacing;          // m, between predicted points, > 0
 };
