@@ -99,11 +99,10 @@ void Device::run() {
 void Device::turn(std::span<char> buffer) {
   const auto datagram = socket_.receive(buffer, steady_now() + to_time(options_.driver.cycle));
   take_what_was_asked();
-  const Time now = steady_now();
-  driver_.on_time(now);
+  driver_.on_time(steady_now());
   if (datagram.came) {
     if (is_answered(datagram.peer)) {
-      const std::string_view answer = driver_.on_packet(datagram.bytes, now);
+      const std::string_view answer = driver_.on_packet(datagram.bytes, datagram.arrived);
       if (!answer.empty()) {
         socket_.send(answer, datagram.peer);
         times_.add(to_seconds(steady_now() - datagram.arrived));

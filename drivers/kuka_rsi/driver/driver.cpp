@@ -8,12 +8,6 @@
 #include "drivers/kuka_rsi/driver/axes.h"
 
 namespace prehend::drivers::kuka_rsi {
-namespace {
-
-constexpr double kLeastPace = 0.6;  // of the cycle, between telegrams at the beginning
-
-}  // namespace
-
 const char* to_string(State state) {
   switch (state) {
     case State::kSilent:
@@ -92,7 +86,7 @@ Driver::Driver(const DriverOptions& options, Limits limits)
   }
 }
 
-std::string_view Driver::on_packet(std::string_view text, Time now) {
+std::string_view Driver::on_packet(std::string_view text, Time arrived) {
   RobotTelegram telegram;
   const char* why = "";
   const TelegramResult result = read_robot_telegram(text, options_.names, telegram, why);
@@ -104,11 +98,11 @@ std::string_view Driver::on_packet(std::string_view text, Time now) {
   ++now_.telegrams;
   const bool begins = now_.state == State::kSilent || now_.state == State::kRefused;
   if (!telegram.actual_axes || !telegram.delay) {
-    if (begins) return last_telegram_ = now, refuse(Reason::kNoSignals);
+    if (begins) return last_telegram_ = arrived, refuse(Reason::kNoSignals);
     ++now_.damaged;
     return {};
   }
-  return begins ? begin(telegram, now) : go_on(telegram, now);
+  return begins ? begin(telegram, arrived) : go_on(telegram, arrived);
 }
 
 std::string_view Driver::go_on(const RobotTelegram& telegram, Time now) {
@@ -135,16 +129,7 @@ std::string_view Driver::go_on(const RobotTelegram& telegram, Time now) {
     trail_[trail_next_] = pending_;
     trail_next_ = (trail_next_ + 1) % trail_size_;
   }
-  if (now_.state == State::kBeginning) {
-    const bool is_there = largest_difference(now_.actual, pending_) <= kSamePlace;
-    begun_ = is_there ? begun_ + 1 : 0;
-    if (begun_ == 0) begun_time_ = now;
-    if (begun_ >= kBeginTelegrams) {
-      const double pace = to_seconds(now - begun_time_) / begun_;
-      if (pace < kLeastPace * options_.cycle) return refuse(Reason::kCycle);
-      now_.state = State::kHolding;
-    }
-  }
+  if (now_.state == State::kBeginning && !begin_further(now)) return refuse(Reason::kCycle);
   mind_force(now);
   watch_path();
   const auto most = static_cast<std::uint64_t>(options_.late_limit);

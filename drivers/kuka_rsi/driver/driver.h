@@ -106,12 +106,14 @@ class Driver {
   static constexpr std::size_t kMostLag = 512;     // cycles
   static constexpr std::uint64_t kFreshDelay = 3;  // telegrams: RSI has just begun
   static constexpr int kBeginTelegrams = 10;       // compared before motions are taken
+  static constexpr int kFastTelegrams = 100;       // too fast on average: not a burst, the cycle
 
   /// @throws std::invalid_argument for options out of range.
   Driver(const DriverOptions& options, Limits limits);
 
-  /// The answer to a telegram, to be sent at once; valid until the next call. Empty: none.
-  std::string_view on_packet(std::string_view telegram, Time now);
+  /// The answer to a telegram that came to this machine at `arrived`, to be sent at once; valid
+  /// until the next call. Empty: none.
+  std::string_view on_packet(std::string_view telegram, Time arrived);
   /// Call it at least every cycle: notices that telegrams cease.
   void on_time(Time now);
 
@@ -147,6 +149,8 @@ class Driver {
   };
   Flow flow_of(const RobotTelegram& telegram, Time now) const;
   void count(const Flow& flow);
+  /// Counts a telegram of kBeginning, and holds after enough; false: they come too fast.
+  bool begin_further(Time now);
   void mind_force(Time now);
   void advance();
   void follow();

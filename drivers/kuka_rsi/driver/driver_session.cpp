@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kSameProgram = 2e-5;  // rad; four decimals of a degree are 2e-6
 constexpr int kCalmCycles = 100;
+constexpr double kLeastPace = 0.6;         // of the cycle, between telegrams at the beginning
 constexpr std::uint64_t kEarlyCycles = 5;  // by which time stamps may be ahead of this machine
 
 }  // namespace
@@ -70,6 +71,19 @@ std::string_view Driver::begin(const RobotTelegram& telegram, Time now) {
   take_state(telegram);
   forget_trail();
   return answer(telegram);
+}
+
+// Those that waited somewhere on their way come at once, and a few of them look like a short cycle;
+// a short cycle stays one however many are counted.
+bool Driver::begin_further(Time now) {
+  const bool is_there = largest_difference(now_.actual, pending_) <= kSamePlace;
+  begun_ = is_there ? begun_ + 1 : 0;
+  if (begun_ == 0) begun_time_ = now;
+  if (begun_ < kBeginTelegrams) return true;
+  const double pace = to_seconds(now - begun_time_) / begun_;
+  if (pace < kLeastPace * options_.cycle) return begun_ < kFastTelegrams;
+  now_.state = State::kHolding;
+  return true;
 }
 
 bool Driver::is_same_session(const RobotTelegram& telegram, const Axes& actual) const {

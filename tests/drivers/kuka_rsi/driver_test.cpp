@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdint>
 #include <stdexcept>
+#include <string>
 
 #include "tests/drivers/kuka_rsi/virtual_robot.h"
 
 namespace prehend::drivers::kuka_rsi {
 namespace {
 
+using namespace std::chrono_literals;
 using End = Snapshot::End;
 
 Axes beside_home(double way_of_a1) {
@@ -295,13 +299,40 @@ TEST(RsiDriver, ControllerOfAShorterCycleThanToldIsNotAnswered) {
     controller.ipoc_step = step;
     VirtualRobot robot({}, controller);
     robot.controller.begin();
-    robot.run(0.1);
+    for (int i = 0; i < 150 && robot.snapshot().state != State::kRefused; ++i) {
+      robot.step();
+      EXPECT_NE(robot.snapshot().state, State::kHolding) << step;
+    }
     EXPECT_EQ(robot.snapshot().state, State::kRefused) << step;
     EXPECT_EQ(robot.snapshot().refusal, Reason::kCycle) << step;
     EXPECT_FALSE(robot.move(beside_home(0.3), 2));
     robot.run(1);
     EXPECT_EQ(robot.controller.state(), Controller::State::kStopped);
     EXPECT_LT(robot.fastest, 1e-6);
+  }
+}
+
+// A machine or network that was held up hands over what waited at once.
+TEST(RsiDriver, TelegramsThatWaitedAreNoShorterCycle) {
+  for (const int waited : {5, 20, 35}) {
+    for (const int step : {1, 12}) {
+      VirtualRobot robot;
+      std::uint64_t ipoc = 1000;
+      const auto telegram = [&](std::chrono::milliseconds way) {
+        robot.now += way;
+        ipoc += step;
+        const std::string axes = R"(A1="0" A2="-90" A3="90" A4="0" A5="90" A6="0"/>)";
+        robot.driver->on_packet("<Rob><AIPos " + axes + "<ASPos " + axes +
+                                    R"(<Delay D="0"/><IPOC>)" + std::to_string(ipoc) +
+                                    "</IPOC></Rob>",
+                                robot.now);
+      };
+      telegram(12ms);
+      for (int i = 0; i < waited; ++i) telegram(0ms);
+      EXPECT_EQ(robot.snapshot().state, State::kBeginning) << waited;
+      for (int i = 0; i < 60; ++i) telegram(12ms);
+      EXPECT_EQ(robot.snapshot().state, State::kHolding) << waited;
+    }
   }
 }
 
