@@ -37,16 +37,19 @@ class EmergencyStopped : public ::testing::TestWithParam<StoppedRobot> {
     std::this_thread::sleep_for(500ms);
     EXPECT_TRUE(rig_->wait_until_stands(from, 5s)) << rig_->output();
   }
-  // Who hears of the reset late is not ready yet, or has taken the silence before it for a stop of
-  // his own: then it is reset again, as a person would.
+  // Who hears of the reset late is not ready yet, or tells only then of the silence before it,
+  // which is a stop of his own: then it is reset again, as a person would.
   void expect_moves_after_reset() {
     constexpr int kTries = 5;
     std::string problem;
     for (int i = 0; i < kTries; ++i) {
       const msgs::Acknowledge answer = rig_->reset();
       EXPECT_TRUE(answer.success()) << answer.reason();
-      ASSERT_TRUE(eventually([&] { return !rig_->is_stopped(); }));
       std::this_thread::sleep_for(600ms);
+      if (rig_->is_stopped()) {
+        problem = "stopped anew: " + rig_->reason();
+        continue;
+      }
       problem = rig_->move();
       if (problem.empty()) return;
     }
