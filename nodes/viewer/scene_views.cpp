@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -26,9 +27,47 @@ constexpr std::chrono::milliseconds kTruthPeriod{100};
 
 std::string key_of(std::uint32_t object) { return std::to_string(object); }
 
-struct ObjectsState {
-  std::mutex mutex;
-  Look look;
+// What was looked at in the hand is known better than by the look that it was grasped by, whichever
+// of the two is heard first.
+class ObjectsShown {
+ public:
+  explicit ObjectsShown(View::Publish publish) : publish_(std::move(publish)) {}
+
+  void take_model(const graph::RawMessage& raw) {
+    const auto model = decoded<msgs::ObjectModel>(raw);
+    const std::int64_t stamp = model.header().stamp();
+    std::vector<std::uint32_t> gone;
+    const std::lock_guard lock(mutex_);
+    if (!look_.take(raw.info.publish_time, stamp, model.object_count(), gone)) return;
+    if (look_.began_anew()) held_.clear();
+    for (const std::uint32_t id : gone) {
+      SceneUpdate deletion;
+      convert::add_deletion(deletion, convert::object_frame(id), stamp);
+      publish_(raw.info.publish_time, deletion.SerializeAsString(), key_of(id));
+    }
+    const auto held = held_.find(model.id());
+    if (held == held_.end() || held->second != stamp) show(raw, model);
+  }
+  void take_held(const graph::RawMessage& raw) {
+    const auto model = decoded<msgs::ObjectModel>(raw);
+    const std::int64_t stamp = model.header().stamp();
+    const std::lock_guard lock(mutex_);
+    if (stamp < look_.stamp()) return;
+    held_[model.id()] = stamp;
+    show(raw, model);
+  }
+
+ private:
+  void show(const graph::RawMessage& raw, const msgs::ObjectModel& model) {
+    SceneUpdate update;
+    *update.add_entities() = convert::object_entity(model);
+    publish_(raw.info.publish_time, update.SerializeAsString(), key_of(model.id()));
+  }
+
+  const View::Publish publish_;
+  std::mutex mutex_;  // of what follows
+  Look look_;
+  std::map<std::uint32_t, std::int64_t> held_;  // the stamp [ns] of its look, by the object
 };
 
 struct GraspsState {
@@ -56,23 +95,10 @@ View robot_view(std::shared_ptr<const robot::Platform> platform) {
 View objects_view() {
   View view{view_channel<SceneUpdate>("/viewer/objects", 1, false), {"/models"}, {}};
   view.begin = [](View::Publish publish) {
-    auto state = std::make_shared<ObjectsState>();
+    auto shown = std::make_shared<ObjectsShown>(std::move(publish));
     return std::vector<View::Source>{
-        {"/models", [state, publish](const graph::RawMessage& raw) {
-           const auto model = decoded<msgs::ObjectModel>(raw);
-           const std::int64_t stamp = model.header().stamp();
-           SceneUpdate update;
-           *update.add_entities() = convert::object_entity(model);
-           std::vector<std::uint32_t> gone;
-           const std::lock_guard lock(state->mutex);
-           if (!state->look.take(raw.info.publish_time, stamp, model.object_count(), gone)) return;
-           for (const std::uint32_t id : gone) {
-             SceneUpdate deletion;
-             convert::add_deletion(deletion, convert::object_frame(id), stamp);
-             publish(raw.info.publish_time, deletion.SerializeAsString(), key_of(id));
-           }
-           publish(raw.info.publish_time, update.SerializeAsString(), key_of(model.id()));
-         }}};
+        {"/models", [shown](const graph::RawMessage& raw) { shown->take_model(raw); }},
+        {"/held/model", [shown](const graph::RawMessage& raw) { shown->take_held(raw); }}};
   };
   return view;
 }

@@ -56,7 +56,8 @@ class Look {
   bool take(std::int64_t now, std::int64_t stamp, std::uint32_t count,
             std::vector<std::uint32_t>& gone) {
     constexpr std::int64_t kJump = 1'000'000'000;  // ns
-    if (now < newest_ - kJump) {
+    began_anew_ = now < newest_ - kJump;
+    if (began_anew_) {
       newest_ = now;
       stamp_ = kNever;
     }
@@ -70,12 +71,15 @@ class Look {
     return true;
   }
   std::int64_t stamp() const { return stamp_; }
+  /// At the last take().
+  bool began_anew() const { return began_anew_; }
 
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
   std::int64_t newest_ = 0;
   std::int64_t stamp_ = kNever;
   std::uint32_t count_ = 0;
+  bool began_anew_ = false;
 };
 
 /// The parts of standard_views().

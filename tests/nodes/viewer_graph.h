@@ -23,14 +23,15 @@
 namespace prehend::nodes {
 
 /// A small graph with a viewer, in one process: the node `talker` publishes one object on /models
-/// (latched), counts on /clock_like, tactile frames, has the parameter `gain`, serves /talk and
-/// hears /from_viewer.
+/// (latched), and what a test has to say on /held/model, counts on /clock_like, tactile frames, has
+/// the parameter `gain`, serves /talk and hears /from_viewer.
 class ViewerGraph : public ::testing::Test {
  protected:
   ViewerGraph() {
     gain_ = talker_.declare_parameter<double>(
         {.name = "gain", .default_value = 1, .minimum = 0, .maximum = 100, .description = "of it"});
     models_ = talker_.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(4));
+    held_ = talker_.advertise<msgs::ObjectModel>("/held/model", graph::QoS::latched(4));
     counts_ = talker_.advertise<msgs::Clock>("/clock_like", graph::QoS::queue(10));
     frames_ = talker_.advertise<msgs::TactileFrame>("/tactile/left", graph::QoS::queue(10));
     talk_ = talker_.serve<msgs::NamedThing, msgs::Acknowledge>(
@@ -82,14 +83,17 @@ class ViewerGraph : public ::testing::Test {
     viewer_.reset();
   }
 
-  void publish_model(std::uint32_t id) {
+  void publish_model(std::uint32_t id) { models_.publish(model_of(id, 1, "")); }
+  static msgs::ObjectModel model_of(std::uint32_t id, std::int64_t stamp,
+                                    const std::string& method) {
     msgs::ObjectModel model;
-    model.mutable_header()->set_stamp(1);
+    model.mutable_header()->set_stamp(stamp);
+    model.set_method(method);
     model.set_id(id);
     model.set_object_count(id + 1);
     model.set_valid(true);
     *model.mutable_mesh() = convert::to_message(geometry::make_box({0.02, 0.04, 0.06}));
-    models_.publish(model);
+    return model;
   }
   std::uint16_t port() const { return bridge_->server().port(); }
   graph::NodeOptions options(const std::string& name) const {
@@ -110,7 +114,7 @@ class ViewerGraph : public ::testing::Test {
   mutable std::mutex mutex_;
   std::vector<std::string> heard_;
   std::int64_t count_ = 0;
-  graph::Publisher<msgs::ObjectModel> models_;
+  graph::Publisher<msgs::ObjectModel> models_, held_;
   graph::Publisher<msgs::Clock> counts_;
   graph::Publisher<msgs::TactileFrame> frames_;
   graph::Service talk_;

@@ -4,6 +4,8 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,7 @@ using prehend::testing::WebSocketClient;
 using std::chrono::steady_clock;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// What a viewer was told, followed until something is there.
 class Looking {
@@ -124,6 +127,44 @@ TEST_F(ViewerTest, ShowsTopicsRawAndAsWhatViewersDraw) {
   ASSERT_TRUE(late.has("/models"));
   late.subscribe("/models", 1);
   EXPECT_TRUE(late.until([&] { return !late.messages[1].empty(); }));
+}
+
+TEST_F(ViewerTest, ShowsWhatWasTurnedBeforeTheCameraAsItIsKnownThen) {
+  held_.publish(model_of(3, 1, "held"));
+  start_viewer();
+  Looking looking(port());
+  ASSERT_TRUE(looking.has("/viewer/objects"));
+  looking.subscribe("/viewer/objects", 1);
+  // Methods of the meshes that came, to be shown in this order.
+  const auto shown = [&] {
+    std::vector<std::string> methods;
+    for (const std::string& bytes : looking.messages[1]) {
+      ::foxglove::SceneUpdate update;
+      EXPECT_TRUE(update.ParseFromString(bytes));
+      for (const auto& entity : update.entities()) {
+        for (const auto& pair : entity.metadata()) {
+          if (pair.key() == "method") methods.push_back(entity.id() + " " + pair.value());
+        }
+      }
+    }
+    return methods;
+  };
+  const auto last = [&] {
+    const auto methods = shown();
+    return methods.empty() ? "" : methods.back();
+  };
+  ASSERT_TRUE(looking.until([&] { return last() == "object/3 held"; }));
+  // The belief tells of the same look again, after that of another object.
+  models_.publish(model_of(3, 1, "again"));
+  models_.publish(model_of(2, 1, "other"));
+  ASSERT_TRUE(looking.until([&] { return last() == "object/2 other"; }));
+  EXPECT_THAT(shown(), Not(::testing::Contains("object/3 again")));
+  models_.publish(model_of(3, 2, "new look"));
+  ASSERT_TRUE(looking.until([&] { return last() == "object/3 new look"; }));
+  held_.publish(model_of(3, 1, "late"));
+  models_.publish(model_of(2, 2, "end"));
+  ASSERT_TRUE(looking.until([&] { return last() == "object/2 end"; }));
+  EXPECT_THAT(shown(), Not(::testing::Contains("object/3 late")));
 }
 
 TEST_F(ViewerTest, SubscribesOnlyToWhatSomebodyLooksAt) {
