@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs a build tree into a folder of its own and uses it as others do: the command from another
-# folder, a plan by an installed robot, a project that finds the package.
-#   installed.sh BUILD_TREE OTHER_PROJECT GENERATOR
+# folder, a plan by an installed robot, a project that finds the package, plug-ins and a hand of one's
+# own (examples/README.md).
+#   installed.sh BUILD_TREE SOURCE_TREE GENERATOR
 set -euo pipefail
 tree=$1
-project=$2
+source=$2
 generator=$3
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -24,7 +25,7 @@ prehend launch --check demo
 prehend launch --check "$scratch/prefix/share/prehend/launch/" >/dev/null
 prehend explain "$scratch/prefix/share/prehend/config/scenes/demo.yaml" --platform kr5_sdh >explained.txt
 
-cmake -S "$project" -B build -G "$generator" -DCMAKE_PREFIX_PATH="$scratch/prefix" --log-level=WARNING
+cmake -S "$source/examples/project" -B build -G "$generator" -DCMAKE_PREFIX_PATH="$scratch/prefix" --log-level=WARNING
 cmake --build build
 build/pieces | grep 'a box of 288 cm^3 is 1 convex piece'
 cat >hello.yaml <<'END'
@@ -38,6 +39,46 @@ if PREHEND_NODE_PATH=$PWD/build prehend launch --check demo.yaml scene:=nowhere 
   exit 1
 fi
 grep -q nowhere refused.txt
+
+# Copies, as nothing but the installed headers is to be found from there.
+examples=(grasp/example motion/example simulation/engines/example simulation/sensors/example simulation/example)
+for example in "${examples[@]}"; do
+  copy=$scratch/plug_ins/${example//\//_}
+  mkdir -p "$copy"
+  cp "$source/prehend/$example"/* "$copy"
+  cmake -S "$copy" -B plug_ins/"$example" -G "$generator" -DPREHEND_SOURCE="$scratch/prefix/include/prehend" \
+    --log-level=WARNING
+  cmake --build plug_ins/"$example"
+done
+cp -r "$source/examples/hand" hand
+plan=(prehend plan hand/crate.ply --hand hand/wide_gripper.yaml)
+"${plan[@]}" | grep -E '^[1-9][0-9]* grasps$'
+PREHEND_GENERATORS=$PWD/plug_ins/grasp/example "${plan[@]}" --generators from_the_top | grep from_the_top
+if "${plan[@]}" --generators from_the_top 2>refused.txt; then
+  echo "a generator that is nowhere was not refused" >&2
+  exit 1
+fi
+grep -q from_the_top refused.txt
+if prehend plan hand/crate.ply --hand pg70 >refused.txt; then
+  echo "the PG70 does not open that far" >&2
+  exit 1
+fi
+grep 'exceeds the gripper' refused.txt
+cat >lone.yaml <<END
+gripper: $scratch/prefix/share/prehend/config/robots/pg70_dsa.yaml
+physics: {engine: lone_body}
+tactile: {sensor: dead_rows}
+objects:
+  - {name: box, shape: box, size: [0.06, 0.05, 0.1], mass: 0.3, friction: 0.7, x: 0, y: 0}
+END
+PREHEND_ENGINES=$PWD/plug_ins/simulation/engines/example PREHEND_SENSORS=$PWD/plug_ins/simulation/sensors/example \
+  prehend explain lone.yaml >explained.txt
+grep lone_body explained.txt
+if prehend explain lone.yaml >refused.txt 2>&1; then
+  echo "an engine that is nowhere was not refused" >&2
+  exit 1
+fi
+grep -q lone_body refused.txt
 
 mkdir refused
 cat >refused/CMakeLists.txt <<'END'
