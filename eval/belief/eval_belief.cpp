@@ -50,7 +50,7 @@ bool is_known(const fs::path& file) {
   }
 }
 
-constexpr const char* kModelOfSurprise = "config/touch/percept_surprise.yaml";
+constexpr const char* kModelsOfSurprise = "config/touch/percept_surprise";
 constexpr const char* kFitGroup = "household";
 constexpr double kFalseAlarms = 0.01;  // of those that are fitted: half of the goal
 
@@ -78,9 +78,10 @@ int run_surprise(const Options& options) {
     std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
                  done.name.c_str(), done.acts.size(), done.problem.c_str());
   }
-  belief::SurpriseModel model = options.fit.empty()
-                                    ? belief::SurpriseModel::load(text::tree_file(kModelOfSurprise))
-                                    : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
+  belief::SurpriseModel model =
+      options.fit.empty()
+          ? belief::SurpriseModel::load_for(text::tree_file(kModelsOfSurprise), hand.model().name)
+          : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
   const eval::SurpriseFindings findings = eval::surprise_findings(results, model);
   const std::string said = eval::surprise_text(findings);
   std::printf("\n%s", said.c_str());
@@ -183,6 +184,6 @@ int main(int argc, char** argv) {
                "surprise that is; one process, always fresh");
   app.add_option("--fit", options.fit,
                  "with --surprise: fits the model of surprise on the household objects and writes "
-                 "it: config/touch/percept_surprise.yaml");
+                 "it: config/touch/percept_surprise/HAND.yaml");
   return eval::parse_and_run(app, argc, argv, [&options] { return run(options); });
 }

@@ -52,17 +52,26 @@ ActForecasts::ActForecasts(graph::Node& node, const robot::Platform& platform)
            .description = "simulate the grasp that the cycle approaches with, to tell what its "
                           "sensors are to perceive and how surprising is what they do",
            .read_only = true})),
-      model_(belief::SurpriseModel::load(node.declare_parameter<std::string>(
-          {.name = "surprise_model",
-           .default_value = text::tree_file("config/touch/percept_surprise.yaml"),
-           .description = "file that says how percepts scatter, as eval_belief --surprise --fit "
-                          "writes it",
-           .read_only = true}))),
+      model_(belief::SurpriseModel::load_for(
+          node.declare_parameter<std::string>(
+              {.name = "surprise_model",
+               .default_value = text::tree_file("config/touch/percept_surprise"),
+               .description = "file that says how percepts scatter, as eval_belief --surprise "
+                              "--fit writes it, or folder of them, of which the hand's own is "
+                              "taken (HAND.yaml)",
+               .read_only = true}),
+          platform.hand.name)),
       forecasts_(node.advertise<msgs::PerceptForecast>("/percepts/forecast",
                                                        graph::QoS::latched(kMostMessages))),
       surprises_(node.advertise<msgs::PerceptSurprise>("/percepts/surprise",
                                                        graph::QoS::latched(kMostMessages))) {
   if (!foretells_) return;
+  if (model_.hand != platform_.hand.name) {
+    node_.log_info(
+        "no model of surprise was fitted to {}: its bits are told by that of {}, and are no "
+        "alarms. Fit one: eval_belief --surprise --fit FILE --hand PLATFORM",
+        platform_.hand.name, model_.hand.empty() ? "no hand" : model_.hand);
+  }
   thread_ = std::thread([this] { run(); });
   plans_in_ = node.subscribe<msgs::GraspPlan>("/plans", graph::QoS::latched(kMostMessages),
                                               [this](const graph::Received<msgs::GraspPlan>& plan) {

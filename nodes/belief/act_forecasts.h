@@ -29,7 +29,7 @@ namespace prehend::nodes {
 class ActForecasts {
  public:
   /// Declares the parameters `foretell` and `surprise_model`.
-  /// @throws geometry::InputError as belief::SurpriseModel::load().
+  /// @throws geometry::InputError as belief::SurpriseModel::load_for().
   ActForecasts(graph::Node& node, const robot::Platform& platform);
   ~ActForecasts();
   ActForecasts(const ActForecasts&) = delete;

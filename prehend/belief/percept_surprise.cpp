@@ -321,6 +321,12 @@ SurpriseModel SurpriseModel::load(const std::filesystem::path& file) {
   return model;
 }
 
+SurpriseModel SurpriseModel::load_for(const std::filesystem::path& path, const std::string& hand) {
+  if (!std::filesystem::is_directory(path)) return load(path);
+  const std::filesystem::path own = path / (hand + ".yaml");
+  return load(std::filesystem::exists(own) ? own : path / "sdh2.yaml");
+}
+
 void SurpriseModel::save(const std::filesystem::path& file, const std::string& made_by) const {
   validate();
   std::string text =

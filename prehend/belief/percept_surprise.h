@@ -31,6 +31,10 @@ struct SurpriseModel {
   /// @throws geometry::InputError "file:line: ..." for an unknown or missing key, or values out of
   /// range.
   static SurpriseModel load(const std::filesystem::path& file);
+  /// The model for a hand (HandModel::name): `path` itself where it is a file; of a folder the one
+  /// that was fitted to it, HAND.yaml, else the SDH-2's (sdh2.yaml), whose scales are the best
+  /// guess there is; its `hand` tells which it is. @throws geometry::InputError as load().
+  static SurpriseModel load_for(const std::filesystem::path& path, const std::string& hand);
   /// @param made_by lines for the file's head.
   void save(const std::filesystem::path& file, const std::string& made_by) const;
   void validate() const;  ///< @throws std::invalid_argument naming the key.

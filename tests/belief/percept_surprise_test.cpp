@@ -244,6 +244,18 @@ TEST(PerceptSurprise, AsExpectedIsNoBits) {
   EXPECT_NEAR(sum / kDraws, 0, 0.6);  // 14 numbers of 1.4 bits each: 0.17 standard
 }
 
+TEST(SurpriseModel, IsTheHandsOwnWhereOneWasFittedToIt) {
+  const std::filesystem::path shipped = "config/touch/percept_surprise";
+  for (const std::string hand : {"sdh2", "bh8", "pg70"}) {
+    EXPECT_EQ(SurpriseModel::load_for(shipped, hand).hand, hand);
+    EXPECT_EQ(SurpriseModel::load_for(shipped / (hand + ".yaml"), "mine").hand, hand);
+  }
+  EXPECT_EQ(SurpriseModel::load_for(shipped, "mine").hand, "sdh2");
+  EXPECT_EQ(SurpriseModel::load_for(shipped, "").hand, "sdh2");
+  EXPECT_THROW(SurpriseModel::load_for(shipped / "mine.yaml", "sdh2"), geometry::InputError);
+  EXPECT_THROW(SurpriseModel::load_for("config/touch", "sdh2"), geometry::InputError);
+}
+
 TEST(SurpriseModel, IsReadAsItWasWritten) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "percept_surprise";
   std::filesystem::create_directories(folder);
@@ -261,7 +273,6 @@ TEST(SurpriseModel, IsReadAsItWasWritten) {
   model.scales["closure"] = 0;
   EXPECT_THROW(model.save(folder / "model.yaml", ""), std::invalid_argument);
   std::filesystem::remove_all(folder);
-  EXPECT_NO_THROW(SurpriseModel::load("config/touch/percept_surprise.yaml"));
   EXPECT_THROW(fit_surprise({}), std::invalid_argument);
 }
 

@@ -2,6 +2,7 @@
 
 #include "prehend/control/percept_watch.h"
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -63,13 +64,15 @@ class PerceivedBox : public testing::TestWithParam<const char*> {
     return belief::percept_surprise(*forecast_, watch.percepts(), model_);
   }
 
-  /// The shipped thresholds are of this hand.
-  bool has_thresholds() const { return model_.hand == planned_.platform().hand.name; }
   /// More surprising than what comes true.
   void expect_surprise(const PerceptWatch& watch) {
     const belief::PerceptSurprise bits = surprise(watch);
     EXPECT_GT(bits.bits, surprise(watched(box_of(0.05))).bits + 10) << bits.to_string();
-    EXPECT_TRUE(bits.alarm || !has_thresholds()) << bits.to_string();
+    // Of all senses together the PG70's right acts scatter as much: one of them tells.
+    const bool one_tells =
+        std::ranges::any_of(bits.senses, [](const auto& sense) { return sense.alarm; });
+    const bool is_gripper = planned_.platform().hand.gripper.has_value();
+    EXPECT_TRUE(is_gripper ? one_tells : bits.alarm) << bits.to_string();
   }
 
   static simulation::Scene scene_with_wrist() {
@@ -93,8 +96,8 @@ class PerceivedBox : public testing::TestWithParam<const char*> {
 
   const PickOf planned_{GetParam()};
   const planning::PlatformPlan plan_;
-  const belief::SurpriseModel model_ =
-      belief::SurpriseModel::load("config/touch/percept_surprise.yaml");
+  const belief::SurpriseModel model_ = belief::SurpriseModel::load_for(
+      "config/touch/percept_surprise", planned_.platform().hand.name);
   std::optional<belief::PerceptForecast> forecast_;
 };
 
@@ -109,7 +112,7 @@ TEST_P(PerceivedBox, IsNoSurpriseWhereItIsAsForetold) {
     EXPECT_TRUE(motor.at[belief::kLifted].has_value()) << motor.name;
   }
   const belief::PerceptSurprise bits = surprise(watch);
-  EXPECT_FALSE(bits.alarm && has_thresholds()) << bits.to_string();
+  EXPECT_FALSE(bits.alarm) << bits.to_string();
 }
 
 TEST_P(PerceivedBox, SurprisesWhereNothingIs) {
