@@ -17,8 +17,13 @@ namespace {
 
 std::string said(const msgs::PerceptSurprise& surprise) {
   if (!(surprise.threshold() > 0)) return "of a hand to which no threshold was fitted";
-  return fmt::format("{} (more than {:.1f} are one)",
-                     surprise.alarm() ? "a surprise" : "as expected", surprise.threshold());
+  std::string senses;
+  for (const msgs::SenseSurprise& sense : surprise.senses()) {
+    if (sense.alarm()) senses += (senses.empty() ? " by " : ", ") + sense.sense();
+  }
+  return fmt::format("{} (more than {:.1f} of all together are one)",
+                     surprise.alarm() ? "a surprise" + senses : "as expected",
+                     surprise.threshold());
 }
 
 std::string bits_text(const msgs::PerceptSurprise& surprise) {

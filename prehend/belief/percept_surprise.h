@@ -53,7 +53,7 @@ struct SenseSurprise {
 struct PerceptSurprise {
   double bits = 0;  // of all senses together
   double threshold = 0;
-  bool alarm = false;                 // bits > threshold
+  bool alarm = false;                 // bits > threshold, or those of a sense are
   std::vector<SenseSurprise> senses;  // those there are sensors for, in percept_senses()' order
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
   std::size_t likeliest = 0;          // of PerceptForecast::possible, by what was perceived
@@ -88,8 +88,9 @@ struct KnownPercepts {
 
 /// The model by which right predictions are as surprising as they are to be: scales by the median
 /// of what is off against the likeliest possible percept, shares by how much the bits of each sense
-/// scatter, thresholds so that of these predictions the share `false_alarms` is above each sense's,
-/// and above the total's. @param right predictions that came true, 20 at least.
+/// scatter, thresholds so that of these predictions the share `false_alarms` at most is an alarm by
+/// the total or a sense, each -log2(false_alarms) bits at least. @param right predictions that came
+/// true, 20 at least.
 /// @throws std::invalid_argument for fewer, or `false_alarms` outside (0, 0.5).
 SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms = 0.01);
 

@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -242,6 +243,39 @@ TEST(PerceptSurprise, AsExpectedIsNoBits) {
     sum += bits_of(percept_surprise(one, drawn, model), "joints");
   }
   EXPECT_NEAR(sum / kDraws, 0, 0.6);  // 14 numbers of 1.4 bits each: 0.17 standard
+}
+
+// Of each sense's outliers others are alarms, and all of them together are as many as are asked
+// for.
+TEST(SurpriseModel, IsFittedToTheShareOfRightActsThatAreAlarms) {
+  PerceptForecast one;
+  one.possible = {{"box", 0, 0, 1, exact()}};
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<Percepts> acts(100, exact());
+  for (std::size_t i = 0; i < acts.size(); ++i) {
+    const double wild = i < 10 ? 40 : 1;
+    for (PerceivedMotor& motor : acts[i].motors) {
+      *motor.at[kClosed] += 0.005 * (i % 2 ? wild : 1) * noise(random);
+    }
+    *acts[i].weight += 0.1 * (i % 2 ? 1 : wild) * noise(random);
+  }
+  std::vector<KnownPercepts> right;
+  for (const Percepts& act : acts) right.push_back({&one, &act});
+  const double rate = 0.04;
+  const SurpriseModel model = fit_surprise(right, rate);
+  int alarms = 0, of_total = 0;
+  for (const Percepts& act : acts) {
+    const PerceptSurprise bits = percept_surprise(one, act, model);
+    alarms += bits.alarm;
+    of_total += bits.bits > bits.threshold;
+  }
+  EXPECT_LE(alarms, 4);
+  EXPECT_GE(alarms, 2);
+  EXPECT_GT(alarms, of_total) << "a sense may tell by itself";
+  for (const auto& [name, threshold] : model.thresholds) {
+    EXPECT_GE(threshold, -std::log2(rate) - 1e-12) << name;
+  }
 }
 
 TEST(SurpriseModel, IsTheHandsOwnWhereOneWasFittedToIt) {
