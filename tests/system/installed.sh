@@ -71,8 +71,8 @@ tactile: {sensor: dead_rows}
 objects:
   - {name: box, shape: box, size: [0.06, 0.05, 0.1], mass: 0.3, friction: 0.7, x: 0, y: 0}
 END
-PREHEND_ENGINES=$PWD/plug_ins/simulation/engines/example PREHEND_SENSORS=$PWD/plug_ins/simulation/sensors/example \
-  prehend explain lone.yaml >explained.txt
+export PREHEND_SENSORS=$PWD/plug_ins/simulation/sensors/example
+PREHEND_ENGINES=$PWD/plug_ins/simulation/engines/example prehend explain lone.yaml >explained.txt
 grep lone_body explained.txt
 if prehend explain lone.yaml >refused.txt 2>&1; then
   echo "an engine that is nowhere was not refused" >&2
