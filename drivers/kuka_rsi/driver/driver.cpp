@@ -96,6 +96,8 @@ std::string_view Driver::on_packet(std::string_view text, Time arrived) {
     return {};
   }
   ++now_.telegrams;
+  // Stamps come from the wall clock: a step of it is no silence, and nothing came before the last.
+  arrived = std::max(arrived, last_telegram_);
   const bool begins = now_.state == State::kSilent || now_.state == State::kRefused;
   if (!telegram.actual_axes || !telegram.delay) {
     if (begins) return last_telegram_ = arrived, refuse(Reason::kNoSignals);

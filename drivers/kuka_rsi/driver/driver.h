@@ -111,8 +111,8 @@ class Driver {
   /// @throws std::invalid_argument for options out of range.
   Driver(const DriverOptions& options, Limits limits);
 
-  /// The answer to a telegram that came to this machine at `arrived`, to be sent at once; valid
-  /// until the next call. Empty: none.
+  /// The answer to a telegram that came to this machine at `arrived` (before the last one's: at
+  /// that time), to be sent at once; valid until the next call. Empty: none.
   std::string_view on_packet(std::string_view telegram, Time arrived);
   /// Call it at least every cycle: notices that telegrams cease.
   void on_time(Time now);

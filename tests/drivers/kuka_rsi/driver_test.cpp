@@ -312,6 +312,30 @@ TEST(RsiDriver, ControllerOfAShorterCycleThanToldIsNotAnswered) {
   }
 }
 
+// As where the wall clock, by which the kernel stamps, was set while a telegram waited.
+TEST(RsiDriver, StampBeforeTheLastTelegramIsNoSilence) {
+  VirtualRobot robot;
+  std::uint64_t ipoc = 1000;
+  const auto telegram = [&](std::chrono::seconds early) {
+    robot.now += 12ms;
+    ipoc += 12;
+    robot.driver->on_time(robot.now);
+    const std::string axes = R"(A1="0" A2="-90" A3="90" A4="0" A5="90" A6="0"/>)";
+    const std::string text = "<Rob><AIPos " + axes + "<ASPos " + axes + R"(<Delay D="0"/><IPOC>)" +
+                             std::to_string(ipoc) + "</IPOC></Rob>";
+    return robot.driver->on_packet(text, robot.now - early);
+  };
+  for (int i = 0; i < 20; ++i) telegram(0s);
+  ASSERT_EQ(robot.snapshot().state, State::kHolding);
+  EXPECT_FALSE(telegram(5s).empty());
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_FALSE(telegram(0s).empty());
+    EXPECT_EQ(robot.snapshot().state, State::kHolding);
+  }
+  EXPECT_EQ(robot.snapshot().damaged, 0u);
+  EXPECT_EQ(robot.snapshot().sessions, 1u);
+}
+
 // A machine or network that was held up hands over what waited at once.
 TEST(RsiDriver, TelegramsThatWaitedAreNoShorterCycle) {
   for (const int waited : {5, 20, 35}) {
