@@ -71,6 +71,14 @@ int run_surprise(const Options& options) {
   if (options.choice.list) return eval::list_cases(cases);
   const std::string name = options.hand.empty() ? "kr5_sdh" : options.hand;
   const eval::TouchingHand hand(name);
+  belief::SurpriseModel model;
+  if (options.fit.empty()) {
+    model = belief::SurpriseModel::load_for(text::tree_file(kModelsOfSurprise), hand.model().name);
+    if (model.hand != hand.model().name) {
+      throw geometry::InputError("No model of surprise was fitted to " + hand.model().name,
+                                 "Fit one: --fit FILE");
+    }
+  }
   std::vector<eval::SurpriseCase> results;
   for (const eval::Case& one : cases) {
     results.push_back(eval::run_surprise_trial(one, hand));
@@ -78,10 +86,7 @@ int run_surprise(const Options& options) {
     std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
                  done.name.c_str(), done.acts.size(), done.problem.c_str());
   }
-  belief::SurpriseModel model =
-      options.fit.empty()
-          ? belief::SurpriseModel::load_for(text::tree_file(kModelsOfSurprise), hand.model().name)
-          : eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
+  if (!options.fit.empty()) model = eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
   const eval::SurpriseFindings findings = eval::surprise_findings(results, model);
   const std::string said = eval::surprise_text(findings);
   std::printf("\n%s", said.c_str());
