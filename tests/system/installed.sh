@@ -59,6 +59,13 @@ if "${plan[@]}" --generators from_the_top 2>refused.txt; then
   exit 1
 fi
 grep -q from_the_top refused.txt
+sed 's/^actuated:/closing: fingertips\n&/' hand/wide_gripper.yaml >hand/by_fingertips.yaml
+PREHEND_CLOSINGS=$PWD/plug_ins/grasp/example prehend plan hand/crate.ply --hand hand/by_fingertips.yaml |
+  grep -E '^[1-9][0-9]* grasps$'
+sed -E 's/0\.055? /0.03 /g' hand/crate.ply >narrow.ply
+PREHEND_PLANNERS=$PWD/plug_ins/motion/example PREHEND_CHECKERS=$PWD/plug_ins/motion/example \
+  prehend plan narrow.ply --platform kr5_sdh --path-planner one_stop --collision-checker turned_boxes |
+  grep 'The arm takes grasp'
 if prehend plan hand/crate.ply --hand pg70 >refused.txt; then
   echo "the PG70 does not open that far" >&2
   exit 1
