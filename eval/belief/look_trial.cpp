@@ -1,68 +1,23 @@
 #include "eval/belief/look_trial.h"
 
-#include <algorithm>
-#include <memory>
 #include <random>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "eval/belief/belief_truth.h"
 #include "eval/belief/predicted_case.h"
-#include "eval/case_runner.h"
+#include "eval/belief/rendered_hold.h"
 #include "eval/grasp/in_reach.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/held_object.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/placed_links.h"
 #include "prehend/robot/robot_files.h"
-#include "prehend/simulation/stereo_renderer.h"
 #include "prehend/surface/model.h"
 #include "prehend/text/tree_file.h"
 
 namespace prehend::eval {
-namespace {
 
 using geometry::RigidTransform;
-
-/// Off by so much, standard, about the middle of things.
-RigidTransform disturbance(double along, double turn, const Eigen::Vector3d& middle,
-                           std::mt19937_64* random) {
-  std::normal_distribution<double> unit;
-  const auto vector = [&](double deviation) {
-    const double x = deviation * unit(*random), y = deviation * unit(*random);
-    return Eigen::Vector3d(x, y, deviation * unit(*random));
-  };
-  const Eigen::Vector3d way = vector(along), axis = vector(turn);
-  RigidTransform X = RigidTransform::Identity();
-  const double angle = axis.norm();
-  if (angle > 0) X.linear() = Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix();
-  X.translation() = middle - X.linear() * middle + way;
-  return X;
-}
-
-/// What the camera measures of the object at X_WB and the robot's links, which stand so.
-geometry::DepthImage look_at(RenderedScene rendered, const RigidTransform& X_WB,
-                             const std::vector<geometry::TriangleMesh>& links_W, int look) {
-  rendered.bodies.resize(1);
-  rendered.bodies.front().X_WB = X_WB;
-  simulation::Texture metal;
-  metal.color = {0.55, 0.55, 0.58};
-  for (const geometry::TriangleMesh& link_W : links_W) {
-    simulation::VisibleBody body;
-    body.name = "link";
-    body.mesh_B = std::make_shared<geometry::TriangleMesh>(link_W);
-    body.texture = metal;
-    body.height = geometry::bounds(link_W).sizes().z();
-    rendered.bodies.push_back(std::move(body));
-  }
-  simulation::RenderOptions render;
-  render.threads = 1;
-  return seen_depth(rendered, simulation::render_stereo(rendered.scene, rendered.bodies,
-                                                        static_cast<std::uint32_t>(look), render));
-}
-
-}  // namespace
 
 TurningRobot::TurningRobot(const std::string& name)
     : planner_(in_reach(
@@ -121,8 +76,8 @@ BeliefCase run_look_trial(const Case& one, const TurningRobot& robot,
       const RigidTransform X_WH = platform.X_WB * chain.forward(arm) * platform.X_FH;
       const RigidTransform X_moved = X_WH * pick.grasp.X_WH.inverse();
       const geometry::DepthImage depth =
-          look_at(rendered, X_moved * slipped * one.X_WB(),
-                  robot::placed_links(platform, arm, pick.grasp.closed_all), ++looks);
+          seen_hold(rendered, one.data_set->mesh_B, X_moved * slipped * one.X_WB(),
+                    robot::placed_links(platform, arm, pick.grasp.closed_all), ++looks);
       const double start = processor_time();
       const RigidTransform said =
           disturbance(options.placement, options.orientation, X_WH.translation(), &random);

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include <Eigen/Geometry>
 
 #include "eval/belief/predicted_case.h"
+#include "eval/belief/rendered_hold.h"
 #include "eval/grasp/resting_pose.h"
 #include "eval/grasp/trial_setup.h"
 #include "eval/processor_time.h"
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/planning/hand_act.h"
+#include "prehend/robot/placed_links.h"
 
 namespace prehend::eval {
 namespace {
@@ -23,6 +27,8 @@ using geometry::TriangleMesh;
 constexpr double kRightWithin = 0.003, kWrongBeyond = 0.008;  // m
 constexpr double kSlid = 0.01, kRaised = 0.02;                // m
 constexpr double kWristForceNoise = 0.1;                      // N, of the FT 300
+// m, rad, standard: the hand is so much beside where it is said to be, as in look_trial.h.
+constexpr double kPlacement = 0.0005, kOrientation = 0.002;
 constexpr int kRightActs = 4;
 constexpr double kFar = 1;       // m
 constexpr double kStep = 0.002;  // s, of the acts; predictions have 4 ms
@@ -30,12 +36,26 @@ constexpr double kStep = 0.002;  // s, of the acts; predictions have 4 ms
 /// What the acts of a case have in common.
 class ActsOfCase {
  public:
-  ActsOfCase(const Case& one, const TouchingHand& hand, const grasp::Grasp& grasp)
+  ActsOfCase(const Case& one, const TouchingHand& hand, const grasp::Grasp& grasp,
+             const TriangleMesh& believed_W)
       : hand_(hand.model()),
         planned_(grasp),
         truth_W_(geometry::transformed(*one.data_set->mesh_B, one.X_WB())),
         mass_(household_mass(geometry::mass_properties(truth_W_).volume)),
-        random_(static_cast<std::uint32_t>(one.seed * 1000003 + 17 * one.orientation + 5)) {}
+        random_(static_cast<std::uint32_t>(one.seed * 1000003 + 17 * one.orientation + 5)),
+        rendered_(scene_of(one)),
+        looks_random_(one.seed) {
+    const RigidTransform X_WH_closed = planning::hand_root(hand_, to_feel());
+    X_WH_lifted_ = X_WH_closed;
+    X_WH_lifted_.translation().z() += belief::ActOptions().lift_height;
+    thought_W_ = geometry::transformed(belief::thought_surface(believed_W),
+                                       X_WH_lifted_ * X_WH_closed.inverse(Eigen::Isometry));
+  }
+
+  /// The camera that has seen the object sees it lifted, too.
+  belief::ViewAfterLift view() const {
+    return {rendered_.scene.camera.camera.left, rendered_.scene.camera.X_WC(), X_WH_lifted_, {}};
+  }
 
   planning::GraspToFeel to_feel() const {
     constexpr double kLeastEffort = 1e-3;  // as planning::add_touch()
@@ -84,7 +104,24 @@ class ActsOfCase {
     options.touch.world.wrench.emplace();
     options.touch.world.wrench->force_noise = kWristForceNoise;
     options.touch.friction = friction;
-    return belief::simulate_act(hand_, to_feel(), {mesh_W, {}, mass}, options);
+    belief::SimulatedAct act = belief::simulate_act(hand_, to_feel(), {mesh_W, {}, mass}, options);
+    act.percepts.view = seen(mesh_W, act);
+    return act;
+  }
+
+  // Hand and fingers are said to be a little beside where they are.
+  belief::PerceivedView seen(const TriangleMesh& mesh_W, const belief::SimulatedAct& act) {
+    const auto links_W = robot::placed_hand_links(hand_, X_WH_lifted_, act.joints);
+    const geometry::DepthImage depth = seen_hold(rendered_, std::make_shared<TriangleMesh>(mesh_W),
+                                                 X_WH_lifted_ * act.X_HO, links_W, ++looks_);
+    const RigidTransform said =
+        disturbance(kPlacement, kOrientation, X_WH_lifted_.translation(), &looks_random_);
+    const belief::ViewAfterLift view = this->view();
+    belief::LiftedView seen{view.camera, view.X_WC, {}, said * X_WH_lifted_, {}, thought_W_};
+    for (const TriangleMesh& link_W : links_W) {
+      seen.robot_W.push_back(geometry::transformed(link_W, said));
+    }
+    return belief::perceived_view(depth, seen);
   }
   static bool is_held(const belief::SimulatedAct& act) {
     return act.slide <= kSlid && act.raised >= kRaised;
@@ -176,6 +213,11 @@ class ActsOfCase {
   TriangleMesh truth_W_;
   double mass_;  // kg
   std::mt19937 random_;
+  RenderedScene rendered_;
+  std::mt19937_64 looks_random_;
+  RigidTransform X_WH_lifted_ = RigidTransform::Identity();
+  geometry::PointCloud thought_W_;  // lifted with the hand
+  int looks_ = 0;
 };
 
 std::vector<belief::PossibleShape> shapes_of(const belief::ObjectBelief& belief) {
@@ -226,10 +268,12 @@ SurpriseCase run_surprise_trial(const Case& one, const TouchingHand& hand) {
     belief.update();
     const std::vector<grasp::Grasp> grasps = hand.grasps(belief);
     if (grasps.empty()) throw geometry::InputError("No grasp of it is found", "Take another hand");
-    ActsOfCase acts(one, hand, grasps.front());
     const std::vector<belief::PossibleShape> possible = shapes_of(belief);
+    ActsOfCase acts(one, hand, grasps.front(), possible.front().object.mesh_W);
+    belief::PerceptOptions options;
+    options.view = acts.view();
     const double start = processor_time();
-    result.predicted = belief::predict_percepts(hand.model(), acts.to_feel(), possible);
+    result.predicted = belief::predict_percepts(hand.model(), acts.to_feel(), possible, options);
     if (result.predicted.possible.empty()) {
       throw geometry::InputError("Nothing is predicted: " + result.predicted.problems.front(),
                                  "Look again");

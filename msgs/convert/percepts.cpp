@@ -1,10 +1,12 @@
 #include "msgs/convert/percepts.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
 #include "msgs/convert/geometry.h"
+#include "msgs/convert/images.h"
 #include "msgs/convert/mend.h"
 #include "prehend/geometry/errors.h"
 
@@ -49,6 +51,21 @@ belief::PadImage read_image(const msgs::PadImage& message, const std::string& pa
   return image;
 }
 
+belief::PerceivedView read_view(const msgs::PerceivedView& message) {
+  constexpr std::uint32_t kMostPixels = 4096;  // of a row or column
+  if (message.width() > kMostPixels || message.height() > kMostPixels) {
+    throw InputError("Percepts with a view of more than 4096 pixels a side", kSenderMend);
+  }
+  if (message.area() < 0) throw InputError("Percepts with a view of a negative area", kSenderMend);
+  belief::PerceivedView view;
+  view.depth = unpack_depth(message.depth(), static_cast<int>(message.width()),
+                            static_cast<int>(message.height()));
+  view.area = message.area();
+  view.center_C = from_message(message.center());
+  view.spread = from_message(message.spread()).head<2>();
+  return view;
+}
+
 msgs::SenseSurprise sense_message(const belief::SenseSurprise& sense) {
   msgs::SenseSurprise message;
   message.set_sense(sense.sense);
@@ -85,6 +102,18 @@ msgs::Percepts to_message(const belief::Percepts& percepts) {
     *message.mutable_lifted() = wrench_message(*at);
   }
   if (percepts.weight) message.set_weight(*percepts.weight);
+  if (percepts.view) *message.mutable_view() = to_message(*percepts.view);
+  return message;
+}
+
+msgs::PerceivedView to_message(const belief::PerceivedView& view) {
+  msgs::PerceivedView message;
+  message.set_width(static_cast<std::uint32_t>(view.depth.width));
+  message.set_height(static_cast<std::uint32_t>(view.depth.height));
+  message.set_depth(pack_depth(view.depth));
+  message.set_area(view.area);
+  *message.mutable_center() = to_message(view.center_C);
+  *message.mutable_spread() = to_message(Eigen::Vector3d(view.spread.x(), view.spread.y(), 0));
   return message;
 }
 
@@ -109,6 +138,7 @@ belief::Percepts from_message(const msgs::Percepts& message) {
   if (message.has_closed()) percepts.wrist[belief::kClosed] = read_wrench(message.closed());
   if (message.has_lifted()) percepts.wrist[belief::kLifted] = read_wrench(message.lifted());
   if (message.has_weight()) percepts.weight = message.weight();
+  if (message.has_view()) percepts.view = read_view(message.view());
   try {
     belief::check_percepts(percepts);
   } catch (const std::invalid_argument& error) {

@@ -10,8 +10,11 @@ namespace prehend::convert {
 /// Texels as float32.
 msgs::Percepts to_message(const belief::Percepts& percepts);
 /// @throws geometry::InputError where something is not finite, a force of a texel or an area is
-/// negative.
+/// negative, or a view's depth is not of its size.
 belief::Percepts from_message(const msgs::Percepts& message);
+
+/// Depth to 0.1 mm.
+msgs::PerceivedView to_message(const belief::PerceivedView& view);
 
 msgs::PossiblePercepts to_message(const belief::PossiblePercepts& possible);
 

@@ -8,10 +8,12 @@
 
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
+#include "msgs/convert/images.h"
 #include "msgs/convert/objects.h"
 #include "msgs/convert/percepts.h"
-#include "prehend/belief/percept_forecast.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/kinematic_chain.h"
+#include "prehend/robot/placed_links.h"
 #include "prehend/text/tree_file.h"
 
 namespace prehend::nodes {
@@ -73,6 +75,12 @@ ActForecasts::ActForecasts(graph::Node& node, const robot::Platform& platform)
         platform_.hand.name, model_.hand.empty() ? "no hand" : model_.hand);
   }
   thread_ = std::thread([this] { run(); });
+  camera_in_ =
+      node.subscribe<msgs::CameraInfo>("/camera/info", graph::QoS::latched(),
+                                       [this](const graph::Received<msgs::CameraInfo>& camera) {
+                                         const std::lock_guard lock(mutex_);
+                                         camera_ = camera.shared();
+                                       });
   plans_in_ = node.subscribe<msgs::GraspPlan>("/plans", graph::QoS::latched(kMostMessages),
                                               [this](const graph::Received<msgs::GraspPlan>& plan) {
                                                 const std::lock_guard lock(mutex_);
@@ -102,6 +110,13 @@ void ActForecasts::seen(const msgs::ObjectModel& model) {
   forget_oldest(&models_);
 }
 
+std::shared_ptr<const msgs::ObjectModel> ActForecasts::model(std::int64_t stamp,
+                                                             std::uint32_t id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = models_.find({stamp, id});
+  return found == models_.end() ? nullptr : found->second;
+}
+
 void ActForecasts::approaches(const msgs::CycleState& state) {
   if (state.phase() != msgs::CycleState::APPROACH) return;
   const std::lock_guard lock(mutex_);
@@ -117,7 +132,7 @@ void ActForecasts::approaches(const msgs::CycleState& state) {
       std::any_of(jobs_.begin(), jobs_.end(), [&key](const Job& job) { return job.key == key; });
   if (begun || known_.contains(key) || model == models_.end()) return;
   Job job{key, plan->second->grasps(static_cast<int>(state.grasp_index())), std::nullopt,
-          model->second};
+          model->second, camera_};
   if (plan->second->has_gripper()) job.gripper = plan->second->gripper();
   jobs_.push_back(std::move(job));
   wake_.notify_all();
@@ -162,6 +177,35 @@ void ActForecasts::run() {
   }
 }
 
+// By where the plan's lift ends. None: nobody looks, or the plan has no lift.
+std::optional<belief::ViewAfterLift> ActForecasts::view_of(const Job& job) const {
+  if (!job.camera) return std::nullopt;
+  const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*job.camera);
+  const auto lift = std::find_if(
+      job.grasp.arm().begin(), job.grasp.arm().end(),
+      [](const msgs::ArmSegment& one) { return one.kind() == msgs::ArmSegment::LIFT; });
+  if (!X_WC || lift == job.grasp.arm().end() || lift->trajectory().points().empty()) {
+    return std::nullopt;
+  }
+  const msgs::JointTrajectory& way = lift->trajectory();
+  const msgs::JointTrajectoryPoint& end = way.points(way.points_size() - 1);
+  const robot::KinematicChain chain = platform_.arm_chain();
+  Eigen::VectorXd arm(chain.size());
+  for (int i = 0; i < chain.size(); ++i) {
+    const auto found = std::find(way.joint_name().begin(), way.joint_name().end(),
+                                 chain.joints()[static_cast<std::size_t>(i)].name);
+    const auto at = static_cast<int>(found - way.joint_name().begin());
+    if (at >= end.position_size()) {
+      throw geometry::InputError("the plan's lift does not say where all joints of the arm end",
+                                 "Mend or update the node that plans");
+    }
+    arm[i] = end.position(at);
+  }
+  return belief::ViewAfterLift{convert::from_message(*job.camera).left, *X_WC,
+                               platform_.X_WB * chain.forward(arm) * platform_.X_FH,
+                               robot::placed_arm_links(platform_, arm)};
+}
+
 void ActForecasts::foretell(const Job& job) {
   const auto start = std::chrono::steady_clock::now();
   robot::Platform platform = platform_;
@@ -173,10 +217,13 @@ void ActForecasts::foretell(const Job& job) {
     throw geometry::InputError("the plan does not say what it lifts",
                                "Mend or update the node that plans");
   }
+  belief::PerceptOptions options;
+  options.view = view_of(job);
   auto forecast = std::make_shared<const belief::PerceptForecast>(belief::predict_percepts(
       platform.hand, to_feel(job.grasp),
       belief::possible_shapes(convert::from_message(*job.model),
-                              convert::from_message(job.model->table()), mass)));
+                              convert::from_message(job.model->table()), mass),
+      options));
   const auto [view, object, grasp] = job.key;
   msgs::PerceptForecast message = convert::to_message(*forecast);
   message.mutable_header()->set_stamp(view);

@@ -15,6 +15,7 @@
 #include "msgs/convert/objects.h"
 #include "msgs/objects.pb.h"
 #include "nodes/belief/act_forecasts.h"
+#include "nodes/belief/lift_view_server.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/task_source/task_source.h"
 #include "prehend/belief/attempt_memory.h"
@@ -56,6 +57,7 @@ class BeliefNode {
                                                                  "waits for its shape",
                                                   .read_only = true})),
         forecasts_(node, platform_),
+        lift_views_(node, platform_, forecasts_),
         models_(node.advertise<msgs::ObjectModel>("/models", graph::QoS::latched(kMostObjects))),
         beliefs_(node.advertise<msgs::Belief>("/belief", graph::QoS::latched(kMostObjects))),
         shapes_(node.subscribe<msgs::CompletedShape>(
@@ -280,6 +282,7 @@ class BeliefNode {
   belief::AttemptMemory memory_;
   double patience_;  // s
   nodes::ActForecasts forecasts_;
+  nodes::LiftViewServer lift_views_;
   std::map<std::int64_t, View> views_;  // by the stamp [ns]
   std::deque<Waiting> waiting_;
   graph::Publisher<msgs::ObjectModel> models_;
@@ -301,7 +304,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "on /models: as it is, or, of an object that was touched before, as it is believed now, and "
      "what was made of the evidence on /belief. Foretells what the act that begins is to perceive "
      "(/percepts/forecast), and says in bits how surprising is what it perceived "
-     "(/percepts/surprise)."},
+     "(/percepts/surprise). Asked to (action /percepts/view, by the cycle that has lifted "
+     "something), takes the next picture's depth (/camera/look) and says what it shows of that."},
     run);
 
 }  // namespace

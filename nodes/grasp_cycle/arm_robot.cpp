@@ -122,6 +122,7 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
       gripper_(gripper),
       arm_(node),
       platform_(platform),
+      held_(node, platform_),
       contact_force_(options.cycle.contact_force),
       touch_force_(options.cycle.touch_force),
       touch_counts_(options.touch_counts) {
@@ -142,8 +143,9 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
   }
   cycle_.emplace(options.cycle, arm_, *hand_);
   if (options.cycle.task.does(control::Primitive::kInspect)) {
-    cycle_->inspect_by(held_looks_.emplace(node, platform_));
+    cycle_->inspect_by(held_looks_.emplace(node, held_));
   }
+  if (options.view_after_lift) cycle_->view_lifts_by(lift_views_.emplace(node, held_));
   if (auto judge = control::GripJudge::of(platform)) cycle_->judge_grips(std::move(*judge));
   subscriptions_.push_back(node.subscribe<msgs::JointState>(
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));
@@ -209,7 +211,7 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
     throw std::runtime_error("the plan would feel it with a grasp that has no motion of the arm");
   }
   const msgs::GraspPlan& plan = *view.plans.at(target.id);
-  if (held_looks_) held_looks_->hold(plan.header().stamp(), target.id);
+  held_.hold(plan.header().stamp(), target.id);
   if (plan.has_probe() && convert::has_arm_motion(plan.probe())) {
     const robot::Preshape& preshape = platform_.hand.preshape(plan.probe().preshape());
     grasps.push_back(

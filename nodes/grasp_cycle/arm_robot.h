@@ -43,6 +43,7 @@ struct ArmRobotOptions {
   control::ArmCycleOptions cycle;
   control::PadGripperOptions gripper;
   int touch_counts = robot::kTouchCounts;  // above: a texel is touched
+  bool view_after_lift = false;            // what was lifted is looked at
 };
 
 /// A platform in the grasp cycle: its topics and actions, what of a plan it can execute, and the
@@ -75,6 +76,10 @@ class ArmRobot {
   const control::AttemptWatch& attempt_watch() const { return *attempt_watch_; }
   /// What they perceive.
   const control::PerceptWatch& percept_watch() const { return *percept_watch_; }
+  /// What a camera showed of what was lifted last, once; none: nobody looked, or it failed.
+  std::optional<msgs::PerceivedView> take_lift_view() {
+    return lift_views_ ? lift_views_->take() : std::nullopt;
+  }
 
  private:
   bool has_gripper() const { return pad_gripper_ != nullptr; }
@@ -91,6 +96,7 @@ class ArmRobot {
   control::PadGripper* pad_gripper_ = nullptr;
   std::optional<control::ArmCycle> cycle_;
   robot::Platform platform_;
+  HeldGoals held_;
   double contact_force_, touch_force_;  // N
   std::optional<control::AttemptWatch> attempt_watch_;
   std::optional<control::PerceptWatch> percept_watch_;
@@ -109,6 +115,7 @@ class ArmRobot {
   };
   mutable std::map<std::string, Felt> felt_;
   std::optional<HeldLooks> held_looks_;  // of a task that inspects
+  std::optional<LiftViews> lift_views_;
   std::vector<control::ArmGrasp> prepared_;
   control::Advice advice_;  // of their plan
 };

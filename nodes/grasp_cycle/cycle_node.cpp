@@ -117,7 +117,12 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
   shared.only_seen_again = predicted_.wanted();
   task_ = shared.task;
   ArmRobotOptions options{declare_arm_options(node_), declare_pad_gripper_options(node_),
-                          touch_counts};
+                          touch_counts, false};
+  options.view_after_lift = declare_flag(
+      node_, "view_after_lift",
+      "have the graph's camera look at what was lifted (/percepts/view, of the node belief), which "
+      "takes as long as a picture and its depth do: how surprising it looks is said, and changes "
+      "nothing");
   static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
   const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
   refuse_what_does_not_apply(node_, robot, driver);
@@ -336,6 +341,9 @@ void CycleNode::publish_percepts() {
   message.set_attempt(static_cast<std::uint32_t>(watch.tries()));
   message.set_hand(robot_->hand_name());
   *message.mutable_percepts() = convert::to_message(watch.percepts());
+  if (auto view = robot_->take_lift_view()) {
+    *message.mutable_percepts()->mutable_view() = std::move(*view);
+  }
   percepts_.publish(std::move(message));
 }
 

@@ -1,13 +1,15 @@
 #include "nodes/grasp_cycle/held_looks.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "msgs/convert/geometry.h"
 #include "prehend/control/hand_sample.h"
 
 namespace prehend::nodes {
 namespace {
+
+const std::string kNotKnown = "where hand and joints are is not known";
+constexpr std::chrono::seconds kViewPatience{8};  // for an answer, which has a patience of its own
 
 void set_pose(const belief::HandSample& hand, msgs::HandPose* message) {
   *message->mutable_x_wh() = convert::to_message(hand.X_WH);
@@ -18,23 +20,19 @@ void set_pose(const belief::HandSample& hand, msgs::HandPose* message) {
 
 using control::MotionStatus;
 
-HeldLooks::HeldLooks(graph::Node& node, const robot::Platform& platform)
-    : node_(node), platform_(platform), chain_(platform.arm_chain()), goal_(node, "/held/look") {}
+HeldGoals::HeldGoals(graph::Node& node, const robot::Platform& platform)
+    : node_(node), platform_(platform), chain_(platform.arm_chain()) {}
 
-void HeldLooks::hold(std::int64_t stamp, std::uint32_t object_id) {
+void HeldGoals::hold(std::int64_t stamp, std::uint32_t object_id) {
   stamp_ = stamp;
   object_id_ = object_id;
 }
 
-void HeldLooks::look(const control::ArmPercepts& gripped, const control::ArmPercepts& now) {
-  goal_.stop();
-  asked_ = false;
+std::optional<msgs::HeldLookGoal> HeldGoals::look(const control::ArmPercepts& gripped,
+                                                  const control::ArmPercepts& now) const {
   const std::optional<belief::HandSample> then = hand_sample(platform_, chain_, gripped),
                                           here = hand_sample(platform_, chain_, now);
-  if (!then || !here) {
-    found_ = "where hand and joints are is not known";
-    return;
-  }
+  if (!then || !here) return std::nullopt;
   msgs::HeldLookGoal goal;
   goal.set_stamp(stamp_);
   goal.set_object_id(object_id_);
@@ -45,8 +43,19 @@ void HeldLooks::look(const control::ArmPercepts& gripped, const control::ArmPerc
     const auto found = std::find(now.names.begin(), now.names.end(), joint.name);
     goal.add_arm_position(now.positions.at(static_cast<std::size_t>(found - now.names.begin())));
   }
-  found_ = "no look has come yet";
-  goal_.send(goal);
+  return goal;
+}
+
+HeldLooks::HeldLooks(graph::Node& node, const HeldGoals& goals)
+    : goals_(goals), goal_(node, "/held/look") {}
+
+void HeldLooks::look(const control::ArmPercepts& gripped, const control::ArmPercepts& now) {
+  goal_.stop();
+  asked_ = false;
+  const std::optional<msgs::HeldLookGoal> goal = goals_.look(gripped, now);
+  found_ = goal ? "no look has come yet" : kNotKnown;
+  if (!goal) return;
+  goal_.send(*goal);
   asked_ = true;
 }
 
@@ -60,6 +69,58 @@ MotionStatus HeldLooks::status() {
   }
   found_ = (*outcome)->text();
   return (*outcome)->taken() ? MotionStatus::kReached : MotionStatus::kFailed;
+}
+
+LiftViews::LiftViews(graph::Node& node, const HeldGoals& goals)
+    : node_(node), goals_(goals), goal_(node, "/percepts/view") {}
+
+void LiftViews::look(const control::ArmPercepts& gripped, const control::ArmPercepts& now) {
+  stop();
+  view_.reset();
+  if (!asks_) return;
+  const std::optional<msgs::HeldLookGoal> goal = goals_.look(gripped, now);
+  if (!goal) return failed(kNotKnown);
+  found_ = "no view has come yet";
+  goal_.send(*goal);
+  waits_ = true;
+  asked_at_ = std::chrono::steady_clock::now();
+}
+
+MotionStatus LiftViews::status() {
+  if (!waits_) return view_ ? MotionStatus::kReached : MotionStatus::kFailed;
+  const auto outcome = goal_.end();
+  if (!outcome) {
+    if (std::chrono::steady_clock::now() - asked_at_ < kViewPatience) return MotionStatus::kMoving;
+    asks_ = false;
+    failed("nobody answers /percepts/view, and nobody is asked any more");
+  } else if (!outcome->ok()) {
+    asks_ = false;
+    failed(outcome->error() + "; nobody is asked any more");
+  } else if (!(*outcome)->problem().empty()) {
+    failed((*outcome)->problem());
+  } else {
+    waits_ = false;
+    view_ = (*outcome)->view();
+    found_ = "it was seen";
+  }
+  return view_ ? MotionStatus::kReached : MotionStatus::kFailed;
+}
+
+void LiftViews::failed(const std::string& why) {
+  stop();
+  found_ = why;
+  node_.report(graph::Health::kWarning, "what was lifted is not seen: " + why);
+}
+
+void LiftViews::stop() {
+  goal_.stop();
+  waits_ = false;
+}
+
+std::optional<msgs::PerceivedView> LiftViews::take() {
+  std::optional<msgs::PerceivedView> view = std::move(view_);
+  view_.reset();
+  return view;
 }
 
 }  // namespace prehend::nodes

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,11 +7,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "msgs/actions.pb.h"
 #include "msgs/belief.pb.h"
 #include "msgs/camera.pb.h"
 #include "msgs/convert/geometry.h"
@@ -24,13 +20,12 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "nodes/held_modelling/model_store.h"
+#include "nodes/held_picture/held_picture.h"
 #include "nodes/platform_source/platform_source.h"
-#include "prehend/belief/hand_evidence.h"
 #include "prehend/belief/held_object.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/grasp/known/grasp_memory.h"
-#include "prehend/robot/placed_links.h"
 #include "prehend/robot/platform.h"
 #include "prehend/robot/robot_files.h"
 
@@ -43,10 +38,6 @@ constexpr std::size_t kMostViews = 4;     // that are kept
 
 geometry::Plane support_of(const msgs::CompletedShape& shape) {
   return convert::from_message(shape.has_standing_on() ? shape.standing_on() : shape.table());
-}
-
-Eigen::VectorXd vector_of(const google::protobuf::RepeatedField<double>& values) {
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
 }
 
 class HeldModelling {
@@ -63,9 +54,7 @@ class HeldModelling {
         store_(declare_store()),
         models_(
             node.advertise<msgs::ObjectModel>("/held/model", graph::QoS::latched(kMostObjects))),
-        camera_(node.action_client<msgs::LookGoal, msgs::LookFeedback, msgs::LookResult>(
-            "/camera/look")),
-        render_(node.client<msgs::RenderRequest, msgs::Acknowledge>("/simulation/render")),
+        pictures_(node, platform_),
         shapes_in_(node.subscribe<msgs::CompletedShape>(
             "/shapes", graph::QoS::latched(kMostObjects),
             [this](const auto& shape) {
@@ -186,25 +175,16 @@ class HeldModelling {
   }
 
   void take_look(const msgs::HeldLookGoal& goal, Context& context, msgs::HeldLookResult* result) {
-    const belief::HandSample gripped = sample_of(goal.gripped()), held = sample_of(goal.held());
-    const msgs::LookResult seen = picture(goal.since(), context);
-    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(seen.camera());
-    if (!X_WC) {
-      throw geometry::InputError("the camera does not say where it stands in the world",
-                                 "Give it a pose, as camera_pose of launch/bringup.yaml");
-    }
-    const geometry::PinholeCamera camera = convert::from_message(seen.camera()).left;
-    const std::vector<geometry::TriangleMesh> robot_W =
-        robot::placed_links(platform_, vector_of(goal.arm_position()), held.joints);
+    const nodes::HeldPicture picture =
+        pictures_.take(goal, patience_, [&context] { return context.cancelled(); });
     const std::lock_guard lock(mutex_);
     Held& object = held_of(goal);
-    const geometry::RigidTransform X_WO = held.X_WH * gripped.X_WH.inverse(Eigen::Isometry);
-    geometry::PointCloud thought_W =
-        geometry::transformed(convert::from_message(*object.shape).cloud_W, X_WO);
+    const geometry::PointCloud thought_W =
+        geometry::transformed(convert::from_message(*object.shape).cloud_W, picture.X_WO);
     belief::HeldLook look =
-        belief::held_look(convert::unpack_depth(seen.depth(), camera.width, camera.height), camera,
-                          *X_WC, convert::from_message(object.shape->table()), robot_W, thought_W);
-    look.X_WO = X_WO;
+        belief::held_look(picture.depth, picture.camera, picture.X_WC,
+                          convert::from_message(object.shape->table()), picture.robot_W, thought_W);
+    look.X_WO = picture.X_WO;
     const belief::TakenLook taken = object.object.add(look);
     result->set_looks(static_cast<std::uint32_t>(object.object.looks()));
     result->set_moved(taken.moved);
@@ -220,46 +200,6 @@ class HeldModelling {
         "gripped by the plan",
         object.object.looks(), 100 * object.model->guessed_area, 1e3 * taken.moved));
     publish(object);
-  }
-
-  belief::HandSample sample_of(const msgs::HandPose& message) const {
-    belief::HandSample sample{convert::from_message(message.x_wh()), vector_of(message.position())};
-    if (sample.joints.size() != static_cast<Eigen::Index>(platform_.hand.model.joints.size()) ||
-        !sample.joints.allFinite() || !sample.X_WH.matrix().allFinite()) {
-      throw geometry::InputError("the hand's joints are not those of " + platform_.hand.name,
-                                 "Give this node the platform that the cycle has");
-    }
-    return sample;
-  }
-
-  // The next picture, which a simulated camera is asked for. @throws std::runtime_error
-  msgs::LookResult picture(std::int64_t since, Context& context) {
-    const auto patience = std::chrono::duration_cast<std::chrono::nanoseconds>(
-        std::chrono::duration<double>(patience_));
-    const auto waits = std::make_shared<std::atomic<bool>>(false);
-    msgs::LookGoal goal;
-    goal.set_since(since);
-    const auto handle = camera_.send(goal, [waits](const msgs::LookFeedback&) { *waits = true; },
-                                     {.timeout = patience});
-    bool asked = false;
-    while (!handle.done()) {
-      if (context.cancelled()) {
-        handle.cancel();
-        throw std::runtime_error("it was cancelled before a picture came");
-      }
-      if (*waits && !asked) {
-        asked = true;
-        // Cameras that send pictures all the time need not be asked, and do not answer.
-        msgs::RenderRequest request;
-        request.set_shows_robot(true);
-        render_.call_async(request, patience, [](const graph::Outcome<msgs::Acknowledge>&) {});
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    const auto outcome = handle.wait(std::chrono::nanoseconds(0));
-    if (!outcome.ok()) throw std::runtime_error("no picture came: " + outcome.error());
-    if (!outcome->problem().empty()) throw std::runtime_error(outcome->problem());
-    return *outcome;
   }
 
   void publish(const Held& held) {
@@ -317,8 +257,7 @@ class HeldModelling {
   std::map<std::int64_t, View> views_;  // by the stamp [ns]
   std::optional<Held> held_;
   graph::Publisher<msgs::ObjectModel> models_;
-  graph::ActionClient<msgs::LookGoal, msgs::LookFeedback, msgs::LookResult> camera_;
-  graph::ServiceClient<msgs::RenderRequest, msgs::Acknowledge> render_;
+  nodes::HeldPictures pictures_;
   graph::Subscription shapes_in_, plans_in_, models_in_, results_in_;
   graph::ActionServer look_;
 };

@@ -9,8 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "msgs/convert/percepts.h"
 #include "nodes/report/touch_section.h"
 #include "prehend/report/charts.h"
+#include "prehend/report/pictures.h"
 
 namespace prehend::nodes {
 namespace {
@@ -123,6 +125,40 @@ void add_pads(report::Page& page, const Collected& collected,
   page.add_pictures(pictures, captions);
 }
 
+// Both side by side, in the same colours.
+void add_view(report::Page& page, const msgs::PerceptSurprise& surprise) {
+  const msgs::Percepts& wanted = surprise.likeliest().percepts();
+  if (!surprise.perceived().has_view() || !wanted.has_view()) return;
+  const belief::PerceivedView foretold = *convert::from_message(wanted).view;
+  const belief::PerceivedView seen = *convert::from_message(surprise.perceived()).view;
+  constexpr int kGap = 4, kWidth = 640;  // pixels
+  const int columns = foretold.depth.width + kGap + seen.depth.width;
+  const int scale = std::clamp(kWidth / columns, 1, 8);
+  geometry::DepthImage both(scale * columns,
+                            scale * std::max(foretold.depth.height, seen.depth.height),
+                            std::numeric_limits<float>::quiet_NaN());
+  const auto put = [&](const geometry::DepthImage& depth, int left) {
+    for (int v = 0; v < scale * depth.height; ++v) {
+      for (int u = 0; u < scale * depth.width; ++u) {
+        both.at(scale * left + u, v) = depth.at(u / scale, v / scale);
+      }
+    }
+  };
+  put(foretold.depth, 0);
+  put(seen.depth, foretold.depth.width + kGap);
+  constexpr double kSquareCentimetre = 1e-4, kMillimetre = 1e-3;
+  const double beside = (seen.center_C - foretold.center_C).norm();
+  page.add_pictures(
+      {report::color_values(both)},
+      {fmt::format(
+          "after the lift, to be seen (left) and seen by the camera: {:.0f} and {:.0f} cm2 "
+          "of it, blue is near{}",
+          foretold.area / kSquareCentimetre, seen.area / kSquareCentimetre,
+          foretold.area > 0 && seen.area > 0
+              ? fmt::format("; its middle is {:.1f} mm beside", beside / kMillimetre)
+              : "")});
+}
+
 }  // namespace
 
 void add_surprises(report::Page& page, const Collected& collected) {
@@ -130,6 +166,7 @@ void add_surprises(report::Page& page, const Collected& collected) {
     page.add_paragraph(bits_text(surprise));
     add_bits(page, surprise);
     add_pads(page, collected, surprise);
+    add_view(page, surprise);
   }
 }
 

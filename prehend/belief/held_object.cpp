@@ -74,10 +74,9 @@ std::vector<Eigen::Vector3f> every(const std::vector<Eigen::Vector3f>& points, s
   return few;
 }
 
-/// The connected pixels of the mask, without steps in depth, that are not few.
-std::vector<std::vector<std::pair<int, int>>> pieces_of(const geometry::DepthImage& depth,
-                                                        geometry::MaskImage mask,
-                                                        const HeldLookOptions& options) {
+/// Of the mask, the connected pixels without steps in depth that are not few.
+geometry::MaskImage large_pieces(const geometry::DepthImage& depth, geometry::MaskImage mask,
+                                 const HeldLookOptions& options) {
   std::vector<std::vector<std::pair<int, int>>> pieces;
   std::size_t all = 0;
   for (int v = 0; v < mask.height; ++v) {
@@ -100,9 +99,11 @@ std::vector<std::vector<std::pair<int, int>>> pieces_of(const geometry::DepthIma
     }
   }
   const double least = options.least_piece * static_cast<double>(all);
-  std::erase_if(pieces,
-                [least](const auto& piece) { return static_cast<double>(piece.size()) < least; });
-  return pieces;
+  for (const std::vector<std::pair<int, int>>& piece : pieces) {
+    if (static_cast<double>(piece.size()) < least) continue;
+    for (const auto& [x, y] : piece) mask.at(x, y) = 255;
+  }
+  return mask;
 }
 
 }  // namespace
@@ -241,15 +242,17 @@ surface::ObjectModel HeldObject::model() const {
   return model;
 }
 
-HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
-                   const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
-                   const std::vector<geometry::TriangleMesh>& robot_W,
-                   const geometry::PointCloud& thought_W, const HeldLookOptions& options) {
+geometry::MaskImage held_pixels(const geometry::DepthImage& depth,
+                                const geometry::PinholeCamera& camera,
+                                const geometry::RigidTransform& X_WC,
+                                const geometry::Plane& table_W,
+                                const std::vector<geometry::TriangleMesh>& robot_W,
+                                const geometry::PointCloud& thought_W,
+                                const HeldLookOptions& options) {
   options.validate();
   if (depth.width != camera.width || depth.height != camera.height) {
     throw std::invalid_argument("held_look(): the depth is not of the camera's size");
   }
-  HeldLook look;
   const Eigen::Vector3d middle = geometry::centroid(thought_W);
   double radius = 0;
   for (const Eigen::Vector3f& p : thought_W.points) {
@@ -289,8 +292,19 @@ HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCam
       if (may_be_held(u, v, X_WC * camera.unproject(u, v, z))) mask.at(u, v) = 255;
     }
   }
-  for (const std::vector<std::pair<int, int>>& piece : pieces_of(depth, mask, options)) {
-    for (const auto& [u, v] : piece) {
+  return large_pieces(depth, std::move(mask), options);
+}
+
+HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
+                   const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
+                   const std::vector<geometry::TriangleMesh>& robot_W,
+                   const geometry::PointCloud& thought_W, const HeldLookOptions& options) {
+  HeldLook look;
+  const geometry::MaskImage mask =
+      held_pixels(depth, camera, X_WC, table_W, robot_W, thought_W, options);
+  for (int v = 0; v < depth.height; ++v) {
+    for (int u = 0; u < depth.width; ++u) {
+      if (mask.at(u, v) == 0) continue;
       const auto z = static_cast<double>(depth.at(u, v));
       look.seen_W.points.push_back((X_WC * camera.unproject(u, v, z)).cast<float>());
     }

@@ -103,12 +103,22 @@ struct HeldLookOptions {
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
-/// What a view shows of the object that a hand holds, near where it is thought to be: the points
-/// within some room about `thought_W`, its surface as it is thought to be now, that keep clear of
-/// every link of the robot, of the table, and of edges in depth, in pieces that are not small.
+/// Where a picture shows the object that a hand holds (255): the pixels whose points are within
+/// some room about `thought_W`, its surface as it is thought to be now, and keep clear of every
+/// link of the robot, of the table, and of edges in depth, in pieces that are not small.
 /// @param depth of the camera's size [m], NaN where unknown.
 /// @param robot_W the robot's links as they are now. @throws std::invalid_argument for options out
 /// of range, or a depth of another size.
+geometry::MaskImage held_pixels(const geometry::DepthImage& depth,
+                                const geometry::PinholeCamera& camera,
+                                const geometry::RigidTransform& X_WC,
+                                const geometry::Plane& table_W,
+                                const std::vector<geometry::TriangleMesh>& robot_W,
+                                const geometry::PointCloud& thought_W,
+                                const HeldLookOptions& options = {});
+
+/// What a view shows of the object that a hand holds: its points by held_pixels(), which takes the
+/// same arguments, and what else was seen round it.
 HeldLook held_look(const geometry::DepthImage& depth, const geometry::PinholeCamera& camera,
                    const geometry::RigidTransform& X_WC, const geometry::Plane& table_W,
                    const std::vector<geometry::TriangleMesh>& robot_W,

@@ -6,7 +6,8 @@
 namespace prehend::belief {
 namespace {
 
-constexpr double kLeastWeight = 0.2;  // N: below it the wrist's noise is all
+constexpr double kLeastWeight = 0.2;     // N: below it the wrist's noise is all
+constexpr double kLeastViewArea = 1e-4;  // m^2: below it a picture shows nothing of an object
 
 class FeatureList {
  public:
@@ -39,8 +40,8 @@ const char* const kMomentNames[] = {"closed", "lifted"};
 }  // namespace
 
 const std::vector<std::string>& percept_senses() {
-  static const std::vector<std::string> senses{"tactile", "contact", "joints",
-                                               "time",    "wrist",   "weight"};
+  static const std::vector<std::string> senses{"tactile", "contact", "joints", "time",
+                                               "wrist",   "weight",  "view"};
   return senses;
 }
 
@@ -55,7 +56,9 @@ const std::vector<PerceptKind>& percept_kinds() {
       {"force closing", 0.3, 0.05},     {"force closed", 0.5, 0.1},
       {"force lifted", 0.5, 0.1},       {"torque closing", 0.03, 0.005},
       {"torque closed", 0.05, 0.01},    {"torque lifted", 0.05, 0.01},
-      {"log weight", 0.3, 0.05},
+      {"log weight", 0.3, 0.05},        {"view across", 0.003, 0.0005},
+      {"view away", 0.004, 0.001},      {"view spread", 0.002, 0.0005},
+      {"log view area", 0.2, 0.03},
   };
   return kinds;
 }
@@ -102,6 +105,21 @@ std::vector<PerceptFeature> percept_features(const Percepts& percepts, double to
   std::optional<double> weight;
   if (percepts.weight) weight = std::log(std::max(kLeastWeight, *percepts.weight));
   list.number("weight", "wrist", "log weight", weight);
+  const bool shown = percepts.view && percepts.view->area > 0;
+  list.yes_or_no("view", "camera", "shown", percepts.view ? std::optional(shown) : std::nullopt);
+  const auto of_view = [&](const std::string& kind, double value) {
+    list.number("view", "camera", kind, shown ? std::optional(value) : std::nullopt);
+  };
+  const PerceivedView view = percepts.view.value_or(PerceivedView{});
+  of_view("view across", view.center_C.x());
+  of_view("view across", view.center_C.y());
+  of_view("view away", view.center_C.z());
+  of_view("view spread", view.spread.x());
+  of_view("view spread", view.spread.y());
+  // Nothing of it is much less than it was to be, not just a yes for a no.
+  std::optional<double> view_area;
+  if (percepts.view) view_area = std::log(std::max(kLeastViewArea, view.area));
+  list.number("view", "camera", "log view area", view_area);
   return list.features;
 }
 

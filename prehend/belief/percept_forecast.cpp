@@ -11,6 +11,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/grasp/uncertainty.h"
 #include "prehend/planning/hand_act.h"
+#include "prehend/robot/placed_links.h"
 #include "prehend/text/require.h"
 
 namespace prehend::belief {
@@ -114,13 +115,44 @@ SimulatedAct perform(const robot::HandModel& hand, HandAct& act, const planning:
   const RigidTransform X_HB = in_hand();
   const double height = act.object().height;
   act.lift(options.lift_height, options.lift_time);
-  SimulatedAct done{perceiver.lifted(), perceiver.began_in_touch(), 0,
-                    act.object().height - height};
+  SimulatedAct done;
+  done.percepts = perceiver.lifted();
+  done.begins_in_touch = perceiver.began_in_touch();
+  done.raised = act.object().height - height;
   done.slide = (in_hand().translation() - X_HB.translation()).norm();
+  done.X_HO = act.X_HO();
+  done.joints = act.all_joints();
   // An object that flies off has no pose; what is perceived of it must have one.
   check_percepts(done.percepts);
   return done;
 }
+
+/// What the camera is to show once the hand has lifted, by where acts end.
+class ForeseenViews {
+ public:
+  /// @param thought_W the object's surface as it stands, by what is believed.
+  ForeseenViews(const robot::HandModel& hand, const planning::GraspToFeel& grasp,
+                const ViewAfterLift& after, const geometry::TriangleMesh& thought_W)
+      : hand_(hand), after_(after) {
+    const RigidTransform X_WH_closed = planning::hand_root(hand, grasp);
+    thought_W_ = geometry::transformed(thought_surface(thought_W),
+                                       after.X_WH * X_WH_closed.inverse(Eigen::Isometry));
+  }
+
+  PerceivedView of(const SimulatedAct& act, const planning::ObjectToFeel& object) const {
+    LiftedView view{after_.camera, after_.X_WC,  object.table_W,
+                    after_.X_WH,   after_.arm_W, thought_W_};
+    for (auto& link_W : robot::placed_hand_links(hand_, after_.X_WH, act.joints)) {
+      view.robot_W.push_back(std::move(link_W));
+    }
+    return predicted_view(geometry::transformed(object.mesh_W, after_.X_WH * act.X_HO), view);
+  }
+
+ private:
+  const robot::HandModel& hand_;
+  const ViewAfterLift& after_;
+  geometry::PointCloud thought_W_;
+};
 
 }  // namespace
 
@@ -184,6 +216,8 @@ PerceptForecast predict_percepts(const robot::HandModel& hand, const planning::G
     places.push_back({0, side, 1.0 / 6});
   }
   if (options.place == 0) places = {{0, 0, 1}};
+  std::optional<ForeseenViews> views;
+  if (options.view) views.emplace(hand, grasp, *options.view, shapes.front().object.mesh_W);
   PerceptForecast predicted;
   double sum = 0;
   int taken = 0;
@@ -203,8 +237,10 @@ PerceptForecast predict_percepts(const robot::HandModel& hand, const planning::G
           shift -= shift.dot(up) * up;
           planning::GraspToFeel at = grasp;
           at.X_WG.translation() -= shift;
+          SimulatedAct done = perform(hand, act, at, options.act);
+          if (views) done.percepts.view = views->of(done, shape.object);
           here.push_back({shape.name, place.along, place.across, shape.weight * place.weight,
-                          perform(hand, act, at, options.act).percepts});
+                          std::move(done.percepts)});
         }
         return true;
       });

@@ -48,6 +48,11 @@ void check_percepts(const Percepts& percepts) {
   check_wrench(percepts.closing, "closing");
   for (std::size_t m = 0; m < kMoments.size(); ++m) check_wrench(percepts.wrist[m], kMoments[m]);
   require_finite(std::isfinite(percepts.weight.value_or(0)), "the weight");
+  if (percepts.view) {
+    require_finite(std::isfinite(percepts.view->area), "the view: area");
+    require_finite(percepts.view->center_C.allFinite(), "the view: middle");
+    require_finite(percepts.view->spread.allFinite(), "the view: spread");
+  }
 }
 
 }  // namespace prehend::belief

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "prehend/geometry/image.h"
+
 // What a robot perceives of an act; what it is to perceive by what is believed of the object:
 // percept_forecast.h.
 namespace prehend::belief {
@@ -42,6 +44,16 @@ struct PerceivedMotor {
                                         // rad (1 mm of a jaw) of where it was when closed
 };
 
+/// What a camera shows of what the hand has lifted, the hand itself left out.
+struct PerceivedView {
+  /// m, of it alone, NaN elsewhere: the part of the picture where it may be; see percept_view.h.
+  geometry::DepthImage depth;
+  double area = 0;                                     // m^2, across the line of sight; 0: none
+  Eigen::Vector3d center_C = Eigen::Vector3d::Zero();  // m, its middle from the hand's origin,
+                                                       // along the camera's axes
+  Eigen::Vector2d spread = Eigen::Vector2d::Zero();  // m, standard, along the picture's axes
+};
+
 inline constexpr std::size_t kClosed = 0, kLifted = 1;
 
 /// What was perceived of an act: a hand closes where it stands, and lifts. What a robot has no
@@ -52,6 +64,7 @@ struct Percepts {
   std::optional<Wrench> closing;               // mean over the closing
   std::array<std::optional<Wrench>, 2> wrist;  // closed, lifted
   std::optional<double> weight;                // N, that the wrist carries after the lift
+  std::optional<PerceivedView> view;           // after the lift
 };
 
 /// @throws std::invalid_argument naming the first value that is not finite, e.g.

@@ -122,6 +122,7 @@ void ArmCycle::stop_motion() {
   arm_.stop();
   hand_.stop();
   if (inspection_ && step_ == Step::kInspect) inspection_->stop();
+  if (lift_view_ && step_ == Step::kCheck) lift_view_->stop();
 }
 
 void ArmCycle::fail(const std::string& reason) {
@@ -218,6 +219,20 @@ double ArmCycle::held_collision_force() const {
          std::max(2 * geometry::kGravity * grasp().lifted_mass, holding_.weight().value_or(0));
 }
 
+// Begins once the arm has come to rest; true until it has ended.
+bool ArmCycle::looks_at_lift() {
+  if (!lift_view_) return false;
+  if (!lift_looked_at_) {
+    if (spent() < options_.rest_time) return true;
+    lift_view_->look(gripped_percepts_, percepts_);
+    lift_looked_at_ = true;
+  }
+  if (lift_view_->status() != MotionStatus::kMoving) return false;
+  if (spent() < options_.motion_timeout) return true;
+  lift_view_->stop();
+  return false;
+}
+
 double ArmCycle::contact_force_down() const {
   return options_.reacts ? holding_.weight().value_or(0) + options_.contact_force
                          : held_collision_force();
@@ -274,10 +289,11 @@ void ArmCycle::advance(MotionStatus status) {
       return judge_grip();
     case Step::kLift:
       holding_.begin_weighing();
+      lift_looked_at_ = false;
       return enter(Step::kCheck, "weighing what is held");
     case Step::kCheck:
       holding_.weigh(percepts_.wrist_force);
-      if (spent() < options_.check_time) return;
+      if (looks_at_lift() || spent() < options_.check_time) return;
       return check();
     case Step::kBrake:
       return set_down();

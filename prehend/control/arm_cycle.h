@@ -63,6 +63,9 @@ namespace prehend::control {
 /// after a place only where the retreat has led onto the way there, as from straight above, else
 /// from the retreat's end.
 ///
+/// Where somebody looks at what was lifted (view_lifts_by()), it stands still after the lift until
+/// that has ended. What the look finds changes nothing.
+///
 /// Inspecting (inspect_by()), the arm turns what is held to each of the plan's views and back, and
 /// waits at each until it was looked at. A look that fails is no failed attempt.
 ///
@@ -86,6 +89,10 @@ class ArmCycle : public Cycle {
   /// From now on it is looked at what it turns before a camera. Keeps a reference.
   /// @pre not started
   void inspect_by(InspectionPort& inspection) { inspection_ = &inspection; }
+
+  /// From now on what it has lifted is looked at, while it is weighed. Keeps a reference.
+  /// @pre not started
+  void view_lifts_by(InspectionPort& view) { lift_view_ = &view; }
 
   /// Starts from the first grasp. An empty list ends at once as failed, with `problem` as reason.
   /// @throws std::invalid_argument for a minimum_stability without a judge of grips.
@@ -160,6 +167,7 @@ class ArmCycle : public Cycle {
   void begin_move(const Action& action);
   /// Of the present step: what is held is turned before a camera.
   bool inspects() const;
+  bool looks_at_lift();
   void begin_inspection();
   void begin_view();
   void look_at_held();
@@ -241,6 +249,8 @@ class ArmCycle : public Cycle {
   std::vector<ArmGrasp> grasps_;
   std::optional<GripJudge> judge_;
   InspectionPort* inspection_ = nullptr;
+  InspectionPort* lift_view_ = nullptr;
+  bool lift_looked_at_ = false;      // in this attempt
   ArmPercepts gripped_percepts_;     // when the lift began
   std::size_t view_ = 0;             // of the plan's
   int views_seen_ = 0;               // of this inspection

@@ -67,7 +67,7 @@ void HandAct::begin(const GraspToFeel& grasp) {
   const robot::Preshape& shape = hand_.preshape(grasp.preshape);
   way_ = robot::closing_way(hand_, shape, grasp.open, grasp.closed);
   world_.restore(*standing_);
-  world_.set_carrier(X_TW_ * grasp.X_WG * (hand_.X_HP * shape.X_PG).inverse(Eigen::Isometry));
+  world_.set_carrier(X_TW_ * hand_root(hand_, grasp));
   world_.set_hand(way_.open);
   wanted_ = grasp.force > 0 ? grasp.force : options_.grip.grip_force;
   share_ = wanted_ > 0 ? robot::first_effort_share(grasp.effort) : 1.0;
@@ -90,6 +90,23 @@ void HandAct::lift(double height, double duration) {
 }
 
 simulation::RobotBodyReading HandAct::object() const { return world_.body(kFelt); }
+
+geometry::RigidTransform HandAct::X_HO() const {
+  return world_.X_WH().inverse(Eigen::Isometry) * world_.body(kFelt).X_WB *
+         X_TB_start_.inverse(Eigen::Isometry) * X_TW_;
+}
+
+Eigen::VectorXd HandAct::all_joints() const {
+  const std::vector<simulation::JointReading> readings = world_.joints();
+  Eigen::VectorXd positions = hand_.all_positions(world_.hand_positions());
+  for (std::size_t i = 0; i < hand_.model.joints.size(); ++i) {
+    const auto found = std::find_if(readings.begin(), readings.end(), [&](const auto& one) {
+      return one.name == hand_.model.joints[i].name;
+    });
+    if (found != readings.end()) positions[static_cast<Eigen::Index>(i)] = found->position;
+  }
+  return positions;
+}
 
 void HandAct::step() {
   world_.step();
@@ -179,6 +196,10 @@ robot::MeanTouch HandAct::mean(const std::vector<PredictedPad>& pads) const {
   for (const PredictedPad& pad : pads) percepts.push_back({pad.sum, pad.area, 0});
   return robot::mean_touch(percepts, options_.grip.touch_force,
                            std::numeric_limits<double>::infinity());
+}
+
+RigidTransform hand_root(const robot::HandModel& hand, const GraspToFeel& grasp) {
+  return grasp.X_WG * (hand.X_HP * hand.preshape(grasp.preshape).X_PG).inverse(Eigen::Isometry);
 }
 
 void check_act(const robot::HandModel& hand, const GraspToFeel& grasp, const ObjectToFeel& object) {

@@ -50,6 +50,10 @@ class HandAct {
   const robot::ClosingWay& way() const { return way_; }
   const simulation::RobotWorld& world() const { return world_; }
   simulation::RobotBodyReading object() const;
+  /// Where the hand holds it: what was at p when it stood is at X_HO p in the hand's root frame.
+  geometry::RigidTransform X_HO() const;
+  /// Of all joints of the hand's model, in its order [rad or m].
+  Eigen::VectorXd all_joints() const;
 
  private:
   void step();
@@ -70,6 +74,9 @@ class HandAct {
   Eigen::VectorXd stopped_;
   long steps_ = 0;
 };
+
+/// Where the hand's root is at the grasp, in W. @pre the grasp is of this hand
+geometry::RigidTransform hand_root(const robot::HandModel& hand, const GraspToFeel& grasp);
 
 /// The same as arguments of a public function. @throws std::invalid_argument naming the value,
 /// geometry::InputError for an unknown preshape.

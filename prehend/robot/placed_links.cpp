@@ -7,41 +7,90 @@
 #include "prehend/robot/link_mesh.h"
 
 namespace prehend::robot {
+namespace {
 
-std::vector<geometry::TriangleMesh> placed_links(const Platform& platform,
-                                                 const Eigen::Ref<const Eigen::VectorXd>& arm,
-                                                 const Eigen::Ref<const Eigen::VectorXd>& hand) {
-  const KinematicChain chain = platform.arm_chain();
-  const RobotModel& fingers = platform.hand.model;
-  if (arm.size() != chain.size() ||
-      hand.size() != static_cast<Eigen::Index>(fingers.joints.size()) || !arm.allFinite() ||
-      !hand.allFinite()) {
-    throw std::invalid_argument("placed_links(): the positions are not those of the platform");
-  }
-  std::map<std::string, double> positions;
-  for (int i = 0; i < chain.size(); ++i) {
-    positions[chain.joints()[static_cast<std::size_t>(i)].name] = arm[i];
-  }
-  for (std::size_t i = 0; i < fingers.joints.size(); ++i) {
-    positions["hand_" + fingers.joints[i].name] = hand[static_cast<Eigen::Index>(i)];
-  }
-  const RobotModel& model = platform.model;
-  std::vector<geometry::RigidTransform> X_RL(model.links.size(),
-                                             geometry::RigidTransform::Identity());
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+
+const std::string kHand = "hand_";  // before the names of a platform's links that are the hand's
+
+// Positions of joints by name; those that are not named are at 0.
+std::vector<RigidTransform> poses_in_root(const RobotModel& model,
+                                          const std::map<std::string, double>& positions) {
+  std::vector<RigidTransform> X_RL(model.links.size(), RigidTransform::Identity());
   for (const Joint& joint : model.joints) {
     const auto known = positions.find(joint.name);
     X_RL[static_cast<std::size_t>(joint.child)] =
         X_RL[static_cast<std::size_t>(joint.parent)] *
         joint.pose_at(known == positions.end() ? 0 : known->second);
   }
+  return X_RL;
+}
+
+std::vector<TriangleMesh> placed(const Platform& platform,
+                                 const std::map<std::string, double>& positions, bool with_hand) {
+  const RobotModel& model = platform.model;
+  const std::vector<RigidTransform> X_RL = poses_in_root(model, positions);
   const auto base = static_cast<std::size_t>(model.link_index(platform.base));
-  const geometry::RigidTransform X_WR = platform.X_WB * X_RL[base].inverse(Eigen::Isometry);
-  std::vector<geometry::TriangleMesh> placed;
+  const RigidTransform X_WR = platform.X_WB * X_RL[base].inverse(Eigen::Isometry);
+  std::vector<TriangleMesh> links_W;
   for (std::size_t l = 0; l < model.links.size(); ++l) {
-    if (model.links[l].shapes.empty()) continue;
-    placed.push_back(geometry::transformed(link_mesh(model.links[l]), X_WR * X_RL[l]));
+    const bool wanted = with_hand || !model.links[l].name.starts_with(kHand);
+    if (!wanted || model.links[l].shapes.empty()) continue;
+    links_W.push_back(geometry::transformed(link_mesh(model.links[l]), X_WR * X_RL[l]));
   }
-  return placed;
+  return links_W;
+}
+
+std::map<std::string, double> arm_positions(const Platform& platform,
+                                            const Eigen::Ref<const Eigen::VectorXd>& arm) {
+  const KinematicChain chain = platform.arm_chain();
+  if (arm.size() != chain.size() || !arm.allFinite()) {
+    throw std::invalid_argument(
+        "placed_links(): the positions are not those of the platform's arm");
+  }
+  std::map<std::string, double> positions;
+  for (int i = 0; i < chain.size(); ++i) {
+    positions[chain.joints()[static_cast<std::size_t>(i)].name] = arm[i];
+  }
+  return positions;
+}
+
+void check_hand(const HandModel& hand, const Eigen::Ref<const Eigen::VectorXd>& all) {
+  if (all.size() == static_cast<Eigen::Index>(hand.model.joints.size()) && all.allFinite()) return;
+  throw std::invalid_argument("placed_links(): the positions are not those of the hand");
+}
+
+}  // namespace
+
+std::vector<TriangleMesh> placed_links(const Platform& platform,
+                                       const Eigen::Ref<const Eigen::VectorXd>& arm,
+                                       const Eigen::Ref<const Eigen::VectorXd>& hand) {
+  std::map<std::string, double> positions = arm_positions(platform, arm);
+  const RobotModel& fingers = platform.hand.model;
+  check_hand(platform.hand, hand);
+  for (std::size_t i = 0; i < fingers.joints.size(); ++i) {
+    positions[kHand + fingers.joints[i].name] = hand[static_cast<Eigen::Index>(i)];
+  }
+  return placed(platform, positions, true);
+}
+
+std::vector<TriangleMesh> placed_arm_links(const Platform& platform,
+                                           const Eigen::Ref<const Eigen::VectorXd>& arm) {
+  return placed(platform, arm_positions(platform, arm), false);
+}
+
+std::vector<TriangleMesh> placed_hand_links(const HandModel& hand, const RigidTransform& X_WH,
+                                            const Eigen::Ref<const Eigen::VectorXd>& all) {
+  check_hand(hand, all);
+  std::vector<RigidTransform> X_HL;
+  hand.link_poses(all, X_HL);
+  std::vector<TriangleMesh> links_W;
+  for (std::size_t l = 0; l < hand.model.links.size(); ++l) {
+    if (hand.model.links[l].shapes.empty()) continue;
+    links_W.push_back(geometry::transformed(link_mesh(hand.model.links[l]), X_WH * X_HL[l]));
+  }
+  return links_W;
 }
 
 }  // namespace prehend::robot

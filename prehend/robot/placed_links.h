@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/triangle_mesh.h"
 #include "prehend/robot/platform.h"
 
@@ -16,5 +17,14 @@ namespace prehend::robot {
 std::vector<geometry::TriangleMesh> placed_links(const Platform& platform,
                                                  const Eigen::Ref<const Eigen::VectorXd>& arm,
                                                  const Eigen::Ref<const Eigen::VectorXd>& hand);
+
+/// The same of the arm alone, without its hand.
+std::vector<geometry::TriangleMesh> placed_arm_links(const Platform& platform,
+                                                     const Eigen::Ref<const Eigen::VectorXd>& arm);
+
+/// The same of a hand alone whose root is at X_WH. @param all of its joints, of the hand's model.
+std::vector<geometry::TriangleMesh> placed_hand_links(const HandModel& hand,
+                                                      const geometry::RigidTransform& X_WH,
+                                                      const Eigen::Ref<const Eigen::VectorXd>& all);
 
 }  // namespace prehend::robot

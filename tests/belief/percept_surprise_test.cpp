@@ -14,7 +14,9 @@
 
 #include "prehend/belief/percept_forecast.h"
 #include "prehend/geometry/errors.h"
+#include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/whole_file.h"
+#include "prehend/planning/hand_act.h"
 #include "prehend/simulation/shapes.h"
 
 namespace prehend::belief {
@@ -223,6 +225,41 @@ TEST(PerceptSurprise, WhatIsNotFiniteIsRefusedByName) {
   bad.pads.pop_back();
   EXPECT_THROW(surprise(bad), std::invalid_argument) << "another hand";
   EXPECT_THROW(percept_surprise({}, exact(), SurpriseModel::unfitted()), std::invalid_argument);
+}
+
+// A camera looks at what was lifted from the side.
+TEST(PerceptSurprise, WhatLooksOtherwiseInTheHandSurprises) {
+  PerceptOptions options;
+  ViewAfterLift& after = options.view.emplace();
+  after.camera = {640, 480, 525, 525, 319.5, 239.5};
+  after.X_WC = geometry::look_at({0.6, 0, 0.3}, {0, 0, 0.12});
+  after.X_WH = planning::hand_root(sdh(), pinch());
+  after.X_WH.translation().z() += options.act.lift_height;
+  const PerceptForecast foretold =
+      predict_percepts(sdh(), pinch(), {{"box", box(0.06), 1}}, options);
+  const Percepts as_foretold = foretold.possible.front().percepts;
+  ASSERT_TRUE(as_foretold.view.has_value());
+  EXPECT_GT(as_foretold.view->area, 1e-3);
+  const SurpriseModel model = SurpriseModel::unfitted();
+  const double least = bits_of(percept_surprise(foretold, as_foretold, model), "view");
+  EXPECT_LT(least, 0);
+  double before = least;
+  Percepts beside = as_foretold;
+  for (int step = 1; step <= 4; ++step) {
+    beside.view->center_C.x() += 0.004;
+    const double bits = bits_of(percept_surprise(foretold, beside, model), "view");
+    EXPECT_GT(bits, before) << step;
+    before = bits;
+  }
+  Percepts gone = as_foretold;
+  gone.view->area = 0;
+  EXPECT_GT(bits_of(percept_surprise(foretold, gone, model), "view"), before);
+  Percepts blind = as_foretold;
+  blind.view.reset();
+  EXPECT_EQ(percept_surprise(foretold, blind, model).senses.back().sense, "weight");
+  blind = as_foretold;
+  blind.view->center_C.y() = std::nan("");
+  EXPECT_THROW(percept_surprise(foretold, blind, model), std::invalid_argument);
 }
 
 // The expectation of the bits of what is as predicted, with noise of the model's own, is 0.

@@ -75,6 +75,39 @@ TEST(InspectTask, ALookThatFailsIsNoFailedAttempt) {
   EXPECT_EQ(inspection.stops, 1) << "who does not answer is asked no more";
 }
 
+// It stands where the lift has ended until it was looked at; what comes of it changes nothing.
+TEST(LiftView, IsWaitedForAndChangesNothing) {
+  for (const MotionStatus says :
+       {MotionStatus::kReached, MotionStatus::kFailed, MotionStatus::kMoving}) {
+    Fakes f;
+    FakeInspection view;
+    view.says = {{1, says}};
+    ArmCycleOptions options = doing(task_named("pick_and_place"), {});
+    options.motion_timeout = 3;
+    ArmCycle cycle(options, f.arm, f.hand);
+    cycle.view_lifts_by(view);
+    cycle.start({fake_grasp()});
+    f.run(cycle, 8000);
+    EXPECT_TRUE(cycle.result().success()) << cycle.result().reason;
+    EXPECT_THAT(view.looked_at, ElementsAre(3)) << "where the lift ends, once";
+    EXPECT_THAT(view.gripped_at, ElementsAre(2));
+    EXPECT_EQ(view.stops, says == MotionStatus::kMoving ? 1 : 0);
+  }
+}
+
+TEST(LiftView, WhatIsLostMeanwhileIsALoss) {
+  Fakes f;
+  FakeInspection view;
+  view.says = {{1, MotionStatus::kMoving}};
+  ArmCycle cycle(doing(task_named("pick_and_place"), {}), f.arm, f.hand);
+  cycle.view_lifts_by(view);
+  cycle.start({fake_grasp()});
+  for (int i = 0; i < 4000 && view.looked_at.empty(); ++i) f.run(cycle, 1);
+  f.weight = 0;
+  f.run(cycle, 8000);
+  EXPECT_FALSE(cycle.result().success());
+}
+
 TEST(InspectTask, WithoutViewsOrAnyoneWhoLooksItIsPutBack) {
   for (const bool looks : {false, true}) {
     Fakes f;

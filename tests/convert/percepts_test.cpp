@@ -1,5 +1,6 @@
 #include "msgs/convert/percepts.h"
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -26,6 +27,13 @@ belief::Percepts felt() {
   percepts.closing = belief::Wrench{{1, 2, 3}, {0.1, 0.2, 0.3}};
   percepts.wrist[belief::kLifted] = belief::Wrench{{0, 0, -4}, {0, 0, 0}};
   percepts.weight = 4;
+  belief::PerceivedView view;
+  view.depth = geometry::DepthImage(2, 1, std::numeric_limits<float>::quiet_NaN());
+  view.depth.at(1, 0) = 0.5F;
+  view.area = 0.004;
+  view.center_C = {0.01, 0.1, -0.02};
+  view.spread = {0.02, 0.03};
+  percepts.view = view;
   return percepts;
 }
 
@@ -58,6 +66,14 @@ TEST(PerceptMessages, SayWhatWasPerceived) {
   EXPECT_FALSE(after.wrist[belief::kClosed].has_value());
   EXPECT_EQ(after.wrist[belief::kLifted]->force.z(), -4);
   EXPECT_EQ(after.weight, 4);
+  ASSERT_TRUE(after.view.has_value());
+  EXPECT_EQ(after.view->depth.width, 2);
+  EXPECT_TRUE(std::isnan(after.view->depth.at(0, 0)));
+  EXPECT_EQ(after.view->depth.at(1, 0), 0.5F);
+  EXPECT_EQ(after.view->area, 0.004);
+  EXPECT_EQ(after.view->center_C, Eigen::Vector3d(0.01, 0.1, -0.02));
+  EXPECT_EQ(after.view->spread, Eigen::Vector2d(0.02, 0.03));
+  EXPECT_FALSE(from_message(msgs::Percepts()).view.has_value());
 }
 
 TEST(PerceptMessages, AreRefusedByNameWhereTheyAreNoNumbers) {
@@ -74,6 +90,16 @@ TEST(PerceptMessages, AreRefusedByNameWhereTheyAreNoNumbers) {
   message = to_message(felt());
   message.mutable_motors(0)->set_closed(nan);
   EXPECT_THAT(refused(message), HasSubstr("motor 'jaw', closed: position"));
+  message = to_message(felt());
+  message.mutable_view()->set_area(nan);
+  EXPECT_THAT(refused(message), HasSubstr("the view: area is not finite"));
+  message.mutable_view()->set_area(-1);
+  EXPECT_THAT(refused(message), HasSubstr("negative area"));
+  message = to_message(felt());
+  message.mutable_view()->set_width(3);
+  EXPECT_THAT(refused(message), HasSubstr("size"));
+  message.mutable_view()->set_width(4000000000U);
+  EXPECT_THAT(refused(message), HasSubstr("4096 pixels"));
   EXPECT_EQ(from_message(msgs::Percepts()).pads.size(), 0u) << "a robot without any sensor";
 }
 

@@ -62,11 +62,18 @@ std::string objection(const Place& from, const Place& to) {
   }
   if (from.top == "nodes" && to.top == "nodes" && from.folder != to.folder) {
     // What several nodes share is a library without a node in it.
-    static const std::vector<std::string> kShared{
-        "segmentation_parameters", "shape_fidelity", "touch_fidelity",
-        "gripper_source",          "hand_pads",      "task_source",
-        "platform_source",         "motion_goal",    "arm_action",
-        "emergency_stop_listener", "report"};
+    static const std::vector<std::string> kShared{"segmentation_parameters",
+                                                  "shape_fidelity",
+                                                  "touch_fidelity",
+                                                  "gripper_source",
+                                                  "hand_pads",
+                                                  "task_source",
+                                                  "platform_source",
+                                                  "motion_goal",
+                                                  "arm_action",
+                                                  "held_picture",
+                                                  "emergency_stop_listener",
+                                                  "report"};
     return std::count(kShared.begin(), kShared.end(), to.folder) ? ""
                                                                  : "but nodes never include others";
   }

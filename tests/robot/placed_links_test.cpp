@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +42,27 @@ TEST(PlacedLinks, StandWhereArmAndHandHaveThem) {
   }
 }
 
+TEST(PlacedLinks, AreThoseOfTheArmAndThoseOfTheHand) {
+  for (const std::string name : {"kr5_sdh", "pa10_barrett", "stage_pg70"}) {
+    const Platform platform = read_platform("config/robots/" + name + ".yaml");
+    const Positions arm = platform.home("home").arm;
+    const Eigen::VectorXd hand = platform.hand.all_positions(platform.hand.preshapes.front().open);
+    const geometry::RigidTransform X_WH =
+        platform.X_WB * platform.arm_chain().forward(arm) * platform.X_FH;
+    std::vector<geometry::TriangleMesh> both = placed_arm_links(platform, arm);
+    const auto of_hand = placed_hand_links(platform.hand, X_WH, hand);
+    EXPECT_FALSE(of_hand.empty()) << name;
+    both.insert(both.end(), of_hand.begin(), of_hand.end());
+    const auto all = placed_links(platform, arm, hand);
+    ASSERT_EQ(both.size(), all.size()) << name;
+    Eigen::AlignedBox3d apart, together;
+    for (const auto& link : both) apart.extend(geometry::bounds(link));
+    for (const auto& link : all) together.extend(geometry::bounds(link));
+    EXPECT_LT((apart.min() - together.min()).norm(), 1e-9) << name;
+    EXPECT_LT((apart.max() - together.max()).norm(), 1e-9) << name;
+  }
+}
+
 TEST(PlacedLinks, RefusesPositionsOfAnotherRobot) {
   const Platform platform = read_platform("config/robots/stage_pg70.yaml");
   const Positions arm = platform.home("home").arm;
@@ -48,6 +70,10 @@ TEST(PlacedLinks, RefusesPositionsOfAnotherRobot) {
   EXPECT_FALSE(placed_links(platform, arm, hand).empty());
   EXPECT_THROW(placed_links(platform, Eigen::VectorXd::Zero(9), hand), std::invalid_argument);
   EXPECT_THROW(placed_links(platform, arm, Eigen::VectorXd::Zero(0)), std::invalid_argument);
+  EXPECT_THROW(placed_arm_links(platform, Eigen::VectorXd::Zero(9)), std::invalid_argument);
+  EXPECT_THROW(placed_hand_links(platform.hand, geometry::RigidTransform::Identity(),
+                                 Eigen::VectorXd::Zero(9)),
+               std::invalid_argument);
   Positions nowhere = arm;
   nowhere[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(placed_links(platform, nowhere, hand), std::invalid_argument);
