@@ -51,7 +51,7 @@ struct PerceivedView {
   double area = 0;                                     // m^2, across the line of sight; 0: none
   Eigen::Vector3d center_C = Eigen::Vector3d::Zero();  // m, its middle from the hand's origin,
                                                        // along the camera's axes
-  Eigen::Vector2d spread = Eigen::Vector2d::Zero();  // m, standard, along the picture's axes
+  Eigen::Vector2d spread = Eigen::Vector2d::Zero();    // m, standard, along the picture's axes
 };
 
 inline constexpr std::size_t kClosed = 0, kLifted = 1;

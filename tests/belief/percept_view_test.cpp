@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/rigid_transform.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/rigid_transform.h"
 #include "prehend/simulation/shapes.h"
 
 namespace prehend::belief {
