@@ -1,5 +1,5 @@
-// Bundles src/ into dist/: viewer.js, viewer.css, index.html and the licences of what is bundled. Nothing in dist/
-// depends on the machine it is made on.
+// Bundles src/ into dist/: viewer.js, viewer.css, index.html, report.js, which stands in reports, and the licences of
+// what is bundled. Nothing in dist/ depends on the machine it is made on.
 
 import { build } from "esbuild";
 import { mkdir, readFile, readdir, writeFile } from "node:fs/promises";
@@ -20,12 +20,12 @@ async function licenceOf(name) {
   return `${"=".repeat(78)}\n${name} ${version}: ${license}\n\n${text.replaceAll("\r\n", "\n").trimEnd()}\n`;
 }
 
-/** What belongs into dist/: texts by the files' names. */
-export async function bundled() {
+/** The text of a bundle; the packages that are in it are added to `packages`. */
+async function bundleOf(entry, outfile, packages) {
   const result = await build({
     absWorkingDir: root,
-    entryPoints: ["src/main.ts"],
-    outfile: "dist/viewer.js",
+    entryPoints: [entry],
+    outfile,
     write: false,
     bundle: true,
     format: "esm",
@@ -35,16 +35,26 @@ export async function bundled() {
     metafile: true,
     logLevel: "warning",
   });
-  const packages = new Set();
   for (const input of Object.keys(result.metafile.inputs)) {
     const match = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(input);
     if (match) packages.add(match[1]);
   }
+  return result.outputFiles[0].text;
+}
+
+/** What belongs into dist/: texts by the files' names. */
+export async function bundled() {
+  const packages = new Set();
+  const files = new Map();
+  for (const [entry, file] of [
+    ["src/main.ts", "viewer.js"],
+    ["src/report/main.ts", "report.js"],
+  ]) {
+    files.set(file, await bundleOf(entry, `dist/${file}`, packages));
+  }
   const licences = await Promise.all([...packages].sort().map(licenceOf));
-  const files = new Map([
-    ["viewer.js", result.outputFiles[0].text],
-    ["LICENSES.txt", ["viewer.js contains these packages of npm, under their licences:\n", ...licences].join("\n")],
-  ]);
+  const head = "viewer.js and report.js contain these packages of npm, under their licences:\n";
+  files.set("LICENSES.txt", [head, ...licences].join("\n"));
   for (const file of ["index.html", "viewer.css"]) files.set(file, await readFile(join(root, "static", file), "utf8"));
   return files;
 }

@@ -15,6 +15,7 @@
 #include "prehend/belief/object_belief.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
+#include "prehend/geometry/surface_samples.h"
 #include "prehend/planning/hand_act.h"
 #include "prehend/robot/placed_links.h"
 
@@ -48,6 +49,11 @@ class ActsOfCase {
     const RigidTransform X_WH_closed = planning::hand_root(hand_, to_feel());
     X_WH_lifted_ = X_WH_closed;
     X_WH_lifted_.translation().z() += belief::ActOptions().lift_height;
+    const geometry::MeshQuery believed(believed_W);
+    constexpr int kSamples = 2000;
+    for (const auto& sample : geometry::surface_samples(truth_W_, kSamples, 1)) {
+      shape_off_ += believed.nearest(sample.point)->distance / kSamples;
+    }
     thought_W_ = geometry::transformed(belief::thought_surface(believed_W),
                                        X_WH_lifted_ * X_WH_closed.inverse(Eigen::Isometry));
   }
@@ -62,6 +68,8 @@ class ActsOfCase {
     return {planned_.X_WG,   planned_.preshape, planned_.open,
             planned_.closed, planned_.force,    std::clamp(planned_.effort, kLeastEffort, 1.0)};
   }
+
+  double shape_off() const { return shape_off_; }
 
   void run(SurpriseCase* result) {
     int held = 0;
@@ -150,7 +158,7 @@ class ActsOfCase {
     const TriangleMesh mesh_W = shifted(truth_W_, level(between(0, 0.0025)));
     const double friction = between(0.6, 0.8);
     const double distance = off(mesh_W);
-    if (distance > kRightWithin) {
+    if (std::max(distance, shape_off_) > kRightWithin) {
       ++result->left_out;
       // Believed worse than that where it matters.
       if (distance >= kWrongBeyond) {
@@ -217,6 +225,7 @@ class ActsOfCase {
   std::mt19937_64 looks_random_;
   RigidTransform X_WH_lifted_ = RigidTransform::Identity();
   geometry::PointCloud thought_W_;  // lifted with the hand
+  double shape_off_ = 0;            // m, see SurpriseCase
   int looks_ = 0;
 };
 
@@ -272,6 +281,7 @@ SurpriseCase run_surprise_trial(const Case& one, const TouchingHand& hand) {
     ActsOfCase acts(one, hand, grasps.front(), possible.front().object.mesh_W);
     belief::PerceptOptions options;
     options.view = acts.view();
+    result.shape_off = acts.shape_off();
     const double start = processor_time();
     result.predicted = belief::predict_percepts(hand.model(), acts.to_feel(), possible, options);
     if (result.predicted.possible.empty()) {

@@ -15,7 +15,8 @@ namespace prehend::eval {
 
 /// What is the matter with what is grasped.
 enum class ActTruth {
-  kRight,   // contacts where they are predicted, within 3 mm on average; it is held
+  kRight,   // contacts and all of its surface are where they are predicted, each within 3 mm on
+            // average; it is held
   kWrong,   // contacts are 8 mm off or more on average: it is larger or smaller than believed
   kMoved,   // by 8 to 20 mm along the table since it was seen
   kFell,    // lies where it stood
@@ -39,7 +40,8 @@ struct SurpriseCase {
   belief::PerceptForecast predicted;
   double prediction_seconds = 0;  // of processor, for each shape
   int shapes = 0;
-  int left_out = 0;  // acts that were none of the above, or could not be simulated
+  double shape_off = 0;  // m, mean distance of the object's surface from what is believed
+  int left_out = 0;      // acts that were none of the above, or could not be simulated
   std::vector<SurpriseAct> acts;
 };
 

@@ -15,6 +15,7 @@
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
 #include "prehend/control/cycle.h"
+#include "prehend/geometry/rigid_transform.h"
 
 namespace prehend::nodes {
 
@@ -25,7 +26,8 @@ using History = std::vector<std::pair<double, double>>;
 struct BodyHistory {
   History height;      // m, lowest point over the table
   History horizontal;  // m, from where it was first seen
-  double start_x = 0;  // m
+  std::vector<std::pair<double, geometry::RigidTransform>> poses;  // X_WB over the graph's time [s]
+  double start_x = 0;                                              // m
   double start_y = 0;
 };
 

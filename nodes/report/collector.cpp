@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/graph.pb.h"
 
@@ -89,13 +90,12 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
     listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
       c.opening.emplace_back(time_of(m.header()), m.opening());
     });
-  } else {
-    listen<msgs::JointState>("/joint_states", stream, [&c](const auto& m) {
-      for (int i = 0; i < std::min(m.name_size(), m.position_size()); ++i) {
-        c.joints[m.name(i)].emplace_back(time_of(m.header()), m.position(i));
-      }
-    });
   }
+  listen<msgs::JointState>("/joint_states", stream, [&c](const auto& m) {
+    for (int i = 0; i < std::min(m.name_size(), m.position_size()); ++i) {
+      c.joints[m.name(i)].emplace_back(time_of(m.header()), m.position(i));
+    }
+  });
   listen<msgs::Wrench>("/wrench", stream, [&c](const auto& m) {
     c.wrench_z.emplace_back(time_of(m.header()), m.wrench().force().z());
   });
@@ -129,6 +129,7 @@ void Collector::on_ground_truth(const msgs::GroundTruth& truth) {
       history.start_y = p.y();
     }
     history.height.emplace_back(time, body.height());
+    history.poses.emplace_back(time, convert::from_message(body.x_wb()));
     history.horizontal.emplace_back(time,
                                     std::hypot(p.x() - history.start_x, p.y() - history.start_y));
   }

@@ -14,6 +14,7 @@
 #include "msgs/convert/outcomes.h"
 #include "nodes/report/belief_section.h"
 #include "nodes/report/charts_section.h"
+#include "nodes/report/film_section.h"
 #include "nodes/report/object_section.h"
 #include "nodes/report/surprise_section.h"
 #include "nodes/report/task_section.h"
@@ -221,7 +222,8 @@ std::vector<Row> stage_times(const Collected& collected) {
 }
 
 Page compose_page(const std::string& title, const Collected& collected, const Verdict& verdict,
-                  const DrawnRobot& robot, const std::vector<Process>& processes) {
+                  const DrawnRobot& robot, const robot::Platform& platform,
+                  const std::vector<Process>& processes) {
   Page page(title);
   if (verdict.kind == Verdict::Kind::kNotGraspable) {
     page.add_answer("Not graspable: " + verdict.text);
@@ -229,6 +231,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
     page.add_verdict(verdict.text, verdict.kind == Verdict::Kind::kSuccess);
   }
   section(page, "Summary", [&] { page.add_table({"what", "result"}, summarize(collected)); });
+  if (collected.result && collected.result->attempts() > 0) {
+    section(page, "In three dimensions", [&] { add_film(page, collected, platform); });
+  }
   section(page, "What was seen", [&] { add_view(page, collected); });
   // The object of the cycle first.
   const std::uint32_t shown = shown_object(collected);

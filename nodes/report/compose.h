@@ -8,6 +8,7 @@
 #include "nodes/report/processes.h"
 #include "nodes/report/verdict.h"
 #include "prehend/report/page.h"
+#include "prehend/robot/platform.h"
 
 namespace prehend::nodes {
 
@@ -20,6 +21,6 @@ std::vector<std::vector<std::string>> stage_times(const Collected& collected);
 /// The whole page. A part that is missing or that cannot be drawn is named in words instead.
 report::Page compose_page(const std::string& title, const Collected& collected,
                           const Verdict& verdict, const DrawnRobot& robot,
-                          const std::vector<Process>& processes);
+                          const robot::Platform& platform, const std::vector<Process>& processes);
 
 }  // namespace prehend::nodes

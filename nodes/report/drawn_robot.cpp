@@ -16,9 +16,7 @@ namespace {
 using geometry::TriangleMesh;
 using report::ColoredMesh;
 
-constexpr geometry::Rgb kHandColor{150, 155, 165};
 constexpr geometry::Rgb kPadColor{60, 60, 65};
-constexpr geometry::Rgb kArmColor{205, 140, 95};
 constexpr const char* kHandPrefix = "hand_";
 
 TriangleMesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& center) {

@@ -11,6 +11,9 @@
 
 namespace prehend::nodes {
 
+inline constexpr geometry::Rgb kHandColor{150, 155, 165};
+inline constexpr geometry::Rgb kArmColor{205, 140, 95};
+
 /// What the page draws of the robot, whichever it is.
 class DrawnRobot {
  public:

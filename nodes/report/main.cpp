@@ -119,7 +119,7 @@ int run(graph::Node& node) {
     // Pictures do not need it to the millimetre: without a word the platform's is drawn.
     node.log_warning("the gripper is drawn as {}: {}", drawn.hand.gripper->name, gripper.missing());
   }
-  const auto page = nodes::compose_page(title, collected, verdict, *robot, processes);
+  const auto page = nodes::compose_page(title, collected, verdict, *robot, drawn, processes);
   const auto file = std::filesystem::path(out) / "report.html";
   page.write(file);
 

@@ -3,29 +3,13 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "prehend/report/base64.h"
 #include "prehend/report/escaped.h"
+#include "prehend/report/film.h"
 #include "prehend/report/pictures.h"
 
 namespace prehend::report {
 namespace {
-
-// RFC 4648, section 4.
-std::string base64(const std::string& bytes) {
-  static constexpr char kAlphabet[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k <= bytes.size() ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return out;
-}
 
 constexpr const char* kStyle = R"(
 body{font:15px/1.5 "DejaVu Sans",system-ui,sans-serif;max-width:1080px;margin:24px auto;padding:0 16px;color:#222}
@@ -38,6 +22,9 @@ th{background:#f2f2f2}.verdict{padding:10px 14px;border-radius:4px;font-weight:b
 .good{background:#e2f4e2;color:#165c16}.bad{background:#fbe3e1;color:#8b1a10}
 .answer{background:#fdf3d3;color:#6b4e00}
 .chart svg{max-width:100%;height:auto}
+.scene{display:block;margin:8px 0}.scene canvas{display:block;border:1px solid #ddd;touch-action:none}
+.scene div{display:flex;flex-wrap:wrap;gap:6px 14px;align-items:center;margin:6px 0}
+.scene input[type=range]{flex:1 1 240px}.scene output{min-width:170px;font-size:13px}.scene figcaption{max-width:none}
 .columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:24px}
 )";
 
@@ -76,6 +63,13 @@ void Page::add_chart(const std::string& svg, const std::string& caption) {
   body_ += "<div class=\"chart\">" + svg + "<p>" + escaped(caption) + "</p></div>\n";
 }
 
+void Page::add_film(const Film& film, const std::string& caption) {
+  const std::string json = film_json(film);
+  if (film_program_.empty()) film_program_ = film_program();
+  body_ += "<figure class=\"scene\"><script type=\"application/json\">" + json +
+           "</script><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
 void Page::add_table(const std::vector<std::string>& header,
                      const std::vector<std::vector<std::string>>& rows) {
   const auto add_row = [this](const std::vector<std::string>& cells, const char* tag) {
@@ -97,12 +91,17 @@ void Page::add_table(const std::vector<std::string>& header,
 void Page::add_columns(const Page& left, const Page& right) {
   body_ += "<div class=\"columns\"><div>\n" + left.body_ + "</div><div>\n" + right.body_ +
            "</div></div>\n";
+  for (const Page* page : {&left, &right}) {
+    if (film_program_.empty()) film_program_ = page->film_program_;
+  }
 }
 
 std::string Page::html() const {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
          escaped(title_) + "</title><style>" + kStyle + "</style></head>\n<body><h1>" +
-         escaped(title_) + "</h1>\n" + body_ + "</body></html>\n";
+         escaped(title_) + "</h1>\n" + body_ +
+         (film_program_.empty() ? "" : "<script type=\"module\">" + film_program_ + "</script>\n") +
+         "</body></html>\n";
 }
 
 void Page::write(const std::filesystem::path& file) const {

@@ -8,6 +8,8 @@
 
 namespace prehend::report {
 
+struct Film;
+
 /// A self-contained HTML page: pictures and charts are inside the file.
 class Page {
  public:
@@ -24,6 +26,9 @@ class Page {
                     const std::vector<std::string>& captions);
   /// An SVG element as drawn by draw_line_chart.
   void add_chart(const std::string& svg, const std::string& caption);
+  /// Bodies to be turned by pointer and touch, and played; a browser needs WebGL for it.
+  /// @throws as film_json() and film_program().
+  void add_film(const Film& film, const std::string& caption);
   /// `rows` have as many cells as `header`.
   void add_table(const std::vector<std::string>& header,
                  const std::vector<std::vector<std::string>>& rows);
@@ -38,6 +43,7 @@ class Page {
  private:
   std::string title_;
   std::string body_;
+  std::string film_program_;  // once for all films
 };
 
 }  // namespace prehend::report

@@ -27,17 +27,24 @@ std::vector<RigidTransform> poses_in_root(const RobotModel& model,
   return X_RL;
 }
 
+std::vector<RigidTransform> poses_in_world(const Platform& platform,
+                                           const std::map<std::string, double>& positions) {
+  std::vector<RigidTransform> X_WL = poses_in_root(platform.model, positions);
+  const auto base = static_cast<std::size_t>(platform.model.link_index(platform.base));
+  const RigidTransform X_WR = platform.X_WB * X_WL[base].inverse(Eigen::Isometry);
+  for (RigidTransform& X : X_WL) X = X_WR * X;
+  return X_WL;
+}
+
 std::vector<TriangleMesh> placed(const Platform& platform,
                                  const std::map<std::string, double>& positions, bool with_hand) {
   const RobotModel& model = platform.model;
-  const std::vector<RigidTransform> X_RL = poses_in_root(model, positions);
-  const auto base = static_cast<std::size_t>(model.link_index(platform.base));
-  const RigidTransform X_WR = platform.X_WB * X_RL[base].inverse(Eigen::Isometry);
+  const std::vector<RigidTransform> X_WL = poses_in_world(platform, positions);
   std::vector<TriangleMesh> links_W;
   for (std::size_t l = 0; l < model.links.size(); ++l) {
-    const bool wanted = with_hand || !model.links[l].name.starts_with(kHand);
+    const bool wanted = with_hand || !is_of_hand(model.links[l]);
     if (!wanted || model.links[l].shapes.empty()) continue;
-    links_W.push_back(geometry::transformed(link_mesh(model.links[l]), X_WR * X_RL[l]));
+    links_W.push_back(geometry::transformed(link_mesh(model.links[l]), X_WL[l]));
   }
   return links_W;
 }
@@ -61,18 +68,32 @@ void check_hand(const HandModel& hand, const Eigen::Ref<const Eigen::VectorXd>& 
   throw std::invalid_argument("placed_links(): the positions are not those of the hand");
 }
 
-}  // namespace
-
-std::vector<TriangleMesh> placed_links(const Platform& platform,
-                                       const Eigen::Ref<const Eigen::VectorXd>& arm,
-                                       const Eigen::Ref<const Eigen::VectorXd>& hand) {
+std::map<std::string, double> all_positions(const Platform& platform,
+                                            const Eigen::Ref<const Eigen::VectorXd>& arm,
+                                            const Eigen::Ref<const Eigen::VectorXd>& hand) {
   std::map<std::string, double> positions = arm_positions(platform, arm);
   const RobotModel& fingers = platform.hand.model;
   check_hand(platform.hand, hand);
   for (std::size_t i = 0; i < fingers.joints.size(); ++i) {
     positions[kHand + fingers.joints[i].name] = hand[static_cast<Eigen::Index>(i)];
   }
-  return placed(platform, positions, true);
+  return positions;
+}
+
+}  // namespace
+
+bool is_of_hand(const Link& link) { return link.name.starts_with(kHand); }
+
+std::vector<RigidTransform> placed_link_poses(const Platform& platform,
+                                              const Eigen::Ref<const Eigen::VectorXd>& arm,
+                                              const Eigen::Ref<const Eigen::VectorXd>& hand) {
+  return poses_in_world(platform, all_positions(platform, arm, hand));
+}
+
+std::vector<TriangleMesh> placed_links(const Platform& platform,
+                                       const Eigen::Ref<const Eigen::VectorXd>& arm,
+                                       const Eigen::Ref<const Eigen::VectorXd>& hand) {
+  return placed(platform, all_positions(platform, arm, hand), true);
 }
 
 std::vector<TriangleMesh> placed_arm_links(const Platform& platform,

@@ -18,7 +18,15 @@ std::vector<geometry::TriangleMesh> placed_links(const Platform& platform,
                                                  const Eigen::Ref<const Eigen::VectorXd>& arm,
                                                  const Eigen::Ref<const Eigen::VectorXd>& hand);
 
-/// The same of the arm alone, without its hand.
+/// Where all links of a platform's model are, in its order; arguments and errors as placed_links().
+std::vector<geometry::RigidTransform> placed_link_poses(
+    const Platform& platform, const Eigen::Ref<const Eigen::VectorXd>& arm,
+    const Eigen::Ref<const Eigen::VectorXd>& hand);
+
+/// Whether a link of a platform's model is its hand's.
+bool is_of_hand(const Link& link);
+
+/// The same as placed_links(), of the arm alone, without its hand.
 std::vector<geometry::TriangleMesh> placed_arm_links(const Platform& platform,
                                                      const Eigen::Ref<const Eigen::VectorXd>& arm);
 

@@ -135,9 +135,9 @@ TEST(Page, HeadlinesNotGraspableAsSuch) {
   Collected collected;
   collected.result.emplace();
   const auto banner = [&] {
-    const std::string html =
-        compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
-            .html();
+    const std::string html = compose_page("t", collected, judge(collected, ""),
+                                          *make_drawn(robot::GripperModel{}), {}, {})
+                                 .html();
     const auto begin = html.find("<p class=\"verdict ");
     return html.substr(begin, html.find("</p>", begin) - begin);
   };
@@ -156,7 +156,7 @@ TEST(Page, ShowsWhatAPlanSaysOfItsObject) {
   msgs::GraspPlan& plan = collected.plans[0];
   const auto page = [&] {
     return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
-                        {})
+                        {}, {})
         .html();
   };
   const auto summary = [&] { return summarize(collected)[0][1]; };
@@ -200,7 +200,7 @@ TEST(Page, ShowsARecordedCloudAsACloud) {
   collected.objects = small_view();
   const auto html = [&] {
     return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
-                        {})
+                        {}, {})
         .html();
   };
   const std::string without = html();
@@ -244,7 +244,7 @@ TEST(Page, SaysHowLargeAnObjectIsAndHowSureThatIs) {
   EXPECT_NE(summary().find(size), std::string::npos) << summary();
   const auto page = [&] {
     return compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}),
-                        {})
+                        {}, {})
         .html();
   };
   EXPECT_NE(page().find("Length, width and height: " + size), std::string::npos);
@@ -260,7 +260,7 @@ TEST(Page, SaysHowLargeAnObjectIsAndHowSureThatIs) {
 TEST(Page, IsWrittenForEveryStageOfFailure) {
   Collected collected;
   EXPECT_NE(
-      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {}, {})
           .html()
           .find("No object hypotheses came"),
       std::string::npos);
@@ -269,7 +269,7 @@ TEST(Page, IsWrittenForEveryStageOfFailure) {
   collected.shapes[0].set_problem("two points only");
   collected.models[0].set_problem("no watertight mesh");
   auto page =
-      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
+      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {}, {})
           .html();
   EXPECT_NE(page.find("the camera looks along -z"), std::string::npos);
   EXPECT_NE(page.find("two points only"), std::string::npos);
@@ -278,8 +278,9 @@ TEST(Page, IsWrittenForEveryStageOfFailure) {
   // A part that cannot be drawn is said, and the rest of the page is there.
   collected.stereo.emplace();
   collected.stereo->set_width(1000);
-  page = compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {})
-             .html();
+  page =
+      compose_page("t", collected, judge(collected, ""), *make_drawn(robot::GripperModel{}), {}, {})
+          .html();
   EXPECT_NE(page.find("could not be drawn"), std::string::npos);
   EXPECT_NE(page.find("Stage times"), std::string::npos);
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "prehend/report/charts.h"
+#include "prehend/report/film.h"
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
@@ -16,6 +17,7 @@ namespace {
 
 using geometry::ColorImage;
 using geometry::Rgb;
+using geometry::RigidTransform;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -137,6 +139,84 @@ TEST(Pictures, OrbitShowsTheWholeBallInTheMiddle) {
   }
   EXPECT_GT(painted, 50);
   EXPECT_NE(image.at(50, 50), (Rgb{255, 255, 255}));
+}
+
+Film two_frames() {
+  Film film;
+  film.times = {1, 1.5};
+  film.captions = {"reach", "lift </script>"};
+  FilmBody body{"object <0>", {40, 110, 190}, 1, geometry::make_box({0.1, 0.1, 0.2}), {}};
+  body.mesh_B.vertices.emplace_back(9, 9, 9);  // of no triangle
+  RigidTransform X = RigidTransform::Identity();
+  body.X_WB.push_back(X);
+  X.translation() = Eigen::Vector3d(0, 0, 0.25);
+  body.X_WB.push_back(X);
+  film.bodies = {body, {"table", {1, 2, 3}, 0.5, geometry::make_box({1, 1, 0.1}), {X}}};
+  return film;
+}
+
+TEST(Film, SaysBodiesAndPosesAndEndsNoScript) {
+  const std::string json = film_json(two_frames());
+  EXPECT_EQ(json.find('<'), std::string::npos);
+  EXPECT_THAT(json, HasSubstr(R"("times":[1.0,1.5])"));
+  EXPECT_THAT(json, HasSubstr(R"("lift \u003c/script>")"));
+  EXPECT_THAT(json, HasSubstr(R"("color":"#286ebe")"));
+  // 8 corners of three float32: 96 bytes are 128 letters; a pose has seven numbers.
+  const auto letters = [&json](const std::string& name) {
+    const auto begin = json.find("\"" + name + "\":\"") + name.size() + 4;
+    return json.find('"', begin) - begin;
+  };
+  EXPECT_EQ(letters("vertices"), 128u);
+  EXPECT_EQ(letters("triangles"), 192u);
+  EXPECT_EQ(letters("poses"), 76u);
+}
+
+TEST(Film, IsRefusedWhereItCannotBePlayed) {
+  const auto refused = [](auto change) {
+    Film film = two_frames();
+    change(film);
+    try {
+      film_json(film);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_EQ(refused([](Film&) {}), "taken");
+  EXPECT_THAT(refused([](Film& f) { f.times[1] = 1; }), HasSubstr("times must increase"));
+  EXPECT_THAT(refused([](Film& f) { f.captions.pop_back(); }), HasSubstr("caption"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies.clear(); }), HasSubstr("frames and bodies"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies[0].X_WB.push_back(f.bodies[0].X_WB[0]); }),
+              HasSubstr("one for each frame"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies[1].opacity = 0; }), HasSubstr("body 'table'"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies[0].X_WB[0].translation().x() = NAN; }),
+              HasSubstr("a pose is not finite"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies[0].mesh_B.vertices[0].x() = NAN; }),
+              HasSubstr("a vertex is not finite"));
+  EXPECT_THAT(refused([](Film& f) { f.bodies[0].mesh_B.triangles[0].x() = 99; }),
+              HasSubstr("no such corner"));
+}
+
+TEST(Film, ItsProgramStandsInThePageOnce) {
+  Page page("t");
+  EXPECT_EQ(page.html().find("<script"), std::string::npos) << "a page without films has none";
+  page.add_film(two_frames(), "first & foremost");
+  page.add_film(two_frames(), "second");
+  const std::string html = page.html();
+  EXPECT_THAT(html, HasSubstr("first &amp; foremost"));
+  const std::string module = "<script type=\"module\">";
+  EXPECT_EQ(html.find(module), html.rfind(module));
+  EXPECT_NE(html.find(module), std::string::npos);
+  // Nothing within a script ends it: as many begin as end.
+  const auto count = [&html](const std::string& what) {
+    int found = 0;
+    for (auto at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("</script"), 3);
+  Page beside("u");
+  beside.add_columns(page, Page("v"));
+  EXPECT_THAT(beside.html(), HasSubstr(module));
 }
 
 TEST(Pictures, ValuesMasksAndTactileImages) {
