@@ -30,15 +30,24 @@ void Collector::listen(const std::string& topic, const graph::QoS& qos, Action a
         {
           const std::lock_guard lock(mutex_);
           action(*received);
+          last_news_ = std::chrono::steady_clock::now();
         }
         changed_.notify_all();
+      }));
+}
+
+template <class Message, class Action>
+void Collector::follow(const std::string& topic, Action action) {
+  subscriptions_.push_back(node_.subscribe<Message>(
+      topic, graph::QoS::queue(1000), [this, action](const graph::Received<Message>& received) {
+        const std::lock_guard lock(mutex_);
+        action(*received);
       }));
 }
 
 Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Moves moves)
     : node_(node) {
   using graph::QoS;
-  const QoS stream = QoS::queue(1000);
   Collected& c = collected_;
   listen<msgs::CameraInfo>("/camera/info", QoS::queue(1), [&c](const auto& m) { c.camera = m; });
   listen<msgs::StereoPair>("/camera/stereo", QoS::queue(2), [&c](const auto& m) {
@@ -78,29 +87,29 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
     for (const msgs::PadCells& pad : m.pads()) c.cells[pad.name()] = pad;
   });
   for (const std::string& pad : pads) {
-    listen<msgs::TactileFrame>("/tactile/" + pad, stream, [&c, pad](const auto& m) {
+    follow<msgs::TactileFrame>("/tactile/" + pad, [&c, pad](const auto& m) {
       c.pads[pad] = m;
       c.pad_sums[pad].emplace_back(time_of(m.header()), m.sum());
     });
   }
-  listen<msgs::Touch>("/touch", stream, [&c](const auto& m) {
+  follow<msgs::Touch>("/touch", [&c](const auto& m) {
     for (const msgs::PadTouch& pad : m.pads()) c.touch[pad.pad()] = pad;
   });
   if (moves == Moves::kGripper) {
-    listen<msgs::GripperState>("/gripper/state", stream, [&c](const auto& m) {
+    follow<msgs::GripperState>("/gripper/state", [&c](const auto& m) {
       c.opening.emplace_back(time_of(m.header()), m.opening());
     });
   }
-  listen<msgs::JointState>("/joint_states", stream, [&c](const auto& m) {
+  follow<msgs::JointState>("/joint_states", [&c](const auto& m) {
     for (int i = 0; i < std::min(m.name_size(), m.position_size()); ++i) {
       c.joints[m.name(i)].emplace_back(time_of(m.header()), m.position(i));
     }
   });
-  listen<msgs::Wrench>("/wrench", stream, [&c](const auto& m) {
+  follow<msgs::Wrench>("/wrench", [&c](const auto& m) {
     c.wrench_z.emplace_back(time_of(m.header()), m.wrench().force().z());
   });
-  listen<msgs::GroundTruth>("/ground_truth", stream, [this](const auto& m) { on_ground_truth(m); });
-  listen<msgs::graph::LogLine>("/log", stream, [&c](const auto& m) {
+  follow<msgs::GroundTruth>("/ground_truth", [this](const auto& m) { on_ground_truth(m); });
+  follow<msgs::graph::LogLine>("/log", [&c](const auto& m) {
     if (m.level() < msgs::graph::WARNING || c.log.size() >= kMostLogLines) return;
     c.log.push_back(m.node() + ": " + m.text());
   });
@@ -138,9 +147,9 @@ void Collector::on_ground_truth(const msgs::GroundTruth& truth) {
 bool Collector::wait_for_end(std::chrono::duration<double> timeout,
                              std::chrono::duration<double> patience) {
   using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(timeout);
   std::unique_lock lock(mutex_);
-  while (node_.ok() && Clock::now() < deadline) {
+  last_news_ = Clock::now();
+  while (node_.ok() && Clock::now() - last_news_ < timeout) {
     if (collected_.result) return true;
     if (without_objects_since_ && Clock::now() - *without_objects_since_ > patience) return true;
     changed_.wait_for(lock, std::chrono::milliseconds(100));

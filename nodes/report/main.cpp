@@ -81,7 +81,8 @@ int run(graph::Node& node) {
        .default_value = 180.0,
        .unit = "s",
        .minimum = 1.0,
-       .description = "wall time after which the run counts as failed",
+       .description = "wall time without anything new seen, planned or done, after which the run "
+                      "counts as failed",
        .read_only = true});
   const double patience = node.declare_parameter<double>(
       {.name = "patience",
@@ -105,7 +106,7 @@ int run(graph::Node& node) {
   if (!node.ok()) {
     timeout_reason = "stopped before the end";
   } else if (!ended) {
-    timeout_reason = fmt::format("no result within {:.0f} s", timeout);
+    timeout_reason = fmt::format("no result, and nothing new for {:.0f} s", timeout);
   } else {
     std::this_thread::sleep_for(kGrace);
   }

@@ -22,6 +22,9 @@ constexpr int kLeastPixels = 15;      // of it, that show something
 constexpr int kThoughtPoints = 400;   // of what is thought to be held
 constexpr double kRoom = 0.6;         // of its radius, round it, and ...
 constexpr double kLeastRoom = 0.025;  // ... m, at least
+// m, from the robot's links: what matching makes of their outlines is wider than they are, and
+// there are few points to outweigh it.
+constexpr double kClearance = 0.01;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// The ball in which it may be.
@@ -47,6 +50,7 @@ HeldLookOptions options_of(const Ball& ball, int step) {
   HeldLookOptions options;
   options.room = ball.room / std::max(ball.radius, 1e-6);
   options.edge = (options.edge + step - 1) / step;
+  options.clearance = kClearance;
   return options;
 }
 
