@@ -1,4 +1,4 @@
-# make demo   build, then watch an object being predicted, grasped, lifted, moved and released
+# make demo   build, then watch a table being cleared, live at http://127.0.0.1:8765
 # make build  install what is missing, configure and build
 # make test   build, then run all tests
 # make test-thorough   the same, every task on every robot
@@ -26,9 +26,7 @@ configure: packages
 # Only what the demo runs.
 demo: configure
 	@ninja -C build demo
-	@rm -f out/demo/summary.txt; \
-	build/bin/prehend launch launch/demo.yaml out:=out/demo; status=$$?; \
-	cat out/demo/summary.txt 2>/dev/null; exit $$status
+	@scripts/run-demo.sh build/bin/prehend out/demo
 
 test: build
 	@scripts/run-tests.sh build

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -237,6 +239,25 @@ launch::SupervisorOptions supervisor_options(const LaunchChoices& choices,
 
 // -----------------------------------------------------------------------------------------------
 
+// As a shell takes it.
+std::string quoted(const std::string& word) {
+  const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) || std::strchr("_-+./:=,@%", c);
+  });
+  if (is_plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+// What reports say of how they were made.
+std::string command_line(const LaunchChoices& choices) {
+  std::string text = "prehend launch";
+  for (const std::string& word : choices.words) text += " " + quoted(word);
+  if (!choices.host.empty()) text += " --host " + quoted(choices.host);
+  return text;
+}
+
 int run(const LaunchChoices& choices) {
   const GivenWords given = split_words(choices.words);
   if (choices.check) return check(given);
@@ -253,6 +274,7 @@ int run(const LaunchChoices& choices) {
   check_keys(graph);
   const launch::SupervisorOptions options = supervisor_options(choices, graph);
   refuse_wrong_parameters(graph, options.host);
+  ::setenv("PREHEND_COMMAND", command_line(choices).c_str(), 1);
   return launch::run_launch(graph, options);
 }
 

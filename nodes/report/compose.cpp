@@ -15,6 +15,7 @@
 #include "nodes/report/belief_section.h"
 #include "nodes/report/charts_section.h"
 #include "nodes/report/film_section.h"
+#include "nodes/report/made_by.h"
 #include "nodes/report/object_section.h"
 #include "nodes/report/surprise_section.h"
 #include "nodes/report/task_section.h"
@@ -259,6 +260,7 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   }
   section(page, "Over time", [&] { add_charts(page, collected); });
   add_tables(page, collected, processes);
+  section(page, "Made by", [&] { page.add_table({"what", "value"}, made_by()); });
   return page;
 }
 
