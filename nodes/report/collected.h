@@ -14,6 +14,7 @@
 #include "msgs/percepts.pb.h"
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
+#include "msgs/truth.pb.h"
 #include "prehend/control/cycle.h"
 #include "prehend/geometry/rigid_transform.h"
 
@@ -67,7 +68,8 @@ struct Collected {
   History opening;                          // m, of a parallel gripper
   History wrench_z;                         // N, along the hand's z axis
   std::map<std::string, BodyHistory> bodies;
-  std::vector<std::string> log;  // warnings and errors, "node: text"
+  msgs::TruthShapes true_shapes;  // of the bodies, where a simulation says them
+  std::vector<std::string> log;   // warnings and errors, "node: text"
 };
 
 }  // namespace prehend::nodes

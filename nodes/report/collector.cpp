@@ -109,6 +109,8 @@ Collector::Collector(graph::Node& node, const std::vector<std::string>& pads, Mo
     c.wrench_z.emplace_back(time_of(m.header()), m.wrench().force().z());
   });
   follow<msgs::GroundTruth>("/ground_truth", [this](const auto& m) { on_ground_truth(m); });
+  listen<msgs::TruthShapes>("/ground_truth/shapes", QoS::latched(1),
+                            [&c](const auto& m) { c.true_shapes = m; });
   follow<msgs::graph::LogLine>("/log", [&c](const auto& m) {
     if (m.level() < msgs::graph::WARNING || c.log.size() >= kMostLogLines) return;
     c.log.push_back(m.node() + ": " + m.text());

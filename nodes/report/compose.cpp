@@ -20,6 +20,7 @@
 #include "nodes/report/surprise_section.h"
 #include "nodes/report/task_section.h"
 #include "nodes/report/touch_section.h"
+#include "nodes/report/truth_section.h"
 #include "prehend/control/surprise.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/report/pictures.h"
@@ -257,6 +258,9 @@ Page compose_page(const std::string& title, const Collected& collected, const Ve
   }
   if (!collected.held.empty()) {
     section(page, "What was seen in the hand", [&] { add_held(page, collected); });
+  }
+  if (collected.true_shapes.shapes_size() > 0 && !collected.on_prediction) {
+    section(page, "Predicted beside what is true", [&] { add_truth(page, collected); });
   }
   section(page, "Over time", [&] { add_charts(page, collected); });
   add_tables(page, collected, processes);

@@ -13,6 +13,7 @@
 #include "msgs/convert/objects.h"
 #include "nodes/report/drawn_model.h"
 #include "nodes/report/drawn_robot.h"
+#include "nodes/report/true_bodies.h"
 #include "prehend/control/hand_sample.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/geometry/mesh_query.h"
@@ -28,11 +29,12 @@ using geometry::RigidTransform;
 using report::FilmBody;
 
 constexpr double kStep = 0.1;                 // s, between frames, at least
-constexpr double kSameBody = 0.08;            // m, from an object's middle to the body that it is
 constexpr std::size_t kMostTriangles = 4000;  // of an object
 constexpr double kTableSide = 0.9;            // m
 constexpr double kTableThick = 0.01;          // m
 constexpr geometry::Rgb kTableColor{232, 226, 214};
+constexpr geometry::Rgb kTruthColor{200, 60, 90};
+constexpr double kTruthOpacity = 0.35;
 
 // At that time, or the last before it. @pre not empty
 template <class Value>
@@ -85,20 +87,6 @@ RobotFrame robot_at(const Collected& collected, const robot::Platform& platform,
   return {robot::placed_link_poses(platform, arm, hand->joints), hand->X_WH};
 }
 
-const std::vector<std::pair<double, RigidTransform>>* body_of(const Collected& collected,
-                                                              const Eigen::Vector3d& middle_W,
-                                                              double time) {
-  const std::vector<std::pair<double, RigidTransform>>* nearest = nullptr;
-  double distance = kSameBody;
-  for (const auto& [name, body] : collected.bodies) {
-    if (body.poses.empty()) continue;
-    const double here = (at(body.poses, time).translation() - middle_W).head<2>().norm();
-    if (here < distance) nearest = &body.poses;
-    distance = std::min(distance, here);
-  }
-  return nearest;
-}
-
 // With few triangles, each vertex resting on what the nearest of the model's does.
 surface::ObjectModel coarse(const surface::ObjectModel& model) {
   surface::ObjectModel few;
@@ -131,16 +119,15 @@ class ObjectMotion {
                const std::vector<RobotFrame>& robot)
       : collected_(collected), times_(times), robot_(robot) {}
 
-  std::vector<RigidTransform> of(const msgs::ObjectModel& model,
-                                 const Eigen::Vector3d& middle_W) const {
-    const double seen = graph::seconds(model.header().stamp());
-    std::vector<RigidTransform> motion;
-    if (const auto* body = body_of(collected_, middle_W, seen)) {
-      const RigidTransform X_BW = at(*body, seen).inverse(Eigen::Isometry);
-      for (const double time : times_) motion.push_back(at(*body, time) * X_BW);
+  std::vector<RigidTransform> of(const msgs::ObjectModel& message,
+                                 const std::optional<TrueBody>& body) const {
+    if (body) {
+      std::vector<RigidTransform> motion;
+      const RigidTransform X_BW = body->X_WB.inverse(Eigen::Isometry);
+      for (const double time : times_) motion.push_back(pose_at(*body->history, time) * X_BW);
       return motion;
     }
-    const bool is_held = collected_.result && collected_.result->object_id() == model.id();
+    const bool is_held = collected_.result && collected_.result->object_id() == message.id();
     if (!is_held) return {RigidTransform::Identity()};
     return with_hand();
   }
@@ -208,14 +195,24 @@ void add_film(report::Page& page, const Collected& collected, const robot::Platf
     if (!message.valid()) continue;
     const surface::ObjectModel model = coarse(convert::from_message(message));
     const Eigen::Vector3d middle_W = geometry::bounds(model.mesh_W).center();
-    const std::vector<RigidTransform> moved = motion.of(message, middle_W);
+    const std::optional<TrueBody> body = true_body(collected, message, model);
+    const std::vector<RigidTransform> moved = motion.of(message, body);
     for (report::ColoredMesh& part : by_origin(model)) {
       if (part.mesh_W.triangles.empty()) continue;
       film.bodies.push_back(
           {fmt::format("object {}", id), part.color, 1, std::move(part.mesh_W), moved});
     }
+    if (const auto mesh_B = body ? true_mesh(collected, body->name) : std::nullopt) {
+      FilmBody truth{"true shapes",
+                     kTruthColor,
+                     kTruthOpacity,
+                     surface::simplified(*mesh_B, kMostTriangles).mesh,
+                     {}};
+      for (const double time : film.times) truth.X_WB.push_back(pose_at(*body->history, time));
+      film.bodies.push_back(std::move(truth));
+    }
     const bool has_table = std::any_of(film.bodies.begin(), film.bodies.end(),
-                                       [](const auto& body) { return body.name == "table"; });
+                                       [](const auto& one) { return one.name == "table"; });
     if (!has_table) film.bodies.push_back(table_of(message.table(), middle_W));
   }
   add_robot(platform, robot, &film.bodies);

@@ -6,6 +6,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/gripper.h"
+#include "msgs/truth.pb.h"
 #include "nodes/emergency_stop_listener/emergency_stop_listener.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/simulation/arm_commands.h"
@@ -177,7 +178,9 @@ class World {
  public:
   World(graph::Node& node, const Settings& settings, const simulation::Scene& scene, Robot& robot,
         Emergencies& emergency)
-      : robot_(robot) {
+      : robot_(robot),
+        shows_robot_(settings.show_robot),
+        shapes_(node.advertise<msgs::TruthShapes>("/ground_truth/shapes", graph::QoS::latched(1))) {
     if (settings.camera) {
       camera_ = std::make_unique<nodes::Camera>(
           node,
@@ -193,11 +196,14 @@ class World {
           scene, settings.render, settings.depth);
       camera_->request();
     }
+    publish_shapes();
     spawn_ = node.serve<msgs::SpawnRequest, msgs::SpawnResponse>(
-        "/simulation/spawn", [&robot, &emergency](const msgs::SpawnRequest& request) {
+        "/simulation/spawn", [this, &robot, &emergency](const msgs::SpawnRequest& request) {
           // A large mesh takes long; the world stands still meanwhile.
           const nodes::EmergencyStopListener::Wait wait(emergency.minded());
-          return spawn(robot, request);
+          msgs::SpawnResponse response = spawn(robot, request);
+          if (response.success()) publish_shapes();
+          return response;
         });
     render_ = node.serve<msgs::RenderRequest, msgs::Acknowledge>(
         "/simulation/render", [this](const msgs::RenderRequest& request) {
@@ -213,7 +219,26 @@ class World {
   nodes::Camera* camera() { return camera_.get(); }
 
  private:
+  void publish_shapes() {
+    const std::vector<simulation::VisibleBody> bodies = robot_.with_world([this](auto& world) {
+      world.show_robot(false);
+      std::vector<simulation::VisibleBody> seen = world.visible_bodies();
+      world.show_robot(shows_robot_);
+      return seen;
+    });
+    msgs::TruthShapes message;
+    message.mutable_header()->set_frame_id("world");
+    for (const simulation::VisibleBody& body : bodies) {
+      msgs::TruthShapes::Shape& shape = *message.add_shapes();
+      shape.set_name(body.name);
+      *shape.mutable_mesh() = convert::to_message(*body.mesh_B);
+    }
+    shapes_.publish(std::move(message));
+  }
+
   Robot& robot_;
+  bool shows_robot_;
+  graph::Publisher<msgs::TruthShapes> shapes_;
   std::unique_ptr<nodes::Camera> camera_;
   graph::Service spawn_, render_;
 };
@@ -357,7 +382,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "Stands in for the robot: table, objects, a platform (robot) and a stereo camera, from a "
      "scene "
      "file. Publishes /clock, /camera/info, /camera/stereo, /joint_states, /tactile/PAD, "
-     "/tactile/cells, /wrench and /ground_truth; takes the action /arm/follow, the topic "
+     "/tactile/cells, /wrench, /ground_truth and /ground_truth/shapes; takes the action "
+     "/arm/follow, the topic "
      "/arm/command (set points of all its joints, one a cycle of whoever interpolates; braked 0.2 "
      "s "
      "after the last one while moving) and the services /arm/stop, "

@@ -63,6 +63,12 @@ void Page::add_chart(const std::string& svg, const std::string& caption) {
   body_ += "<div class=\"chart\">" + svg + "<p>" + escaped(caption) + "</p></div>\n";
 }
 
+void Page::add_charts(const std::vector<std::string>& svgs, const std::string& caption) {
+  body_ += "<div class=\"chart\">";
+  for (const std::string& svg : svgs) body_ += svg;
+  body_ += "<p>" + escaped(caption) + "</p></div>\n";
+}
+
 void Page::add_film(const Film& film, const std::string& caption) {
   const std::string json = film_json(film);
   if (film_program_.empty()) film_program_ = film_program();

@@ -26,6 +26,8 @@ class Page {
                     const std::vector<std::string>& captions);
   /// An SVG element as drawn by draw_line_chart.
   void add_chart(const std::string& svg, const std::string& caption);
+  /// The same of several, side by side where there is room, with one caption.
+  void add_charts(const std::vector<std::string>& svgs, const std::string& caption);
   /// Bodies to be turned by pointer and touch, and played; a browser needs WebGL for it.
   /// @throws as film_json() and film_program().
   void add_film(const Film& film, const std::string& caption);

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/objects.h"
+#include "nodes/report/truth_section.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/simulation/shapes.h"
 
@@ -83,6 +85,39 @@ TEST(FilmSection, WhatIsGraspedGoesWithTheHandOrItsBody) {
   const std::string with_body = poses_of_object(page_of(collected));
   EXPECT_GT(with_body.size(), 100u);
   EXPECT_NE(with_body, with_hand);
+}
+
+void add_true_box(Collected& collected, double width) {
+  BodyHistory& body = collected.bodies["box"];
+  geometry::RigidTransform X = geometry::RigidTransform::Identity();
+  X.translation() = Eigen::Vector3d(0.01, 0, 0);
+  body.poses = {{0, X}, {1, X}};
+  msgs::TruthShapes::Shape& shape = *collected.true_shapes.add_shapes();
+  shape.set_name("box");
+  *shape.mutable_mesh() = convert::to_message(simulation::make_standing_box({width, 0.05, 0.1}));
+}
+
+TEST(FilmSection, ShowsTrueShapesWhereTheyAreNotThePredictedOnes) {
+  Collected collected = run();
+  add_true_box(collected, 0.05);
+  EXPECT_THAT(page_of(collected), HasSubstr("true shapes"));
+  collected.on_prediction = true;
+  EXPECT_THAT(page_of(collected), testing::Not(HasSubstr("true shapes")));
+}
+
+TEST(TruthSection, SaysVolumesDistancesAndSections) {
+  Collected collected = run();
+  add_true_box(collected, 0.1);
+  report::Page page("t");
+  add_truth(page, collected);
+  const std::string html = page.html();
+  EXPECT_THAT(html, HasSubstr("<td>250</td><td>500 (-50 %)</td>"));
+  EXPECT_THAT(html, HasSubstr("Object 0 (box), upright"));
+  EXPECT_THAT(html, HasSubstr("Object 0 (box), level"));
+  collected.bodies["box"].poses = {{0, geometry::RigidTransform(Eigen::Translation3d(1, 0, 0))}};
+  report::Page far("t");
+  add_truth(far, collected);
+  EXPECT_THAT(far.html(), HasSubstr("Nothing that was predicted stands"));
 }
 
 TEST(FilmSection, SaysWhatIsMissing) {

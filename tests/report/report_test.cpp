@@ -11,6 +11,7 @@
 #include "prehend/report/page.h"
 #include "prehend/report/pictures.h"
 #include "prehend/report/rejections.h"
+#include "prehend/report/section.h"
 
 namespace prehend::report {
 namespace {
@@ -217,6 +218,38 @@ TEST(Film, ItsProgramStandsInThePageOnce) {
   Page beside("u");
   beside.add_columns(page, Page("v"));
   EXPECT_THAT(beside.html(), HasSubstr(module));
+}
+
+TEST(Section, IsWhereThePlaneCuts) {
+  const auto box = geometry::make_box({0.2, 0.1, 0.3});
+  double length = 0;
+  Eigen::AlignedBox2d around;
+  for (const auto& [a, b] : section_of(box, {{0, 0, 0.05}, {1, 0, 0}, {0, 1, 0}})) {
+    length += (b - a).norm();
+    around.extend(a);
+    around.extend(b);
+  }
+  EXPECT_NEAR(length, 0.6, 1e-12) << "round the box";
+  EXPECT_LT((around.sizes() - Eigen::Vector2d(0.2, 0.1)).norm(), 1e-12);
+  EXPECT_TRUE(section_of(box, {{0, 0, 0.5}, {1, 0, 0}, {0, 1, 0}}).empty());
+  // Through vertices and along edges and faces: it is closed, or there is none.
+  const auto through = section_of(box, {{0, 0, 0}, {0.894427191, 0.447213595, 0}, {0, 0, 1}});
+  length = 0;
+  for (const auto& [a, b] : through) length += (b - a).norm();
+  EXPECT_NEAR(length, 2 * (0.3 + std::hypot(0.2, 0.1)), 1e-6);
+  EXPECT_THROW(section_of(box, {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}), std::invalid_argument);
+  EXPECT_THROW(section_of(box, {{NAN, 0, 0}, {1, 0, 0}, {0, 1, 0}}), std::invalid_argument);
+}
+
+TEST(Section, IsDrawnWithItsScale) {
+  const auto box = geometry::make_box({0.2, 0.1, 0.3});
+  const std::string svg = draw_section("a <box>", {{"true & bare", {40, 40, 40}, &box}}, {});
+  EXPECT_THAT(svg, HasSubstr("a &lt;box&gt;"));
+  EXPECT_THAT(svg, HasSubstr("true &amp; bare"));
+  EXPECT_THAT(svg, HasSubstr("100 mm")) << "the longest round length within 40 % of 300 mm";
+  EXPECT_THAT(svg, HasSubstr("stroke=\"#282828\""));
+  EXPECT_THAT(draw_section("t", {{"none", {}, &box}}, {{0, 9, 0}, {1, 0, 0}, {0, 0, 1}}),
+              HasSubstr("cuts nothing"));
 }
 
 TEST(Pictures, ValuesMasksAndTactileImages) {

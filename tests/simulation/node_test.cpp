@@ -16,6 +16,7 @@
 #include "msgs/actions.pb.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/sensors.pb.h"
+#include "msgs/truth.pb.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
 #include "tests/simulation/simulation_process.h"
@@ -219,6 +220,13 @@ TEST_F(SimulationNode, WatchdogStopsAForgottenCommand) {
 }
 
 TEST_F(SimulationNode, SpawnsPredictedMeshesAndRefusesBadOnes) {
+  msgs::TruthShapes shapes;
+  const graph::Subscription shapes_in = node_->subscribe<msgs::TruthShapes>(
+      "/ground_truth/shapes", QoS::latched(1), [&](const graph::Received<msgs::TruthShapes>& m) {
+        const std::lock_guard lock(mutex_);
+        shapes = *m;
+      });
+  EXPECT_TRUE(wait_until([&] { return shapes.shapes_size() == 3; }));
   const auto spawn = node_->client<msgs::SpawnRequest, msgs::SpawnResponse>("/simulation/spawn");
   msgs::SpawnRequest request;
   request.set_name("predicted");
@@ -231,6 +239,10 @@ TEST_F(SimulationNode, SpawnsPredictedMeshesAndRefusesBadOnes) {
   EXPECT_TRUE(outcome->success()) << outcome->reason();
   EXPECT_TRUE(wait_until([&] { return truth_.bodies_size() == 4; }));
   EXPECT_NEAR(truth_.bodies(3).mass(), 0.06, 1e-6);
+  EXPECT_TRUE(wait_until([&] { return shapes.shapes_size() == 4; }));
+  EXPECT_EQ(shapes.shapes(3).name(), "predicted");
+  EXPECT_NEAR(geometry::mass_properties(convert::from_message(shapes.shapes(3).mesh())).volume,
+              1.2e-4, 1e-9);
 
   request.set_density(0);
   outcome = spawn.call(request, 10s);

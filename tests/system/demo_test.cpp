@@ -69,9 +69,10 @@ void expect_no_silent_loss(const Recording& recording) {
 void expect_report(const std::filesystem::path& file) {
   std::ifstream in(file);
   const std::string html((std::istreambuf_iterator<char>(in)), {});
-  for (const char* part : {"Left image", "Disparity", "Segmentation", "Completed cloud", "Mesh",
-                           "Grasp 1", "left pad", "Forces", "Stage times", "class=\"scene\"",
-                           "after the lift, to be seen", "prehend launch launch/demo.yaml"}) {
+  for (const char* part :
+       {"Left image", "Disparity", "Segmentation", "Completed cloud", "Mesh", "Grasp 1", "left pad",
+        "Forces", "Stage times", "class=\"scene\"", "Predicted beside what is true",
+        "(carton), upright", "after the lift, to be seen", "prehend launch launch/demo.yaml"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part << " is missing in " << file;
   }
   EXPECT_EQ(html.find("could not be drawn"), std::string::npos);
