@@ -240,14 +240,14 @@ void write_surprise_report(const std::filesystem::path& folder, const SurpriseFi
   }
   if (!rows.empty()) page.add_table({"case", "why nothing was done"}, rows);
   page.write(folder / "index.html");
-  std::string csv = "case,group,shape_off,truth,off,slide,raised,alarm,total";
+  std::string csv = "case,group,shape_off,shape_95,truth,off,slide,raised,alarm,total";
   for (const std::string& sense : belief::percept_senses()) csv += "," + sense;
   csv += "\n";
   for (const JudgedAct& one : judged(cases, model)) {
-    csv +=
-        fmt::format("{},{},{:.4g},{},{:.4g},{:.4g},{:.4g},{},{:.2f}", one.of->name, one.of->group,
-                    one.of->shape_off, to_string(one.act->truth), one.act->off, one.act->act.slide,
-                    one.act->act.raised, one.surprise.alarm ? 1 : 0, one.surprise.bits);
+    csv += fmt::format("{},{},{:.4g},{:.4g},{},{:.4g},{:.4g},{:.4g},{},{:.2f}", one.of->name,
+                       one.of->group, one.of->shape_off.mean, one.of->shape_off.percentile_95,
+                       to_string(one.act->truth), one.act->off, one.act->act.slide,
+                       one.act->act.raised, one.surprise.alarm ? 1 : 0, one.surprise.bits);
     for (const std::string& sense : belief::percept_senses()) {
       csv += fmt::format(",{:.2f}", one.bits(sense));
     }

@@ -9,6 +9,7 @@
 #include "eval/data_sets.h"
 #include "prehend/belief/percept_forecast.h"
 #include "prehend/belief/percept_surprise.h"
+#include "prehend/surface/deviation.h"
 
 // Acts on predictions that are right and on such that are not, and what is perceived of them.
 namespace prehend::eval {
@@ -16,7 +17,7 @@ namespace prehend::eval {
 /// What is the matter with what is grasped.
 enum class ActTruth {
   kRight,   // contacts and all of its surface are where they are predicted, each within 3 mm on
-            // average; it is held
+            // average, 95 % of the surface within 8 mm; it is held
   kWrong,   // contacts are 8 mm off or more on average: it is larger or smaller than believed
   kMoved,   // by 8 to 20 mm along the table since it was seen
   kFell,    // lies where it stood
@@ -40,8 +41,8 @@ struct SurpriseCase {
   belief::PerceptForecast predicted;
   double prediction_seconds = 0;  // of processor, for each shape
   int shapes = 0;
-  double shape_off = 0;  // m, mean distance of the object's surface from what is believed
-  int left_out = 0;      // acts that were none of the above, or could not be simulated
+  surface::DeviationStatistics shape_off;  // m, of the object's surface from what is believed
+  int left_out = 0;  // acts that were none of the above, or could not be simulated
   std::vector<SurpriseAct> acts;
 };
 

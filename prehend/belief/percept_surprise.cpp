@@ -162,33 +162,24 @@ void fit_shares(const std::vector<KnownPercepts>& right, SurpriseModel* model) {
   }
 }
 
-// All at the same quantile of their bits, the least at which so many acts are alarms at most, by
-// whichever sense. What scatters hardly at all is no alarm for being a little rarer: not before it
-// is as unlikely as an alarm is to be.
+// The least at which so many acts are alarms at most. What scatters hardly at all is no alarm for
+// being a little rarer: not before it is as unlikely as an alarm is to be.
+double threshold_of(std::vector<double> bits, double false_alarms) {
+  std::sort(bits.begin(), bits.end(), std::greater<>());
+  const auto beyond = static_cast<std::size_t>(false_alarms * static_cast<double>(bits.size()));
+  return std::max(-std::log2(false_alarms), bits[beyond]);
+}
+
 void fit_thresholds(const std::vector<KnownPercepts>& right, double false_alarms,
                     SurpriseModel* model) {
   std::map<std::string, std::vector<double>> bits;
-  std::vector<PerceptSurprise> acts;
   for (const KnownPercepts& one : right) {
-    acts.push_back(percept_surprise(*one.predicted, *one.perceived, *model));
-    bits[kTotal].push_back(acts.back().bits);
-    for (const SenseSurprise& sense : acts.back().senses) bits[sense.sense].push_back(sense.bits);
+    const PerceptSurprise act = percept_surprise(*one.predicted, *one.perceived, *model);
+    bits[kTotal].push_back(act.bits);
+    for (const SenseSurprise& sense : act.senses) bits[sense.sense].push_back(sense.bits);
   }
-  const double least = -std::log2(false_alarms);
-  const auto is_alarm = [&](const PerceptSurprise& act) {
-    return act.bits > model->thresholds.at(kTotal) ||
-           std::any_of(act.senses.begin(), act.senses.end(), [&](const SenseSurprise& sense) {
-             return sense.bits > model->thresholds.at(sense.sense);
-           });
-  };
-  constexpr int kSteps = 100;
-  for (int step = kSteps; step >= 0; --step) {
-    const double share = 1 - false_alarms * step / kSteps;
-    for (const auto& [name, values] : bits) {
-      model->thresholds[name] = std::max(least, quantile(values, share));
-    }
-    const auto alarms = static_cast<double>(std::count_if(acts.begin(), acts.end(), is_alarm));
-    if (alarms <= false_alarms * static_cast<double>(acts.size())) return;
+  for (auto& [name, values] : bits) {
+    model->thresholds[name] = threshold_of(std::move(values), false_alarms);
   }
 }
 
@@ -230,9 +221,7 @@ PerceptSurprise percept_surprise(const PerceptForecast& predicted, const Percept
   }
   surprise.bits = belief.bits(y, [](const auto&) { return true; });
   surprise.threshold = model.thresholds.at(kTotal);
-  surprise.alarm = surprise.bits > surprise.threshold ||
-                   std::any_of(surprise.senses.begin(), surprise.senses.end(),
-                               [](const SenseSurprise& sense) { return sense.alarm; });
+  surprise.alarm = surprise.bits > surprise.threshold;
   surprise.likeliest = belief.likeliest(y);
   return surprise;
 }

@@ -18,7 +18,7 @@ struct SurpriseModel {
   /// By percept_senses(): the logarithm of its likelihood is taken times this, in (0, 1], as its
   /// features do not err independently.
   std::map<std::string, double> shares;
-  /// Bits above which a sense, or "total", is an alarm.
+  /// Bits above which all together ("total") are an alarm, and a sense by itself stands out.
   std::map<std::string, double> thresholds;
   double wrong_touch = 0.02;  // probability that a pad touches against the prediction, in (0, 0.5)
   double touch_force = 0.3;   // N, > 0, of a pad that touches
@@ -46,18 +46,18 @@ struct SenseSurprise {
   std::string part;  // pad, motor or "wrist"; empty: all of the sense
   double bits = 0;
   double threshold = 0;  // of a whole sense
-  bool alarm = false;    // of a whole sense: bits > threshold
+  bool alarm = false;    // of a whole sense: bits > threshold; it stands out
 };
 
 /// What was perceived against what was to be.
 struct PerceptSurprise {
   double bits = 0;  // of all senses together
   double threshold = 0;
-  bool alarm = false;                 // bits > threshold, or those of a sense are
+  bool alarm = false;                 // bits > threshold
   std::vector<SenseSurprise> senses;  // those there are sensors for, in percept_senses()' order
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
   std::size_t likeliest = 0;          // of PerceptForecast::possible, by what was perceived
-  std::string to_string() const;      // "31.2 bits (tactile 20.1!, joints 3.0)"; ! is an alarm
+  std::string to_string() const;      // "31.2 bits (tactile 20.1!, joints 3.0)"; ! stands out
   /// Of a hand that the model was not fitted to: no alarms, all thresholds 0.
   void forget_thresholds();
 };
@@ -88,9 +88,9 @@ struct KnownPercepts {
 
 /// The model by which right predictions are as surprising as they are to be: scales by the median
 /// of what is off against the likeliest possible percept, shares by how much the bits of each sense
-/// scatter, thresholds so that of these predictions the share `false_alarms` at most is an alarm by
-/// the total or a sense, each -log2(false_alarms) bits at least. @param right predictions that came
-/// true, 20 at least.
+/// scatter, thresholds so that of these predictions the share `false_alarms` at most is beyond
+/// each, and -log2(false_alarms) bits at least. @param right predictions that came true, 20 at
+/// least.
 /// @throws std::invalid_argument for fewer, or `false_alarms` outside (0, 0.5).
 SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms = 0.01);
 
