@@ -26,6 +26,9 @@ constexpr double kMedian = 0.7407;        // of Student's |t|
 constexpr int kSurpriseVersion = 1;
 const std::string kTotal = "total";
 
+// When motors stopped is known in full of an act that ends before the lift, unlike the total.
+const std::string kTime = "time";
+
 using Features = std::vector<PerceptFeature>;
 using Chosen = std::function<bool(const PerceptFeature&)>;
 
@@ -162,24 +165,40 @@ void fit_shares(const std::vector<KnownPercepts>& right, SurpriseModel* model) {
   }
 }
 
-// The least at which so many acts are alarms at most. What scatters hardly at all is no alarm for
-// being a little rarer: not before it is as unlikely as an alarm is to be.
-double threshold_of(std::vector<double> bits, double false_alarms) {
-  std::sort(bits.begin(), bits.end(), std::greater<>());
-  const auto beyond = static_cast<std::size_t>(false_alarms * static_cast<double>(bits.size()));
-  return std::max(-std::log2(false_alarms), bits[beyond]);
+// What scatters hardly at all is nothing to note for being a little rarer: not before it is as
+// unlikely as an alarm is to be.
+double threshold_of(const std::vector<double>& bits, double share_beyond, double false_alarms) {
+  return std::max(-std::log2(false_alarms), quantile(bits, 1 - share_beyond));
 }
 
+// Each sense at the quantile of its own bits, but those by which acts are alarms all at one, the
+// least at which so many acts are alarms at most, by whichever of them.
 void fit_thresholds(const std::vector<KnownPercepts>& right, double false_alarms,
                     SurpriseModel* model) {
   std::map<std::string, std::vector<double>> bits;
+  std::vector<PerceptSurprise> acts;
   for (const KnownPercepts& one : right) {
-    const PerceptSurprise act = percept_surprise(*one.predicted, *one.perceived, *model);
-    bits[kTotal].push_back(act.bits);
-    for (const SenseSurprise& sense : act.senses) bits[sense.sense].push_back(sense.bits);
+    acts.push_back(percept_surprise(*one.predicted, *one.perceived, *model));
+    bits[kTotal].push_back(acts.back().bits);
+    for (const SenseSurprise& sense : acts.back().senses) bits[sense.sense].push_back(sense.bits);
   }
-  for (auto& [name, values] : bits) {
-    model->thresholds[name] = threshold_of(std::move(values), false_alarms);
+  for (const auto& [name, values] : bits) {
+    model->thresholds[name] = threshold_of(values, false_alarms, false_alarms);
+  }
+  const auto is_alarm = [&](const PerceptSurprise& act) {
+    return act.bits > model->thresholds.at(kTotal) ||
+           std::any_of(act.senses.begin(), act.senses.end(), [&](const SenseSurprise& sense) {
+             return sense.sense == kTime && sense.bits > model->thresholds.at(sense.sense);
+           });
+  };
+  constexpr int kSteps = 100;
+  for (int step = kSteps; step >= 0; --step) {
+    for (const auto& [name, values] : bits) {
+      if (name != kTotal && name != kTime) continue;
+      model->thresholds[name] = threshold_of(values, false_alarms * step / kSteps, false_alarms);
+    }
+    const auto alarms = static_cast<double>(std::count_if(acts.begin(), acts.end(), is_alarm));
+    if (alarms <= false_alarms * static_cast<double>(acts.size())) return;
   }
 }
 
@@ -221,7 +240,10 @@ PerceptSurprise percept_surprise(const PerceptForecast& predicted, const Percept
   }
   surprise.bits = belief.bits(y, [](const auto&) { return true; });
   surprise.threshold = model.thresholds.at(kTotal);
-  surprise.alarm = surprise.bits > surprise.threshold;
+  surprise.alarm =
+      surprise.bits > surprise.threshold ||
+      std::any_of(surprise.senses.begin(), surprise.senses.end(),
+                  [](const SenseSurprise& sense) { return sense.alarm && sense.sense == kTime; });
   surprise.likeliest = belief.likeliest(y);
   return surprise;
 }

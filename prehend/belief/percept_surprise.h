@@ -18,7 +18,8 @@ struct SurpriseModel {
   /// By percept_senses(): the logarithm of its likelihood is taken times this, in (0, 1], as its
   /// features do not err independently.
   std::map<std::string, double> shares;
-  /// Bits above which all together ("total") are an alarm, and a sense by itself stands out.
+  /// Bits above which all together ("total") are an alarm, and a sense by itself stands out; see
+  /// PerceptSurprise::alarm.
   std::map<std::string, double> thresholds;
   double wrong_touch = 0.02;  // probability that a pad touches against the prediction, in (0, 0.5)
   double touch_force = 0.3;   // N, > 0, of a pad that touches
@@ -53,7 +54,9 @@ struct SenseSurprise {
 struct PerceptSurprise {
   double bits = 0;  // of all senses together
   double threshold = 0;
-  bool alarm = false;                 // bits > threshold
+  /// bits > threshold, or those of "time" are, which are known in full of an act that ends before
+  /// the lift, too.
+  bool alarm = false;
   std::vector<SenseSurprise> senses;  // those there are sensors for, in percept_senses()' order
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
   std::size_t likeliest = 0;          // of PerceptForecast::possible, by what was perceived
@@ -88,9 +91,9 @@ struct KnownPercepts {
 
 /// The model by which right predictions are as surprising as they are to be: scales by the median
 /// of what is off against the likeliest possible percept, shares by how much the bits of each sense
-/// scatter, thresholds so that of these predictions the share `false_alarms` at most is beyond
-/// each, and -log2(false_alarms) bits at least. @param right predictions that came true, 20 at
-/// least.
+/// scatter, thresholds so that of these predictions the share `false_alarms` at most is an alarm,
+/// and stands out by each other sense, each -log2(false_alarms) bits at least. @param right
+/// predictions that came true, 20 at least.
 /// @throws std::invalid_argument for fewer, or `false_alarms` outside (0, 0.5).
 SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms = 0.01);
 
