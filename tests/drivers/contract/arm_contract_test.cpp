@@ -258,8 +258,15 @@ TEST_P(ArmContract, NewerGoalBeginsWhereTheArmThenStands) {
   EXPECT_FALSE(second.reached());
   EXPECT_EQ(first.wait(20s).status(), graph::Status::kPreempted);
   EXPECT_TRUE(eventually([&] { return stands(); }));
-  const double from = position()[0];
-  const Result third = follow(turn(-0.1, 1));
+  // On a starved machine it may seem to stand while no telegram comes, and is refused then.
+  double from = 0;
+  Result third;
+  EXPECT_TRUE(eventually([&] {
+    from = position()[0];
+    third = follow(turn(-0.1, 1));
+    return third.reached() ||
+           third.reason().find("plan from the arm's present positions") == std::string::npos;
+  }));
   EXPECT_TRUE(third.reached()) << third.reason();
   EXPECT_NEAR(third.position(0), from - 0.1, 4e-3);
 }
