@@ -20,6 +20,7 @@ LiftViewServer::LiftViewServer(graph::Node& node, const robot::Platform& platfor
            .default_value = 5.0,
            .unit = "s",
            .minimum = 0.1,
+           .maximum = 7.0,  // the cycle gives up after 8 s
            .description = "wall time to wait for a picture of what was lifted (/percepts/view)",
            .read_only = true})),
       pictures_(node, platform),

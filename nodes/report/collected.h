@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,6 +24,14 @@ namespace prehend::nodes {
 
 /// A value over the graph's time [s].
 using History = std::vector<std::pair<double, double>>;
+
+/// What it was at `time` [s], or the last time before. @pre not empty, in the order of time
+template <class Value>
+const Value& value_at(const std::vector<std::pair<double, Value>>& history, double time) {
+  const auto after = std::upper_bound(history.begin(), history.end(), time,
+                                      [](double t, const auto& entry) { return t < entry.first; });
+  return after == history.begin() ? after->second : std::prev(after)->second;
+}
 
 /// Where a body was over time.
 struct BodyHistory {

@@ -36,14 +36,6 @@ constexpr geometry::Rgb kTableColor{232, 226, 214};
 constexpr geometry::Rgb kTruthColor{200, 60, 90};
 constexpr double kTruthOpacity = 0.35;
 
-// At that time, or the last before it. @pre not empty
-template <class Value>
-const Value& at(const std::vector<std::pair<double, Value>>& history, double time) {
-  auto after = std::upper_bound(history.begin(), history.end(), time,
-                                [](double t, const auto& entry) { return t < entry.first; });
-  return after == history.begin() ? history.front().second : std::prev(after)->second;
-}
-
 /// Where the robot was.
 struct RobotFrame {
   std::vector<RigidTransform> X_WL;  // of all links
@@ -70,10 +62,10 @@ RobotFrame robot_at(const Collected& collected, const robot::Platform& platform,
   control::ArmPercepts percepts;
   for (const auto& [name, history] : collected.joints) {
     percepts.names.push_back(name);
-    percepts.positions.push_back(at(history, time));
+    percepts.positions.push_back(value_at(history, time));
   }
   if (!collected.opening.empty()) {
-    percepts.gripper = control::GripperPercept{at(collected.opening, time)};
+    percepts.gripper = control::GripperPercept{value_at(collected.opening, time)};
   }
   const auto hand = control::hand_sample(platform, chain, percepts);
   if (!hand) {
@@ -82,7 +74,7 @@ RobotFrame robot_at(const Collected& collected, const robot::Platform& platform,
   }
   Eigen::VectorXd arm(chain.size());
   for (int i = 0; i < chain.size(); ++i) {
-    arm[i] = at(collected.joints.at(chain.joints()[static_cast<std::size_t>(i)].name), time);
+    arm[i] = value_at(collected.joints.at(chain.joints()[static_cast<std::size_t>(i)].name), time);
   }
   return {robot::placed_link_poses(platform, arm, hand->joints), hand->X_WH};
 }
@@ -124,7 +116,8 @@ class ObjectMotion {
     if (body) {
       std::vector<RigidTransform> motion;
       const RigidTransform X_BW = body->X_WB.inverse(Eigen::Isometry);
-      for (const double time : times_) motion.push_back(pose_at(*body->history, time) * X_BW);
+      for (const double time : times_)
+        motion.push_back(value_at(body->history->poses, time) * X_BW);
       return motion;
     }
     const bool is_held = collected_.result && collected_.result->object_id() == message.id();
@@ -188,7 +181,7 @@ void add_film(report::Page& page, const Collected& collected, const robot::Platf
   std::vector<RobotFrame> robot;
   for (const double time : film.times) {
     robot.push_back(robot_at(collected, platform, chain, time));
-    film.captions.emplace_back(control::to_string(at(collected.phases, time)));
+    film.captions.emplace_back(control::to_string(value_at(collected.phases, time)));
   }
   const ObjectMotion motion(collected, film.times, robot);
   for (const auto& [id, message] : collected.models) {
@@ -208,7 +201,8 @@ void add_film(report::Page& page, const Collected& collected, const robot::Platf
                      kTruthOpacity,
                      surface::simplified(*mesh_B, kMostTriangles).mesh,
                      {}};
-      for (const double time : film.times) truth.X_WB.push_back(pose_at(*body->history, time));
+      for (const double time : film.times)
+        truth.X_WB.push_back(value_at(body->history->poses, time));
       film.bodies.push_back(std::move(truth));
     }
     const bool has_table = std::any_of(film.bodies.begin(), film.bodies.end(),

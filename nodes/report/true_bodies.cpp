@@ -1,7 +1,6 @@
 #include "nodes/report/true_bodies.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include "msgs/convert/geometry.h"
 #include "prehend/graph/clock.h"
@@ -13,12 +12,6 @@ constexpr double kSameBody = 0.08;  // m, from an object's middle to the body th
 
 }  // namespace
 
-const geometry::RigidTransform& pose_at(const BodyHistory& history, double time) {
-  const auto after = std::upper_bound(history.poses.begin(), history.poses.end(), time,
-                                      [](double t, const auto& entry) { return t < entry.first; });
-  return after == history.poses.begin() ? after->second : std::prev(after)->second;
-}
-
 std::optional<TrueBody> true_body(const Collected& collected, const msgs::ObjectModel& message,
                                   const surface::ObjectModel& model) {
   const Eigen::Vector3d middle_W = geometry::bounds(model.mesh_W).center();
@@ -27,7 +20,7 @@ std::optional<TrueBody> true_body(const Collected& collected, const msgs::Object
   double distance = kSameBody;
   for (const auto& [name, body] : collected.bodies) {
     if (body.poses.empty()) continue;
-    const geometry::RigidTransform& X_WB = pose_at(body, seen);
+    const geometry::RigidTransform& X_WB = value_at(body.poses, seen);
     const auto mesh_B = true_mesh(collected, name);
     const Eigen::Vector3d here_W =
         mesh_B ? X_WB * geometry::bounds(*mesh_B).center() : Eigen::Vector3d(X_WB.translation());

@@ -27,7 +27,4 @@ std::optional<TrueBody> true_body(const Collected& collected, const msgs::Object
 std::optional<geometry::TriangleMesh> true_mesh(const Collected& collected,
                                                 const std::string& name);
 
-/// Where a body was at `time` [s], or the last time before. @pre it has a pose
-const geometry::RigidTransform& pose_at(const BodyHistory& history, double time);
-
 }  // namespace prehend::nodes

@@ -130,18 +130,6 @@ PerceivedView view_of(const DepthImage& depth, const PinholeCamera& camera, cons
   return seen;
 }
 
-geometry::TriangleMesh together(const std::vector<geometry::TriangleMesh>& meshes) {
-  geometry::TriangleMesh all;
-  for (const geometry::TriangleMesh& mesh : meshes) {
-    const auto first = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    for (const Eigen::Vector3i& corners : mesh.triangles) {
-      all.triangles.emplace_back(corners.array() + first);
-    }
-  }
-  return all;
-}
-
 }  // namespace
 
 geometry::PointCloud thought_surface(const geometry::TriangleMesh& mesh) {
@@ -169,7 +157,8 @@ PerceivedView predicted_view(const geometry::TriangleMesh& object_W, const Lifte
   const HeldLookOptions options = options_of(ball, step);
   const geometry::MeshQuery object(object_W);
   std::optional<geometry::MeshQuery> robot;
-  if (geometry::TriangleMesh links = together(view.robot_W); !links.triangles.empty()) {
+  if (geometry::TriangleMesh links = geometry::concatenated(view.robot_W);
+      !links.triangles.empty()) {
     robot.emplace(std::move(links));
   }
   const Vector3d eye_W = view.X_WC.translation();
