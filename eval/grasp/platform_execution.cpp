@@ -95,7 +95,7 @@ RigidTransform PlatformExecution::moved() const {
 
 // As the cycle's node: what has no motion of the arm cannot be executed.
 control::GraspsToTry PlatformExecution::to_try(const planning::PlatformPlan& plan) {
-  control::GraspsToTry grasps{{}, grasp::in_words(plan), control::advice_of(plan)};
+  control::GraspsToTry grasps{{}, grasp::in_words(plan), control::advice_of(platform_, plan)};
   if (!plan.picks.empty()) tried_.clear();
   for (const planning::PlannedPick& pick : plan.picks) {
     if (pick.segments.empty()) continue;

@@ -224,6 +224,7 @@ msgs::CycleResult to_message(const control::CycleResult& result, std::int64_t st
   message.set_grasp_index(static_cast<std::uint32_t>(result.grasp_index));
   message.set_attempts(static_cast<std::uint32_t>(result.attempts));
   message.set_touches(static_cast<std::uint32_t>(result.touches));
+  message.set_looks(static_cast<std::uint32_t>(result.looks));
   message.set_placed(static_cast<std::uint32_t>(result.placed));
   return message;
 }
@@ -243,7 +244,9 @@ msgs::CycleResult to_message(const control::Cycle& cycle, std::int64_t stamp) {
 }
 
 control::Advice advice_of(const msgs::GraspPlan& plan) {
-  if (plan.choices_size() == 0) return {};
+  control::JointTrajectory look;
+  if (plan.look().has_way()) look = from_message(plan.look().way());
+  if (plan.choices_size() == 0) return {.look = std::move(look)};
   const msgs::Choice& best = plan.choices(0);
   if (best.act() == msgs::Choice::NOT_SAID || !msgs::Choice::Act_IsValid(best.act())) {
     throw geometry::InputError("A grasp plan with a choice that names no act", kSenderMend);
@@ -255,7 +258,8 @@ control::Advice advice_of(const msgs::GraspPlan& plan) {
                                kSenderMend);
   }
   return control::advice_of({static_cast<planning::Act>(best.act()), best.grasp(), best.success(),
-                             best.worth(), best.text()});
+                             best.worth(), best.text()},
+                            look);
 }
 
 msgs::Task to_message(const control::Task& task, std::int64_t stamp) {

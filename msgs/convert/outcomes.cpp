@@ -65,7 +65,8 @@ static_assert(is_same(Primitive::kWait, msgs::Task::WAIT));
 static_assert(is_same(Primitive::kDecide, msgs::Task::DECIDE));
 static_assert(is_same(Primitive::kProbe, msgs::Task::PROBE));
 static_assert(is_same(Primitive::kInspect, msgs::Task::INSPECT));
-static_assert(is_same(Primitive::kInspect, msgs::Task::Action_MAX), "a new one has none here");
+static_assert(is_same(Primitive::kView, msgs::Task::VIEW));
+static_assert(is_same(Primitive::kView, msgs::Task::Action_MAX), "a new one has none here");
 
 static_assert(is_same(SurpriseKind::kOpeningAtContact, msgs::Surprise::OPENING_AT_CONTACT));
 static_assert(is_same(SurpriseKind::kContactArea, msgs::Surprise::CONTACT_AREA));

@@ -160,6 +160,11 @@ class BeliefNode {
                      message.attempt());
       return;
     }
+    if (message.looks()) {
+      memory_.add_look(convert::from_message(shape), support_of(shape), believed_W);
+      node_.log_info("object {}: it is looked at from elsewhere", message.object_id());
+      return;
+    }
     memory_.add(convert::from_message(message), convert::from_message(shape), support_of(shape),
                 believed_W, neighbours_W);
     std::size_t contacts = 0;

@@ -145,7 +145,11 @@ ArmRobot::ArmRobot(graph::Node& node, const robot::Platform& platform, const Gri
   if (options.cycle.task.does(control::Primitive::kInspect)) {
     cycle_->inspect_by(held_looks_.emplace(node, held_));
   }
-  if (options.view_after_lift) cycle_->view_lifts_by(lift_views_.emplace(node, held_));
+  if (options.view_after_lift && platform.X_FC) {
+    node.log_info("what was lifted is not looked at: the camera goes along with the hand");
+  } else if (options.view_after_lift) {
+    cycle_->view_lifts_by(lift_views_.emplace(node, held_));
+  }
   if (auto judge = control::GripJudge::of(platform)) cycle_->judge_grips(std::move(*judge));
   subscriptions_.push_back(node.subscribe<msgs::JointState>(
       "/joint_states", QoS::latest(), [this](const auto& message) { joints_ = message.shared(); }));

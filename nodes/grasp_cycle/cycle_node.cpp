@@ -122,7 +122,7 @@ std::unique_ptr<ArmRobot> CycleNode::declare_robot() {
       node_, "view_after_lift",
       "have the graph's camera look at what was lifted (/percepts/view, of the node belief), which "
       "takes as long as a picture and its depth do: how surprising it looks is said, and changes "
-      "nothing");
+      "nothing; not by a camera that the arm carries");
   static_cast<control::SharedCycleOptions&>(options.cycle) = shared;
   const robot::Platform robot = robot::read_platform(robot::platform_file(platforms, platform));
   refuse_what_does_not_apply(node_, robot, driver);
@@ -255,7 +255,7 @@ void CycleNode::start(const View& view) {
 
 void CycleNode::begin() {
   surprises_sent_ = surprises_before_ = 0;
-  evidence_sent_ = loads_sent_ = percepts_sent_ = 0;
+  evidence_sent_ = loads_sent_ = looks_sent_ = percepts_sent_ = 0;
   last_detail_.clear();
   given_up_W_.clear();
   failed_W_.clear();
@@ -321,6 +321,12 @@ void CycleNode::publish_evidence() {
   if (watch.concluded() != evidence_sent_) {
     evidence_sent_ = watch.concluded();
     publish(convert::to_message(watch.attempt()));
+  }
+  if (const int looks = robot_->cycle().result().looks; looks != looks_sent_) {
+    looks_sent_ = looks;
+    msgs::AttemptEvidence message;
+    message.set_looks(true);
+    publish(std::move(message));
   }
   if (watch.load().concluded() != loads_sent_) {
     loads_sent_ = watch.load().concluded();

@@ -82,8 +82,8 @@ class CycleNode {
   bool running_ = false;
   std::string last_detail_;
   std::size_t surprises_sent_ = 0;
-  int evidence_sent_ = 0, loads_sent_ = 0, percepts_sent_ = 0;  // attempts, holds of this cycle
-  std::size_t surprises_before_ = 0;                            // the present attempt
+  int evidence_sent_ = 0, loads_sent_ = 0, looks_sent_ = 0, percepts_sent_ = 0;  // of this cycle
+  std::size_t surprises_before_ = 0;  // the present attempt
   std::optional<std::chrono::steady_clock::time_point> robot_patience_;
   std::optional<std::chrono::steady_clock::time_point> exit_time_;
   int exit_code_ = 0;

@@ -104,18 +104,36 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   }
 }
 
-// Views of what is held are of a task that looks at it.
-void refuse_held_views(const graph::Node& node, const control::Task& task) {
-  if (task.does(control::Primitive::kInspect)) return;
+// Views of what is held are of a task that looks at it, looks from elsewhere of an arm that carries
+// a camera.
+void refuse_views(const graph::Node& node, const control::Task& task,
+                  const robot::Platform& platform) {
+  const auto refuse = [&](const std::vector<std::string>& names, const std::string& why,
+                          const char* mend) {
+    for (const std::string& name : names) {
+      if (!node.is_parameter_given(name)) continue;
+      throw geometry::InputError(fmt::format("Parameter {} does not apply: {}", name, why), mend);
+    }
+  };
+  if (!task.does(control::Primitive::kInspect)) {
+    std::vector<std::string> names;
+    planning::HeldViewOptions options;
+    planning::HeldViewOptions::knobs(options, text::ListKnobs{"held_view_", &names});
+    refuse(names, "the task " + task.name + " does not look at what is held",
+           "Leave it out, or name a task that inspects");
+  }
   std::vector<std::string> names;
-  planning::HeldViewOptions options;
-  planning::HeldViewOptions::knobs(options, text::ListKnobs{"held_view_", &names});
-  for (const std::string& name : names) {
-    if (!node.is_parameter_given(name)) continue;
-    throw geometry::InputError(
-        fmt::format("Parameter {} does not apply: the task {} does not look at what is held", name,
-                    task.name),
-        "Leave it out, or name a task that inspects");
+  planning::ViewOptions options;
+  planning::ViewOptions::knobs(options, text::ListKnobs{"look_", &names});
+  if (!platform.X_FC) {
+    planning::DecisionOptions decision;
+    planning::DecisionOptions::look_knobs(decision, text::ListKnobs{"decide_", &names});
+    refuse(names, "the arm of " + platform.name + " carries no camera",
+           "Leave it out, or name a platform with `camera`, as kr5_sdh_camera");
+  }
+  if (!task.does(control::Primitive::kDecide) && !task.does(control::Primitive::kView)) {
+    refuse(names, "the task " + task.name + " does not look from elsewhere",
+           "Leave it out, or name a task that does, as look_and_pick");
   }
 }
 
@@ -146,8 +164,10 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   options.remedies.budget = 3;
   planning::RemedyOptions::knobs(options.remedies, graph::DeclareKnobs{node});
   planning::DecisionOptions::knobs(options.decision, graph::DeclareKnobs{node, "decide_"});
+  planning::DecisionOptions::look_knobs(options.decision, graph::DeclareKnobs{node, "decide_"});
   planning::HeldViewOptions::knobs(options.views, graph::DeclareKnobs{node, "held_view_"});
-  refuse_held_views(node, task);
+  planning::ViewOptions::knobs(options.look, graph::DeclareKnobs{node, "look_"});
+  refuse_views(node, task, platform);
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,
@@ -240,7 +260,7 @@ class GraspPlanning {
       throw geometry::InputError("Parameter gripper does not apply: the platform has its own hand",
                                  "Give one of the two");
     }
-    if (platform_->inspects()) {
+    if (platform_->inspects() || platform_->looks()) {
       camera_ = node_.subscribe<msgs::CameraInfo>(
           "/camera/info", graph::QoS::latched(), [this](const auto& camera) {
             node_.shield("camera", [&] { platform_->view_by(*camera); });

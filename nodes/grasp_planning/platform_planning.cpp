@@ -47,6 +47,7 @@ void PlatformPlanning::view_by(const msgs::CameraInfo& camera) {
   const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(camera);
   options_.viewing.reset();
   if (X_WC) options_.viewing = planning::ViewingCamera{convert::from_message(camera).left, *X_WC};
+  if (looks()) options_.carried_camera = convert::from_message(camera).left;
 }
 
 void PlatformPlanning::start_from(const msgs::JointState& joints) {
@@ -122,6 +123,19 @@ msgs::GraspPlan PlatformPlanning::plan(
     time.set_stage("probe");
     time.set_seconds(plan.probe_time);
     message.mutable_probe()->set_remark(plan.probe.problem);
+  }
+  if (plan.look_time > 0) {
+    auto& time = *message.add_times();
+    time.set_stage("look");
+    time.set_seconds(plan.look_time);
+    msgs::PlannedLook& look = *message.mutable_look();
+    look.set_problem(plan.look.problem);
+    look.set_from(plan.look.from);
+    look.set_gain(plan.look.gain);
+    if (plan.look.found()) {
+      *look.mutable_way() = convert::to_message(control::look_way(planner_.platform(), plan.look));
+      *look.mutable_x_wc() = convert::to_message(plan.look.X_WC);
+    }
   }
   return message;
 }

@@ -43,8 +43,15 @@ class PlatformPlanning {
 
   /// The task shows what is held to a camera: its plans have views, once view_by() was told of one.
   bool inspects() const { return task_.does(control::Primitive::kInspect); }
+  /// The arm carries a camera, and the task may look from elsewhere with it: its plans say how,
+  /// once view_by() was told of one.
+  bool looks() const {
+    const bool asks =
+        task_.does(control::Primitive::kDecide) || task_.does(control::Primitive::kView);
+    return asks && planner_.platform().X_FC;
+  }
   /// The camera that looks at the table. Of one that does not say where it stands, plans have no
-  /// views, and say so. @throws geometry::InputError for a camera that is none.
+  /// views of what is held, and say so. @throws geometry::InputError for a camera that is none.
   void view_by(const msgs::CameraInfo& camera);
 
   /// Plans for this gripper, which the robot says it has. @pre says_its_gripper()

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "msgs/convert/camera_images.h"
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 
 namespace prehend::nodes {
 
 Camera::Camera(graph::Node& node, std::function<View(bool)> view, const simulation::Scene& scene,
-               const simulation::RenderOptions& options, bool depth)
+               const simulation::RenderOptions& options, bool depth, bool carried)
     : node_(node),
       view_(std::move(view)),
       scene_(scene),
@@ -21,7 +22,9 @@ Camera::Camera(graph::Node& node, std::function<View(bool)> view, const simulati
   if (depth) {
     depth_ = node.advertise<msgs::DepthImage>("/camera/depth", graph::QoS::latched());
   }
-  msgs::CameraInfo info = convert::to_message(scene.camera.camera, scene.camera.X_WC());
+  std::optional<geometry::RigidTransform> X_WC;
+  if (!carried) X_WC = scene.camera.X_WC();
+  msgs::CameraInfo info = convert::to_message(scene.camera.camera, X_WC);
   info.mutable_header()->set_frame_id("camera");
   info_.publish(info);
   thread_ = std::thread([this] { run(); });
@@ -62,6 +65,7 @@ void Camera::run() {
 
 void Camera::render(std::uint64_t looks, bool shows_robot) {
   const View view = view_(shows_robot);
+  scene_.camera.carried = view.X_WC;
   const auto start = std::chrono::steady_clock::now();
   simulation::StereoImages images =
       simulation::render_stereo(scene_, view.bodies, frame_++, options_);
@@ -76,9 +80,11 @@ void Camera::render(std::uint64_t looks, bool shows_robot) {
   message.mutable_header()->set_stamp(std::llround(view.time * 1e9));
   message.mutable_header()->set_frame_id("camera");
   message.set_scene_generation(view.generation + looks);
+  if (view.X_WC) *message.mutable_x_wc() = convert::to_message(*view.X_WC);
   if (depth_) {
     *depth.mutable_header() = message.header();
     depth.set_scene_generation(message.scene_generation());
+    if (view.X_WC) *depth.mutable_x_wc() = message.x_wc();
     depth_->publish(std::move(depth));
   }
   stereo_.publish(std::move(message));

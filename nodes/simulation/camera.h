@@ -16,20 +16,23 @@
 namespace prehend::nodes {
 
 /// The simulated stereo camera: publishes /camera/info and, whenever asked to, /camera/stereo (both
-/// latched); where it is a depth camera, too, /camera/depth: the left image and its true depth. A
+/// latched); where it is a depth camera, too, /camera/depth: the left image and its true depth.
+/// Where it is carried, each picture says where it was taken, and /camera/info does not. A
 /// thread of its own renders, so that a picture holds up neither physics nor commands.
 class Camera {
  public:
   struct View {
     std::vector<simulation::VisibleBody> bodies;
-    double time = 0;  // s
+    double time = 0;                               // s
     std::uint64_t generation = 0;
+    std::optional<geometry::RigidTransform> X_WC;  // of a camera that is carried
   };
 
-  /// `view` tells what there is to see, with the robot if asked to; it is called by the camera's
-  /// thread.
+  /// `view` tells what there is to see, with the robot if asked to, and where a camera that is
+  /// carried is; it is called by the camera's thread.
   Camera(graph::Node& node, std::function<View(bool shows_robot)> view,
-         const simulation::Scene& scene, const simulation::RenderOptions& options, bool depth);
+         const simulation::Scene& scene, const simulation::RenderOptions& options, bool depth,
+         bool carried);
   ~Camera();
 
   /// Asks for a picture of the world as it is when the thread comes to it. Requests merge.

@@ -172,28 +172,36 @@ msgs::SpawnResponse spawn(Robot& robot, const msgs::SpawnRequest& request) {
   return response;
 }
 
+robot::Positions arm_position(const simulation::World& world) {
+  return simulation::stage_position(world);
+}
+robot::Positions arm_position(const simulation::RobotWorld& world) {
+  return world.arm().position();
+}
+
 /// What the simulated world's node has, whatever robot stands in it.
 template <class Robot>
 class World {
  public:
-  World(graph::Node& node, const Settings& settings, const simulation::Scene& scene, Robot& robot,
-        Emergencies& emergency)
+  World(graph::Node& node, const Settings& settings, const simulation::Scene& scene,
+        const robot::Platform& platform, Robot& robot, Emergencies& emergency)
       : robot_(robot),
         shows_robot_(settings.show_robot),
         shapes_(node.advertise<msgs::TruthShapes>("/ground_truth/shapes", graph::QoS::latched(1))) {
     if (settings.camera) {
       camera_ = std::make_unique<nodes::Camera>(
           node,
-          [&robot, shows_always = settings.show_robot](bool shows_robot) {
+          [&robot, &platform, shows_always = settings.show_robot](bool shows_robot) {
             return robot.with_world([&](auto& world) {
               world.show_robot(shows_robot || shows_always);
               nodes::Camera::View view{world.visible_bodies(), world.time(),
-                                       world.scene_generation()};
+                                       world.scene_generation(), std::nullopt};
+              if (platform.X_FC) view.X_WC = platform.X_WC(arm_position(world));
               world.show_robot(shows_always);
               return view;
             });
           },
-          scene, settings.render, settings.depth);
+          scene, settings.render, settings.depth, platform.X_FC.has_value());
       camera_->request();
     }
     publish_shapes();
@@ -287,7 +295,7 @@ void run_stage(graph::Node& node, const Settings& settings, simulation::Scene sc
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   Emergencies emergency(node, settings);
-  World world(node, settings, scene, robot, emergency);
+  World world(node, settings, scene, platform, robot, emergency);
   pictures.set_camera(world.camera());
   const MotionActions motion(node, robot, emergency.of_hand());
   const ArmAction arm(node, robot, emergency.of_arm());
@@ -322,7 +330,7 @@ void run_arm(graph::Node& node, const Settings& settings, const simulation::Scen
       [&](std::int64_t stamp) { sensors.publish_clock(stamp, pacer.state()); });
   robot.with_world([&](auto& world) { world.show_robot(settings.show_robot); });
   Emergencies emergency(node, settings);
-  World world(node, settings, scene, robot, emergency);
+  World world(node, settings, scene, platform, robot, emergency);
   pictures.set_camera(world.camera());
   const RobotActions actions(node, robot, emergency.of_arm(), emergency.of_hand());
   const ArmCommands commands(node, robot, emergency.of_arm());

@@ -215,7 +215,7 @@ class StereoSegmentation {
     const std::string problem =
         node_.shield("look", [&] { result.set_depth(convert::pack_depth(depth_of(images))); });
     result.set_problem(problem);
-    *result.mutable_camera() = *info_;
+    *result.mutable_camera() = taken_by_;
     result.set_stamp(images.header().stamp());
     const std::lock_guard lock(look_mutex_);
     looked_ = std::move(result);
@@ -224,7 +224,7 @@ class StereoSegmentation {
   }
 
   geometry::DepthImage depth_of(const msgs::StereoPair& pair) const {
-    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::StereoImages images = convert::from_message(pair);
     return perception::depth_from_disparity(
         perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
@@ -252,6 +252,8 @@ class StereoSegmentation {
 
   template <class Images>
   void process(const Images& images) {
+    taken_by_ = *info_;
+    if (images.has_x_wc()) *taken_by_.mutable_x_wc() = images.x_wc();
     if (answers_look(images)) return;
     const std::uint64_t generation = images.scene_generation();
     const bool seen = generation != 0 && generation == last_generation_;
@@ -266,7 +268,7 @@ class StereoSegmentation {
     const std::string problem = node_.shield("picture", [&] { message = segment(images); });
     if (!problem.empty()) {
       message.Clear();
-      *message.mutable_camera() = *info_;
+      *message.mutable_camera() = taken_by_;
       message.set_problem(problem);
     }
     *message.mutable_header() = images.header();
@@ -285,7 +287,7 @@ class StereoSegmentation {
   msgs::ObjectHypotheses segment(const msgs::StereoPair& pair) {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
-    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::StereoImages images = convert::from_message(pair);
     const perception::DisparityImage disparity =
         perception::match_stereo(images.left, images.right, camera, stereo_options(node_))
@@ -300,7 +302,7 @@ class StereoSegmentation {
   msgs::ObjectHypotheses segment(const msgs::DepthImage& message) {
     nodes::StageClock clock;
     msgs::ObjectHypotheses times;
-    const geometry::StereoCamera camera = convert::from_message(*info_);
+    const geometry::StereoCamera camera = convert::from_message(taken_by_);
     const convert::ColoredDepth image = convert::from_message(message);
     const geometry::PointCloud cloud_C =
         perception::cloud_from_depth(image.depth, camera.left, image.color);
@@ -320,7 +322,7 @@ class StereoSegmentation {
                                  const geometry::ColorImage& colors,
                                  const geometry::StereoCamera& camera, nodes::StageClock& clock,
                                  msgs::ObjectHypotheses times) {
-    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(*info_);
+    const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(taken_by_);
     std::optional<Eigen::Vector3d> up_C;
     if (X_WC) up_C = X_WC->linear().transpose() * Eigen::Vector3d::UnitZ();
     perception::SegmentedScene scene;
@@ -354,6 +356,7 @@ class StereoSegmentation {
   graph::Node& node_;
   graph::Publisher<msgs::ObjectHypotheses> publisher_;
   std::shared_ptr<const msgs::CameraInfo> info_;
+  msgs::CameraInfo taken_by_;      // what is known of the camera of the present picture
   std::function<void()> pending_;  // the newest images, not yet looked at
   std::uint64_t last_generation_ = 0;
   graph::Subscription camera_;

@@ -15,7 +15,7 @@ control::Task declare_task(graph::Node& node) {
       {.name = "task",
        .default_value = "pick_and_place",
        .description = "what is done: pick_and_place, decide_and_pick, probe_and_pick, "
-                      "work_cycle, sort, clear_table, shake_test, inspect, or "
+                      "look_and_pick, work_cycle, sort, clear_table, shake_test, inspect, or "
                       "another of config/tasks",
        .read_only = true});
   const auto folder =

@@ -115,6 +115,12 @@ void AttemptMemory::add(Attempt attempt, const shape::CompletedShape& shape,
   seen_as({seen_of(shape, table_W), shape.seen_space, {std::move(attempt)}}, believed_W);
 }
 
+void AttemptMemory::add_look(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                             const geometry::TriangleMesh& believed_W) {
+  if (options_.use < EvidenceUse::kLooks) return;
+  seen_as({seen_of(shape, table_W), shape.seen_space, {}}, believed_W).stands = true;
+}
+
 void AttemptMemory::add_load(const LoadEvidence& load, const shape::CompletedShape& shape,
                              const geometry::Plane& table_W,
                              const geometry::TriangleMesh& believed_W) {
@@ -127,15 +133,16 @@ void AttemptMemory::add_load(const LoadEvidence& load, const shape::CompletedSha
 }
 
 AttemptMemory::Object& AttemptMemory::seen_as(Look look, const geometry::TriangleMesh& believed_W) {
-  const std::optional<Found> known = find(look.seen_W);
+  const std::optional<Found> known = find(look);
   if (!known) {
     if (objects_.size() == kMostObjects) objects_.erase(objects_.begin());
-    objects_.push_back({believed_W, {std::move(look)}, {}});
+    objects_.push_back({believed_W, {std::move(look)}, {}, false});
     return objects_.back();
   }
   // recall() has moved it to where this look saw it.
   Object& object = objects_[known->object];
   object.believed_W = believed_W;
+  object.stands = false;
   // Of one look, once: what is told of it after an attempt is of the same.
   Look& last = object.looks.back();
   if (last.seen_W.points == look.seen_W.points) {
@@ -146,7 +153,28 @@ AttemptMemory::Object& AttemptMemory::seen_as(Look look, const geometry::Triangl
   return object;
 }
 
-std::optional<AttemptMemory::Found> AttemptMemory::find(const geometry::PointCloud& seen_W) const {
+double AttemptMemory::agreement(const Object& object, const Look& now) const {
+  Eigen::AlignedBox3d box = geometry::bounds(object.believed_W);
+  box.min().array() -= options_.tolerance;
+  box.max().array() += options_.tolerance;
+  if (!box.contains(geometry::centroid(now.seen_W))) return 0;
+  const auto not_seen_through = [this](const geometry::PointCloud& cloud_W,
+                                       const shape::SeenSpace& space) {
+    if (space.empty_until.empty() || cloud_W.empty()) return 1.0;
+    const RigidTransform X_CW = space.X_WC.inverse(Eigen::Isometry);
+    std::size_t kept = 0;
+    for (const Eigen::Vector3f& p_W : cloud_W.points) {
+      kept += shape::depth_in_empty_space(space, X_CW * p_W.cast<double>()) <= options_.tolerance;
+    }
+    return static_cast<double>(kept) / static_cast<double>(cloud_W.size());
+  };
+  const Look& then = object.looks.back();
+  return std::min(not_seen_through(then.seen_W, now.seen_space),
+                  not_seen_through(now.seen_W, then.seen_space));
+}
+
+std::optional<AttemptMemory::Found> AttemptMemory::find(const Look& now) const {
+  const geometry::PointCloud& seen_W = now.seen_W;
   std::optional<Found> best;
   grasp::OrientedPoints seen;
   for (std::size_t i = 0; i < seen_W.size(); ++i) {
@@ -156,6 +184,13 @@ std::optional<AttemptMemory::Found> AttemptMemory::find(const geometry::PointClo
   const Vector3d center_W = geometry::centroid(seen_W);
   for (std::size_t o = 0; o < objects_.size(); ++o) {
     const Object& object = objects_[o];
+    if (object.stands) {
+      const double share = agreement(object, now);
+      if (share > 0 && (!best || share > best->explained)) {
+        best = Found{o, RigidTransform::Identity(), share};
+      }
+      continue;
+    }
     const Vector3d then_W = geometry::centroid(object.looks.back().seen_W);
     if ((then_W - center_W).norm() > options_.largest_motion) continue;
     const geometry::MeshQuery surface(object.believed_W);
@@ -205,14 +240,16 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
                                                   const geometry::Plane& table_W) {
   problem_.clear();
   if (objects_.empty()) return std::nullopt;
-  const geometry::PointCloud seen_W = seen_of(shape, table_W);
-  const std::optional<Found> found = find(seen_W);
+  const Look now{seen_of(shape, table_W), shape.seen_space, {}};
+  const geometry::PointCloud& seen_W = now.seen_W;
+  const std::optional<Found> found = find(now);
   if (!found) {
-    problem_ = "nothing that was touched before looks like it now";
+    problem_ = "nothing that was touched or looked at before looks like it now";
     return std::nullopt;
   }
   Object& object = objects_[found->object];
   const RigidTransform& X = found->X_moved;
+  object.stands = false;
   object.believed_W = geometry::transformed(object.believed_W, X);
   for (Look& look : object.looks) {
     look.seen_W = geometry::transformed(look.seen_W, X);

@@ -62,7 +62,9 @@ struct Recollection {
 /// An object is found again by its surface: what is seen now is laid onto what was believed then
 /// (grasp::refined_pose()), and what was felt, swept and seen of it goes along. It is forgotten
 /// where nothing seen fits any more, as an object that fell over, and where it contradicts the new
-/// look (ObjectBelief::contradicted()): the belief starts again from the look then.
+/// look (ObjectBelief::contradicted()): the belief starts again from the look then. One that
+/// nothing has touched (add_look()) is found where it stood, as another side of it may not be what
+/// was believed: as long as neither look sees through what the other one saw.
 ///
 /// Not thread-safe.
 class AttemptMemory {
@@ -77,6 +79,10 @@ class AttemptMemory {
   void add(Attempt attempt, const shape::CompletedShape& shape, const geometry::Plane& table_W,
            const geometry::TriangleMesh& believed_W,
            const std::vector<geometry::TriangleMesh>& neighbours_W = {});
+
+  /// Nothing has touched the object since it was completed so; it is looked at from elsewhere next.
+  void add_look(const shape::CompletedShape& shape, const geometry::Plane& table_W,
+                const geometry::TriangleMesh& believed_W);
 
   /// The same of what a hold of it told of its load.
   /// @throws std::invalid_argument for evidence that is not finite or negative.
@@ -104,13 +110,17 @@ class AttemptMemory {
     geometry::TriangleMesh believed_W;
     std::vector<Look> looks;
     std::vector<LoadEvidence> loads;
+    bool stands = false;  // nothing has touched it since its last look
   };
   struct Found {
     std::size_t object = 0;
     geometry::RigidTransform X_moved;
     double explained = 0;
   };
-  std::optional<Found> find(const geometry::PointCloud& seen_W) const;
+  std::optional<Found> find(const Look& now) const;
+  /// The worse of the shares of what one look saw that the other one does not see through; 0 for
+  /// what is beside the object.
+  double agreement(const Object& object, const Look& now) const;
   /// The object that was believed to have this surface, with this look as its last.
   Object& seen_as(Look look, const geometry::TriangleMesh& believed_W);
   geometry::PointCloud seen_of(const shape::CompletedShape& shape,

@@ -4,19 +4,24 @@
 
 namespace prehend::control {
 
-Advice advice_of(const planning::Choice& choice) {
+Advice advice_of(const planning::Choice& choice, const JointTrajectory& look) {
+  const auto to = [&](Advice::Act act, int grasp = 0) {
+    return Advice{act, grasp, choice.text, look};
+  };
   switch (choice.act) {
     case planning::Act::kTouch:
-      return {Advice::Act::kTouch, choice.grasp, choice.text};
+      return to(Advice::Act::kTouch, choice.grasp);
     case planning::Act::kProbe:
-      return {Advice::Act::kProbe, 0, choice.text};
+      return to(Advice::Act::kProbe);
     case planning::Act::kGiveUp:
-      return {Advice::Act::kGiveUp, 0, choice.text};
-    case planning::Act::kGrasp:
+      return to(Advice::Act::kGiveUp);
     case planning::Act::kLook:
+      if (!look.points.empty()) return to(Advice::Act::kLook);
+      break;
+    case planning::Act::kGrasp:
       break;
   }
-  return {Advice::Act::kGrasp, 0, choice.text};
+  return to(Advice::Act::kGrasp);
 }
 
 }  // namespace prehend::control

@@ -63,7 +63,7 @@ bool ArmCycle::moves_hand() const {
 bool ArmCycle::waits() const {
   return step_ == Step::kRest || step_ == Step::kSettle || step_ == Step::kCheck ||
          step_ == Step::kVerify || step_ == Step::kWait || step_ == Step::kBrake ||
-         step_ == Step::kMet || step_ == Step::kStill;
+         step_ == Step::kMet || step_ == Step::kStill || step_ == Step::kAtView;
 }
 
 bool ArmCycle::leaves() const {
@@ -127,6 +127,9 @@ void ArmCycle::stop_motion() {
 
 void ArmCycle::fail(const std::string& reason) {
   if (leaves()) return ended(Outcome::kFailed, reason);
+  if (step_ == Step::kToView) return look_failed(reason);
+  if (step_ == Step::kFromView)
+    return abort("the arm stands where its camera looked from: " + reason);
   if (inspects()) {
     return give_up(fmt::format("grasp {}: {}", grasp_index(), reason), SurpriseKind::kMotion,
                    Outcome::kLost);
@@ -155,8 +158,8 @@ MotionStatus ArmCycle::motion_status() {
   const bool planned =
       step_ == Step::kGoBack || step_ == Step::kRelieve || step_ == Step::kPutBack ||
       step_ == Step::kShift || step_ == Step::kBackOff || step_ == Step::kLower ||
-      step_ == Step::kSetDown || step_ == Step::kTurnBack ||
-      (step_ == Step::kTurn && !grasp().views[view_].points.empty()) ||
+      step_ == Step::kSetDown || step_ == Step::kTurnBack || step_ == Step::kToView ||
+      step_ == Step::kFromView || (step_ == Step::kTurn && !grasp().views[view_].points.empty()) ||
       (step_ == Step::kRaise && lowered_.has_value()) || (kind && segment(*kind) != nullptr);
   return planned ? arm_.motion() : MotionStatus::kReached;
 }
@@ -335,6 +338,13 @@ void ArmCycle::advance(MotionStatus status) {
       return after_look();
     case Step::kTurnBack:
       return next_view();
+    case Step::kToView:
+      return enter(Step::kAtView, "holding the camera still");
+    case Step::kAtView:
+      if (spent() < options_.rest_time) return;
+      return look_now();
+    case Step::kFromView:
+      return view_left();
     case Step::kWait:
       if (spent() < wait_time_) return;
       return ended(Outcome::kDone);

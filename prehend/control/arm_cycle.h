@@ -144,6 +144,9 @@ class ArmCycle : public Cycle {
     kStill,
     kInspect,
     kTurnBack,
+    kToView,
+    kAtView,
+    kFromView,
     kWait
   };
 
@@ -151,6 +154,8 @@ class ArmCycle : public Cycle {
   void prepare_attempt() override;
   void clear_view() override;
   std::optional<int> probe_grasp() const override;
+  void go_to_view(const JointTrajectory& way) override;
+  void leave_view() override;
   void stop_motion() override;
   void enter(Step step, const std::string& detail);
   bool moves_hand() const;
@@ -241,6 +246,8 @@ class ArmCycle : public Cycle {
   void put_back();
   void open_less();
   void go_back();
+  /// The last way that was gone, as far as it came.
+  void go_back_along();
   void fail(const std::string& reason);
 
   ArmCycleOptions options_;

@@ -112,7 +112,12 @@ void ArmCycle::go_back() {
     holding_.begin_weighing();
     return enter(Step::kVerify, "looking whether the hand is empty");
   }
-  // As far as it came: contact, or who stopped it, may have ended it on its way.
+  enter(Step::kGoBack, "going back the way it came");
+  go_back_along();
+}
+
+// Contact, or who stopped it, may have ended it on its way.
+void ArmCycle::go_back_along() {
   JointTrajectory way = gone_.back();
   gone_.pop_back();
   JointTrajectory end = way;
@@ -121,7 +126,6 @@ void ArmCycle::go_back() {
     return nearest_on(path, percepts_.names, percepts_.positions);
   };
   if (off(end).off > kOnPath) way = part_of(way, std::max(off(way).share, kLeastWay));
-  enter(Step::kGoBack, "going back the way it came");
   follow(reversed(way), 0, false);
 }
 

@@ -42,6 +42,7 @@ void ArmCycle::begin(const Action& action) {
   switch (action.primitive) {
     case Primitive::kLook:
     case Primitive::kDecide:
+    case Primitive::kView:
       return;  // Cycle's
     case Primitive::kApproach:
     case Primitive::kTouch:

@@ -1,4 +1,5 @@
-// What the cycle of arm and hand does to show what it holds to a camera.
+// What the cycle of arm and hand does to show what it holds to a camera, or a camera that it
+// carries what stands there.
 
 #include <fmt/format.h>
 
@@ -74,6 +75,17 @@ void ArmCycle::next_view() {
                            last_found_);
   achieved(fmt::format("{}: lifted{}", described(grasp(), grasp_index()), inspected_));
   ended(Outcome::kDone);
+}
+
+void ArmCycle::go_to_view(const JointTrajectory& way) {
+  enter(Step::kToView, "bringing the camera to where it sees another side of it");
+  follow(way, options_.collision_force);
+}
+
+void ArmCycle::leave_view() {
+  if (gone_.empty()) return view_left();  // it could not begin
+  enter(Step::kFromView, "bringing the camera back");
+  go_back_along();
 }
 
 }  // namespace prehend::control

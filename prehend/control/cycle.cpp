@@ -61,6 +61,7 @@ Phase Cycle::phase() const {
   switch (primitive()) {
     case Primitive::kLook:
     case Primitive::kDecide:
+    case Primitive::kView:
     case Primitive::kWait:
       return Phase::kWaiting;
     case Primitive::kApproach:
@@ -90,8 +91,9 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   failure_.clear();
   achieved_.clear();
   path_.clear();
-  grasp_index_ = attempts_ = touches_ = given_up_ = 0;
-  looking_ = any_object_ = at_place_ = touched_ = probed_ = false;
+  grasp_index_ = attempts_ = touches_ = looks_ = given_up_ = 0;
+  looking_ = any_object_ = at_place_ = touched_ = probed_ = viewing_ = false;
+  after_view_ = nullptr;
   advice_ = std::move(advice);
   entered_ = now_;
   stage_ = Stage::kWaiting;
@@ -114,6 +116,7 @@ void Cycle::enter(int state) {
   const Action& action = task().states[static_cast<std::size_t>(state)].action;
   if (action.primitive == Primitive::kLook) return look();
   if (action.primitive == Primitive::kDecide) return decide();
+  if (action.primitive == Primitive::kView) return view();
   if (action.primitive == Primitive::kProbe) return probe(action);
   begin(action);
 }
@@ -207,6 +210,9 @@ void Cycle::decide() {
   const bool probes = advice.act == Advice::Act::kProbe && probe_grasp().has_value();
   const bool touches =
       (advice.act == Advice::Act::kTouch || probes) && touches_ < shared_.largest_touches;
+  const bool looks = advice.act == Advice::Act::kLook && looks_ < shared_.largest_looks &&
+                     shared_.look_timeout > 0;
+  if (looks) return look_from_elsewhere(advice);
   const bool gives_up = advice.act == Advice::Act::kGiveUp;
   if (!touches && !gives_up) return ended(Outcome::kDone);
   // Neither is an attempt. An object that is left counts all the same, or it is looked at for ever.
@@ -219,6 +225,46 @@ void Cycle::decide() {
   }
   feel_with(probes ? *probe_grasp() : advice.grasp);
   ended(Outcome::kDoubtful, advice.why);
+}
+
+void Cycle::view() {
+  const Advice advice = std::exchange(advice_, {});
+  const char* why = nullptr;
+  if (shared_.look_timeout == 0) {
+    why = "nothing new is seen, as look_timeout is 0";
+  } else if (looks_ >= shared_.largest_looks) {
+    why = "it was looked at from elsewhere as often as largest_looks allows";
+  } else if (advice.look.points.empty()) {
+    why = "the plan has no look from elsewhere";
+  }
+  if (why) return ended(Outcome::kNothing, why);
+  look_from_elsewhere(advice);
+}
+
+void Cycle::look_from_elsewhere(const Advice& advice) {
+  --result_.attempts;
+  order_.put_back(grasp_index_);
+  --attempts_;
+  ++looks_;
+  ++result_.looks;
+  any_object_ = false;
+  viewing_ = true;
+  go_to_view(advice.look);
+}
+
+void Cycle::look_failed(const std::string& why) {
+  after_view([this, why] { next_grasp(why); });
+}
+
+void Cycle::after_view(std::function<void()> next) {
+  viewing_ = looking_ = false;
+  after_view_ = std::move(next);
+  leave_view();
+}
+
+void Cycle::view_left() {
+  const std::function<void()> next = std::exchange(after_view_, nullptr);
+  next();
 }
 
 void Cycle::probe(const Action& action) {
@@ -252,6 +298,7 @@ void Cycle::object_ended() {
 
 void Cycle::look_now() {
   looking_ = true;
+  if (viewing_) return entered("looking at it from there");
   entered(any_object_ ? "looking for what is left"
                       : (failure_.empty() ? "felt it" : failure_) + "; looking again");
 }
@@ -261,22 +308,31 @@ std::optional<double> Cycle::looks_since() const {
 }
 
 void Cycle::step_look() {
-  if (spent() > shared_.look_timeout) next_grasp("no new plan came");
+  if (spent() <= shared_.look_timeout) return;
+  if (viewing_) return look_failed("no new plan came");
+  next_grasp("no new plan came");
 }
 
 void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem, Advice advice) {
   if (grasps.empty()) {
-    return next_grasp("the new look gives no grasp" + (problem.empty() ? "" : ": " + problem));
+    const std::string why = "the new look gives no grasp" + (problem.empty() ? "" : ": " + problem);
+    return viewing_ ? look_failed(why) : next_grasp(why);
   }
+  viewing_ = false;  // its motions begin where the arm stands now
   advice_ = std::move(advice);
   if (any_object_) {
     order_.start(std::move(grasps));
-    attempts_ = touches_ = 0;
+    attempts_ = touches_ = looks_ = 0;
   } else {
     order_.take(std::move(grasps));
   }
   ++result_.plans;
   attempt(order_.next().value_or(0));
+}
+
+// Of a look: those of `decide` and `view`, from elsewhere, have no other word for it.
+Outcome Cycle::in_vain() const {
+  return primitive() == Primitive::kLook ? Outcome::kFailed : Outcome::kNothing;
 }
 
 // `why` it is not a grasp of a new look, in words; empty: nobody looked.
@@ -285,13 +341,13 @@ void Cycle::next_grasp(const std::string& why) {
   if (any_object_) {
     const std::string left =
         given_up_ == 0 ? why : fmt::format("{} given up: {}", given_up_, failed_attempts_.text());
-    return ended(given_up_ > 0 ? Outcome::kFailed : Outcome::kNothing, left);
+    return ended(given_up_ > 0 ? in_vain() : Outcome::kNothing, left);
   }
   const std::optional<int> next = order_.next();
   const bool out_of_date = shared_.only_seen_again && !why.empty();
   if (!next || out_of_date || attempts_ >= shared_.largest_attempts) {
     const std::string text = failed_attempts_.text() + (why.empty() ? "" : "; " + why);
-    if (!task().all_objects) return ended(Outcome::kFailed, text);
+    if (!task().all_objects) return ended(in_vain(), text);
     object_ended();
     return clear_view();
   }
@@ -309,6 +365,8 @@ void Cycle::attempt(int grasp_index) {
   attempts_surprises_ = surprises_.size();
   order_.begin(grasp_index);
   prepare_attempt();
+  // After a look from elsewhere it is decided anew, by the plan of that.
+  if (primitive() == Primitive::kDecide) return decide();
   ended(Outcome::kDone);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -44,6 +45,7 @@ struct CycleResult {
   int grasp_index = 0;  // in the list given to start(), or to take_plan() since
   int attempts = 0;     // to lift something
   int touches = 0;      // of objects that were felt before
+  int looks = 0;        // from elsewhere, at objects that nothing had touched
   int plans = 1;        // that were used: 1 + those taken after a new look
   int placed = 0;       // objects that were put at their place
 
@@ -57,6 +59,7 @@ struct SharedCycleOptions {
   Task task = pick_and_place();
   int largest_attempts = 3;  // > 0, with one object
   int largest_touches = 1;   // >= 0, of one object, before it is lifted (`decide`)
+  int largest_looks = 1;     // >= 0, the same, from elsewhere, by a camera that the arm carries
   double stale_time = 0.25;  // s
   double answer_time = 2;    // s
   /// s, >= 0, to wait for a plan of what is there after a failed attempt; 0: the next grasp of the
@@ -77,6 +80,8 @@ struct SharedCycleOptions {
                "without feedback of a motion, which nobody carries out then: all is stopped"});
     visit(Knob{"largest_touches", self.largest_touches, "", 0, 10,
                "of one object before it is lifted, where the task decides"});
+    visit(Knob{"largest_looks", self.largest_looks, "", 0, 10,
+               "from elsewhere, at one object before it is lifted, where the task decides"});
   }
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
@@ -94,8 +99,11 @@ struct SharedCycleOptions {
 /// are left that it gave up.
 ///
 /// `probe` touches the object with what the plan has for that, `largest_touches` times at most.
-/// `decide` follows the plan's advice. What is touched is no attempt; afterwards `look` waits for a
-/// plan of the same object, or takes the plan before.
+/// `view` looks from elsewhere by what the plan has for that, and `decide` follows the plan's
+/// advice. What is touched is no attempt; afterwards `look` waits for a plan of the same object, or
+/// takes the plan before. To look from elsewhere, the robot's cycle brings its camera there
+/// (go_to_view()). It goes on from there with grasps planned on that look, and is decided anew;
+/// when none come, it goes back (leave_view()) and on with the plan before.
 class Cycle {
  public:
   virtual ~Cycle() = default;
@@ -135,6 +143,10 @@ class Cycle {
   virtual void clear_view() = 0;
   /// The grasp of the plan that is none but a probe, by its index; none: the plan has no probe.
   virtual std::optional<int> probe_grasp() const { return std::nullopt; }
+  /// Brings the camera to the end of `way` and calls look_now(), or look_failed() where it cannot.
+  virtual void go_to_view(const JointTrajectory& way) = 0;
+  /// Back from there as far as it came; calls view_left().
+  virtual void leave_view() = 0;
   virtual void stop_motion() = 0;
 
   /// Waits until begin_task(). Without grasps it has failed, with `problem` as reason.
@@ -152,6 +164,8 @@ class Cycle {
   void look_now();
   /// While waits_for_plan().
   void step_look();
+  void look_failed(const std::string& why);  // on the way to a view
+  void view_left();
   bool waits_for_plan() const { return looking_; }
   /// The robot's cycle has taken these grasps, or none for the reason `problem`.
   /// @pre waits_for_plan()
@@ -182,11 +196,16 @@ class Cycle {
   void look();
   void decide();
   void probe(const Action& action);
+  void view();
+  void look_from_elsewhere(const Advice& advice);
+  /// From the view back, and then.
+  void after_view(std::function<void()> next);
   /// What was begun as an attempt is to feel the object with that grasp.
   void feel_with(int grasp_index);
   void next_grasp(const std::string& why);
   void attempt(int grasp_index);
   void object_ended();
+  Outcome in_vain() const;
 
   SharedCycleOptions shared_;
   Stage stage_ = Stage::kWaiting;
@@ -196,9 +215,11 @@ class Cycle {
   bool looking_ = false;  // waits for a plan
   bool fresh_ = false;    // a plan was taken of which nothing was tried
   bool any_object_ = false, at_place_ = false;
-  bool touched_ = false;            // the present object, and no attempt was made since
-  bool probed_ = false;             // that was no grasp of the plan
-  int attempts_ = 0, touches_ = 0;  // with the present object
+  bool touched_ = false;                        // the present object, and no attempt was made since
+  bool probed_ = false;                         // that was no grasp of the plan
+  int attempts_ = 0, touches_ = 0, looks_ = 0;  // with the present object
+  bool viewing_ = false;                        // the camera is, or goes, where it looks from
+  std::function<void()> after_view_;            // on the way back from there
   int given_up_ = 0;
   Advice advice_;  // of a plan that `decide` has not asked yet
   std::string achieved_;

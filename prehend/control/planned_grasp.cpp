@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace prehend::control {
@@ -91,8 +92,14 @@ std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
   return result;
 }
 
-Advice advice_of(const planning::PlatformPlan& plan) {
-  return plan.choices.empty() ? Advice{} : advice_of(plan.choices.front());
+JointTrajectory look_way(const robot::Platform& platform, const planning::PlannedLook& look) {
+  return look.found() ? sampled(platform.arm_chain(), *look.trajectory) : JointTrajectory{};
+}
+
+Advice advice_of(const robot::Platform& platform, const planning::PlatformPlan& plan) {
+  JointTrajectory look = look_way(platform, plan.look);
+  if (plan.choices.empty()) return {.look = std::move(look)};
+  return advice_of(plan.choices.front(), look);
 }
 
 }  // namespace prehend::control

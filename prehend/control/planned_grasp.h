@@ -16,7 +16,11 @@ ArmGrasp arm_grasp(const robot::Platform& platform, const planning::PlannedPick&
 std::optional<ArmGrasp> arm_probe(const robot::Platform& platform,
                                   const planning::PlannedProbe& probe);
 
+/// The way of the arm to a planned look, sampled as a grasp's segments; without points: there is
+/// none.
+JointTrajectory look_way(const robot::Platform& platform, const planning::PlannedLook& look);
+
 /// What a cycle goes by: the best of the plan's choices; without any it grasps.
-Advice advice_of(const planning::PlatformPlan& plan);
+Advice advice_of(const robot::Platform& platform, const planning::PlatformPlan& plan);
 
 }  // namespace prehend::control

@@ -34,6 +34,8 @@ std::string to_string(Primitive primitive) {
       return "decide";
     case Primitive::kProbe:
       return "probe";
+    case Primitive::kView:
+      return "view";
     case Primitive::kInspect:
       return "inspect";
   }
@@ -60,7 +62,8 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
   using enum Outcome;
   static const std::vector<Outcome> done{kDone}, failed{kDone, kFailed},
       nothing{kDone, kNothing, kFailed}, lost{kDone, kFailed, kLost},
-      all{kDone, kNothing, kFailed, kLost}, decided{kDone, kDoubtful, kNothing};
+      all{kDone, kNothing, kFailed, kLost}, decided{kDone, kDoubtful, kNothing},
+      viewed{kDone, kNothing};
   switch (primitive) {
     case Primitive::kLook:
     case Primitive::kTouch:
@@ -81,6 +84,8 @@ const std::vector<Outcome>& outcomes_of(Primitive primitive) {
       return done;
     case Primitive::kDecide:
       return decided;
+    case Primitive::kView:
+      return viewed;
   }
   return done;
 }

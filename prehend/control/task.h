@@ -27,6 +27,7 @@ enum class Primitive {
   kProbe,    // goes straight with one fingertip to where most is to be learnt, until it meets
              // something
   kInspect,  // turns what is held before a camera, and looks at it from each of the plan's views
+  kView,     // brings the camera that the arm carries to the plan's look, looks, and comes back
 };
 
 /// How an action ends.
@@ -34,7 +35,8 @@ enum class Outcome {
   kDone,
   kNothing,  // look: none is left; touch: met nothing; move: the plan has no place; decide: it
              // is not worth an attempt; probe: the plan has none, or it was felt enough; inspect:
-             // the plan has no views, or nobody looks
+             // the plan has no views, or nobody looks; view: the plan has no look, it was looked
+             // at enough, or the look gave no grasp
   kFailed,
   kLost,      // what was held is
   kDoubtful,  // decide: it is to be felt first

@@ -98,6 +98,8 @@ Rule rule_of(const Action& action) {
       return {{kAtObject, kOpened}, kAway};
     case Primitive::kDecide:
       return {{kChosen}, kChosen, {{Outcome::kDoubtful, kChosen}, {Outcome::kNothing, kAway}}};
+    case Primitive::kView:
+      return {{kChosen}, kChosen, {{Outcome::kNothing, kChosen}}};
     case Primitive::kProbe:
       return {{kChosen}, kAtObject, {{Outcome::kNothing, kChosen}}};
     case Primitive::kInspect:

@@ -75,6 +75,18 @@ class Decider {
     return after_stop(apart, weights, what);
   }
 
+  /// The same after a look that shows the shapes so far apart [m].
+  template <class What>
+  double after_look(const Eigen::MatrixXd& shown_apart, const Weights& weights,
+                    const What& what) const {
+    const auto apart = [&](std::size_t k, std::size_t j) {
+      return std::min(kPlain,
+                      shown_apart(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j)) /
+                          options_.look_deviation);
+    };
+    return after_stop(apart, weights, what);
+  }
+
  private:
   static constexpr double kPlain = 10;  // closing on air is told from a touch
 
@@ -124,8 +136,13 @@ class Decider {
 };
 
 void check(const std::vector<GraspChances>& grasps, const Weights& weights,
-           const std::vector<double>& probe) {
+           const std::vector<double>& probe, const LookChances& look) {
   const text::Require require{"decide: "};
+  const auto shapes = static_cast<Eigen::Index>(weights.size());
+  require(look.apart.size() == 0 || (look.apart.rows() == shapes && look.apart.cols() == shapes),
+          "the look is of other shapes than the weights");
+  require(look.apart.allFinite() && (look.apart.array() >= 0).all(),
+          "how far a look shows shapes apart must not be negative");
   require(probe.empty() || probe.size() == weights.size(),
           "the probe is of other shapes than the weights");
   for (const double stop : probe) require(std::isfinite(stop), "a probe's stop is not finite");
@@ -166,7 +183,8 @@ const char* to_string(Act act) {
 void DecisionOptions::validate() const {
   const text::Require require{"DecisionOptions."};
   knobs(*this, text::CheckKnobs{require.of});
-  require(std::isfinite(look) && look >= 0, "look must not be negative");
+  look_knobs(*this, text::CheckKnobs{require.of});
+  require(std::isfinite(look_deviation) && look_deviation > 0, "look_deviation must be positive");
   require(attempts >= 1, "attempts must be at least 1");
   require(success_of_all >= success_of_none, "success_of_all must not be below success_of_none");
   require(std::isfinite(stop_deviation_angle) && stop_deviation_angle > 0,
@@ -192,9 +210,10 @@ double success_of(const GraspChances& grasp, const std::vector<double>& weights,
 
 std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
                            const std::vector<double>& weights, bool jaws,
-                           const DecisionOptions& options, const std::vector<double>& probe) {
+                           const DecisionOptions& options, const std::vector<double>& probe,
+                           const LookChances& look) {
   options.validate();
-  check(grasps, weights, probe);
+  check(grasps, weights, probe, look);
   const Decider decider(grasps, jaws, options);
   std::vector<Choice> choices;
   for (std::size_t g = 0; g < grasps.size(); ++g) {
@@ -230,18 +249,17 @@ std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
     choices.push_back(std::move(first));
   }
   choices.push_back({Act::kGiveUp, -1, 0, 0, "leave it: worth 0 s"});
-  std::optional<Choice> look;
-  if (weights.size() > 1 && !grasps.empty()) {
-    look = Choice{Act::kLook, -1, 0, -options.look, ""};
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-      Weights known(weights.size(), 0);
-      known[k] = 1;
-      look->success += weights[k] * decider.success(known);
-      look->worth += weights[k] * decider.best(known, options.attempts);
-    }
-    look->text = fmt::format("a look that tells its shape: lifted with {:.2f} then, worth {:.0f} s",
-                             look->success, look->worth);
-    if (options.look > 0) choices.push_back(*look);
+  const bool looks = look.apart.size() > 0 && options.looks > 0;
+  if (looks && !grasps.empty()) {
+    Choice first{Act::kLook, -1, 0, 0, ""};
+    first.success = decider.after_look(look.apart, weights,
+                                       [&](const Weights& then) { return decider.success(then); });
+    first.worth = decider.after_look(look.apart, weights, [&](const Weights& then) {
+      return decider.best(then, options.attempts);
+    }) - options.look;
+    first.text = fmt::format("look at it from {} first: lifted with {:.2f} then, worth {:.0f} s",
+                             look.from, first.success, first.worth);
+    choices.push_back(std::move(first));
   }
   // What is as good as what is cheaper to do comes after it.
   std::stable_sort(choices.begin(), choices.end(),
@@ -249,23 +267,33 @@ std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
   if (choices.front().act == Act::kGiveUp && choices.size() > 1) {
     choices.front().text = "leave it: " + choices[1].text;
   }
-  if (look && options.look == 0) {
-    look->text += ", but no camera can get there";
-    choices.push_back(std::move(*look));
+  if (!looks && weights.size() > 1 && !grasps.empty()) {
+    Choice told{Act::kLook, -1, 0, 0, ""};
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      Weights known(weights.size(), 0);
+      known[k] = 1;
+      told.success += weights[k] * decider.success(known);
+      told.worth += weights[k] * decider.best(known, options.attempts);
+    }
+    told.text = fmt::format(
+        "a look that tells its shape: lifted with {:.2f} then, worth {:.0f} s, but {}",
+        told.success, told.worth, options.looks > 0 ? look.problem : "it was looked at enough");
+    choices.push_back(std::move(told));
   }
   return choices;
 }
 
 std::vector<Choice> decide_on(const surface::ObjectModel& object,
                               const std::vector<const grasp::Grasp*>& grasps, bool jaws,
-                              const DecisionOptions& options, const std::vector<double>& probe) {
+                              const DecisionOptions& options, const std::vector<double>& probe,
+                              const LookChances& look) {
   std::vector<GraspChances> chances;
   for (const grasp::Grasp* grasp : grasps) {
     if (grasp->held_on_shapes.empty()) break;
     chances.push_back(chances_of(*grasp));
   }
   if (chances.empty()) return {};
-  return decide(chances, grasp::shape_weights(object), jaws, options, probe);
+  return decide(chances, grasp::shape_weights(object), jaws, options, probe, look);
 }
 
 }  // namespace prehend::planning

@@ -33,11 +33,11 @@ struct DecisionOptions {
   double failure = 30;  // s, >= 0, of one that fails, beyond that: what is felled or moved
   /// s, > 0, of feeling it first, with a hand or one fingertip, and the new look and plan after it.
   double touch = 15;
-  /// s, >= 0, of a look that tells its shape; 0: there is no camera for it. No knob: no platform
-  /// has a camera that moves.
-  double look = 0;
+  /// s, > 0, of a look with the camera that the arm carries, with the new plan after it.
+  double look = 12;
   int attempts = 3;  // >= 1, with one object
   int touches = 1;   // >= 0, of one object
+  int looks = 1;     // the same, from elsewhere than it was seen from
   /// Of success where a grasp holds in none of its disturbed trials, and in all: in between it is
   /// in proportion. Measured: docs/planning.md, "Decide".
   double success_of_none = 0.835;
@@ -45,6 +45,9 @@ struct DecisionOptions {
   double stop_deviation_angle = 0.05;     // rad, > 0, standard, of where a motor stops on a shape
   double stop_deviation_length = 0.0015;  // m, > 0, the same of a jaw
   double stop_deviation_probe = 0.004;    // m, > 0, the same of a hand that goes straight
+  /// m, > 0, the same of what a look shows of a surface, all of it together: the error of where the
+  /// camera is said to be, and of its depth that many pixels share.
+  double look_deviation = 0.002;
 
   /// See text/knob.h.
   template <class Self, class Visit>
@@ -61,6 +64,15 @@ struct DecisionOptions {
     visit(Knob{"success_of_all", self.success_of_all, "", 0, 1,
                "probability that a grasp succeeds that holds in every disturbed trial"});
   }
+  /// The others, of robots that carry a camera.
+  template <class Self, class Visit>
+  static void look_knobs(Self& self, Visit&& visit) {
+    using text::Knob;
+    visit(Knob{"look_cost", self.look, "s", 0.001, 1e6,
+               "of a look from elsewhere with the camera that the arm carries, with the new plan"});
+    visit(
+        Knob{"looks", self.looks, "", 0, 10, "at one object from elsewhere, before it is lifted"});
+  }
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
 
@@ -71,6 +83,15 @@ struct GraspChances {
   std::vector<Eigen::VectorXd> stops;
 };
 GraspChances chances_of(const grasp::Grasp& grasp);
+
+/// What a look from elsewhere would tell.
+struct LookChances {
+  /// m, of each two shapes, by which what the look shows of the row's is off the column's surface;
+  /// empty: there is no such look.
+  Eigen::MatrixXd apart;
+  std::string from;                                 // "the left", in words
+  std::string problem = "no camera can get there";  // where there is none
+};
 
 /// One act and what it is worth.
 struct Choice {
@@ -97,23 +118,24 @@ double success_of(const GraspChances& grasp, const std::vector<double>& weights,
 /// stop, of what is worth most when the shapes are weighed by that (preposterior analysis: H.
 /// Raiffa and R. Schlaifer, "Applied Statistical Decision Theory", 1961, chapter 4); stops scatter
 /// normally about those of each shape, taken at three points (Gauss-Hermite). That of a look is
-/// with the shape known. Giving up is worth 0. Without `look` the look is told, but not chosen: it
-/// is the last.
+/// the same over what it may show. Giving up is worth 0. Where there is no look, one that tells the
+/// shape is told with why there is none, but not chosen: it is the last.
 ///
 /// @param jaws the motors slide: DecisionOptions::stop_deviation_length is theirs.
 /// @param probe m, of each shape, after which way a probe of one fingertip is stopped by it; empty:
 /// there is none. It is weighed as a touch.
 /// @throws std::invalid_argument for options out of range, weights that are not positive numbers of
-/// sum 1, or grasps or a probe of other shapes.
+/// sum 1, or grasps, a probe or a look of other shapes.
 std::vector<Choice> decide(const std::vector<GraspChances>& grasps,
                            const std::vector<double>& weights, bool jaws,
-                           const DecisionOptions& options, const std::vector<double>& probe = {});
+                           const DecisionOptions& options, const std::vector<double>& probe = {},
+                           const LookChances& look = {});
 
 /// The same of planned grasps of an object, as many of the first as were assessed; empty: the first
 /// was not. @throws as decide(), and as grasp::shape_weights().
 std::vector<Choice> decide_on(const surface::ObjectModel& object,
                               const std::vector<const grasp::Grasp*>& grasps, bool jaws,
-                              const DecisionOptions& options,
-                              const std::vector<double>& probe = {});
+                              const DecisionOptions& options, const std::vector<double>& probe = {},
+                              const LookChances& look = {});
 
 }  // namespace prehend::planning

@@ -1,7 +1,6 @@
 #include "prehend/planning/held_views.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -11,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "prehend/geometry/rotation_between.h"
-#include "prehend/geometry/surface_samples.h"
 #include "prehend/motion/plan_path.h"
 #include "prehend/text/require.h"
 
@@ -29,20 +27,9 @@ constexpr int kMostGoals = 8;           // positions that a path may lead to
 constexpr double kApart = 0.7;          // rad, of views that show nothing new
 constexpr double kOverlap = 0.3;        // of what a view shows, that is known: enough to lay it on
 constexpr double kOverTable = 0.04;     // m, that all of it stays over the table when it is turned
-constexpr double kOffSurface = 5e-4;    // m, of a ray's start
 constexpr double kFarthestPlace = 2;    // m, beyond the nearest place before the camera
 constexpr double kPlaceStep = 0.05;     // m, between places along the line of sight
 constexpr std::size_t kMostPlaces = 3;  // besides where it is lifted to
-
-std::vector<Vector3d> even_directions(int count) {
-  std::vector<Vector3d> directions;
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z);
-    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
-  }
-  return directions;
-}
 
 class ViewPlanner {
  public:
@@ -65,6 +52,8 @@ class ViewPlanner {
       radius_ = std::max(radius_, (patch.p_W - middle_T_).norm());
       known_.push_back(patch.seen);
     }
+    hiding_.push_back(thing.object_T);
+    if (thing.hand_T) hiding_.push_back(thing.hand_T);
     find_places(table_W);
   }
 
@@ -81,7 +70,7 @@ class ViewPlanner {
       result.problem = "what is lifted is not brought into the camera's picture";
       return result;
     }
-    if (in_picture(X_WT_lifted_ * middle_T_)) {
+    if (is_in_picture(camera_, X_WT_lifted_ * middle_T_, radius_, options_)) {
       HeldView stays;
       stays.way = {lifted_};
       const std::vector<char> shown =
@@ -161,23 +150,11 @@ class ViewPlanner {
     return (camera_.X_WC.translation() - p_W).normalized();
   }
 
-  /// All of a ball round it, and a margin, is within the picture.
-  bool in_picture(const Vector3d& p_W) const {
-    const geometry::PinholeCamera& camera = camera_.camera;
-    const Vector3d p_C = camera_.X_WC.inverse(Eigen::Isometry) * p_W;
-    if (p_C.z() < options_.nearest + radius_) return false;
-    const Eigen::Vector2d pixel = camera.project(p_C);
-    const double x = camera.fx * radius_ / p_C.z() + options_.image_margin * camera.width;
-    const double y = camera.fy * radius_ / p_C.z() + options_.image_margin * camera.height;
-    return pixel.x() >= x && pixel.x() <= camera.width - 1 - x && pixel.y() >= y &&
-           pixel.y() <= camera.height - 1 - y;
-  }
-
   /// Where its middle may be brought to: where it is lifted to, then those on the line of sight
   /// through the picture's middle that are nearest to that.
   void find_places(const geometry::Plane& table_W) {
     const Vector3d lifted_W = X_WT_lifted_ * middle_T_;
-    if (in_picture(lifted_W)) places_.push_back(lifted_W);
+    if (is_in_picture(camera_, lifted_W, radius_, options_)) places_.push_back(lifted_W);
     const double least = radius_ + kOverTable;
     const geometry::PinholeCamera& camera = camera_.camera;
     const Vector3d eye_W = camera_.X_WC.translation();
@@ -189,7 +166,8 @@ class ViewPlanner {
     for (double along = options_.nearest; along < options_.nearest + kFarthestPlace;
          along += kPlaceStep) {
       const Vector3d p_W = eye_W + along * ahead_W;
-      if (table_W.signed_distance(p_W) < least || !in_picture(p_W)) continue;
+      if (table_W.signed_distance(p_W) < least || !is_in_picture(camera_, p_W, radius_, options_))
+        continue;
       found.emplace_back((p_W - lifted_W).norm(), p_W);
     }
     std::sort(found.begin(), found.end(),
@@ -199,20 +177,8 @@ class ViewPlanner {
     }
   }
 
-  /// Which patches are seen along `direction_T`, towards the camera.
   std::vector<char> shown_from(const Vector3d& direction_T) const {
-    const double least = std::cos(options_.steepest);
-    std::vector<char> shown;
-    for (const SurfacePatch& patch : thing_.patches_T) {
-      bool is_shown = patch.normal_W.dot(direction_T) > least;
-      if (is_shown) {
-        const Vector3d from = patch.p_W + kOffSurface * patch.normal_W;
-        is_shown = !thing_.object_T->cast_ray(from, direction_T) &&
-                   !(thing_.hand_T && thing_.hand_T->cast_ray(from, direction_T));
-      }
-      shown.push_back(is_shown);
-    }
-    return shown;
+    return seen_along(thing_.patches_T, direction_T, options_.steepest, hiding_);
   }
 
   double share(std::size_t count) const {
@@ -278,6 +244,7 @@ class ViewPlanner {
   const HeldThing& thing_;
   const ViewingCamera& camera_;
   const HeldViewOptions& options_;
+  std::vector<const geometry::MeshQuery*> hiding_;
   Vector3d middle_T_ = Vector3d::Zero();
   double radius_ = 0;        // m, of a ball about its middle that holds it
   std::vector<char> known_;  // patches, by looks and views so far
@@ -289,27 +256,6 @@ class ViewPlanner {
 }  // namespace
 
 void HeldViewOptions::validate() const { knobs(*this, text::CheckKnobs{"HeldViewOptions."}); }
-
-std::vector<SurfacePatch> surface_patches(const surface::ObjectModel& object, int count) {
-  std::vector<SurfacePatch> patches;
-  for (const geometry::SurfaceSample& sample : geometry::surface_samples(object.mesh_W, count, 1)) {
-    const Eigen::Vector3i& corners =
-        object.mesh_W.triangles[static_cast<std::size_t>(sample.triangle)];
-    std::array<Vector3d, 3> p;
-    int seen = 0;
-    for (int k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(corners[k]);
-      p[static_cast<std::size_t>(k)] = object.mesh_W.vertices[v];
-      // A known object has none: nothing of it is to be seen.
-      seen += object.vertex_origin.empty() ||
-              object.vertex_origin.at(v) == surface::SurfaceOrigin::kSeen;
-    }
-    const Vector3d normal = (p[1] - p[0]).cross(p[2] - p[0]);
-    if (!(normal.norm() > 0)) continue;
-    patches.push_back({sample.point, normal.normalized(), seen >= 2});
-  }
-  return patches;
-}
 
 HeldViews plan_held_views(const motion::RobotInWorld& carrying,
                           const robot::InverseKinematics& inverse,

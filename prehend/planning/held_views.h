@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 
-#include "prehend/geometry/camera_model.h"
 #include "prehend/geometry/mesh_query.h"
 #include "prehend/geometry/plane.h"
 #include "prehend/geometry/rigid_transform.h"
@@ -14,57 +13,20 @@
 #include "prehend/motion/blended_trajectory.h"
 #include "prehend/motion/path_planner.h"
 #include "prehend/motion/robot_in_world.h"
+#include "prehend/planning/surface_views.h"
 #include "prehend/robot/inverse_kinematics.h"
-#include "prehend/surface/object_model.h"
-#include "prehend/text/knob.h"
 
 // How an arm turns what its hand holds before a camera, to see what nobody has seen of it.
 namespace prehend::planning {
 
-/// A camera that stands still.
-struct ViewingCamera {
-  geometry::PinholeCamera camera;
-  geometry::RigidTransform X_WC = geometry::RigidTransform::Identity();  // optical frame
-};
-
-/// A piece of an object's surface.
-struct SurfacePatch {
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  // unit, outward
-  bool seen = false;                                    // by a look before
-};
-
-/// `count` patches of the same area each, spread evenly. @throws std::invalid_argument for a mesh
-/// without area.
-std::vector<SurfacePatch> surface_patches(const surface::ObjectModel& object, int count = 400);
-
-struct HeldViewOptions {
+struct HeldViewOptions : ViewOptions {
   int views = 4;
-  double least_gain = 0.03;
-  double steepest = 1.2;  // rad
-  double image_margin = 0.04;
-  double nearest = 0.37;  // m
-  double speed_factor = 0.5;
-  double budget = 1;
 
   /// See text/knob.h.
   template <class Self, class Visit>
   static void knobs(Self& self, Visit&& visit) {
-    using text::Knob;
-    visit(Knob{"views", self.views, "", 1, 32, "that it is turned to at most"});
-    visit(Knob{"least_gain", self.least_gain, "", 0.001, 1,
-               "share of the surface that a view has to show anew"});
-    visit(Knob{"steepest", self.steepest, "rad", 0.1, 1.5,
-               "between surface and line of sight: what is seen flatter counts as not seen"});
-    visit(Knob{"image_margin", self.image_margin, "", 0, 0.4,
-               "of the picture, that the object keeps from its border"});
-    visit(Knob{"nearest", self.nearest, "m", 0.01, 10,
-               "that any of it is brought to the camera: nearer than it measures depth, what it "
-               "says is wrong"});
-    visit(Knob{"speed_factor", self.speed_factor, "", 0.01, 1,
-               "of the joints' speed while it is turned"});
-    visit(Knob{"budget", self.budget, "s", 0, 3600,
-               "for the views of one grasp; 0: as long as it takes"});
+    visit(text::Knob{"views", self.views, "", 1, 32, "that it is turned to at most"});
+    ViewOptions::knobs(self, visit);
   }
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };

@@ -15,8 +15,6 @@
 #include "prehend/motion/pick_ledger.h"
 #include "prehend/motion/pick_scenes.h"
 #include "prehend/motion/planner_registry.h"
-#include "prehend/motion/robot_shapes.h"
-#include "prehend/motion/robot_spheres.h"
 #include "prehend/robot/link_mesh.h"
 #include "prehend/text/require.h"
 
@@ -27,73 +25,9 @@ using geometry::RigidTransform;
 using geometry::TriangleMesh;
 using std::chrono::steady_clock;
 
-constexpr double kTableReach = 0.8;      // m, of the slab from the object
-constexpr double kLeastTable = 0.05;     // m
-constexpr double kBaseOnTable = 0.3;     // m, height of a base over the table, that stands on it
-constexpr double kTableThickness = 0.2;  // m
-constexpr double kBaseClearance = 0.2;   // m, round the arm's base, where it stands on the table
-constexpr int kElbowAngles = 8;          // for what the arm reaches at all
-constexpr double kShareOfTime = 0.5;     // of what is left, while other grasps remain
-constexpr double kShiftStep = 0.005;     // m, of straight ways to the sides
-constexpr const char* kObject = "object";
-constexpr const char* kTable = "table";
-
-std::vector<TriangleMesh> moved(const std::vector<TriangleMesh>& meshes, const RigidTransform& X) {
-  std::vector<TriangleMesh> result;
-  for (const auto& mesh : meshes) result.push_back(geometry::transformed(mesh, X));
-  return result;
-}
-
-Eigen::Vector3d middle_of(const std::vector<TriangleMesh>& meshes) {
-  Eigen::AlignedBox3d box;
-  for (const auto& mesh : meshes) box.extend(geometry::bounds(mesh));
-  return box.center();
-}
-
-/// The slab of table that motions are planned on, in the world: a rectangle that ends before the
-/// arm's base where that stands on the table. Origin of X_WT under the object, x away from the
-/// base, z the normal.
-struct TableSlab {
-  RigidTransform X_WT = RigidTransform::Identity();  // of its surface
-  double back = kTableReach;                         // m, from the object towards the base
-
-  TableSlab(const robot::Platform& platform, const geometry::Plane& table,
-            const Eigen::Vector3d& p_WO) {
-    const Eigen::Vector3d on_table = table.project(p_WO), base = platform.X_WB.translation();
-    Eigen::Vector3d away = on_table - table.project(base);
-    const double to_base = away.norm();
-    if (std::abs(table.signed_distance(base)) < kBaseOnTable) {
-      back = std::clamp(to_base - kBaseClearance, kLeastTable, kTableReach);
-    }
-    if (to_base < kLeastTable) away = table.normal.unitOrthogonal();
-    X_WT.linear().col(0) = (away - away.dot(table.normal) * table.normal).normalized();
-    X_WT.linear().col(2) = table.normal;
-    X_WT.linear().col(1) = table.normal.cross(Eigen::Vector3d(X_WT.linear().col(0)));
-    X_WT.translation() = on_table;
-  }
-
-  /// How far a point is beyond the slab's edges [m]; not above 0 on it.
-  double beyond(const Eigen::Vector3d& p_W) const {
-    const Eigen::Vector3d p_T = X_WT.inverse(Eigen::Isometry) * p_W;
-    return std::max({-back - p_T.x(), p_T.x() - kTableReach, std::abs(p_T.y()) - kTableReach});
-  }
-};
-
-// What the arm must keep from, in its base's frame.
-motion::CollisionWorld world_of(const PlatformScene& scene, const RigidTransform& X_BW,
-                                const TableSlab& slab) {
-  motion::CollisionWorld world;
-  RigidTransform X_WMiddle = slab.X_WT;
-  X_WMiddle.translation() += slab.X_WT.linear() * Eigen::Vector3d(0.5 * (kTableReach - slab.back),
-                                                                  0, -kTableThickness / 2);
-  world.add_box(kTable, X_BW * X_WMiddle,
-                {kTableReach + slab.back, 2 * kTableReach, kTableThickness});
-  for (const auto& piece : moved(scene.object_pieces_W, X_BW)) world.add_convex(kObject, piece);
-  for (const auto& piece : moved(scene.obstacle_pieces_W, X_BW)) {
-    world.add_convex("another object", piece);
-  }
-  return world;
-}
+constexpr int kElbowAngles = 8;       // for what the arm reaches at all
+constexpr double kShareOfTime = 0.5;  // of what is left, while other grasps remain
+constexpr double kShiftStep = 0.005;  // m, of straight ways to the sides
 
 void add_rejections(const std::vector<motion::PickRejection>& more,
                     std::vector<motion::PickRejection>* all) {
@@ -161,7 +95,7 @@ FreePlaces free_places_for(const robot::Platform& platform, const PlatformScene&
     return fmt::format(
         "the table that motions are planned on ends {:.2f} m from the object towards the arm and "
         "{:.2f} m elsewhere, {:.2f} m before it",
-        slab.back, kTableReach, beyond);
+        slab.back, slab.reach, beyond);
   };
   return free_places(scene.table_W, object, others, options);
 }
@@ -182,10 +116,10 @@ class PlatformPicker {
         inverse_(platform.arm_chain()),
         checker_(motion::CheckerRegistry().create(options.checker)) {
     const Eigen::Vector3d p_WO = middle_of(scene.object_pieces_W);
-    world_ = world_of(scene, X_BW_, TableSlab(platform, scene.table_W, p_WO));
+    world_ = world_of(platform, scene);
     task_.start = start;
     task_.up_B = X_BW_.linear() * scene.table_W.normal;
-    task_.object.name = kObject;
+    task_.object.name = kObjectName;
     task_.object.X_BO.translation() = X_BW_ * p_WO;
     task_.object.cover_O = motion::cover_convex_pieces(
         moved(moved(scene.object_pieces_W, X_BW_), task_.object.X_BO.inverse()),
@@ -249,16 +183,9 @@ class PlatformPicker {
     for (std::size_t k = 0; k < shapes_.size(); ++k) {
       if (shapes_[k].preshape == grasp.preshape && shapes_[k].open == open) return k;
     }
-    const robot::RobotModel model = platform_.with_hand_at(platform_.hand.all_positions(open));
-    motion::RobotInWorld robot(inverse_.chain(),
-                               motion::make_robot_spheres(model, platform_.base, platform_.flange,
-                                                          options_.sphere_resolution),
-                               world_, options_.margin);
-    if (checker_) {
-      robot.use_checker(checker_,
-                        motion::make_robot_shapes(model, platform_.base, platform_.flange));
-    }
-    shapes_.push_back({grasp.preshape, open, std::move(robot)});
+    shapes_.push_back(
+        {grasp.preshape, open,
+         robot_in(world_, platform_, open, options_.margin, options_.sphere_resolution, checker_)});
     return shapes_.size() - 1;
   }
 
@@ -266,7 +193,7 @@ class PlatformPicker {
     const HandShape& shape = shapes_[shapes_of_[turn.front()]];
     const robot::Preshape& preshape = platform_.hand.preshape(shape.preshape);
     task_.grasps.clear();
-    task_.kept_clear = {kTable};
+    task_.kept_clear = {kTableName};
     for (const std::size_t i : turn) {
       const PlatformGrasp& grasp = grasps_[i];
       if (!grasp.clears_table) task_.kept_clear.clear();
@@ -301,7 +228,7 @@ class PlatformPicker {
     const robot::Positions start = approach->waypoints.back();
     motion::RobotInWorld without = shape.robot;
     without.change_world([this](motion::CollisionWorld& world) {
-      world.remove(kObject);
+      world.remove(kObjectName);
       for (const std::string& name : task_.kept_clear) {
         world.set_margin(name, motion::Part::kHand, -motion::CollisionWorld::kInfinity);
       }

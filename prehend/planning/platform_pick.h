@@ -12,17 +12,11 @@
 #include "prehend/motion/pick_motion.h"
 #include "prehend/planning/free_places.h"
 #include "prehend/planning/held_views.h"
+#include "prehend/planning/platform_world.h"
 #include "prehend/robot/platform.h"
 
 // From ranked grasps of a hand to the motion of the arm that carries it.
 namespace prehend::planning {
-
-/// What stands round a platform, in the world frame.
-struct PlatformScene {
-  geometry::Plane table_W;                                // normal towards the objects
-  std::vector<geometry::TriangleMesh> object_pieces_W;    // convex, of the object to pick
-  std::vector<geometry::TriangleMesh> obstacle_pieces_W;  // convex, of everything else
-};
 
 /// A grasp of the platform's hand.
 struct PlatformGrasp {

@@ -70,6 +70,7 @@ void PlatformPlanOptions::validate() const {
   decision.validate();
   probe.validate();
   views.validate();
+  ViewOptions::knobs(look, text::CheckKnobs{"PlatformPlanOptions.look."});
   RemedyOptions::knobs(remedies, text::CheckKnobs{require.of});
 }
 
@@ -139,8 +140,18 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
     add_probe(hand, object, {table_W, object.convex_pieces_W, neighbours.pieces_W}, start, options,
               &plan);
   }
+  LookChances look;
+  if (!executable.empty()) {
+    if (options.carried_camera) {
+      add_look(object, {table_W, object.convex_pieces_W, neighbours.pieces_W}, start, options,
+               &plan);
+      look = {plan.look.apart, plan.look.from, plan.look.problem};
+    } else if (platform_.X_FC) {
+      look.problem = "nothing is known of the camera that the arm carries";
+    }
+  }
   plan.choices = decide_on(object, executable, platform_.hand.gripper.has_value(), options.decision,
-                           plan.probe.stops);
+                           plan.probe.stops, look);
   if (options.touch) predict_touch(object, table_W, options, &plan);
   return plan;
 }
@@ -203,6 +214,15 @@ void PlatformPlanner::add_probe(const grasp::HandToClose& hand, const surface::O
   plan->probe =
       plan_probe(platform_, hand, start, options.probes, object, scene, options.arm, options.probe);
   plan->probe_time = seconds_since(begin);
+}
+
+void PlatformPlanner::add_look(const surface::ObjectModel& object, const PlatformScene& scene,
+                               const robot::Positions& start, const PlatformPlanOptions& options,
+                               PlatformPlan* plan) const {
+  const auto begin = steady_clock::now();
+  plan->look = plan_look(platform_, start, *options.carried_camera, object, scene, options.arm,
+                         options.look);
+  plan->look_time = seconds_since(begin);
 }
 
 void PlatformPlanner::predict_touch(const surface::ObjectModel& object,

@@ -9,6 +9,7 @@
 #include "prehend/grasp/closing/close_fingers.h"
 #include "prehend/grasp/known/grasp_memory.h"
 #include "prehend/grasp/load_bounds.h"
+#include "prehend/planning/camera_look.h"
 #include "prehend/planning/decision.h"
 #include "prehend/planning/platform_pick.h"
 #include "prehend/planning/probe_plan.h"
@@ -45,12 +46,14 @@ struct PlatformPlan : grasp::PlanAnswer {
   /// not known.
   std::vector<Choice> choices;
   PlannedProbe probe;      // of PlatformPlanOptions::probes; no segments: none can be made
+  PlannedLook look;        // of PlatformPlanOptions::carried_camera
   Remedies remedies;       // where no grasp can be executed; in `problem`, too
   int candidates = 0;      // of the hand: = its grasps + all `rejections`
   double robustness = -1;  // the largest of the hand's grasps, with or without a motion; -1: none's
   double grasp_time = 0;   // s, that planning the hand's grasps took
   double touch_time = 0;   // s, that predicting touch took
   double probe_time = 0;   // s, that planning the probe took
+  double look_time = 0;    // s, that planning the look took
   double remedy_time = 0;  // s, that finding out what would help took
 };
 
@@ -76,6 +79,9 @@ struct PlatformPlanOptions {
   /// Where a fingertip would learn most of the object, best first; empty: no probe is planned.
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
+  /// The camera that the arm carries; none: no look from elsewhere is planned.
+  std::optional<geometry::PinholeCamera> carried_camera;
+  ViewOptions look;
   /// What is held is turned before this camera (PlannedPick::views); none: it is not.
   std::optional<ViewingCamera> viewing;
   HeldViewOptions views;
@@ -124,6 +130,10 @@ class PlatformPlanner {
   void add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,
                  const PlatformScene& scene, const robot::Positions& start,
                  const PlatformPlanOptions& options, PlatformPlan* plan) const;
+
+  void add_look(const surface::ObjectModel& object, const PlatformScene& scene,
+                const robot::Positions& start, const PlatformPlanOptions& options,
+                PlatformPlan* plan) const;
 
   void predict_touch(const surface::ObjectModel& object, const geometry::Plane& table_W,
                      const PlatformPlanOptions& options, PlatformPlan* plan) const;

@@ -173,7 +173,8 @@ Platform read_platform(const std::filesystem::path& path) {
   map.read("flange", flange);
   map.read("hand", hand);
   const YAML::Node mount = map.child("mount"), world = map.child("world"),
-                   homes = map.child("homes"), acceleration = map.child("acceleration");
+                   camera = map.child("camera"), homes = map.child("homes"),
+                   acceleration = map.child("acceleration");
   map.choose("hand_port", {{"joints", HandPort::kJoints}, {"gripper", HandPort::kGripper}},
              platform.hand_port);
   map.finish();
@@ -184,6 +185,7 @@ Platform read_platform(const std::filesystem::path& path) {
   }
   if (mount.IsDefined()) platform.X_FH = read_pose(mount, path, "platform.mount");
   if (world.IsDefined()) platform.X_WB = read_pose(world, path, "platform.world");
+  if (camera.IsDefined()) platform.X_FC = read_pose(camera, path, "platform.camera");
 
   const std::filesystem::path folder = path.parent_path();
   const RobotModel arm_model = at_line(map, "arm", [&] { return read_urdf(folder / arm); });

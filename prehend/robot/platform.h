@@ -32,6 +32,8 @@ struct Platform {
   std::string flange;  // link of the flange F in `model`
   geometry::RigidTransform X_FH = geometry::RigidTransform::Identity();  // hand on the flange
   geometry::RigidTransform X_WB = geometry::RigidTransform::Identity();  // base in the world
+  /// Optical frame of the (left) camera that the arm carries, on the flange; none: it carries none.
+  std::optional<geometry::RigidTransform> X_FC;
   std::vector<Home> homes;  // as in the file; one is called home
   Positions acceleration;   // rad/s^2 or m/s^2, of arm_chain()'s joints in planned motions
   HandPort hand_port = HandPort::kJoints;
@@ -47,6 +49,11 @@ struct Platform {
                                 const Preshape& preshape) const {
     return X_WB.inverse() * X_WG * X_FG(preshape).inverse();
   }
+  /// Where the camera is that the arm carries, with the arm's joints at `arm` [rad or m].
+  /// @pre X_FC
+  geometry::RigidTransform X_WC(const Eigen::Ref<const Eigen::VectorXd>& arm) const {
+    return X_WB * arm_chain().forward(arm) * *X_FC;
+  }
   /// The direction in the world of a preshape's approach (z of its tool) where no joint of the arm
   /// can tilt it, exact where it is along an axis; none for an arm that can.
   std::optional<Eigen::Vector3d> fixed_approach(const Preshape& preshape) const;
@@ -60,7 +67,7 @@ struct Platform {
   const Home& home(const std::string& home_name) const;
 };
 
-/// Reads a platform's YAML (config/robots/kr5_sdh.yaml shows every key), the arm's URDF and the
+/// Reads a platform's YAML (config/robots/kr5_sdh_camera.yaml shows every key), the arm's URDF and the
 /// hand's YAML it names beside it. @throws geometry::InputError "file:line: what is wrong" with the
 /// nearest name and the mend.
 Platform read_platform(const std::filesystem::path& path);

@@ -48,8 +48,12 @@ struct CameraSetup {
   Eigen::Vector3d target{0, 0, 0.05};  // m, seen in the image's centre
   double noise = 2.0;                  // grey levels, standard deviation of a pixel's noise
   std::uint32_t seed = 1;
+  /// Of a camera that is carried: where it is, in place of `eye` and `target`. No key of a file.
+  std::optional<geometry::RigidTransform> carried;
 
-  geometry::RigidTransform X_WC() const { return geometry::look_at(eye, target); }
+  geometry::RigidTransform X_WC() const {
+    return carried ? *carried : geometry::look_at(eye, target);
+  }
 };
 
 struct Light {

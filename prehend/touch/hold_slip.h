@@ -20,7 +20,7 @@ struct HoldSlipOptions {
   double gain_deviation = 0.01;
   double stretch_deviation = 0.2;
   int reference_frames = 4;
-  int confirming_frames = 2;
+  int confirming_frames = 1;
 
   /// See text/knob.h.
   template <class Self, class Visit>

@@ -133,6 +133,47 @@ TEST(AttemptMemory, WhatWasHeldIsKnownWhereItWasPutDown) {
             0.7 * error_of(predicted_surface(put_down), put_down.truth_W));
 }
 
+// A can with a flat back that the first look takes for a whole one, as it sees none of the back.
+geometry::TriangleMesh half_can() {
+  geometry::TriangleMesh can = shape::standing(
+      geometry::make_revolution({{0.0, 0.0}, {0.04, 0.0}, {0.04, 0.1}, {0.0, 0.1}}), 0);
+  for (Vector3d& p : can.vertices) p.x() = std::max(p.x(), -0.01);
+  return can;
+}
+
+// Another side of it, not as it was believed: it stands where it stood, and is the same.
+TEST(AttemptMemory, WhatNothingHasTouchedIsTheSameFromElsewhere) {
+  const Predicted front(half_can(), 0);
+  const Predicted back(half_can(), 2.6);
+  AttemptMemory memory(hand());
+  memory.add_look(front.shape, front.view.table_W, predicted_surface(front));
+  EXPECT_FALSE(memory.empty());
+  const auto known = memory.recall(back.shape, back.view.table_W);
+  ASSERT_TRUE(known) << memory.problem();
+  EXPECT_EQ(known->looks, 1);
+  EXPECT_TRUE(known->X_moved.isApprox(RigidTransform::Identity()));
+  const double both = error_of(known->model.mesh_W, front.truth_W);
+  EXPECT_LT(both, 0.6 * error_of(predicted_surface(front), front.truth_W));
+  EXPECT_LT(both, error_of(predicted_surface(back), front.truth_W) + 2e-4);
+}
+
+// Somebody has taken it away meanwhile, or pushed it: neither look may be laid onto the other.
+TEST(AttemptMemory, WhatTheOtherLookSeesThroughIsNotTheSame) {
+  const Predicted front(box(), 0);
+  for (const double away : {0.05, 0.3}) {
+    AttemptMemory memory(hand());
+    memory.add_look(front.shape, front.view.table_W, predicted_surface(front));
+    const Predicted elsewhere(geometry::transformed(box(), moved_by(0, away, 0)), 2.6);
+    EXPECT_FALSE(memory.recall(elsewhere.shape, elsewhere.view.table_W)) << away;
+    EXPECT_THAT(memory.problem(), HasSubstr("looks like it"));
+  }
+  AttemptMemoryOptions contacts;
+  contacts.use = EvidenceUse::kEmptySpace;
+  AttemptMemory without_looks(hand(), contacts);
+  without_looks.add_look(front.shape, front.view.table_W, predicted_surface(front));
+  EXPECT_TRUE(without_looks.empty()) << "looks are no evidence that is used";
+}
+
 // It is gone, and what is seen is something else.
 TEST(AttemptMemory, SaysThatNothingLooksLikeItWhenItIsGone) {
   const Predicted first(box());

@@ -40,7 +40,7 @@ TEST(MessageEnums, AreTheLibrarysByNameAndValue) {
   const auto words = [](auto value) { return std::string(to_string(value)); };
   expect_same<msgs::ArmSegment::Kind>(1, 6, *msgs::ArmSegment::Kind_descriptor(), words);
   expect_same<msgs::CycleState::Phase>(1, 9, *msgs::CycleState::Phase_descriptor(), words);
-  expect_same<msgs::Task::Action>(1, 13, *msgs::Task::Action_descriptor(), words);
+  expect_same<msgs::Task::Action>(1, 14, *msgs::Task::Action_descriptor(), words);
 }
 
 TEST(MessageEnums, KindsOfSurprisesAndOutcomesThatAreUnknownAreRefused) {

@@ -158,18 +158,58 @@ TEST(Decide, WhatCannotBeHeldIsLeftAndSaidWhy) {
   EXPECT_EQ(decide({}, {1}, false, sure()).front().act, Act::kGiveUp);
 }
 
-TEST(Decide, ALookIsChosenWhereACameraCanGetThere) {
+LookChances look_that_shows(double apart) {
+  LookChances look;
+  look.apart.setZero(2, 2);
+  look.apart(0, 1) = look.apart(1, 0) = apart;
+  look.from = "the left";
+  return look;
+}
+
+TEST(Decide, ALookIsMadeExactlyWhereItCostsLessThanItSaves) {
+  DecisionOptions options = sure();
+  const double saved = 0.5 * (options.attempt + options.failure);
+  for (const double cost : {saved - 0.1, saved + 0.1}) {
+    options.look = cost;
+    const auto choices =
+        decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, look_that_shows(0.03));
+    EXPECT_NEAR(of(choices, Act::kLook).worth, options.value - options.attempt - cost, 1e-6);
+    EXPECT_THAT(of(choices, Act::kLook).text, HasSubstr("look at it from the left first"));
+    EXPECT_EQ(choices.front().act, cost < saved ? Act::kLook : Act::kGrasp);
+  }
+  // What it cannot tell apart it is worth nothing for; and by as much as it can, like a touch.
+  options = sure();
+  const auto alike = decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, look_that_shows(0));
+  EXPECT_NEAR(of(alike, Act::kLook).worth, of(alike, Act::kGrasp).worth - options.look, 1e-9);
+  for (const double deviations : {0.5, 1.0, 2.0}) {
+    const auto looked = decide(grasp_for_each(0), {0.5, 0.5}, true, options, {},
+                               look_that_shows(deviations * options.look_deviation));
+    const auto probed = decide(grasp_for_each(0), {0.5, 0.5}, true, options,
+                               {0.05, 0.05 + deviations * options.stop_deviation_probe});
+    EXPECT_NEAR(of(looked, Act::kLook).success, of(probed, Act::kProbe).success, 1e-9);
+  }
+}
+
+TEST(Decide, ALookThatNobodyCanTakeIsToldAndNotChosen) {
   DecisionOptions options = sure();
   auto choices = decide(grasp_for_each(0), {0.5, 0.5}, true, options);
   EXPECT_EQ(choices.back().act, Act::kLook);
   EXPECT_NEAR(choices.back().success, 1, 1e-12);
   EXPECT_THAT(choices.back().text, HasSubstr("no camera can get there"));
-  options.look = 5;
-  choices = decide(grasp_for_each(0), {0.5, 0.5}, true, options);
-  EXPECT_EQ(choices.front().act, Act::kLook);
-  EXPECT_NEAR(choices.front().worth, options.value - options.attempt - options.look, 1e-9);
-  options.look = 1e5;
-  EXPECT_EQ(decide(grasp_for_each(0), {0.5, 0.5}, true, options).front().act, Act::kGrasp);
+  LookChances blocked;
+  blocked.problem = "the arm cannot bring the camera there";
+  choices = decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, blocked);
+  EXPECT_THAT(choices.back().text, HasSubstr("the arm cannot bring the camera there"));
+  options.looks = 0;
+  choices = decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, look_that_shows(0.03));
+  EXPECT_EQ(choices.back().act, Act::kLook) << "it is the last";
+  LookChances other = look_that_shows(0.01);
+  other.apart.setZero(3, 3);
+  EXPECT_THROW(decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, other),
+               std::invalid_argument);
+  other = look_that_shows(std::nan(""));
+  EXPECT_THROW(decide(grasp_for_each(0), {0.5, 0.5}, true, options, {}, other),
+               std::invalid_argument);
 }
 
 // Jaws that close on air on one of the shapes are told from those that stop.

@@ -153,5 +153,22 @@ TEST_F(PlatformFile, ErrorsNameLineNearestAndMend) {
   EXPECT_HAS(error_of([] { shipped_platform("kr5_sdh").home("hme"); }), "The nearest is 'home'");
 }
 
+// The camera goes along with the flange: seen from it, nothing of the arm's motion is left.
+TEST(Platform, TheCameraThatTheArmCarriesGoesAlong) {
+  const Platform platform = read_platform("config/robots/kr5_sdh_camera.yaml");
+  ASSERT_TRUE(platform.X_FC);
+  EXPECT_FALSE(read_platform("config/robots/kr5_sdh.yaml").X_FC);
+  for (const Platform::Home& home : platform.homes) {
+    const geometry::RigidTransform X_WF = platform.X_WB * platform.arm_chain().forward(home.arm);
+    EXPECT_TRUE((X_WF.inverse() * platform.X_WC(home.arm)).isApprox(*platform.X_FC)) << home.name;
+  }
+  // At home it looks down at the table in front of the arm.
+  const geometry::RigidTransform X_WC = platform.X_WC(platform.home("home").arm);
+  const Eigen::Vector3d eye = X_WC.translation(), ahead = X_WC.linear().col(2);
+  ASSERT_LT(ahead.z(), -0.5);
+  const Eigen::Vector3d on_table = eye - eye.z() / ahead.z() * ahead;
+  EXPECT_LT(on_table.head<2>().norm(), 0.15) << on_table.transpose();
+}
+
 }  // namespace
 }  // namespace prehend::robot

@@ -63,6 +63,11 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"NoArm", kPlatform, "arm: [^\n]*", "", {"platform.arm is missing"}},
         Mistake{"NoHand", kPlatform, "hand: [^\n]*", "", {"platform.hand is missing"}},
+        Mistake{"ACameraSomewhere",
+                kPlatform,
+                "mount:",
+                "camera: {xyz: [0, 0]}\nmount:",
+                {"platform.camera.xyz"}},
         Mistake{"NoSuchArm",
                 kPlatform,
                 "arm: kr5_sixx",

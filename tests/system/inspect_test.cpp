@@ -71,6 +71,24 @@ TEST(Inspect, TurnsAnUnknownObjectIntoAKnownOne) {
   EXPECT_NE(again.output.find("is object-1"), std::string::npos) << again.output;
 }
 
+// The camera on the arm sees another side of the object first; both looks are of one object, and it
+// is lifted by what they say.
+TEST(LookFromElsewhere, TheArmBringsItsCameraThereAndPicksByBothLooks) {
+  const ScratchFolder scratch;
+  const Outcome outcome = run_program(
+      "prehend",
+      {"launch", "launch/demo.yaml", "platform:=kr5_sdh_camera", "home:=home",
+       "task:=look_and_pick", "scene:=spray_bottle", "speed:=0", "record:=false",
+       "out:=" + scratch.path().string(), "--log-dir", (scratch.path() / "log").string()},
+      std::chrono::seconds(300));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  for (const char* said : {"bringing the camera to where it sees another side of it",
+                           "it is looked at from elsewhere", "contacts and 1 looks before",
+                           "seen again: grasping object", "put down; the hand is empty"}) {
+    EXPECT_NE(outcome.output.find(said), std::string::npos) << said << "\n" << outcome.output;
+  }
+}
+
 // A camera's robot that cannot turn what it holds puts it back, and says why.
 TEST(Inspect, AStageSaysThatItCannotTurnIt) {
   const ScratchFolder scratch;
