@@ -23,7 +23,7 @@ class Camera {
  public:
   struct View {
     std::vector<simulation::VisibleBody> bodies;
-    double time = 0;                               // s
+    double time = 0;  // s
     std::uint64_t generation = 0;
     std::optional<geometry::RigidTransform> X_WC;  // of a camera that is carried
   };

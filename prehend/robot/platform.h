@@ -67,9 +67,9 @@ struct Platform {
   const Home& home(const std::string& home_name) const;
 };
 
-/// Reads a platform's YAML (config/robots/kr5_sdh_camera.yaml shows every key), the arm's URDF and the
-/// hand's YAML it names beside it. @throws geometry::InputError "file:line: what is wrong" with the
-/// nearest name and the mend.
+/// Reads a platform's YAML (config/robots/kr5_sdh_camera.yaml shows every key), the arm's URDF and
+/// the hand's YAML it names beside it. @throws geometry::InputError "file:line: what is wrong" with
+/// the nearest name and the mend.
 Platform read_platform(const std::filesystem::path& path);
 
 }  // namespace prehend::robot
