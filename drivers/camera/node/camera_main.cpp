@@ -3,12 +3,14 @@
 #include <utility>
 
 #include "drivers/camera/driver/camera_device.h"
+#include "drivers/camera/node/camera_place.h"
 #include "drivers/camera/node/camera_report.h"
 #include "drivers/camera/transport/video_devices.h"
 #include "drivers/camera/transport/video_source.h"
 #include "drivers/wire/node/late_parameter.h"
 #include "msgs/camera.pb.h"
 #include "msgs/convert/camera_images.h"
+#include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
 #include "msgs/sensors.pb.h"
 #include "prehend/geometry/errors.h"
@@ -160,8 +162,12 @@ CameraSettings declare_settings(graph::Node& node) {
 /// Publishes what a camera sees, rectified.
 class CameraPublisher {
  public:
-  CameraPublisher(graph::Node& node, const CameraSettings& settings)
-      : node_(node), X_WC_(settings.view.X_WC) {
+  CameraPublisher(graph::Node& node, const CameraSettings& settings) : node_(node), place_(node) {
+    if (settings.device.kind == CameraKind::kMono && place_.is_carried()) {
+      throw geometry::InputError(
+          "Parameter platform is of a camera that measures depth, and one image does not",
+          "Leave it away, or choose kind stereo or side_by_side");
+    }
     if (settings.device.kind == CameraKind::kMono) {
       image_ = node.advertise<msgs::Image>("/camera/image", graph::QoS::latched());
       if (settings.calibration.empty()) return;
@@ -194,6 +200,7 @@ class CameraPublisher {
 
  private:
   void publish_pair(const CameraView& view, const msgs::Header& header) {
+    const auto X_WC = place_.at(header.stamp());
     if (!pair_rectifier_) {
       pair_rectifier_.emplace(stereo_calibration_, view.left.width, view.left.height);
     }
@@ -202,12 +209,13 @@ class CameraPublisher {
     msgs::StereoPair message =
         convert::to_message(convert::StereoImages{std::move(pair.left), std::move(pair.right)});
     *message.mutable_header() = header;
+    if (X_WC) *message.mutable_x_wc() = convert::to_message(*X_WC);
     stereo_.publish(std::move(message));
   }
   void publish_info(const geometry::StereoCamera& camera, const msgs::Header& header) {
     if (is_info_published_) return;  // latched
     is_info_published_ = true;
-    msgs::CameraInfo message = convert::to_message(camera, X_WC_);
+    msgs::CameraInfo message = convert::to_message(camera, place_.fixed());
     *message.mutable_header() = header;
     info_.publish(message);
     node_.log_info("{} x {} pixels, fx {:.1f} px{}", camera.left.width, camera.left.height,
@@ -216,7 +224,7 @@ class CameraPublisher {
   }
 
   graph::Node& node_;
-  std::optional<geometry::RigidTransform> X_WC_;
+  CameraPlace place_;
   std::optional<perception::CameraCalibration> mono_;
   std::optional<perception::ImageRectifier> mono_rectifier_;
   perception::StereoCalibration stereo_calibration_;

@@ -5,8 +5,6 @@
 #include <exception>
 #include <utility>
 
-#include "prehend/geometry/errors.h"
-
 namespace prehend::drivers::camera {
 namespace {
 
@@ -18,11 +16,6 @@ constexpr double kMostUnpaired = 0.1;  // part of the frames; two clocks drift p
 
 ViewSettings declare_view_settings(graph::Node& node) {
   ViewSettings settings;
-  const auto pose = node.declare_parameter<std::vector<double>>(
-      {.name = "pose",
-       .description = "of the (left) camera's optical frame in the world: x y z [m] qw qx qy qz; "
-                      "none: the world is made from the table",
-       .read_only = true});
   settings.rate = node.declare_parameter<double>(
       {.name = "rate",
        .default_value = 0.0,
@@ -39,20 +32,6 @@ ViewSettings declare_view_settings(graph::Node& node) {
                                       .maximum = 60.0,
                                       .description = "without an image, then it is an error",
                                       .read_only = true});
-  if (pose.empty()) return settings;
-  const bool is_finite =
-      std::all_of(pose.begin(), pose.end(), [](double value) { return std::isfinite(value); });
-  constexpr std::size_t kValues = 7;
-  if (pose.size() != kValues || !is_finite) {
-    throw geometry::InputError("Parameter pose is not seven numbers",
-                               "Write x y z [m] qw qx qy qz of the camera in the world");
-  }
-  const Eigen::Quaterniond q(pose[3], pose[4], pose[5], pose[6]);
-  if (std::abs(q.norm() - 1) > 1e-3) {
-    throw geometry::InputError("Parameter pose has a quaternion whose norm is not 1",
-                               "Write x y z [m] qw qx qy qz, w first");
-  }
-  settings.X_WC = geometry::make_transform(q, {pose[0], pose[1], pose[2]});
   return settings;
 }
 

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,18 +12,16 @@
 #include "drivers/wire/node/wall_timer.h"
 #include "drivers/wire/time/time.h"
 #include "msgs/sensors.pb.h"
-#include "prehend/geometry/rigid_transform.h"
 #include "prehend/graph/node.h"
 
 namespace prehend::drivers::camera {
 
 /// What the nodes of cameras have in common.
 struct ViewSettings {
-  std::optional<geometry::RigidTransform> X_WC;  // pose of the (left) camera in the world
-  double rate = 0;                               // 1/s of what is published, at most; 0: each
-  double stale_time = 1;                         // s
+  double rate = 0;        // 1/s of what is published, at most; 0: each
+  double stale_time = 1;  // s
 };
-/// Declares `pose`, `rate` and `stale_time`. @throws geometry::InputError for a pose that is none.
+/// Declares `rate` and `stale_time`.
 ViewSettings declare_view_settings(graph::Node& node);
 
 /// The graph's time of something that happened at `stamp` of steady_now().

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "drivers/camera/driver/depth_device.h"
+#include "drivers/camera/node/camera_place.h"
 #include "drivers/camera/node/camera_report.h"
 #include "msgs/camera.pb.h"
 #include "msgs/convert/camera_images.h"
@@ -110,8 +111,7 @@ DepthSettings declare_settings(graph::Node& node) {
 /// Publishes what a depth camera sees.
 class DepthPublisher {
  public:
-  DepthPublisher(graph::Node& node, const DepthSettings& settings)
-      : node_(node), X_WC_(settings.view.X_WC) {
+  DepthPublisher(graph::Node& node, const DepthSettings& settings) : node_(node), place_(node) {
     if (!settings.calibration.empty()) {
       calibration_ = perception::read_camera_calibration(settings.calibration);
       if (!calibration_->R.isIdentity(1e-6)) {
@@ -137,18 +137,21 @@ class DepthPublisher {
     msgs::Header header;
     header.set_stamp(graph_stamp(node_, view.stamp));
     header.set_frame_id("camera");
+    const auto X_WC = place_.at(header.stamp());
     publish_info(view.camera, header);
     cloud_.publish(
         convert::to_message(perception::cloud_from_depth(view.depth, view.camera, view.color)));
     msgs::DepthImage message = convert::to_message(
         convert::ColoredDepth{std::move(view.depth), std::move(view.color)}, view.unit);
     *message.mutable_header() = header;
+    if (X_WC) *message.mutable_x_wc() = convert::to_message(*X_WC);
     depth_.publish(std::move(message));
   }
 
  private:
   void publish_info(const geometry::PinholeCamera& camera, const msgs::Header& header) {
-    msgs::CameraInfo message = convert::to_message(geometry::StereoCamera{camera, 0.0}, X_WC_);
+    msgs::CameraInfo message =
+        convert::to_message(geometry::StereoCamera{camera, 0.0}, place_.fixed());
     const std::string content = message.SerializeAsString();
     if (content == info_content_) return;  // latched
     info_content_ = content;
@@ -158,7 +161,7 @@ class DepthPublisher {
   }
 
   graph::Node& node_;
-  std::optional<geometry::RigidTransform> X_WC_;
+  CameraPlace place_;
   std::optional<perception::CameraCalibration> calibration_;
   std::optional<perception::ImageRectifier> rectifier_;
   std::string info_content_;
