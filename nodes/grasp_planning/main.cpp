@@ -104,39 +104,6 @@ void declare_planner_options(graph::Node& node, grasp::PlannerOptions* declared)
   }
 }
 
-// Views of what is held are of a task that looks at it, looks from elsewhere of an arm that carries
-// a camera.
-void refuse_views(const graph::Node& node, const control::Task& task,
-                  const robot::Platform& platform) {
-  const auto refuse = [&](const std::vector<std::string>& names, const std::string& why,
-                          const char* mend) {
-    for (const std::string& name : names) {
-      if (!node.is_parameter_given(name)) continue;
-      throw geometry::InputError(fmt::format("Parameter {} does not apply: {}", name, why), mend);
-    }
-  };
-  if (!task.does(control::Primitive::kInspect)) {
-    std::vector<std::string> names;
-    planning::HeldViewOptions options;
-    planning::HeldViewOptions::knobs(options, text::ListKnobs{"held_view_", &names});
-    refuse(names, "the task " + task.name + " does not look at what is held",
-           "Leave it out, or name a task that inspects");
-  }
-  std::vector<std::string> names;
-  planning::ViewOptions options;
-  planning::ViewOptions::knobs(options, text::ListKnobs{"look_", &names});
-  if (!platform.X_FC) {
-    planning::DecisionOptions decision;
-    planning::DecisionOptions::look_knobs(decision, text::ListKnobs{"decide_", &names});
-    refuse(names, "the arm of " + platform.name + " carries no camera",
-           "Leave it out, or name a platform with `camera`, as kr5_sdh_camera");
-  }
-  if (!task.does(control::Primitive::kDecide) && !task.does(control::Primitive::kView)) {
-    refuse(names, "the task " + task.name + " does not look from elsewhere",
-           "Leave it out, or name a task that does, as look_and_pick");
-  }
-}
-
 std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   const auto file = node.declare_parameter<std::string>(
       {.name = "platform",
@@ -167,7 +134,7 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
   planning::DecisionOptions::look_knobs(options.decision, graph::DeclareKnobs{node, "decide_"});
   planning::HeldViewOptions::knobs(options.views, graph::DeclareKnobs{node, "held_view_"});
   planning::ViewOptions::knobs(options.look, graph::DeclareKnobs{node, "look_"});
-  refuse_views(node, task, platform);
+  nodes::refuse_views(node, task, platform);
   arm.pick.planner = node.declare_parameter<std::string>(
       {.name = "path_planner",
        .default_value = arm.pick.planner,

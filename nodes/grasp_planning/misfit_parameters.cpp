@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "prehend/grasp/planner_options.h"
+#include "prehend/planning/decision.h"
+#include "prehend/planning/held_views.h"
 
 namespace prehend::nodes {
 namespace {
@@ -14,35 +16,58 @@ void refuse(const std::string& parameter, const std::string& with, const std::st
                               "; leave it out");
 }
 
+void check(const graph::Node& node, const std::vector<std::string>& misfits,
+           const std::string& with, const std::string& why) {
+  for (const std::string& misfit : misfits) {
+    if (node.is_parameter_given(misfit)) refuse(misfit, with, why);
+  }
+}
+
 }  // namespace
 
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 bool front_chooses) {
-  const auto check = [&](const std::vector<std::string>& misfits, const std::string& beside,
-                         const std::string& why) {
-    for (const std::string& misfit : misfits) {
-      if (node.is_parameter_given(misfit)) refuse(misfit, beside, why);
-    }
-  };
   std::vector<std::string> misfits;
   const text::ListKnobs list{"", &misfits};
   if (platform.hand.gripper) {
     grasp::FingerOptions fingers;
     grasp::FingerOptions::knobs(fingers, list);
-    check(misfits, "with a parallel gripper", "it is of hands with fingers");
+    check(node, misfits, "with a parallel gripper", "it is of hands with fingers");
   } else {
-    check({"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
+    check(node, {"front"}, "with a hand of fingers", "it was measured with the parallel gripper");
     grasp::PadOptions pads;
     grasp::PadOptions::knobs(pads, list);
-    check(misfits, "with a hand of fingers",
+    check(node, misfits, "with a hand of fingers",
           "the hand's model has its friction, and its motors set the force");
   }
   if (!front_chooses) return;
-  check({"rolls", "standoffs", "robustness_samples"}, "beside a budget",
+  check(node, {"rolls", "standoffs", "robustness_samples"}, "beside a budget",
         "front and budget choose it");
   if (!node.parameter<std::vector<std::string>>("generators").empty()) {
     refuse("generators", "beside a budget", "front and budget choose them");
   }
+}
+
+void refuse_views(const graph::Node& node, const control::Task& task,
+                  const robot::Platform& platform) {
+  const std::string with_task = "with task " + task.name;
+  if (!task.does(control::Primitive::kInspect)) {
+    std::vector<std::string> held;
+    planning::HeldViewOptions options;
+    planning::HeldViewOptions::knobs(options, text::ListKnobs{"held_view_", &held});
+    check(node, held, with_task, "it does not look at what is held, as inspect does");
+  }
+  std::vector<std::string> looks;
+  planning::ViewOptions options;
+  planning::ViewOptions::knobs(options, text::ListKnobs{"look_", &looks});
+  if (!task.does(control::Primitive::kDecide) && !task.does(control::Primitive::kView)) {
+    check(node, looks, with_task, "it does not look from elsewhere, as look_and_pick does");
+  }
+  if (platform.X_FC) return;
+  planning::DecisionOptions decision;
+  planning::DecisionOptions::look_knobs(decision, text::ListKnobs{"decide_", &looks});
+  check(node, looks, "with platform " + platform.name,
+        "its arm carries no camera, as that of kr5_sdh_camera does");
 }
 
 }  // namespace prehend::nodes

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "prehend/control/task.h"
 #include "prehend/graph/node.h"
 #include "prehend/robot/platform.h"
 
@@ -11,5 +12,10 @@ namespace prehend::nodes {
 /// @throws std::invalid_argument naming the parameter, why it does not apply, and the mend.
 void refuse_what_does_not_apply(const graph::Node& node, const robot::Platform& platform,
                                 bool front_chooses);
+
+/// The same of views of what is held, where the task does not inspect, and of looks from elsewhere,
+/// where the arm carries no camera or the task has no such look.
+void refuse_views(const graph::Node& node, const control::Task& task,
+                  const robot::Platform& platform);
 
 }  // namespace prehend::nodes

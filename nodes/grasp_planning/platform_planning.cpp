@@ -12,6 +12,7 @@
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/grasp.h"
 #include "msgs/convert/images.h"
+#include "msgs/convert/joint_positions.h"
 #include "msgs/convert/outcomes.h"
 #include "msgs/convert/remedies.h"
 #include "msgs/convert/touch.h"
@@ -51,16 +52,9 @@ void PlatformPlanning::view_by(const msgs::CameraInfo& camera) {
 }
 
 void PlatformPlanning::start_from(const msgs::JointState& joints) {
-  const robot::KinematicChain chain = planner_.platform().arm_chain();
-  robot::Positions now = home_;
-  for (int i = 0; i < chain.size(); ++i) {
-    const std::string& name = chain.joints()[static_cast<std::size_t>(i)].name;
-    const auto found = std::find(joints.name().begin(), joints.name().end(), name);
-    const int k = static_cast<int>(found - joints.name().begin());
-    if (k >= joints.position_size() || !std::isfinite(joints.position(k))) return;
-    now[i] = joints.position(k);
-  }
-  start_ = (now - home_).cwiseAbs().maxCoeff() < kAtHome ? home_ : now;
+  const auto now = convert::positions_of(planner_.platform().arm_chain(), joints);
+  if (!now) return;
+  start_ = (*now - home_).cwiseAbs().maxCoeff() < kAtHome ? home_ : *now;
 }
 
 msgs::Grasp PlatformPlanning::to_message(const planning::PlannedPick& pick) const {

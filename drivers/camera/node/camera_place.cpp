@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "msgs/convert/joint_positions.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/robot_files.h"
 #include "prehend/text/tree_file.h"
@@ -70,17 +71,10 @@ CameraPlace::CameraPlace(graph::Node& node) {
 }
 
 void CameraPlace::hear(const msgs::JointState& joints) {
-  const robot::KinematicChain chain = platform_->arm_chain();
-  robot::Positions now(chain.size());
-  for (int i = 0; i < chain.size(); ++i) {
-    const std::string& name = chain.joints()[static_cast<std::size_t>(i)].name;
-    const auto found = std::find(joints.name().begin(), joints.name().end(), name);
-    const int k = static_cast<int>(found - joints.name().begin());
-    if (k >= joints.position_size() || !std::isfinite(joints.position(k))) return;
-    now[i] = joints.position(k);
-  }
+  auto now = convert::positions_of(platform_->arm_chain(), joints);
+  if (!now) return;
   const std::lock_guard lock(mutex_);
-  history_.add(joints.header().stamp(), std::move(now));
+  history_.add(joints.header().stamp(), *std::move(now));
 }
 
 std::optional<geometry::RigidTransform> CameraPlace::at(std::int64_t stamp) const {
