@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "tools/bag_convert/choices.h"
 #include "tools/bag_import/choices.h"
 #include "tools/bag_tools.h"
 #include "tools/commands.h"
@@ -89,6 +90,21 @@ void add_export(CLI::App& group, const std::shared_ptr<BagChoices>& choices) {
 }
 
 // Likewise.
+void add_convert(CLI::App& group) {
+  auto choices = std::make_shared<BagConvertChoices>();
+  CLI::App* command = group.add_subcommand(
+      "convert", "Copy a recording with what viewers draw: scenes, clouds, pictures, frames, log");
+  add_bag_convert_options(*command, *choices);
+  command->footer(
+      "Foxglove and Lichtblick show robot, cloud, predicted shapes, grasps and frames of the new "
+      "file without more: add a 3D panel, and choose /viewer/...\n\n"
+      "Examples:\n"
+      "  prehend bag convert run.mcap shown.mcap --platform kr5_sdh\n"
+      "  prehend bag convert run.mcap small.mcap --platform kr5_sdh --only-views");
+  command->callback([command, choices] { become_program("bag_convert", given_words(*command)); });
+}
+
+// Likewise.
 void add_import(CLI::App& group) {
   auto choices = std::make_shared<BagImportChoices>();
   CLI::App* command = group.add_subcommand(
@@ -107,12 +123,14 @@ void add_import(CLI::App& group) {
 }  // namespace
 
 void add_bag_commands(CLI::App& app, Outcome& outcome) {
-  CLI::App* group = app.add_subcommand("bag", "Look at, cut, import, export and mend recordings");
+  CLI::App* group =
+      app.add_subcommand("bag", "Look at, cut, convert, import, export and mend recordings");
   group->require_subcommand(1);
   auto choices = std::make_shared<BagChoices>();
   add_looks(*group, choices, outcome);
   add_recover(*group, choices, outcome);
   add_filter(*group, outcome);
+  add_convert(*group);
   add_export(*group, choices);
   add_import(*group);
 }

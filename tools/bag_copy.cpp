@@ -3,86 +3,22 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <stdexcept>
 
 #include "prehend/recording/latched_messages.h"
 #include "prehend/recording/mcap_reader.h"
-#include "prehend/recording/mcap_writer.h"
 #include "prehend/recording/recording_file.h"
 #include "prehend/recording/topic_filter.h"
 #include "prehend/text/nearest_match.h"
 #include "prehend/text/quantities.h"
 #include "tools/bag_tools.h"
+#include "tools/recording_copy.h"
 
 namespace prehend::tools {
 namespace {
 
 namespace fs = std::filesystem;
 namespace recording = prehend::recording;
-
-// Writes parts of a recording to a new one.
-class Copy {
- public:
-  Copy(recording::McapReader& reader, const std::string& to,
-       const recording::McapWriterOptions& options)
-      : reader_(reader), path_(new_file(to)), writer_(recording::partial_path(path_), options) {}
-
-  void declare(const recording::TopicFilter& filter) {
-    for (const auto& [id, channel] : reader_.channels()) {
-      if (!filter.wants(channel.topic)) continue;
-      const auto* schema = reader_.schema_of(channel);
-      const std::uint16_t schema_id =
-          schema ? writer_.add_schema(schema->name, schema->encoding, schema->data) : 0;
-      channels_[id] =
-          writer_.add_channel(channel.topic, channel.message_encoding, schema_id, channel.metadata);
-    }
-  }
-
-  void copy_attachments() {
-    for (const auto& index : reader_.attachments()) {
-      try {
-        writer_.add_attachment(reader_.read_attachment(index));
-      } catch (const recording::McapError& error) {
-        std::printf("problem: %s\n", error.what());
-      }
-    }
-    for (const auto& item : reader_.metadata()) writer_.add_metadata(item);
-  }
-
-  void add(const recording::McapMetadata& metadata) { writer_.add_metadata(metadata); }
-
-  void write(const recording::McapMessage& message, std::uint64_t log_time) {
-    const auto channel = channels_.find(message.channel_id);
-    if (channel == channels_.end()) return;
-    writer_.write(channel->second, message.sequence, log_time, message.publish_time, message.data);
-  }
-
-  void copy_messages(const recording::McapMessageFilter& filter) {
-    auto cursor = reader_.messages(filter);
-    while (const auto message = cursor.next()) write(*message, message->log_time);
-  }
-
-  // Prints what was skipped; returns the number of messages written.
-  std::uint64_t finish() {
-    writer_.close();
-    recording::give_name(path_);
-    for (const auto& problem : reader_.problems()) std::printf("problem: %s\n", problem.c_str());
-    return writer_.statistics().message_count;
-  }
-
- private:
-  static const std::string& new_file(const std::string& path) {
-    if (fs::exists(path)) throw std::runtime_error(path + " exists; give a new file");
-    recording::make_way(path);
-    return path;
-  }
-
-  recording::McapReader& reader_;
-  const std::string path_;
-  recording::McapWriter writer_;
-  std::map<std::uint16_t, std::uint16_t> channels_;
-};
 
 std::vector<std::string> topics_of(const recording::McapReader& reader) {
   std::vector<std::string> topics;
@@ -121,7 +57,7 @@ int bag_recover(const std::string& from, const std::string& to) {
         partial.c_str());
   }
   recording::McapReader reader(file);
-  Copy copy(reader, to, {});
+  RecordingCopy copy(reader, to, {});
   copy.declare({});
   copy.copy_attachments();
   copy.copy_messages({});
@@ -144,10 +80,10 @@ int bag_filter(const BagFilter& filter) {
   if (range.topics.empty()) throw std::invalid_argument("no topic is left over");
   recording::McapWriterOptions options;
   options.compression = recording::compression_named(filter.compression);
-  Copy copy(reader, filter.to, options);
+  RecordingCopy copy(reader, filter.to, options);
   copy.declare(topics);
   copy.copy_attachments();
-  copy.add({"prehend.filter", {{"from", filter.from}}});
+  copy.writer().add_metadata({"prehend.filter", {{"from", filter.from}}});
   if (range.start_time > 0) {
     for (const auto& message : recording::latched_before(reader, topics, range.start_time)) {
       copy.write(message, range.start_time);

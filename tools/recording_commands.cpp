@@ -28,8 +28,8 @@ constexpr std::chrono::milliseconds kQuestionTime{500};
 struct RecordChoices {
   std::string registry, output, compression = "lz4", clock = "wall";
   std::vector<std::string> topics, attachments;
-  std::string split_size, split_duration;
-  bool all = false;
+  std::string split_size, split_duration, platform;
+  bool all = false, foxglove = false, no_images = false;
   double duration = 0;
 };
 
@@ -85,6 +85,11 @@ void record(const RecordChoices& choices) {
   if (!choices.split_duration.empty()) {
     const auto nanoseconds = static_cast<double>(text::parse_duration(choices.split_duration));
     add_parameter(words, "split_duration", number_text(nanoseconds * 1e-9));
+  }
+  if (choices.foxglove) {
+    add_parameter(words, "foxglove", "true");
+    add_parameter(words, "platform", choices.platform);
+    add_parameter(words, "foxglove_images", choices.no_images ? "false" : "true");
   }
   become_program("recorder", words);
 }
@@ -165,10 +170,20 @@ void add_record(CLI::App& app) {
   command->add_option("--clock", choices->clock, "Time of the recording: wall or simulated")
       ->check(CLI::IsMember({"wall", "simulated"}))
       ->capture_default_str();
+  CLI::Option* foxglove =
+      command->add_flag("--foxglove", choices->foxglove,
+                        "Also as types that Foxglove and Lichtblick draw, on /viewer/...");
+  command
+      ->add_option("--platform", choices->platform,
+                   "The robot that is drawn, of config/robots without .yaml, or a file")
+      ->needs(foxglove);
+  command->add_flag("--no-images", choices->no_images, "Pictures are not recorded a second time")
+      ->needs(foxglove);
   add_registry_option(*command, choices->registry);
   command->footer(
       "Examples:\n"
       "  prehend record -o run.mcap\n"
+      "  prehend record -o run.mcap --foxglove --platform kr5_sdh\n"
       "  prehend record /camera/stereo /camera/info --duration 10\n"
       "  prehend record --attach calibration.yaml --compression zstd\n"
       "  prehend record -o long.mcap --split-size 1GB");

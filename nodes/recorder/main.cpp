@@ -5,15 +5,21 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <set>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
+#include "msgs/views/views.h"
+#include "nodes/platform_source/platform_source.h"
 #include "nodes/recorder/run_facts.h"
 #include "nodes/recorder/topic_recorder.h"
 #include "prehend/graph/node_program.h"
 #include "prehend/graph/stop_signals.h"
 #include "prehend/recording/word_list.h"
+#include "prehend/robot/robot_files.h"
 
 namespace {
 
@@ -29,7 +35,38 @@ struct Settings {
   prehend::recording::McapWriterOptions writer;
   prehend::recording::SplitOptions split;
   double duration = 0;
+  std::optional<std::vector<prehend::views::View>> views;
 };
+
+// What is recorded, as viewers draw it; nothing without `foxglove`.
+std::optional<std::vector<prehend::views::View>> declare_views(Node& node) {
+  namespace views = prehend::views;
+  const bool shown = node.declare_parameter<bool>(
+      {.name = "foxglove",
+       .description = "also as types that Foxglove and Lichtblick draw, on /viewer/...",
+       .read_only = true});
+  const std::string platforms = prehend::nodes::declare_platforms(node);
+  const auto platform = node.declare_parameter<std::string>(
+      {.name = "platform",
+       .description = "with `foxglove`: robot that is drawn, of `platforms` without .yaml, or a "
+                      "file; empty: none",
+       .read_only = true});
+  const bool images = node.declare_parameter<bool>(
+      {.name = "foxglove_images",
+       .default_value = true,
+       .description = "with `foxglove`: pictures of cameras once more, too, as they are",
+       .read_only = true});
+  if (!shown) {
+    if (platform.empty() && images) return std::nullopt;
+    throw std::invalid_argument("platform and foxglove_images go with foxglove:=true only");
+  }
+  std::shared_ptr<const prehend::robot::Platform> robot;
+  if (!platform.empty()) {
+    robot = std::make_shared<const prehend::robot::Platform>(
+        prehend::robot::read_platform(prehend::robot::platform_file(platforms, platform)));
+  }
+  return views::standard_views(std::move(robot), {.shown = images, .compress = {}});
+}
 
 Settings declare_settings(Node& node) {
   Settings s;
@@ -77,6 +114,7 @@ Settings declare_settings(Node& node) {
                  .maximum = 1e9,
                  .description = "recorded time after which it goes on in another file; 0: never",
                  .read_only = true}));
+  s.views = declare_views(node);
   return s;
 }
 
@@ -93,13 +131,14 @@ std::vector<prehend::recording::McapAttachment> read_attachments(std::vector<std
 }
 
 void record(Node& node) {
-  const Settings settings = declare_settings(node);
+  Settings settings = declare_settings(node);
   ::signal(SIGXFSZ, SIG_IGN);  // a file at the process' size limit is an error to be told, no death
   prehend::TopicRecorder recorder(node, settings.topics);
   auto attachments = read_attachments(settings.attachments);  // all that can fail, before the file
   const auto folder = std::filesystem::path(settings.output).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
   recorder.open(settings.output, settings.writer, settings.split);
+  if (settings.views) recorder.show(std::move(*settings.views));
   recorder.add(prehend::run_facts());
   for (auto& attachment : attachments) recorder.add(std::move(attachment));
 

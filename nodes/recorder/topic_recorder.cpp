@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "prehend/recording/latched_messages.h"
+#include "prehend/recording/protobuf_schema.h"
 
 namespace prehend {
 namespace {
@@ -79,6 +80,30 @@ void TopicRecorder::open(const std::string& path, const recording::McapWriterOpt
         "recover mends it",
         left);
   }
+}
+
+void TopicRecorder::show(std::vector<views::View> views) {
+  const std::lock_guard lock(mutex_);
+  feed_.emplace(
+      std::move(views),
+      [this](const views::ViewChannel& channel, std::int64_t time, const std::string& bytes) {
+        write_view(channel, time, bytes);
+      },
+      [this](const std::string& problem) { node_.log_warning("not shown: {}", problem); });
+}
+
+void TopicRecorder::write_view(const views::ViewChannel& channel, std::int64_t time,
+                               const std::string& bytes) {
+  const auto [found, is_new] = shown_.try_emplace(channel.topic);
+  Shown& shown = found->second;
+  if (is_new) {
+    std::map<std::string, std::string> metadata;
+    if (channel.kept() > 0) metadata[recording::kLatchedKey] = std::to_string(channel.kept());
+    shown.channel = writer_->add_channel(channel.topic, channel.type->full_name(),
+                                         recording::file_descriptor_set(*channel.type), metadata);
+  }
+  writer_->write(shown.channel, node_.name(), ++shown.sequence, log_time_, unsigned_time(time),
+                 bytes);
 }
 
 void TopicRecorder::add(recording::McapAttachment attachment) {
@@ -159,6 +184,11 @@ void TopicRecorder::write(Topic& topic, const graph::RawMessage& message, std::u
                    unsigned_time(message.info.publish_time), message.bytes);
     ++topic.messages;
     topic.bytes += message.bytes.size();
+    if (!feed_) return;
+    log_time_ = log_time;
+    const std::int64_t time = message.info.publish_time;
+    feed_->take({message.info.topic.str(), message.info.sender.str(), message.schema->name,
+                 message.bytes, time, time});
   } catch (const McapError& error) {
     failure_ = error.what();
     ++not_written_;

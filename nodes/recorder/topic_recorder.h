@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "msgs/views/view_feed.h"
 #include "prehend/graph/node.h"
 #include "prehend/recording/split_writer.h"
 #include "prehend/recording/topic_filter.h"
@@ -33,6 +34,9 @@ class TopicRecorder {
   /// sense.
   void open(const std::string& path, const recording::McapWriterOptions& options,
             const recording::SplitOptions& split);
+
+  /// From now on what is recorded is also written as these views show it. After open().
+  void show(std::vector<views::View> views);
 
   void add(recording::McapAttachment attachment);
   void add(recording::McapMetadata metadata);
@@ -75,6 +79,7 @@ class TopicRecorder {
   void write_waiting(Topic& topic);
   void follow_sequence(Topic& topic, const graph::MessageInfo& info);
   void declare_channel(Topic& topic, const graph::RawMessage& message);
+  void write_view(const views::ViewChannel& channel, std::int64_t time, const std::string& bytes);
   void wait_for_arrivals(std::int64_t until);
   void wait_until_written();
   std::vector<recording::McapMetadata> losses() const;
@@ -88,6 +93,13 @@ class TopicRecorder {
   std::optional<recording::SplitWriter> writer_;
   std::map<std::string, Topic> topics_;
   std::map<std::string, graph::TopicInfo> infos_;
+  struct Shown {
+    std::size_t channel = 0;
+    std::uint32_t sequence = 0;
+  };
+  std::optional<views::ViewFeed> feed_;
+  std::map<std::string, Shown> shown_;  // by the view's topic
+  std::uint64_t log_time_ = 0;          // [ns] of the message that is shown
   std::string failure_;
   bool finished_ = false;
   std::uint64_t not_written_ = 0;  // messages after the failure

@@ -1,12 +1,14 @@
 #include "nodes/viewer/bridge.h"
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "msgs/views/views.h"
 #include "nodes/viewer/message_types.h"
 #include "prehend/text/tree_file.h"
 #include "prehend/viewing/page_files.h"
@@ -15,6 +17,7 @@ namespace prehend::nodes {
 namespace {
 
 using viewing::StatusLevel;
+using views::View;
 
 constexpr std::size_t kMostWaiting = 64;  // questions of viewers
 constexpr int kCalls = 4;                 // services that are called at once
@@ -22,6 +25,13 @@ const std::string kAssets = "package://prehend/config/";
 
 std::uint64_t unsigned_time(std::int64_t stamp) {
   return stamp < 0 ? 0 : static_cast<std::uint64_t>(stamp);
+}
+
+views::ViewedMessage viewed(const graph::RawMessage& message) {
+  const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
+  return {message.info.topic.str(),  message.info.sender.str(),
+          message.schema->name,      message.bytes,
+          message.info.publish_time, now.count()};
 }
 
 viewing::AssetAnswer asset(const std::string& uri) {
@@ -213,7 +223,9 @@ void Bridge::begin_topic(viewing::ChannelId id, Offered& offered) {
 // --- views --------------------------------------------------------------------------------------
 
 void Bridge::add_view(const View& view) {
-  const viewing::ChannelId id = server_->add_channel(view.channel);
+  const views::ViewChannel& channel = view.channel;
+  const viewing::ChannelId id = server_->add_channel(
+      {channel.topic, viewed_type(*channel.type), channel.latched, channel.may_drop});
   channels_[id] = {"", {}, &view, false, {}};
 }
 
@@ -231,7 +243,7 @@ void Bridge::see_views(const Offers& offers) {
   }
   for (const auto& [topic, type] : offers.topics) {
     if (pad_views_.count(topic) > 0) continue;
-    auto view = pad_view(topic, type);
+    auto view = views::pad_view(topic, type.schema_name);
     if (!view) continue;
     add_view(*pad_views_.emplace(topic, std::move(view)).first->second);
   }
@@ -249,7 +261,7 @@ void Bridge::begin_view(viewing::ChannelId id, Offered& offered) {
         known == offers_.topics.end() ? 1 : std::max<std::size_t>(known->second.latched, 1);
     offered.listening.push_back(topics_.listen(
         source.topic, latched, [this, name, take = std::move(source.take)](const Message& message) {
-          (void)node_.shield(name, [&] { take(*message); });
+          (void)node_.shield(name, [&] { take(viewed(*message)); });
         }));
   }
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "msgs/views/view.h"
 #include "nodes/viewer/client_topics.h"
 #include "nodes/viewer/offers.h"
 #include "nodes/viewer/own_services.h"
@@ -16,7 +17,6 @@
 #include "nodes/viewer/service_calls.h"
 #include "nodes/viewer/tasks.h"
 #include "nodes/viewer/topics.h"
-#include "nodes/viewer/views.h"
 #include "prehend/graph/introspection.h"
 #include "prehend/graph/node.h"
 #include "prehend/viewing/server.h"
@@ -29,7 +29,7 @@ class Bridge {
  public:
   struct Options {
     viewing::ServerOptions server;
-    std::vector<View> views;
+    std::vector<views::View> views;
     bool control = true;    ///< viewers may set parameters, call services and publish
     std::string registry;   ///< as Introspection
     std::string keys_file;  ///< as Introspection
@@ -50,7 +50,7 @@ class Bridge {
   struct Offered {
     std::string topic;  // of the graph; empty: a view's
     OfferedTopic type;
-    const View* view = nullptr;
+    const views::View* view = nullptr;
     bool wanted = false;
     std::vector<Topics::Listening> listening;
   };
@@ -67,7 +67,7 @@ class Bridge {
   void see_topics(const Offers& offers);
   void see_views(const Offers& offers);
   void see_services(const Offers& offers);
-  void add_view(const View& view);
+  void add_view(const views::View& view);
   void want(viewing::ChannelId id, bool wanted);
   void begin_topic(viewing::ChannelId id, Offered& offered);
   void begin_view(viewing::ChannelId id, Offered& offered);
@@ -84,7 +84,7 @@ class Bridge {
   ClientTopics client_topics_;
   std::map<viewing::ChannelId, Offered> channels_;      // as all that follow, of looking_'s thread
   std::map<std::string, viewing::ChannelId> by_topic_;  // those of the graph
-  std::map<std::string, std::optional<View>> pad_views_;  // by the topic of a pad
+  std::map<std::string, std::optional<views::View>> pad_views_;  // by the topic of a pad
   std::map<std::string, viewing::ServiceId> service_ids_;
   Offers offers_;
   bool is_blind_ = false;  // the graph does not answer

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "msgs/views/views.h"
 #include "nodes/platform_source/platform_source.h"
 #include "nodes/viewer/bridge.h"
 #include "prehend/graph/node_program.h"
@@ -95,7 +96,7 @@ void show(graph::Node& node) {
        .default_value = true,
        .description = "viewers may set parameters, call services and publish; false: only look",
        .read_only = true});
-  options.views = nodes::standard_views(declare_platform(node));
+  options.views = views::standard_views(declare_platform(node));
   const bool is_here = viewing::is_loopback_host(options.server.address);
   if (!is_here && options.server.token.empty()) options.server.token = random_token();
   graph::keep_heap_warm();

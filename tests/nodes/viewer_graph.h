@@ -16,6 +16,7 @@
 #include "msgs/safety.pb.h"
 #include "msgs/sensors.pb.h"
 #include "msgs/touch.pb.h"
+#include "msgs/views/views.h"
 #include "nodes/viewer/bridge.h"
 #include "prehend/graph/node.h"
 #include "prehend/graph/registry.h"
@@ -64,7 +65,7 @@ class ViewerGraph : public ::testing::Test {
     its.server.page = page;
     its.control = control;
     its.registry = registry_.endpoint();
-    its.views = standard_views(nullptr);
+    its.views = views::standard_views(nullptr);
     bridge_ = std::make_unique<Bridge>(*viewer_, std::move(its));
     viewer_->spin_in_background();
     ends_ = false;

@@ -79,9 +79,10 @@ std::string objection(const Place& from, const Place& to) {
   }
   if (from.top == "msgs") {
     return to.top == "msgs" ||
-                   (from.folder == "convert" && to.top == "prehend" && floor_of(to.folder) >= 0)
+                   ((from.folder == "convert" || from.folder == "views") && to.top == "prehend" &&
+                    floor_of(to.folder) >= 0)
                ? ""
-               : "but messages depend on nothing, and msgs/convert on algorithms alone";
+               : "but messages depend on nothing, msgs/convert and msgs/views on algorithms alone";
   }
   if (from.top != "prehend") return "";
   if (to.top != "prehend" && to.top != "msgs") return "but the library stands below that";

@@ -1,5 +1,7 @@
 // node check.cjs read FILE [--crc]   prints what @mcap/core's indexed reader finds, as JSON
 // node check.cjs stream FILE         prints what its stream reader finds, as JSON
+// node check.cjs views FILE          fails where a foxglove type has other fields than @foxglove/schemas
+//                                    or a message of one cannot be decoded; prints them by topic
 // node check.cjs write FILE          writes a recording with @mcap/core's writer
 "use strict";
 const fs = require("fs");
@@ -61,6 +63,37 @@ async function stream(path) {
   print({ types, done: reader.done() });
 }
 
+async function views(path) {
+  const publicSchemas = require("@foxglove/schemas/jsonschema");
+  const bytes = fs.readFileSync(path);
+  const reader = await McapIndexedReader.Initialize({
+    readable: { size: async () => BigInt(bytes.length),
+                read: async (offset, length) =>
+                  new Uint8Array(bytes.subarray(Number(offset), Number(offset + length))) },
+    decompressHandlers: await loadDecompressHandlers() });
+  const plain = (name) => name.toLowerCase().replace(/_/g, "");
+  const types = new Map(), counts = {}, problems = [];
+  for (const schema of reader.schemasById.values()) {
+    const root = protobuf.Root.fromDescriptor(descriptor.FileDescriptorSet.decode(schema.data));
+    types.set(schema.id, root.lookupType(schema.name));
+    if (!schema.name.startsWith("foxglove.")) continue;
+    for (const nested of root.lookup("foxglove").nestedArray) {
+      if (!(nested instanceof protobuf.Type)) continue;
+      const ours = nested.fieldsArray.map((field) => plain(field.name)).sort().join();
+      const theirs = Object.keys(publicSchemas[nested.name].properties).map(plain).sort().join();
+      if (ours !== theirs) problems.push(`${nested.name}: ${ours} / ${theirs}`);
+    }
+  }
+  for await (const message of reader.readMessages({ validateCrcs: true })) {
+    const channel = reader.channelsById.get(message.channelId);
+    if (!reader.schemasById.get(channel.schemaId).name.startsWith("foxglove.")) continue;
+    types.get(channel.schemaId).decode(message.data);
+    counts[channel.topic] = (counts[channel.topic] ?? 0) + 1;
+  }
+  if (problems.length) throw new Error(problems.join("; "));
+  print(counts);
+}
+
 async function write(path) {
   const chunks = [];
   let position = 0;
@@ -88,7 +121,7 @@ async function write(path) {
 }
 
 const [action, path] = process.argv.slice(2);
-({ read, stream, write })[action](path).catch((error) => {
+({ read, stream, views, write })[action](path).catch((error) => {
   console.error(String(error));
   process.exit(1);
 });

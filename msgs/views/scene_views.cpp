@@ -1,7 +1,6 @@
 // The entities of a scene: what is kept of each object belongs to the newest look.
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -14,16 +13,15 @@
 #include "msgs/grasp.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
-#include "nodes/viewer/view_makers.h"
+#include "msgs/views/view_makers.h"
 
-namespace prehend::nodes {
+namespace prehend::views {
 namespace {
 
 using ::foxglove::SceneUpdate;
-using std::chrono::steady_clock;
 
-constexpr int kMostGrasps = 8;  // of each object
-constexpr std::chrono::milliseconds kTruthPeriod{100};
+constexpr int kMostGrasps = 8;                      // of each object
+constexpr std::int64_t kTruthPeriod = 100'000'000;  // ns
 
 std::string key_of(std::uint32_t object) { return std::to_string(object); }
 
@@ -33,22 +31,22 @@ class ObjectsShown {
  public:
   explicit ObjectsShown(View::Publish publish) : publish_(std::move(publish)) {}
 
-  void take_model(const graph::RawMessage& raw) {
+  void take_model(const ViewedMessage& raw) {
     const auto model = decoded<msgs::ObjectModel>(raw);
     const std::int64_t stamp = model.header().stamp();
     std::vector<std::uint32_t> gone;
     const std::lock_guard lock(mutex_);
-    if (!look_.take(raw.info.publish_time, stamp, model.object_count(), gone)) return;
+    if (!look_.take(raw.publish_time, stamp, model.object_count(), gone)) return;
     if (look_.began_anew()) held_.clear();
     for (const std::uint32_t id : gone) {
       SceneUpdate deletion;
       convert::add_deletion(deletion, convert::object_frame(id), stamp);
-      publish_(raw.info.publish_time, deletion.SerializeAsString(), key_of(id));
+      publish_(raw.publish_time, deletion.SerializeAsString(), key_of(id));
     }
     const auto held = held_.find(model.id());
     if (held == held_.end() || held->second != stamp) show(raw, model);
   }
-  void take_held(const graph::RawMessage& raw) {
+  void take_held(const ViewedMessage& raw) {
     const auto model = decoded<msgs::ObjectModel>(raw);
     const std::int64_t stamp = model.header().stamp();
     const std::lock_guard lock(mutex_);
@@ -58,10 +56,10 @@ class ObjectsShown {
   }
 
  private:
-  void show(const graph::RawMessage& raw, const msgs::ObjectModel& model) {
+  void show(const ViewedMessage& raw, const msgs::ObjectModel& model) {
     SceneUpdate update;
     *update.add_entities() = convert::object_entity(model);
-    publish_(raw.info.publish_time, update.SerializeAsString(), key_of(model.id()));
+    publish_(raw.publish_time, update.SerializeAsString(), key_of(model.id()));
   }
 
   const View::Publish publish_;
@@ -78,7 +76,7 @@ struct GraspsState {
 
 struct TruthState {
   std::mutex mutex;
-  steady_clock::time_point last{};
+  Pace pace{kTruthPeriod};
 };
 
 }  // namespace
@@ -97,8 +95,8 @@ View objects_view() {
   view.begin = [](View::Publish publish) {
     auto shown = std::make_shared<ObjectsShown>(std::move(publish));
     return std::vector<View::Source>{
-        {"/models", [shown](const graph::RawMessage& raw) { shown->take_model(raw); }},
-        {"/held/model", [shown](const graph::RawMessage& raw) { shown->take_held(raw); }}};
+        {"/models", [shown](const ViewedMessage& raw) { shown->take_model(raw); }},
+        {"/held/model", [shown](const ViewedMessage& raw) { shown->take_held(raw); }}};
   };
   return view;
 }
@@ -108,11 +106,11 @@ View grasps_view() {
   view.begin = [](View::Publish publish) {
     auto state = std::make_shared<GraspsState>();
     return std::vector<View::Source>{
-        {"/plans", [state, publish](const graph::RawMessage& raw) {
+        {"/plans", [state, publish](const ViewedMessage& raw) {
            const auto plan = decoded<msgs::GraspPlan>(raw);
            std::vector<std::uint32_t> gone;
            const std::lock_guard lock(state->mutex);
-           if (!state->look.take(raw.info.publish_time, plan.header().stamp(), plan.object_count(),
+           if (!state->look.take(raw.publish_time, plan.header().stamp(), plan.object_count(),
                                  gone))
              return;
            for (const std::uint32_t id : gone) {
@@ -122,13 +120,13 @@ View grasps_view() {
              auto update = convert::grasps_update(nothing, kMostGrasps, state->shown[id]);
              update.clear_entities();
              convert::add_deletion(update, fmt::format("grasp/{}/none", id), plan.header().stamp());
-             publish(raw.info.publish_time, update.SerializeAsString(), key_of(id));
+             publish(raw.publish_time, update.SerializeAsString(), key_of(id));
              state->shown.erase(id);
            }
            int& shown = state->shown[plan.id()];
            const auto update = convert::grasps_update(plan, kMostGrasps, shown);
            shown = std::max(shown, std::min(kMostGrasps, plan.grasps_size()));
-           publish(raw.info.publish_time, update.SerializeAsString(), key_of(plan.id()));
+           publish(raw.publish_time, update.SerializeAsString(), key_of(plan.id()));
          }}};
   };
   return view;
@@ -138,9 +136,9 @@ View table_view() {
   View view{view_channel<SceneUpdate>("/viewer/table", 1, false), {"/objects"}, {}};
   view.begin = [](View::Publish publish) {
     return std::vector<View::Source>{
-        {"/objects", [publish](const graph::RawMessage& raw) {
+        {"/objects", [publish](const ViewedMessage& raw) {
            const auto update = convert::table_update(decoded<msgs::ObjectHypotheses>(raw));
-           publish(raw.info.publish_time, update.SerializeAsString(), "table");
+           publish(raw.publish_time, update.SerializeAsString(), "table");
          }}};
   };
   return view;
@@ -152,17 +150,16 @@ View truth_view() {
   view.begin = [](View::Publish publish) {
     auto state = std::make_shared<TruthState>();
     return std::vector<View::Source>{
-        {"/ground_truth", [publish, state](const graph::RawMessage& raw) {
+        {"/ground_truth", [publish, state](const ViewedMessage& raw) {
            {
              const std::lock_guard lock(state->mutex);
-             if (steady_clock::now() - state->last < kTruthPeriod) return;
-             state->last = steady_clock::now();
+             if (!state->pace.lets_through(raw.pace_time)) return;
            }
            const auto update = convert::truth_update(decoded<msgs::GroundTruth>(raw));
-           publish(raw.info.publish_time, update.SerializeAsString(), "truth");
+           publish(raw.publish_time, update.SerializeAsString(), "truth");
          }}};
   };
   return view;
 }
 
-}  // namespace prehend::nodes
+}  // namespace prehend::views

@@ -4,30 +4,30 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "nodes/viewer/message_types.h"
-#include "nodes/viewer/views.h"
+#include "msgs/views/views.h"
 #include "prehend/geometry/errors.h"
 
-namespace prehend::nodes {
+namespace prehend::views {
 
 /// A channel of viewers' type `Converted`.
 template <class Converted>
-viewing::Channel view_channel(const std::string& topic, std::size_t latched, bool may_drop) {
-  return {topic, viewed_type(*Converted::descriptor()), latched, may_drop};
+ViewChannel view_channel(const std::string& topic, std::size_t latched, bool may_drop) {
+  return {topic, Converted::descriptor(), latched, may_drop};
 }
 
-/// A message of the graph, decoded. @throws geometry::InputError for another type or what is none.
+/// The message, decoded. @throws geometry::InputError for another type or what is none.
 template <class Message>
-Message decoded(const graph::RawMessage& raw) {
+Message decoded(const ViewedMessage& raw) {
   Message message;
-  if (raw.schema->name != Message::descriptor()->full_name() ||
-      !message.ParseFromString(raw.bytes)) {
-    throw geometry::InputError("A message on " + raw.info.topic.str() + " of " +
-                                   raw.info.sender.str() + " is no " +
+  if (raw.schema_name != Message::descriptor()->full_name() ||
+      !message.ParseFromArray(raw.bytes.data(), static_cast<int>(raw.bytes.size()))) {
+    throw geometry::InputError("A message on " + std::string(raw.topic) + " of " +
+                                   std::string(raw.sender) + " is no " +
                                    Message::descriptor()->full_name(),
                                "Mend or update the node that published it");
   }
@@ -36,16 +36,31 @@ Message decoded(const graph::RawMessage& raw) {
 
 /// Each message of one topic becomes one of the channel.
 template <class Message, class Convert>
-View simple_view(viewing::Channel channel, const std::string& topic, Convert convert) {
+View simple_view(ViewChannel channel, const std::string& topic, Convert convert) {
   View view{std::move(channel), {topic}, {}};
   view.begin = [topic, convert](View::Publish publish) {
     return std::vector<View::Source>{
-        {topic, [convert, publish](const graph::RawMessage& raw) {
-           publish(raw.info.publish_time, convert(decoded<Message>(raw)).SerializeAsString(), "");
+        {topic, [convert, publish](const ViewedMessage& raw) {
+           publish(raw.publish_time, convert(decoded<Message>(raw)).SerializeAsString(), "");
          }}};
   };
   return view;
 }
+
+/// Leaves out what follows too soon. A time that has jumped back begins anew.
+class Pace {
+ public:
+  explicit Pace(std::int64_t period) : period_(period) {}  // ns
+  bool lets_through(std::int64_t now) {
+    if (last_ && now >= *last_ && now - *last_ < period_) return false;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  std::int64_t period_;
+  std::optional<std::int64_t> last_;
+};
 
 /// Objects by the look that they are of. Not thread-safe.
 class Look {
@@ -90,4 +105,4 @@ View grasps_view();
 View table_view();
 View truth_view();
 
-}  // namespace prehend::nodes
+}  // namespace prehend::views

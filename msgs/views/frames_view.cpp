@@ -1,7 +1,6 @@
 // Where everything is: the links of the robot, the camera, and the objects, which move with the
 // hand while it carries them.
 
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -14,22 +13,21 @@
 #include "msgs/joints.pb.h"
 #include "msgs/objects.pb.h"
 #include "msgs/sensors.pb.h"
-#include "nodes/viewer/view_makers.h"
+#include "msgs/views/view_makers.h"
 
-namespace prehend::nodes {
+namespace prehend::views {
 namespace {
 
 using geometry::RigidTransform;
-using std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kFramePeriod{30};
+constexpr std::int64_t kFramePeriod = 30'000'000;  // ns
 
 class Frames {
  public:
   Frames(std::shared_ptr<const robot::Platform> platform, View::Publish publish)
       : platform_(std::move(platform)), publish_(std::move(publish)) {}
 
-  void take_joints(const graph::RawMessage& raw) {
+  void take_joints(const ViewedMessage& raw) {
     const auto state = decoded<msgs::JointState>(raw);
     const std::lock_guard lock(mutex_);
     const int count = std::min(state.name_size(), state.position_size());
@@ -38,7 +36,7 @@ class Frames {
   }
 
   // The joint of a gripper's jaws is half of what it is open.
-  void take_gripper(const graph::RawMessage& raw) {
+  void take_gripper(const ViewedMessage& raw) {
     const auto state = decoded<msgs::GripperState>(raw);
     const std::lock_guard lock(mutex_);
     for (const std::string& joint : platform_->hand.actuated_names()) {
@@ -46,7 +44,7 @@ class Frames {
     }
   }
 
-  void take_camera(const graph::RawMessage& raw) {
+  void take_camera(const ViewedMessage& raw) {
     const auto info = decoded<msgs::CameraInfo>(raw);
     if (!info.has_x_wc() || info.header().frame_id().empty()) return;
     const RigidTransform X_WC = convert::from_message(info.x_wc());
@@ -55,12 +53,12 @@ class Frames {
     changed(raw, true);
   }
 
-  void take_model(const graph::RawMessage& raw) {
+  void take_model(const ViewedMessage& raw) {
     const auto model = decoded<msgs::ObjectModel>(raw);
     const std::lock_guard lock(mutex_);
     const std::int64_t before = look_.stamp();
     std::vector<std::uint32_t> gone;
-    if (!look_.take(raw.info.publish_time, model.header().stamp(), model.object_count(), gone)) {
+    if (!look_.take(raw.publish_time, model.header().stamp(), model.object_count(), gone)) {
       return;
     }
     if (look_.stamp() != before) {  // what is seen anew lies where it is seen
@@ -71,7 +69,7 @@ class Frames {
     changed(raw, true);
   }
 
-  void take_cycle(const graph::RawMessage& raw) {
+  void take_cycle(const ViewedMessage& raw) {
     const auto state = decoded<msgs::CycleState>(raw);
     const std::lock_guard lock(mutex_);
     const bool carries =
@@ -94,11 +92,9 @@ class Frames {
     return convert::link_poses(*platform_, positions_)[index];
   }
 
-  void changed(const graph::RawMessage& raw, bool at_once) {
-    const auto now = steady_clock::now();
-    if (!at_once && now - last_ < kFramePeriod) return;
-    last_ = now;
-    const std::int64_t stamp = raw.info.publish_time;
+  void changed(const ViewedMessage& raw, bool at_once) {
+    if (!at_once && !pace_.lets_through(raw.pace_time)) return;
+    const std::int64_t stamp = raw.publish_time;
     ::foxglove::FrameTransforms transforms;
     if (platform_ && !positions_.empty()) {
       const auto& model = platform_->model;
@@ -130,7 +126,7 @@ class Frames {
   std::map<std::uint32_t, RigidTransform> objects_;  // of the object's frame in the world
   Look look_;
   std::optional<Held> held_;
-  steady_clock::time_point last_{};
+  Pace pace_{kFramePeriod};
 };
 
 }  // namespace
@@ -139,9 +135,9 @@ View frames_view(std::shared_ptr<const robot::Platform> platform) {
   View view{view_channel<::foxglove::FrameTransforms>("/viewer/frames", 1, true), {}, {}};
   view.begin = [platform = std::move(platform)](View::Publish publish) {
     auto frames = std::make_shared<Frames>(platform, std::move(publish));
-    const auto source = [&](const char* topic, void (Frames::*take)(const graph::RawMessage&)) {
+    const auto source = [&](const char* topic, void (Frames::*take)(const ViewedMessage&)) {
       return View::Source{topic,
-                          [frames, take](const graph::RawMessage& raw) { ((*frames).*take)(raw); }};
+                          [frames, take](const ViewedMessage& raw) { ((*frames).*take)(raw); }};
     };
     std::vector<View::Source> sources{source("/camera/info", &Frames::take_camera),
                                       source("/models", &Frames::take_model),
@@ -156,4 +152,4 @@ View frames_view(std::shared_ptr<const robot::Platform> platform) {
   return view;
 }
 
-}  // namespace prehend::nodes
+}  // namespace prehend::views
