@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 struct Options {
   eval::CaseChoice choice = eval::default_choice("out/belief");
   std::optional<int> touches;
-  std::optional<int> looks;  // of what a hand holds, in place of touches
+  std::optional<int> looks;  // in place of touches
   std::string hand;          // empty: a fingertip
   bool fit_prior = false;
   bool surprise = false;
@@ -118,14 +118,13 @@ int run(const Options& options) {
   const std::vector<eval::Case> cases = eval::chosen_cases(sets, options.choice);
   if (options.choice.list) return eval::list_cases(cases);
   eval::CaseRunOptions runs = options.choice.runs();
-  runs.setting = options.looks
-                     ? fmt::format("{} looks in the hand of {}", *options.looks, options.robot())
-                     : fmt::format("{} touches by {}", options.count(),
-                                   options.hand.empty() ? "a fingertip" : options.hand);
+  runs.setting = options.looks ? fmt::format("{} looks with {}", *options.looks, options.robot())
+                               : fmt::format("{} touches by {}", options.count(),
+                                             options.hand.empty() ? "a fingertip" : options.hand);
   std::vector<std::string> names;
   for (const eval::Case& one : cases) names.push_back(one.result_name());
   std::optional<eval::TouchingHand> hand;
-  std::optional<eval::TurningRobot> robot;
+  std::optional<eval::LookingRobot> robot;
   if (options.looks) {
     robot.emplace(options.robot());
   } else if (!options.hand.empty()) {
@@ -170,7 +169,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 20));
   app.add_option("--looks", options.looks,
                  "in place of touching, the arm of --hand (a platform, kr5_sdh) grasps the object "
-                 "and turns it before the camera, so often at most")
+                 "and turns it before the camera, or where it carries the camera looks from "
+                 "elsewhere, so often at most")
       ->check(CLI::Range(1, 16));
   app.add_flag("--fit-prior", options.fit_prior,
                "also fit the weights that shapes have before a touch (ShapePrior), and tell how "

@@ -8,12 +8,12 @@
 
 namespace prehend::eval {
 
-/// An arm that turns what its hand holds before the camera.
-class TurningRobot {
+/// An arm that turns what its hand holds before the camera, or that carries the camera.
+class LookingRobot {
  public:
   /// @param name of a platform of config/robots. @throws geometry::InputError with the nearest
   /// name.
-  explicit TurningRobot(const std::string& name);
+  explicit LookingRobot(const std::string& name);
 
   const planning::PlatformPlanner& planner() const { return planner_; }
   robot::Positions start() const;
@@ -23,17 +23,21 @@ class TurningRobot {
 };
 
 struct LookTrialOptions {
-  int looks = 4;               // in the hand, at most
+  int looks = 4;               // after the first one, at most
   double slip = 0.003;         // m, standard, in each direction, that closing moves it in the hand
   double turn = 0.05;          // rad, standard, about each axis, the same
-  double placement = 0.0005;   // m, standard, of where the hand is said to be at each look
+  double placement = 0.0005;   // m, standard, of where hand or camera is said to be at each look
   double orientation = 0.002;  // rad, the same
 };
 
-/// Renders the case's view, predicts the object, plans a grasp and the views of what is held as
-/// nodes do, and renders it at each of them in the closed hand of the arm, with other slips in the
-/// hand than the planner knows of. One series: what the looks make of the prediction.
-BeliefCase run_look_trial(const Case& one, const TurningRobot& robot,
+/// Renders the case's view, predicts the object, plans looks as nodes do, renders what they show,
+/// and measures what they make of the prediction.
+///
+/// An arm that carries a camera looks from elsewhere: one series of what the looks show together
+/// with the case's view, and one of what the last one shows by itself. Any other arm grasps the
+/// object and turns it before the camera, with other slips in the hand than the planner knows of:
+/// one series.
+BeliefCase run_look_trial(const Case& one, const LookingRobot& robot,
                           const LookTrialOptions& options = {});
 
 }  // namespace prehend::eval

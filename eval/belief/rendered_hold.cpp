@@ -27,13 +27,7 @@ RigidTransform disturbance(double along, double turn, const Eigen::Vector3d& mid
   return X;
 }
 
-geometry::DepthImage seen_hold(RenderedScene rendered,
-                               std::shared_ptr<const geometry::TriangleMesh> mesh_B,
-                               const RigidTransform& X_WB,
-                               const std::vector<geometry::TriangleMesh>& links_W, int look) {
-  rendered.bodies.resize(1);
-  rendered.bodies.front().mesh_B = std::move(mesh_B);
-  rendered.bodies.front().X_WB = X_WB;
+void add_links(const std::vector<geometry::TriangleMesh>& links_W, RenderedScene* rendered) {
   simulation::Texture metal;
   metal.color = {0.55, 0.55, 0.58};
   for (const geometry::TriangleMesh& link_W : links_W) {
@@ -42,8 +36,18 @@ geometry::DepthImage seen_hold(RenderedScene rendered,
     body.mesh_B = std::make_shared<geometry::TriangleMesh>(link_W);
     body.texture = metal;
     body.height = geometry::bounds(link_W).sizes().z();
-    rendered.bodies.push_back(std::move(body));
+    rendered->bodies.push_back(std::move(body));
   }
+}
+
+geometry::DepthImage seen_hold(RenderedScene rendered,
+                               std::shared_ptr<const geometry::TriangleMesh> mesh_B,
+                               const RigidTransform& X_WB,
+                               const std::vector<geometry::TriangleMesh>& links_W, int look) {
+  rendered.bodies.resize(1);
+  rendered.bodies.front().mesh_B = std::move(mesh_B);
+  rendered.bodies.front().X_WB = X_WB;
+  add_links(links_W, &rendered);
   simulation::RenderOptions render;
   render.threads = 1;
   return seen_depth(rendered, simulation::render_stereo(rendered.scene, rendered.bodies,

@@ -18,6 +18,9 @@ namespace prehend::eval {
 geometry::RigidTransform disturbance(double along, double turn, const Eigen::Vector3d& middle,
                                      std::mt19937_64* random);
 
+/// Adds a robot's links to what is rendered.
+void add_links(const std::vector<geometry::TriangleMesh>& links_W, RenderedScene* rendered);
+
 /// The depth that the scene's camera measures of a body at X_WB, with the texture of the scene's
 /// first, and of the robot's links. @param look which of this scene, for the noise.
 geometry::DepthImage seen_hold(RenderedScene rendered,

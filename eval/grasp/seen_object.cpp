@@ -40,10 +40,16 @@ planning::Neighbours neighbours_of(const SeenObject& seen, const Shapes& shapes)
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look) {
   RenderedScene rendered = scene_of(one);
   rendered.bodies.front().X_WB = X_WB;
+  const geometry::RigidTransform X_WC = rendered.scene.camera.X_WC();
+  return see_object(std::move(rendered), X_WC, look);
+}
+
+SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look) {
   simulation::RenderOptions render;
   render.threads = 1;
   const auto images = simulation::render_stereo(rendered.scene, rendered.bodies,
                                                 static_cast<std::uint32_t>(look), render);
+  rendered.scene.camera.carried = X_WC;
   SeenObject seen{seen_scene(rendered, images), 0};
   const std::optional<std::size_t> object = object_of(seen.scene, images.labels);
   if (!object) {

@@ -18,6 +18,9 @@ struct SeenObject {
 /// @throws geometry::InputError when it is not found on the table.
 SeenObject see_object(const Case& one, const geometry::RigidTransform& X_WB, int look);
 
+/// The same of what is rendered, by a camera that is said to be at `X_WC`.
+SeenObject see_object(RenderedScene rendered, const geometry::RigidTransform& X_WC, int look);
+
 /// What that gives to plan on, a prediction with up to `alternatives` other shapes. Of a case with
 /// other bodies, whatever else was seen is predicted, too, and is an obstacle.
 /// @pre not kTruth, which nobody sees

@@ -48,7 +48,7 @@ void PlatformPlanning::view_by(const msgs::CameraInfo& camera) {
   const std::optional<geometry::RigidTransform> X_WC = convert::camera_pose(camera);
   options_.viewing.reset();
   if (X_WC) options_.viewing = planning::ViewingCamera{convert::from_message(camera).left, *X_WC};
-  if (looks()) options_.carried_camera = convert::from_message(camera).left;
+  if (looks()) options_.carried_camera = convert::from_message(camera);
 }
 
 void PlatformPlanning::start_from(const msgs::JointState& joints) {

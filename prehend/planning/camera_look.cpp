@@ -29,7 +29,10 @@ constexpr double kLowest = 0.2;               // of a direction's height over th
 constexpr int kLookSpins = 12;                // about the line of sight
 constexpr double kFarther[] = {0, 0.1, 0.2};  // m, beyond the nearest place
 constexpr std::size_t kMostLookGoals = 8;     // positions that a path may lead to
-constexpr double kMostHidden = 0.2;           // of what a look is to show, behind the hand
+constexpr double kMostHidden = 0.2;           // of the surface, behind the hand
+constexpr double kHiddenStep = 0.05;          // of it: as little as can be, in such steps
+constexpr double kAim = 0.08;                 // rad, between places in the picture, ...
+constexpr int kAims = 4;                      // ... so many to each side
 constexpr double kAbove = 0.9;                // of a direction's height: it is "from above"
 
 /// From where, as who looks from `before_W` sees it; both towards the camera, unit.
@@ -48,7 +51,7 @@ std::string side_of(const Vector3d& direction_W, const RigidTransform& X_WC_befo
 class LookPlanner {
  public:
   LookPlanner(const robot::Platform& platform, const Positions& start,
-              const geometry::PinholeCamera& camera, const surface::ObjectModel& object,
+              const geometry::StereoCamera& camera, const surface::ObjectModel& object,
               const PlatformScene& scene, const PlatformPickOptions& arm,
               const ViewOptions& options)
       : platform_(platform),
@@ -73,6 +76,10 @@ class LookPlanner {
       radius_ = std::max(radius_, (patch.p_W - middle_W_).norm());
     }
     find_hand();
+    for (const double farther : kFarther) {
+      const double distance = options.nearest + radius_ + farther;
+      if (const auto aim = aim_beside_hand(distance)) aims_.push_back({distance, *aim});
+    }
   }
 
   PlannedLook plan() {
@@ -122,6 +129,44 @@ class LookPlanner {
     if (!hand.triangles.empty()) hand_C_.emplace(hand);
   }
 
+  /// Whether the hand is before it, for either eye.
+  bool is_behind_hand(const Vector3d& p_C) const {
+    if (!hand_C_) return false;
+    const auto is_hidden = [&](const Vector3d& eye_C) {
+      const Vector3d way = p_C - eye_C;
+      return hand_C_->cast_ray(eye_C, way.normalized(), way.norm()).has_value();
+    };
+    return is_hidden(Vector3d::Zero()) ||
+           (camera_.baseline > 0 && is_hidden({camera_.baseline, 0, 0}));
+  }
+
+  bool is_in_pictures(const Vector3d& p_C) const {
+    const ViewingCamera eye{camera_.left, RigidTransform::Identity()};
+    return is_in_picture(eye, p_C, radius_, options_) &&
+           is_in_picture(eye, p_C - camera_.baseline * Vector3d::UnitX(), radius_, options_);
+  }
+
+  /// Turns the camera's axis from the object, at that distance, to where in the picture least of a
+  /// ball of its size is behind the hand, nearest to the middle. None: it is in no picture.
+  std::optional<Eigen::Matrix3d> aim_beside_hand(double distance) const {
+    const std::vector<Vector3d> ball = even_directions(64);
+    std::optional<Eigen::Matrix3d> best;
+    std::pair<std::size_t, double> least;
+    for (int i = -kAims; i <= kAims; ++i) {
+      for (int j = -kAims; j <= kAims; ++j) {
+        const Vector3d p_C = distance * Vector3d(i * kAim, j * kAim, 1).normalized();
+        if (!is_in_pictures(p_C)) continue;
+        std::size_t hidden = 0;
+        for (const Vector3d& direction : ball) hidden += is_behind_hand(p_C + radius_ * direction);
+        const std::pair<std::size_t, double> cost{hidden, std::hypot(i, j)};
+        if (best && cost >= least) continue;
+        least = cost;
+        best = Eigen::Quaterniond::FromTwoVectors(p_C, Vector3d::UnitZ()).toRotationMatrix();
+      }
+    }
+    return best;
+  }
+
   std::vector<char> seen_from(const std::vector<SurfacePatch>& patches, const Vector3d& direction,
                               const MeshQuery& surface) const {
     std::vector<const MeshQuery*> hiding{&surface};
@@ -150,29 +195,30 @@ class LookPlanner {
     return directions;
   }
 
-  /// Free positions of the arm from which the camera sees it along there, nearest first.
+  /// Free positions of the arm from which the camera sees it along there, those with least behind
+  /// the hand first, and of these the nearest.
   std::vector<Positions> poses_for(const Vector3d& direction) const {
     const RigidTransform X_BW = platform_.X_WB.inverse(Eigen::Isometry);
     const RigidTransform X_CF = platform_.X_FC->inverse(Eigen::Isometry);
-    std::vector<std::pair<double, Positions>> found;
-    for (const double farther : kFarther) {
-      const Vector3d eye = middle_W_ + (options_.nearest + radius_ + farther) * direction;
+    std::vector<std::pair<std::pair<double, double>, Positions>> found;
+    for (const Aim& aim : aims_) {
+      const Vector3d eye = middle_W_ + aim.distance * direction;
       const RigidTransform X_WE = geometry::look_at(eye, middle_W_);
-      if (!is_in_picture({camera_, X_WE}, middle_W_, radius_, options_)) continue;
       for (int spin = 0; spin < kLookSpins; ++spin) {
-        const RigidTransform X_WC =
+        RigidTransform X_WC =
             X_WE * Eigen::AngleAxisd(2 * std::numbers::pi * spin / kLookSpins, Vector3d::UnitZ());
-        if (!is_in_picture({camera_, X_WC}, middle_W_, radius_, options_)) continue;
-        if (hidden_by_hand(X_WC) > kMostHidden) continue;
+        X_WC.linear() *= aim.R_turn;
+        const double hidden = hidden_by_hand(X_WC);
+        if (hidden > kMostHidden) continue;
         for (const Positions& q : inverse_.solve(X_BW * X_WC * X_CF, start_).solutions) {
-          found.emplace_back((q - start_).norm(), q);
+          found.push_back({{std::floor(hidden / kHiddenStep), (q - start_).norm()}, q});
         }
       }
     }
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<Positions> free;
-    for (const auto& [way, q] : found) {
+    for (const auto& [cost, q] : found) {
       if (free.size() == kMostLookGoals || is_over()) break;
       if (robot_.is_free(q)) free.push_back(q);
     }
@@ -181,13 +227,9 @@ class LookPlanner {
 
   /// Share of the surface.
   double hidden_by_hand(const RigidTransform& X_WC) const {
-    if (!hand_C_) return 0;
     const RigidTransform X_CW = X_WC.inverse(Eigen::Isometry);
     std::size_t hidden = 0;
-    for (const SurfacePatch& patch : patches_) {
-      const Vector3d p_C = X_CW * patch.p_W;
-      hidden += hand_C_->cast_ray(Vector3d::Zero(), p_C.normalized(), p_C.norm()).has_value();
-    }
+    for (const SurfacePatch& patch : patches_) hidden += is_behind_hand(X_CW * patch.p_W);
     return static_cast<double>(hidden) / static_cast<double>(patches_.size());
   }
 
@@ -220,7 +262,7 @@ class LookPlanner {
 
   const robot::Platform& platform_;
   Positions start_;
-  geometry::PinholeCamera camera_;
+  geometry::StereoCamera camera_;
   const surface::ObjectModel& object_;
   const PlatformPickOptions& arm_;
   const ViewOptions& options_;
@@ -232,6 +274,11 @@ class LookPlanner {
   MeshQuery surface_;
   std::optional<MeshQuery> neighbours_;
   std::optional<MeshQuery> hand_C_;
+  struct Aim {
+    double distance;         // m, of the object's middle from the camera
+    Eigen::Matrix3d R_turn;  // of the camera, from looking at it
+  };
+  std::vector<Aim> aims_;
   Vector3d middle_W_ = Vector3d::Zero();
   double radius_ = 0;  // m, of a ball about its middle that holds it
   steady_clock::time_point begin_ = steady_clock::now();
@@ -240,14 +287,16 @@ class LookPlanner {
 }  // namespace
 
 PlannedLook plan_look(const robot::Platform& platform, const Positions& start,
-                      const geometry::PinholeCamera& camera, const surface::ObjectModel& object,
+                      const geometry::StereoCamera& camera, const surface::ObjectModel& object,
                       const PlatformScene& scene, const PlatformPickOptions& arm,
                       const ViewOptions& options) {
   const text::Require require{"plan_look(): "};
   ViewOptions::knobs(options, text::CheckKnobs{"ViewOptions."});
   require(platform.X_FC.has_value(), "the arm carries no camera");
   require(start.size() == platform.arm_chain().size(), "the start is of another size");
-  require(camera.width > 0 && camera.height > 0 && camera.fx > 0 && camera.fy > 0,
+  const geometry::PinholeCamera& left = camera.left;
+  require(left.width > 0 && left.height > 0 && left.fx > 0 && left.fy > 0 &&
+              std::isfinite(camera.baseline) && camera.baseline >= 0,
           "the camera is none");
   if (scene.object_pieces_W.empty()) {
     throw std::invalid_argument("PlatformScene.object_pieces_W must not be empty");

@@ -32,14 +32,15 @@ struct PlannedLook {
 
 /// Plans a look with the camera that the platform's arm carries: from the direction above the table
 /// from which most of the object's surface is seen that was not - not too steeply, hidden by
-/// neither the object, its neighbours nor the hand - where the arm can bring the camera on a free
-/// path, all of the object within the picture.
+/// neither the object nor its neighbours - where the arm can bring the camera on a free path, all
+/// of the object within the picture, and as little of it as can be behind the hand, for both eyes.
+/// @param camera a baseline of 0: of one eye.
 /// @param start of the arm's joints; the object was seen from there.
 /// @param scene in which the object and its neighbours stand. @param arm of its motions.
 /// @throws std::invalid_argument for options out of range, a start of another size, a camera that
 /// is none, or a platform without one; geometry::InputError for an object without a surface.
 PlannedLook plan_look(const robot::Platform& platform, const robot::Positions& start,
-                      const geometry::PinholeCamera& camera, const surface::ObjectModel& object,
+                      const geometry::StereoCamera& camera, const surface::ObjectModel& object,
                       const PlatformScene& scene, const PlatformPickOptions& arm,
                       const ViewOptions& options = {});
 

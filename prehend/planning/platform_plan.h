@@ -80,7 +80,7 @@ struct PlatformPlanOptions {
   std::vector<ProbeWay> probes;
   ProbePlanOptions probe;
   /// The camera that the arm carries; none: no look from elsewhere is planned.
-  std::optional<geometry::PinholeCamera> carried_camera;
+  std::optional<geometry::StereoCamera> carried_camera;
   ViewOptions look;
   /// What is held is turned before this camera (PlannedPick::views); none: it is not.
   std::optional<ViewingCamera> viewing;

@@ -18,7 +18,7 @@ using geometry::RigidTransform;
 using ::testing::HasSubstr;
 
 constexpr double kHeight = 0.12;  // m
-const geometry::PinholeCamera kCamera{1024, 768, 1100, 1100, 511.5, 383.5};
+const geometry::StereoCamera kCamera{{1024, 768, 1100, 1100, 511.5, 383.5}, 0.09};
 
 geometry::TriangleMesh standing_box(const Vector3d& size, const Vector3d& p_W = Vector3d::Zero()) {
   return geometry::transformed(
@@ -78,11 +78,13 @@ TEST_F(CameraLook, EndsWhereANewSideIsSeenAllInThePicture) {
   for (const Vector3d& p_W : object.mesh_W.vertices) {
     const Vector3d p_C = X_WC.inverse() * p_W;
     EXPECT_GT(p_C.z(), ViewOptions().nearest - 0.01);
-    const Eigen::Vector2d pixel = kCamera.project(p_C);
-    EXPECT_GT(pixel.x(), 0);
-    EXPECT_LT(pixel.x(), kCamera.width);
-    EXPECT_GT(pixel.y(), 0);
-    EXPECT_LT(pixel.y(), kCamera.height);
+    for (const double x : {0.0, kCamera.baseline}) {
+      const Eigen::Vector2d pixel = kCamera.left.project(p_C - x * Vector3d::UnitX());
+      EXPECT_GT(pixel.x(), 0);
+      EXPECT_LT(pixel.x(), kCamera.left.width);
+      EXPECT_GT(pixel.y(), 0);
+      EXPECT_LT(pixel.y(), kCamera.left.height);
+    }
   }
   // From another side than before, round the can's axis.
   const Eigen::Vector2d before =
