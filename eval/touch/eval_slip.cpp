@@ -2,20 +2,43 @@
 // holding harder saves.
 
 #include <algorithm>
+#include <string>
 #include <vector>
+
+#include <CLI/CLI.hpp>
 
 #include "eval/touch/experiment.h"
 #include "eval/touch/slip_hold.h"
+#include "prehend/text/knob.h"
 
 namespace {
 
 using namespace prehend::eval::touch;
 using prehend::report::Page;
+using prehend::touch::HoldSlipOptions;
 
-constexpr double kSlid = 0.003;             // m: before that it is to be seen
-constexpr double kNotSlid = 0.0005;         // m: who slides less does not slide
-constexpr std::uint32_t kSeed = 5000;       // of the figures; options were chosen with 1000 to 1002
-constexpr int kHolds = 4, kQuickHolds = 1;  // of each shape and kind
+constexpr double kSlid = 0.003;      // m: before that it is to be seen
+constexpr double kNotSlid = 0.0005;  // m: who slides less does not slide
+
+struct Options {
+  std::uint32_t seed = 5000;  // thresholds were chosen with 1000 to 1002
+  int holds = 4;              // of each shape and kind
+  HoldSlipOptions slip;
+};
+
+/// An option of the command line for each knob.
+struct AddOption {
+  CLI::App* app;
+
+  template <class Value>
+  void operator()(const prehend::text::Knob<Value>& knob) const {
+    std::string name = "--" + std::string(knob.name);
+    std::replace(name.begin(), name.end(), '_', '-');
+    app->add_option(name, knob.value, std::string(knob.description))
+        ->check(CLI::Range(static_cast<Value>(knob.least), static_cast<Value>(knob.most)))
+        ->capture_default_str();
+  }
+};
 
 struct Tally {
   int holds = 0, slid = 0, in_time = 0, still = 0, falsely = 0;
@@ -67,19 +90,20 @@ constexpr HeldShape kShapes[] = {HeldShape::kBox, HeldShape::kSlanted, HeldShape
 constexpr HoldKind kKinds[] = {HoldKind::kSlipsWhenLifted, HoldKind::kSlipsWhenShaken,
                                HoldKind::kHeldStill, HoldKind::kHeldShaken};
 
-Findings slip(const ExperimentOptions& options, Page& page) {
-  const auto count = static_cast<std::uint32_t>(options.quick ? kQuickHolds : kHolds);
+Findings slip(const Options& options, Page& page) {
+  const auto count = static_cast<std::uint32_t>(options.holds);
   Findings findings;
   findings.title = "slip while holding";
   std::vector<Row> rows;
   Tally all;
-  const auto run = [count](HeldShape shape, bool area_texels) {
+  const auto run = [&options, count](HeldShape shape, bool area_texels) {
     Tally tally;
     for (const HoldKind kind : kKinds) {
       for (std::uint32_t i = 0; i < count; ++i) {
-        SlipHold hold = random_slip_hold(shape, kind, kSeed + i);
+        SlipHold hold = random_slip_hold(shape, kind, options.seed + i);
         hold.area_texels = area_texels;
-        tally.add(run_slip_hold(hold, false), run_slip_hold(hold, true));
+        tally.add(run_slip_hold(hold, false, options.slip),
+                  run_slip_hold(hold, true, options.slip));
       }
     }
     return tally;
@@ -110,4 +134,21 @@ Findings slip(const ExperimentOptions& options, Page& page) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run_experiment(argc, argv, "Slip while holding", slip); }
+int main(int argc, char** argv) {
+  Options options;
+  return run_experiment(
+      argc, argv, "Slip while holding",
+      [&options](const ExperimentOptions& experiment, Page& page) {
+        if (experiment.quick) options.holds = 1;
+        return slip(options, page);
+      },
+      [&options](CLI::App& app) {
+        app.add_option("--seed", options.seed, "of the first hold of each shape and kind")
+            ->capture_default_str();
+        app.add_option("--holds", options.holds, "of each shape and kind")
+            ->check(CLI::Range(1, 1000))
+            ->capture_default_str()
+            ->excludes("--quick");
+        HoldSlipOptions::knobs(options.slip, AddOption{&app});
+      });
+}

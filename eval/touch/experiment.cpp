@@ -59,12 +59,14 @@ void add_table(report::Page& page, const std::vector<Row>& rows) {
 }
 
 int run_experiment(int argc, char** argv, const std::string& description,
-                   const std::function<Findings(const ExperimentOptions&, report::Page&)>& work) {
+                   const std::function<Findings(const ExperimentOptions&, report::Page&)>& work,
+                   const std::function<void(CLI::App&)>& add_options) {
   ExperimentOptions options;
   CLI::App app(description);
   app.add_option("--out", options.out, "folder of the report (report.html)");
   app.add_option("--json", options.json, "file of the figures");
   app.add_flag("--quick", options.quick, "a coarser run, for a first look");
+  if (add_options) add_options(app);
   CLI11_PARSE(app, argc, argv);
   try {
     report::Page page(description);

@@ -9,6 +9,10 @@
 
 #include "prehend/report/page.h"
 
+namespace CLI {
+class App;
+}
+
 namespace prehend::eval::touch {
 
 /// A row of figures: name and value, in order. What a table of the report and an object of the JSON
@@ -37,8 +41,10 @@ struct ExperimentOptions {
 /// The main function of an experiment: --out DIR, --json FILE, --quick. `work` fills the page and
 /// returns the findings; the summary goes to the terminal. Returns the exit code: 0, or 1 with the
 /// reason on standard error.
+/// @param add_options of this experiment alone.
 int run_experiment(int argc, char** argv, const std::string& description,
-                   const std::function<Findings(const ExperimentOptions&, report::Page&)>& work);
+                   const std::function<Findings(const ExperimentOptions&, report::Page&)>& work,
+                   const std::function<void(CLI::App&)>& add_options = {});
 
 /// `value` with `digits` significant digits.
 std::string number_text(double value, int digits = 4);

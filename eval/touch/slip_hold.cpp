@@ -305,7 +305,8 @@ SlipHold random_slip_hold(HeldShape shape, HoldKind kind, std::uint32_t seed) {
   return hold;
 }
 
-SlipHoldResult run_slip_hold(const SlipHold& hold, bool reacts) {
+SlipHoldResult run_slip_hold(const SlipHold& hold, bool reacts,
+                             const prehend::touch::HoldSlipOptions& slip) {
   robot::Platform platform = robot::read_platform(text::tree_file("config/robots/stage_pg70.yaml"));
   platform.acceleration.setConstant(kStageAcceleration);
   const simulation::Scene scene = held_scene(platform, hold);
@@ -318,6 +319,7 @@ SlipHoldResult run_slip_hold(const SlipHold& hold, bool reacts) {
   options.task = control::parse_task(kTask, "the task of held objects");
   options.largest_attempts = 1;
   options.collision_force = 1000;  // what is shaken is no collision
+  options.slip = slip;
   if (!reacts) options.slip_force_factor = 1;
   control::CycleInWorld run(stage, options);
   SlipHoldResult result;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "prehend/control/cycle.h"
+#include "prehend/touch/hold_slip.h"
 
 // Holds that slide and holds that do not, through what ships: the cycle with its detector of slip,
 // the gripper that regulates its grip by its pads, the PG70's drive, the pads, and the world.
@@ -60,7 +61,8 @@ struct SlipHoldResult {
 };
 
 /// Grips, lifts by 0.1 m, shakes, holds still. @param reacts the cycle holds harder what slips, as
-/// it ships; else it only says so. @throws as run_stage_cycle().
-SlipHoldResult run_slip_hold(const SlipHold& hold, bool reacts);
+/// it ships; else it only says so. @param slip by which it sees that. @throws as run_stage_cycle().
+SlipHoldResult run_slip_hold(const SlipHold& hold, bool reacts,
+                             const prehend::touch::HoldSlipOptions& slip = {});
 
 }  // namespace prehend::eval::touch
