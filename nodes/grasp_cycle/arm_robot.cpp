@@ -196,7 +196,7 @@ void ArmRobot::start() {
   cycle_->start(prepared_, "", advice_);
 }
 
-std::string ArmRobot::prepare(const View& view, const Target& target) {
+std::string ArmRobot::prepare(const View& view, const Target& target, std::optional<int> first) {
   if (const std::string other =
           has_gripper() ? gripper_.differs_from(*view.plans.at(target.id)) : "";
       !other.empty()) {
@@ -210,7 +210,14 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
     grasps.push_back(convert::arm_grasp_from_message(*grasp));
     grasps.back().knows_slip = knows_slip;
   }
-  advice_ = convert::advice_of(*view.plans.at(target.id));
+  if (first && (*first < 0 || static_cast<std::size_t>(*first) >= grasps.size())) {
+    throw std::runtime_error(
+        fmt::format("grasp {} of object {} cannot be executed: of its grasps the first {} have a "
+                    "motion of the arm, from 0",
+                    *first, target.id, grasps.size()));
+  }
+  advice_ = first ? control::Advice{} : convert::advice_of(*view.plans.at(target.id));
+  advice_.first = first;
   if (static_cast<std::size_t>(advice_.grasp) >= grasps.size()) {
     throw std::runtime_error("the plan would feel it with a grasp that has no motion of the arm");
   }
@@ -222,7 +229,7 @@ std::string ArmRobot::prepare(const View& view, const Target& target) {
         convert::probe_from_message(plan.probe(), platform_.hand.X_HP * preshape.X_PG));
   }
   prepared_ = std::move(grasps);
-  return destination(*target.grasps.front());
+  return destination(*target.grasps[static_cast<std::size_t>(first.value_or(0))]);
 }
 
 std::shared_ptr<const touch::FeltPad> ArmRobot::felt_pad(const std::string& name,

@@ -60,8 +60,9 @@ class ArmRobot {
   /// What the grasp lacks to be executed, in words; empty: nothing.
   std::string lacks(const msgs::Grasp& grasp) const;
   /// Gets ready for the grasps of `target`, which has some. @return where the object is to be put,
-  /// in words. @throws std::exception with the reason why they cannot be executed.
-  std::string prepare(const View& view, const Target& target);
+  /// in words. @param first of the grasps, that is tried before the others, whatever the plan
+  /// advises. @throws std::exception with the reason why they cannot be executed.
+  std::string prepare(const View& view, const Target& target, std::optional<int> first = {});
   /// Starts a cycle on what was prepared. @throws as prepare().
   void start();
   /// The running cycle goes on with what was prepared.

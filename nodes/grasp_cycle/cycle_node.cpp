@@ -62,6 +62,13 @@ CycleNode::CycleNode(graph::Node& node)
                "id of the object to grasp, -1: the one with the best grasp, and another one "
                "after an attempt that failed as the hand met it too early; what is set counts from "
                "the next start of the cycle"})),
+      grasp_(node.declare_parameter<int>(
+          {.name = "grasp",
+           .default_value = -1,
+           .minimum = -1,
+           .description = "rank of the grasp of `object` that is tried first, from 0, whatever the "
+                          "plan advises; -1: as the plan has it; what is set counts from the next "
+                          "start of the cycle"})),
       exits_(declare_flag(node, "exit_when_done", "end the process after the result")),
       ungraspable_is_ok_(
           declare_flag(node, "ungraspable_is_ok", "exit code 0 when nothing can be grasped")),
@@ -224,6 +231,11 @@ bool CycleNode::is_settled(const msgs::GraspPlan& plan) const {
 void CycleNode::start(const View& view) {
   robot_patience_.reset();
   object_ = node_.parameter<int>("object");
+  grasp_ = node_.parameter<int>("grasp");
+  if (grasp_ >= 0 && object_ < 0) {
+    throw std::invalid_argument(
+        fmt::format("the parameter grasp is {}, of no object: set object, too", grasp_));
+  }
   const Target target = target_in(view, object_);
   target_ = target.id;
   if (target.grasps.empty()) {
@@ -238,9 +250,12 @@ void CycleNode::start(const View& view) {
   const msgs::GraspPlan& plan = *view.plans.at(target.id);
   centroid_W_ = convert::from_message(plan.centroid());
   view_stamp_ = plan.header().stamp();
-  const std::string destination = robot_->prepare(view, target);
-  node_.log_info("grasping object {}: {} grasps, best score {:.2f}; it is {}", target.id,
-                 target.grasps.size(), target.grasps.front()->score(), destination);
+  const std::string destination =
+      robot_->prepare(view, target, grasp_ < 0 ? std::nullopt : std::optional(grasp_));
+  node_.log_info(
+      "grasping object {}: {} grasps, {} {:.2f}; it is {}", target.id, target.grasps.size(),
+      grasp_ < 0 ? "best score" : fmt::format("first that of rank {}, score", grasp_),
+      target.grasps[static_cast<std::size_t>(std::max(grasp_, 0))]->score(), destination);
   if (!predicted_.wanted()) return begin();
   preparing_ = true;
   predicted_.put(view, target.id, task_.all_objects, [this](const std::string& problem) {

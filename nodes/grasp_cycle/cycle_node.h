@@ -53,6 +53,7 @@ class CycleNode {
 
   graph::Node& node_;
   int object_;
+  int grasp_;
   bool exits_;
   bool ungraspable_is_ok_;
   PredictedObjects predicted_;

@@ -120,16 +120,23 @@ std::string control_simulation(ServiceCalls& calls, const std::string& request) 
 
 std::string execute(ServiceCalls& calls, Parameters& parameters, const std::string& request) {
   const json object = parsed(request);
-  if (object.contains("grasp") && number_of(object, "grasp") != 0) {
-    throw std::invalid_argument("the cycle takes an object's best grasp, rank 0");
+  const auto whole = [&object](const char* name, const char* what) -> std::int64_t {
+    const double number = number_of(object, name);
+    if (number != std::floor(number) || number < -1 || number > 1e9) {
+      throw std::invalid_argument(fmt::format("'{}' is to be {}", name, what));
+    }
+    return static_cast<std::int64_t>(number);
+  };
+  if (object.contains("grasp") && !object.contains("object")) {
+    throw std::invalid_argument("'grasp' is of an object: give 'object', too");
   }
   if (object.contains("object")) {
-    const double id = number_of(object, "object");
-    if (id != std::floor(id) || id < -1 || id > 1e9) {
-      throw std::invalid_argument("'object' is to be an object's number");
-    }
+    // Of an object alone its grasps as the plan has them.
+    const std::int64_t grasp =
+        object.contains("grasp") ? whole("grasp", "a grasp's rank, from 0") : -1;
     const auto answer =
-        parameters.set({{viewed_name(kCycleNode, "object"), static_cast<std::int64_t>(id)}});
+        parameters.set({{viewed_name(kCycleNode, "object"), whole("object", "an object's number")},
+                        {viewed_name(kCycleNode, "grasp"), grasp}});
     if (!answer.error.empty()) return said(false, answer.error);
   }
   msgs::Acknowledge answer;

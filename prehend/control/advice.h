@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "prehend/control/joint_trajectory.h"
@@ -17,6 +18,7 @@ struct Advice {
   int grasp = 0;              // of the plan, that it is touched with; of kProbe: the cycle knows it
   std::string why;            // in words
   JointTrajectory look = {};  // the way to where it is looked from; without points: there is none
+  std::optional<int> first = {};  // of the plan, that is tried before all others
 };
 
 /// Of a plan's best choice. @param look of the plan; without points: there is no way to it, and the

@@ -99,6 +99,7 @@ void Cycle::start_task(std::vector<GraspPose> grasps, const std::string& problem
   stage_ = Stage::kWaiting;
   const bool none = grasps.empty();
   order_.start(std::move(grasps));
+  if (advice_.first && !none) order_.prefer(*advice_.first);
   fresh_ = true;
   if (none) finish(false, problem.empty() ? "the plan has no grasps" : problem);
 }
@@ -326,6 +327,7 @@ void Cycle::plan_taken(std::vector<GraspPose> grasps, const std::string& problem
   } else {
     order_.take(std::move(grasps));
   }
+  if (advice_.first) order_.prefer(*advice_.first);
   ++result_.plans;
   attempt(order_.next().value_or(0));
 }

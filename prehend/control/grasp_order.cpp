@@ -28,9 +28,16 @@ void GraspOrder::start(std::vector<GraspPose> grasps) {
 void GraspOrder::take(std::vector<GraspPose> grasps) {
   grasps_ = std::move(grasps);
   tried_.assign(grasps_.size(), false);
+  preferred_.reset();
+}
+
+void GraspOrder::prefer(int grasp) {
+  (void)tried_.at(static_cast<std::size_t>(grasp));
+  preferred_ = grasp;
 }
 
 std::optional<int> GraspOrder::next() const {
+  if (preferred_ && !tried_[static_cast<std::size_t>(*preferred_)]) return preferred_;
   std::optional<int> first;
   for (std::size_t i = 0; i < grasps_.size(); ++i) {
     if (tried_[i]) continue;

@@ -27,6 +27,9 @@ class GraspOrder {
   /// A new plan, of the same object.
   void take(std::vector<GraspPose> grasps);
 
+  /// It is the next one, until it was tried. @throws std::out_of_range for none of the plan.
+  void prefer(int grasp);
+
   /// The first that was not tried and is like none that failed; else the first that was not tried;
   /// none when all were.
   std::optional<int> next() const;
@@ -40,6 +43,7 @@ class GraspOrder {
  private:
   std::vector<GraspPose> grasps_;
   std::vector<bool> tried_;        // of grasps_
+  std::optional<int> preferred_;   // of grasps_
   std::vector<GraspPose> failed_;  // of all plans
 };
 

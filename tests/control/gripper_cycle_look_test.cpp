@@ -168,5 +168,30 @@ TEST(GraspOrder, WhatFailedComesLastInThisPlanAndTheNext) {
   EXPECT_EQ(order.next(), 0) << "another object";
 }
 
+TEST(GraspOrder, WhatIsPreferredComesFirstOnce) {
+  GraspOrder order;
+  order.start({pose_at(0), pose_at(0.05), pose_at(0.1)});
+  EXPECT_THROW(order.prefer(3), std::out_of_range);
+  order.prefer(2);
+  EXPECT_EQ(order.next(), 2);
+  order.begin(2);
+  order.fail(2);
+  EXPECT_EQ(order.next(), 0);
+  order.take({pose_at(0), pose_at(0.05)});
+  EXPECT_EQ(order.next(), 0) << "it was of the plan before";
+}
+
+// What a user has chosen goes before what the plan thinks best, and before what it would feel
+// first.
+TEST_F(LookingCycleTest, BeginsWithTheGraspThatWasChosen) {
+  Advice chosen;
+  chosen.first = 1;
+  looking.start({grasp_at(0.01), grasp_at(0)}, "", chosen);
+  run_to_the_end(&looking);
+  EXPECT_TRUE(looking.result().success()) << looking.result().reason;
+  EXPECT_EQ(looking.result().grasp_index, 1);
+  EXPECT_EQ(looking.result().attempts, 1);
+}
+
 }  // namespace
 }  // namespace prehend::control

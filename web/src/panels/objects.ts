@@ -161,10 +161,14 @@ export function objectsPanel(app: App): HTMLElement {
   return root;
 }
 
-/** Asks the cycle to run a grasp. */
-export async function execute(app: App, object: number, grasp: number): Promise<void> {
-  if (await app.request(kExecuteService, { object, grasp })) {
-    app.say(`Grasp ${grasp + 1} of object ${object} is being executed.`, "info", "execute");
+/** Asks the cycle to grasp an object, with the grasp of this rank first; null: as its plan has it. */
+export async function execute(app: App, object: number, grasp: number | null): Promise<void> {
+  if (await app.request(kExecuteService, grasp === null ? { object } : { object, grasp })) {
+    const what =
+      grasp === null
+        ? `Object ${object} is being grasped.`
+        : `Grasp ${grasp + 1} of object ${object} is being executed.`;
+    app.say(what, "info", "execute");
   }
 }
 

@@ -143,7 +143,7 @@ export function stagePanel(app: App, viewport: Viewport): void {
               class: "primary",
               "data-key": "execute",
               disabled: why !== "",
-              onclick: () => void execute(app, object, rank),
+              onclick: () => void execute(app, object, grasp),
             },
             "Execute",
           )

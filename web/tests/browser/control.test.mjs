@@ -29,7 +29,7 @@ test("a click on an object chooses it, and Execute asks for its best grasp", () 
     assert.match(said, new RegExp(`touches nearest, ${(1000 * least).toFixed(0)} mm away`));
     await page.locator("#card").getByRole("button", { name: "Execute" }).click();
     await eventually(() => server.calls.length === 1, "the call");
-    assert.deepEqual(server.calls, [["/viewer/execute", { object: 0, grasp: 0 }]]);
+    assert.deepEqual(server.calls, [["/viewer/execute", { object: 0 }]]);
   }));
 
 test("a drag turns the view and chooses nothing; a click on nothing chooses nothing", () =>
