@@ -77,5 +77,7 @@ void bind_geometry(py::module_& module);
 void bind_prediction(py::module_& module);
 void bind_robots(py::module_& module);
 void bind_grasps(py::module_& module);
+void bind_recordings(py::module_& module);
+void bind_graph(py::module_& module);
 
 }  // namespace prehend::python

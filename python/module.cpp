@@ -31,4 +31,6 @@ PYBIND11_MODULE(_prehend, module) {
   bind_prediction(module);
   bind_robots(module);
   bind_grasps(module);
+  bind_recordings(module);
+  bind_graph(module);
 }

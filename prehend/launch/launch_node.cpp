@@ -265,7 +265,7 @@ std::string name_in(const std::string& name_space, const std::string& name) {
 std::string node_name_of(const LaunchScope& scope, const YAML::Node& entry,
                          const LaunchSettings& settings) {
   std::string name = text_of(scope, entry[entry["name"] ? "name" : "node"], "name");
-  if (!entry["name"] && !is_open(name)) name = fs::path(name).filename().string();
+  if (!entry["name"] && !is_open(name)) name = fs::path(name).stem().string();
   check_name(scope, entry[entry["name"] ? "name" : "node"], name, "node");
   return name_in(settings.name_space, name);
 }

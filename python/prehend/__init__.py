@@ -16,36 +16,53 @@ import pathlib
 
 from ._prehend import (
     Completion,
+    Goal,
     Grasp,
     GraspPlan,
     Hand,
     InputError,
+    Node,
     ObjectModel,
     Platform,
     PointCloud,
+    Publisher,
+    RecordedMessage,
+    Recording,
+    RecordingError,
+    RecordingWriter,
     Rejection,
     Scene,
     SeenObject,
+    Subscription,
     SurfaceOrigin,
     TriangleMesh,
+    get_parameter,
     model_of_mesh,
+    nodes,
     plan_grasps,
     read_cloud,
     read_mesh,
     segment,
+    set_parameter,
+    topics,
     write_cloud,
     write_mesh,
 )
+from .graph import GoalEnded, Launch, Stream, launch, run_node
+from .messages import Message
 
 __all__ = [
-    "Completion", "Grasp", "GraspPlan", "Hand", "InputError", "ObjectModel", "Platform",
-    "PointCloud", "Rejection", "Scene", "SeenObject", "SurfaceOrigin", "TriangleMesh",
-    "config_folder", "hand", "model_of_mesh", "plan_grasps", "platform", "read_cloud", "read_mesh",
-    "segment", "write_cloud", "write_mesh",
+    "Completion", "Goal", "GoalEnded", "Grasp", "GraspPlan", "Hand", "InputError", "Launch",
+    "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Publisher", "RecordedMessage",
+    "Recording", "RecordingError", "RecordingWriter", "Rejection", "Scene", "SeenObject", "Stream",
+    "Subscription", "SurfaceOrigin", "TriangleMesh", "config_folder", "get_parameter", "hand",
+    "launch", "model_of_mesh", "nodes", "plan_grasps", "platform", "read_cloud", "read_mesh",
+    "run_node", "segment", "set_parameter", "topics", "write_cloud", "write_mesh",
 ]
 
 
 InputError.__doc__ = "Input that cannot be used: the thing, the place and the mend, in words."
+RecordingError.__doc__ = "A recording that cannot be written, in words."
 
 
 def config_folder():

@@ -46,6 +46,18 @@ class Examples(unittest.TestCase):
         said = run("map_reach.py", "kr5_sdh")
         self.assertRegex(said, r"kr5_sdh reaches [1-9]\d* of 1369 places")
 
+    def test_how_hard_it_pressed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "run.mcap"
+            with prehend.RecordingWriter(file) as writer:
+                for i, phase in enumerate(("APPROACH", "GRASP", "LIFT")):
+                    writer.write("/cycle/state", {"phase": phase}, i * 10, type="CycleState")
+                    writer.write("/tactile/left", {"sum": 3.0 * i}, i * 10 + 5, type="TactileFrame")
+                    writer.write("/wrench", {"wrench": {"force": {"x": 3, "z": -4}}}, i * 10 + 5,
+                                 type="Wrench")
+            said = run("how_hard_it_pressed.py", file)
+            self.assertRegex(said, r"approach +grasp +lift\nleft +0\.0 +3\.0 +6\.0\nwrist +5\.0 +5\.0 +5\.0\n")
+
     def test_without_arguments_they_say_what_they_do(self):
         for name in ("predict_hidden_sides.py", "compare_hands.py"):
             with self.assertRaisesRegex(SystemExit, name):
