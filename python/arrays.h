@@ -79,5 +79,7 @@ void bind_robots(py::module_& module);
 void bind_grasps(py::module_& module);
 void bind_recordings(py::module_& module);
 void bind_graph(py::module_& module);
+void bind_world(py::module_& module);
+void bind_beliefs(py::module_& module);
 
 }  // namespace prehend::python

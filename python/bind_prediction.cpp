@@ -10,6 +10,7 @@
 #include "prehend/shape/scene_completion.h"
 #include "prehend/surface/model.h"
 #include "python/arrays.h"
+#include "python/bound_types.h"
 
 namespace prehend::python {
 namespace {
@@ -55,21 +56,10 @@ Scene segment(const PointCloud& cloud, const std::optional<Eigen::Matrix4d>& vie
   return {perception::segment_recorded_cloud(recorded, segmentation), recorded.notes};
 }
 
-/// A completion, or why there is none.
-struct Completion {
-  CompletedShape shape;
-  Plane support_W;
-  std::string problem;
-
-  const CompletedShape& get() const {
-    if (!problem.empty()) throw geometry::InputError(problem, "Look at another object");
-    return shape;
-  }
-};
-
-std::vector<Completion> complete(const Scene& scene, int alternatives) {
+std::vector<Completion> complete(const Scene& scene, int alternatives, bool other_methods) {
   shape::CompletionOptions options;
   options.alternatives = alternatives;
+  options.other_methods = other_methods;
   std::vector<Completion> completions;
   std::vector<shape::SceneShape> shapes = shape::complete_scene(scene.segmented, options);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
@@ -140,10 +130,11 @@ void bind_scenes(py::module_& m) {
           "dropped", [](const Scene& s) { return s.segmented.dropped; },
           "What is over the table and no object, with the reason.")
       .def_readonly("notes", &Scene::notes, "What was assumed of the cloud, in words.")
-      .def("complete", &complete, py::arg("alternatives") = 0,
+      .def("complete", &complete, py::arg("alternatives") = 0, py::arg("other_methods") = false,
            py::call_guard<py::gil_scoped_release>(),
            "Predicts what was not seen of every object, by symmetry scored against visibility; a "
-           "Completion each. alternatives: how many other shapes are kept.");
+           "Completion each. alternatives: how many other mirrors are kept; other_methods: also a "
+           "surface of revolution, an extrusion, the hull, for a Belief.");
   m.def(
       "segment", &segment, py::arg("cloud"), py::kw_only(), py::arg("viewpoint") = py::none(),
       py::arg("up") = py::none(), py::arg("table") = "auto", py::arg("scale") = 1.0,

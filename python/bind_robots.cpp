@@ -4,31 +4,20 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/robot/inverse_kinematics.h"
-#include "prehend/robot/platform.h"
+#include "prehend/motion/checker_registry.h"
+#include "prehend/motion/collision_world.h"
+#include "prehend/motion/plan_path.h"
+#include "prehend/motion/planner_registry.h"
+#include "prehend/planning/platform_world.h"
 #include "prehend/robot/robot_files.h"
 #include "python/arrays.h"
+#include "python/bound_types.h"
 
 namespace prehend::python {
 namespace {
 
 using robot::HandModel;
 using robot::Platform;
-
-/// A platform with what its kinematics are asked of.
-struct Arm {
-  Platform platform;
-  robot::InverseKinematics inverse;
-
-  explicit Arm(Platform read) : platform(std::move(read)), inverse(platform.arm_chain()) {}
-  const robot::KinematicChain& chain() const { return inverse.chain(); }
-
-  void check(const Eigen::VectorXd& q) const {
-    if (q.size() == chain().size()) return;
-    throw py::value_error(
-        fmt::format("{} positions are given, the arm has {} joints", q.size(), chain().size()));
-  }
-};
 
 std::vector<Eigen::VectorXd> solutions(const Arm& arm, const Eigen::Matrix4d& X_BF,
                                        const std::optional<Eigen::VectorXd>& seed) {
@@ -37,6 +26,44 @@ std::vector<Eigen::VectorXd> solutions(const Arm& arm, const Eigen::Matrix4d& X_
   const robot::InverseAnswer answer = arm.inverse.solve(read_pose(X_BF, "X_BF"), start);
   std::vector<Eigen::VectorXd> found(answer.solutions.begin(), answer.solutions.end());
   return found;
+}
+
+Eigen::MatrixXd path(const Arm& arm, const Eigen::VectorXd& start,
+                     const std::vector<Eigen::VectorXd>& goals,
+                     const std::vector<geometry::TriangleMesh>& obstacles,
+                     const std::string& planner, const std::string& checker, double margin,
+                     double budget, std::uint64_t seed) {
+  arm.check(start);
+  std::vector<robot::Positions> ends;
+  for (const Eigen::VectorXd& goal : goals) {
+    arm.check(goal);
+    ends.emplace_back(goal);
+  }
+  if (ends.empty()) throw py::value_error("goals is empty: give a list of positions");
+  motion::CollisionWorld world;
+  const geometry::RigidTransform X_BW = arm.platform.X_WB.inverse(Eigen::Isometry);
+  motion::PathOptions options;
+  options.budget = budget;
+  options.seed = seed;
+  motion::JointPath found;
+  {
+    const py::gil_scoped_release release;
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      world.add_convex(fmt::format("obstacle {}", i), geometry::transformed(obstacles[i], X_BW));
+    }
+    const robot::HandModel& hand = arm.platform.hand;
+    const motion::RobotInWorld robot =
+        planning::robot_in(world, arm.platform, hand.preshapes.front().open, margin, 0.04,
+                           motion::CheckerRegistry().create(checker));
+    found =
+        motion::plan_path(*motion::PlannerRegistry().create(planner), robot, start, ends, options);
+  }
+  if (!found.found()) throw std::runtime_error("There is no path: " + found.reason);
+  Eigen::MatrixXd way(static_cast<Eigen::Index>(found.waypoints.size()), start.size());
+  for (std::size_t i = 0; i < found.waypoints.size(); ++i) {
+    way.row(static_cast<Eigen::Index>(i)) = found.waypoints[i].transpose();
+  }
+  return way;
 }
 
 }  // namespace
@@ -97,6 +124,18 @@ void bind_robots(py::module_& m) {
             return Eigen::Matrix4d(arm.chain().forward(positions).matrix());
           },
           py::arg("positions"), "4 x 4 pose X_BF of the flange F in the arm's base B.")
+      .def("plan_path", &path, py::arg("start"), py::arg("goals"), py::kw_only(),
+           py::arg("obstacles") = std::vector<geometry::TriangleMesh>(),
+           py::arg("planner") = motion::kDefaultPlanner,
+           py::arg("checker") = motion::kDefaultChecker, py::arg("margin") = 0.005,
+           py::arg("budget") = 5.0, py::arg("seed") = 1,
+           "n x joints: a free way from `start` to one of `goals` (a list of positions), straight "
+           "in "
+           "joint space between its rows, with the hand open. obstacles: TriangleMesh each, of "
+           "which "
+           "the convex hull counts, in the world; a table is one of them. margin [m]: kept from "
+           "all. "
+           "Raises RuntimeError with the reason when there is none within `budget` [s].")
       .def("inverse", &solutions, py::arg("X_BF"), py::arg("seed") = py::none(),
            "All solutions within the limits (of chains without closed form at most one), nearest "
            "to the seed first; empty when there is none.");

@@ -33,4 +33,6 @@ PYBIND11_MODULE(_prehend, module) {
   bind_grasps(module);
   bind_recordings(module);
   bind_graph(module);
+  bind_world(module);
+  bind_beliefs(module);
 }

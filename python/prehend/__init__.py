@@ -15,6 +15,7 @@ import os
 import pathlib
 
 from ._prehend import (
+    Belief,
     Completion,
     Goal,
     Grasp,
@@ -25,6 +26,7 @@ from ._prehend import (
     ObjectModel,
     Platform,
     PointCloud,
+    Probe,
     Publisher,
     RecordedMessage,
     Recording,
@@ -36,6 +38,8 @@ from ._prehend import (
     Subscription,
     SurfaceOrigin,
     TriangleMesh,
+    World,
+    WorldState,
     get_parameter,
     model_of_mesh,
     nodes,
@@ -52,10 +56,10 @@ from .graph import GoalEnded, Launch, Stream, launch, run_node
 from .messages import Message
 
 __all__ = [
-    "Completion", "Goal", "GoalEnded", "Grasp", "GraspPlan", "Hand", "InputError", "Launch",
-    "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Publisher", "RecordedMessage",
+    "Belief", "Completion", "Goal", "GoalEnded", "Grasp", "GraspPlan", "Hand", "InputError", "Launch",
+    "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Probe", "Publisher", "RecordedMessage",
     "Recording", "RecordingError", "RecordingWriter", "Rejection", "Scene", "SeenObject", "Stream",
-    "Subscription", "SurfaceOrigin", "TriangleMesh", "config_folder", "get_parameter", "hand",
+    "Subscription", "SurfaceOrigin", "TriangleMesh", "World", "WorldState", "config_folder", "get_parameter", "hand",
     "launch", "model_of_mesh", "nodes", "plan_grasps", "platform", "read_cloud", "read_mesh",
     "run_node", "segment", "set_parameter", "topics", "write_cloud", "write_mesh",
 ]

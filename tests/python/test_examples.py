@@ -58,6 +58,20 @@ class Examples(unittest.TestCase):
             said = run("how_hard_it_pressed.py", file)
             self.assertRegex(said, r"approach +grasp +lift\nleft +0\.0 +3\.0 +6\.0\nwrist +5\.0 +5\.0 +5\.0\n")
 
+    def test_does_it_hold(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = pathlib.Path(folder) / "cube.ply"
+            prehend.write_mesh(mesh, prehend.TriangleMesh(*cube(0.06)))
+            self.assertRegex(run("does_it_hold.py", mesh, "bh8"), r"\n +0  spread_0 +\d+% +yes")
+            self.assertRegex(run("does_it_hold.py", mesh, "sdh2", 0.3, 0.05), r"\n +0  parallel +\d+% +no")
+
+    def test_where_to_touch(self):
+        with tempfile.TemporaryDirectory() as folder:
+            points, width, height = box_on_table()
+            cloud = pathlib.Path(folder) / "box.pcd"
+            prehend.write_cloud(cloud, prehend.PointCloud(points, width=width, height=height))
+            self.assertRegex(run("where_to_touch.py", cloud), r"touched: [3-9]\.\d mm before, 0\.\d mm after")
+
     def test_without_arguments_they_say_what_they_do(self):
         for name in ("predict_hidden_sides.py", "compare_hands.py"):
             with self.assertRaisesRegex(SystemExit, name):
