@@ -7,11 +7,12 @@
 # make tsan   the same under ThreadSanitizer (build-tsan)
 # make bench  build, then run the benchmarks; figures go to out/bench/*.json
 # make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
+# make docs   build, then the documentation site: out/docs/html/index.html
 # make web    rebuild the viewer's page web/dist from web/src (node 20, npm)
 # make format, make check-format   clang-format
 # make clean  remove build and out
 
-.PHONY: demo build test test-thorough asan asan-quick tsan format check-format bench fuzz web clean configure packages
+.PHONY: demo build test test-thorough asan asan-quick tsan format check-format bench docs fuzz web clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -49,6 +50,9 @@ bench: build
 	@for program in build/bin/bench_*; do \
 	  $$program --json out/bench/$$(basename $$program).json || exit 1; \
 	done
+
+docs: build
+	@scripts/make-docs.sh build out/docs
 
 FUZZ_SECONDS ?= 60
 fuzz: packages

@@ -8,7 +8,7 @@
 namespace prehend::belief {
 namespace {
 
-constexpr double kStill = 0.02, kStillJaw = 1e-3;  // rad, m: see PerceivedMotor
+constexpr double kStill = 0.02, kStillJaw = 2e-3;  // rad, m: see PerceivedMotor
 
 }  // namespace
 
@@ -47,6 +47,11 @@ void ActPerceiver::closing(const ActMoment& moment) {
     sum_.torque += moment.wrist->torque;
     ++wrenches_;
   }
+  if (!touched_) {
+    for (const PadImage& pad : moment.pads) {
+      if (pad.force >= touch_force_) touched_ = times_.back();
+    }
+  }
   if (moment.motors.size() != way_.closed.size()) return;
   const double closure = way_.closure(moment.motors);
   for (std::size_t i = 0; i < moment.pads.size(); ++i) {
@@ -81,6 +86,10 @@ void ActPerceiver::note(std::size_t instant, const ActMoment& moment) {
 void ActPerceiver::note_stop(std::size_t motor) {
   PerceivedMotor& percept = percepts_.motors[motor];
   if (!percept.at[kClosed]) return;
+  // A jaw comes fast to where it is predicted to touch, and from there on slowly; an act that is
+  // foretold has one speed.
+  const bool is_jaw = hand_.gripper.has_value();
+  if (is_jaw && !touched_) return;
   const auto at = static_cast<Eigen::Index>(motor);
   const double still = hand_.gripper ? kStillJaw : kStill;
   std::size_t last = times_.size();
@@ -88,7 +97,7 @@ void ActPerceiver::note_stop(std::size_t motor) {
          std::abs(motors_[last - 1][at] - *percept.at[kClosed]) <= still) {
     --last;
   }
-  if (last < times_.size()) percept.stopped_after = times_[last];
+  if (last < times_.size()) percept.stopped_after = times_[last] - (is_jaw ? *touched_ : 0);
 }
 
 }  // namespace prehend::belief

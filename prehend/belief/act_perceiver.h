@@ -56,6 +56,7 @@ class ActPerceiver {
   std::vector<double> times_;            // s, since the first
   std::vector<Eigen::VectorXd> motors_;  // at those
   double start_ = 0;                     // s
+  std::optional<double> touched_;        // s, since the first, when a pad first touched
 };
 
 }  // namespace prehend::belief

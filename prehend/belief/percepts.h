@@ -40,8 +40,10 @@ struct PerceivedPad {
 struct PerceivedMotor {
   std::string name;
   std::array<std::optional<double>, 2> at;  // rad or m, closed, lifted; none: no sensor
-  std::optional<double> stopped_after;  // s, from the beginning; from then on it stood within 0.02
-                                        // rad (1 mm of a jaw) of where it was when closed
+  /// s, from the beginning; of a jaw, which may come with any speed to where it touches, from the
+  /// first touch of a pad (negative: before it). From then on it stood within 0.02 rad (2 mm of a
+  /// jaw) of where it was when closed. None: no sensor, or a jaw that touched nothing.
+  std::optional<double> stopped_after;
 };
 
 /// What a camera shows of what the hand has lifted, the hand itself left out.

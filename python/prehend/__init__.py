@@ -1,4 +1,4 @@
-"""prehend: grasping objects that nobody has seen before.
+"""prehend: grasping objects that nobody has seen before::
 
     cloud = prehend.read_cloud("table.pcd")
     scene = prehend.segment(cloud)
