@@ -26,12 +26,12 @@ constexpr std::size_t kQueueDepth = 100000;  // the bound in bytes rules
 // DeliveryWindow lets out at once.
 constexpr std::size_t kQueueBytes = std::size_t{64} << 20;
 
-// What each node or graph has of its own, and what its viewer makes itself. An emergency stop is said by who keeps it now: a recorded
-// one would stop and release a robot that listens, and its end be taken for silence.
+// What each node or graph has of its own, and what its viewer makes itself. An emergency stop is
+// said by who keeps it now: a recorded one would stop and release a robot that listens, and its end
+// be taken for silence.
 bool is_of_each_node(const std::string& topic) {
   return topic == "/log" || topic == "/diagnostics" || topic == "/statistics" ||
-         topic == graph::kClockTopic || topic.ends_with("/emergency_stop") ||
-         views::is_view(topic);
+         topic == graph::kClockTopic || topic.ends_with("/emergency_stop") || views::is_view(topic);
 }
 
 void validate(const RecordingPlayerOptions& options) {

@@ -78,9 +78,8 @@ std::string objection(const Place& from, const Place& to) {
                                                                  : "but nodes never include others";
   }
   if (from.top == "msgs") {
-    return to.top == "msgs" ||
-                   ((from.folder == "convert" || from.folder == "views") && to.top == "prehend" &&
-                    floor_of(to.folder) >= 0)
+    return to.top == "msgs" || ((from.folder == "convert" || from.folder == "views") &&
+                                to.top == "prehend" && floor_of(to.folder) >= 0)
                ? ""
                : "but messages depend on nothing, msgs/convert and msgs/views on algorithms alone";
   }
