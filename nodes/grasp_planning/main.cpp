@@ -156,6 +156,14 @@ std::unique_ptr<nodes::PlatformPlanning> declare_platform(graph::Node& node) {
                                    .minimum = 1,
                                    .description = "grasps that get a motion of the arm",
                                    .read_only = true});
+  options.finer = node.declare_parameter<int>(
+      {.name = "finer",
+       .default_value = options.finer,
+       .minimum = 1,
+       .maximum = 10,
+       .description = "times as many steps of candidates, once, where hand and arm can execute no "
+                      "grasp of the usual ones; 1: they are not tried",
+       .read_only = true});
   const nodes::TouchParameters touch = nodes::declare_touch(node);
   options.touch = touch.options;
   options.grip_force = nodes::declare_grip_force(node);

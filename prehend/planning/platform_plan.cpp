@@ -23,6 +23,45 @@ double seconds_since(steady_clock::time_point begin) {
   return std::chrono::duration<double>(steady_clock::now() - begin).count();
 }
 
+bool can_be_executed(const PlatformPlan& plan) {
+  return std::any_of(plan.picks.begin(), plan.picks.end(),
+                     [](const PlannedPick& pick) { return !pick.segments.empty(); });
+}
+
+/// Whether candidates between those that were tried may be grasps: enough of them fell by where the
+/// hand was, not by what it is.
+bool finer_may_help(const PlatformPlan& plan) {
+  constexpr double kEnough = 0.1;  // of those that the arm's directions leave
+  int tried = 0, misplaced = 0;
+  for (const grasp::Rejection& rejection : plan.rejections) {
+    switch (rejection.reason) {
+      case grasp::Reason::kDirection:
+      case grasp::Reason::kWorkspace:
+      case grasp::Reason::kArm:
+        break;
+      case grasp::Reason::kTooWide:
+      case grasp::Reason::kTooHeavy:
+      case grasp::Reason::kTooWeak:
+      case grasp::Reason::kNoTime:
+        tried += rejection.count;
+        break;
+      default:
+        tried += rejection.count;
+        misplaced += rejection.count;
+    }
+  }
+  return misplaced > kEnough * tried;
+}
+
+void refine(int times, grasp::PlannerOptions* grasps) {
+  grasp::GeneratorOptions& candidates = grasps->candidates;
+  for (int* steps : {&candidates.samples, &candidates.approaches, &candidates.rolls,
+                     &candidates.standoffs, &candidates.circles.directions_per_circle,
+                     &candidates.circles.rolls, &candidates.circles.standoffs}) {
+    *steps *= times;
+  }
+}
+
 void add_remedies(Remedies remedies, steady_clock::time_point asked, PlatformPlan* plan) {
   if (const std::string help = in_words(remedies); !help.empty()) plan->problem += ". " + help;
   plan->remedies = std::move(remedies);
@@ -65,6 +104,7 @@ void PlatformPlanOptions::validate() const {
   place.validate();
   const text::Require require{"PlatformPlanOptions."};
   require(motions > 0, "motions must be positive");
+  require(finer > 0 && finer <= 10, "finer must be from 1 to 10");
   require(std::isfinite(grip_force) && grip_force >= 0, "grip_force must not be negative");
   if (touch) touch->validate();
   decision.validate();
@@ -103,48 +143,75 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
   obstacles.meshes_W = platform_.hand.gripper ? neighbours.meshes_W : neighbours.pieces_W;
   const grasp::Reachability reach = within_reach(reachability, platform_);
   const grasp::PlannerOptions reaching = within_reach(options.grasps, platform_);
-  grasp::GraspPlan grasps = database && known
-                                ? plan_grasps_with_memory(*database, *known, object, table_W,
-                                                          obstacles, hand, reach, reaching)
-                                : plan_grasps(object, table_W, obstacles, hand, reach, reaching);
-  PlatformPlan plan;
-  plan.rejections = std::move(grasps.rejections);
-  plan.candidates = grasps.candidates;
-  plan.outcome = grasps.outcome;
-  plan.problem = grasps.problem;
-  for (const grasp::Grasp& grasp : grasps.grasps) {
-    plan.robustness = std::max(plan.robustness, grasp.robustness);
-  }
-  plan.grasp_time = seconds_since(begin);
-  if (!platform_.hand.gripper) {
-    for (grasp::Grasp& grasp : grasps.grasps) grasp.force = options.grip_force;
-  }
+  const PlatformScene scene{table_W, object.convex_pieces_W, neighbours.pieces_W};
   if (options.viewing) {
     options.arm.inspection =
         HeldInspection{*options.viewing, surface_patches(object), object.mesh_W, options.views};
   }
-  if (!grasps.grasps.empty()) {
-    add_motions(std::move(grasps.grasps), {table_W, object.convex_pieces_W, neighbours.pieces_W},
-                start, options, &plan);
-  } else if (options.remedies.budget > 0) {
+  Unreached unreached;
+  bool has_grasps = false;  // of the hand, at the last attempt
+  const auto attempt = [&](const grasp::PlannerOptions& candidates) {
+    grasp::GraspPlan grasps =
+        database && known ? plan_grasps_with_memory(*database, *known, object, table_W, obstacles,
+                                                    hand, reach, candidates)
+                          : plan_grasps(object, table_W, obstacles, hand, reach, candidates);
+    PlatformPlan plan;
+    plan.rejections = std::move(grasps.rejections);
+    plan.candidates = grasps.candidates;
+    plan.outcome = grasps.outcome;
+    plan.problem = grasps.problem;
+    for (grasp::Grasp& grasp : grasps.grasps) {
+      plan.robustness = std::max(plan.robustness, grasp.robustness);
+      if (!platform_.hand.gripper) grasp.force = options.grip_force;
+    }
+    plan.grasp_time = seconds_since(begin);
+    has_grasps = !grasps.grasps.empty();
+    if (has_grasps) {
+      unreached = add_motions(std::move(grasps.grasps), scene, start, options, &plan);
+    }
+    return plan;
+  };
+  PlatformPlan plan = attempt(reaching);
+  // Without a free place to put it, none of its grasps is executed.
+  const bool may_help = has_grasps ? !unreached.grasps.empty() : finer_may_help(plan);
+  if (!can_be_executed(plan) && options.finer > 1 && reaching.given_W.empty() && may_help) {
+    grasp::PlannerOptions finer = reaching;
+    refine(options.finer, &finer);
+    if (finer.budget > 0) finer.budget = std::max(1e-3, finer.budget - plan.grasp_time);
+    Unreached before = std::exchange(unreached, {});
+    const bool had_grasps = has_grasps;
+    PlatformPlan second = attempt(finer);
+    if (can_be_executed(second)) {
+      plan = std::move(second);
+    } else {
+      plan.grasp_time = seconds_since(begin);
+      unreached = std::move(before);
+      has_grasps = had_grasps;
+    }
+  }
+  if (options.remedies.budget > 0 && !can_be_executed(plan)) {
     const auto asked = steady_clock::now();
-    add_remedies(remedies_for_grasps(object, table_W, obstacles, model, reach, reaching,
-                                     plan.rejections, options.remedies),
-                 asked, &plan);
+    if (!unreached.grasps.empty()) {
+      add_remedies(remedies_for_motion(platform_, start, unreached.grasps, scene, unreached.arm,
+                                       options.remedies),
+                   asked, &plan);
+    } else if (!has_grasps) {
+      add_remedies(remedies_for_grasps(object, table_W, obstacles, model, reach, reaching,
+                                       plan.rejections, options.remedies),
+                   asked, &plan);
+    }
   }
   std::vector<const grasp::Grasp*> executable;
   for (const PlannedPick& pick : plan.picks) {
     if (!pick.segments.empty()) executable.push_back(&pick.grasp);
   }
   if (!options.probes.empty() && !executable.empty()) {
-    add_probe(hand, object, {table_W, object.convex_pieces_W, neighbours.pieces_W}, start, options,
-              &plan);
+    add_probe(hand, object, scene, start, options, &plan);
   }
   LookChances look;
   if (!executable.empty()) {
     if (options.carried_camera) {
-      add_look(object, {table_W, object.convex_pieces_W, neighbours.pieces_W}, start, options,
-               &plan);
+      add_look(object, scene, start, options, &plan);
       look = {plan.look.apart, plan.look.from, plan.look.problem};
     } else if (platform_.X_FC) {
       look.problem = "nothing is known of the camera that the arm carries";
@@ -157,14 +224,16 @@ PlatformPlan PlatformPlanner::plan(const surface::ObjectModel& object,
 }
 
 // The grasps that the arm can execute, best first, and then the others; or why there is none.
-void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
-                                  const robot::Positions& start, const PlatformPlanOptions& options,
-                                  PlatformPlan* plan) const {
+PlatformPlanner::Unreached PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps,
+                                                        const PlatformScene& scene,
+                                                        const robot::Positions& start,
+                                                        const PlatformPlanOptions& options,
+                                                        PlatformPlan* plan) const {
   const FreePlaces places = free_places_for(platform_, scene, options.place);
   if (!places.problem.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
     plan->problem = places.problem + ". " + kPlaceMend;
-    return;
+    return {};
   }
   PlatformPickOptions arm = options.arm;
   arm.moves_W = places.moves_W;
@@ -196,15 +265,11 @@ void PlatformPlanner::add_motions(std::vector<grasp::Grasp> grasps, const Platfo
   if (plan->picks.empty()) {
     plan->outcome = grasp::PlanOutcome::kUngraspable;
     plan->problem = fmt::format("the arm can execute none of {} grasps: {}", all, arm_problem);
-    if (options.remedies.budget > 0) {
-      const auto asked = steady_clock::now();
-      add_remedies(remedies_for_motion(platform_, start, unreached, scene, arm, options.remedies),
-                   asked, plan);
-    }
-    return;
+    return {std::move(unreached), std::move(arm)};
   }
   for (grasp::Grasp& grasp : grasps)
     plan->picks.push_back({std::move(grasp), {}, {}, std::nullopt, {}, {}});
+  return {};
 }
 
 void PlatformPlanner::add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,

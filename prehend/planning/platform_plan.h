@@ -66,6 +66,9 @@ struct PlatformPlanOptions {
   PlatformPickOptions arm;       // its moves_W are those of `place`
   PlaceOptions place;
   int motions = 3;  // > 0, of the grasps get the arm's motion: one for each attempt
+  /// > 0. Where hand and arm can execute no grasp of the usual candidates, those with so many times
+  /// as many steps are tried; 1: they are not. Not where the hand is too small or too weak for it.
+  int finer = 2;
   /// N, >= 0, that the pads of a hand with fingers are to feel; 0: as the motors press.
   double grip_force = 0;
   /// How what the pads will feel is predicted of the grasps with a motion, within what `grasps`
@@ -123,9 +126,14 @@ class PlatformPlanner {
                     const std::optional<grasp::PlacedObject>& known = std::nullopt) const;
 
  private:
-  void add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
-                   const robot::Positions& start, const PlatformPlanOptions& options,
-                   PlatformPlan* plan) const;
+  /// Grasps that the arm reaches none of.
+  struct Unreached {
+    std::vector<PlatformGrasp> grasps;
+    PlatformPickOptions arm;
+  };
+  Unreached add_motions(std::vector<grasp::Grasp> grasps, const PlatformScene& scene,
+                        const robot::Positions& start, const PlatformPlanOptions& options,
+                        PlatformPlan* plan) const;
 
   void add_probe(const grasp::HandToClose& hand, const surface::ObjectModel& object,
                  const PlatformScene& scene, const robot::Positions& start,
