@@ -40,6 +40,42 @@ if PREHEND_NODE_PATH=$PWD/build prehend launch --check demo.yaml scene:=nowhere 
 fi
 grep -q nowhere refused.txt
 
+# A driver, and its device: it says nothing to who comes first, and hangs up; then it measures, with a line that is none.
+cp -r "$source/examples/driver" driver
+cmake -S driver -B driver/build -G "$generator" -DCMAKE_PREFIX_PATH="$scratch/prefix" --log-level=WARNING
+cmake --build driver/build
+cat >device.py <<'END'
+import socket, sys, time
+listening = socket.create_server(("127.0.0.1", 0))
+print(listening.getsockname()[1], flush=True)
+listening.accept()[0].close()
+peer = listening.accept()[0]
+try:
+    for _ in range(2000):
+        peer.sendall(b"1 2 3 0.1 0.2 0.3\nnot a measurement\n")
+        time.sleep(0.01)
+except OSError:
+    pass
+END
+python3 device.py >port.txt &
+device=$!
+for _ in $(seq 100); do [ -s port.txt ] && break; sleep 0.05; done
+cat >driver.yaml <<END
+nodes:
+  - node: line_wrench
+    parameters: {line: "tcp://127.0.0.1:$(cat port.txt)"}
+END
+export PREHEND_REGISTRY=ipc://$scratch/registry
+PREHEND_NODE_PATH=$PWD/driver/build timeout 60 prehend launch driver.yaml >driver.txt 2>&1 &
+launched=$!
+for _ in $(seq 100); do prehend node list >/dev/null 2>&1 && break; sleep 0.1; done
+timeout 30 prehend topic echo /wrench -n 1 --wait --json | tee wrench.txt
+kill -INT "$launched"
+wait "$launched" || true
+kill "$device" 2>/dev/null || true
+unset PREHEND_REGISTRY
+grep -q '"z": *3' wrench.txt
+
 # Copies, as nothing but the installed headers is to be found from there.
 examples=(grasp/example motion/example simulation/engines/example simulation/sensors/example simulation/example)
 for example in "${examples[@]}"; do
