@@ -223,6 +223,8 @@ void AttemptMemory::tell(const Object& object, const geometry::PointCloud& seen_
             {p_W, look.seen_W.normals[i].cast<double>().normalized(), options_.seen_deviation});
       }
       if (!look.seen_space.empty_until.empty()) belief->add_seen_space(look.seen_space);
+      // Where it is exactly where it was, what was seen then is its surface as it is now.
+      if (look.stood) belief->add_seen(look.seen_W);
     }
     for (const Attempt& attempt : look.attempts) {
       for (const Act& act : attempt) {
@@ -249,9 +251,10 @@ std::optional<Recollection> AttemptMemory::recall(const shape::CompletedShape& s
   }
   Object& object = objects_[found->object];
   const RigidTransform& X = found->X_moved;
-  object.stands = false;
+  const bool stood = std::exchange(object.stands, false);
   object.believed_W = geometry::transformed(object.believed_W, X);
   for (Look& look : object.looks) {
+    look.stood = look.stood && stood;
     look.seen_W = geometry::transformed(look.seen_W, X);
     look.seen_space.X_WC = X * look.seen_space.X_WC;
     for (Attempt& attempt : look.attempts) attempt = moved_attempt(std::move(attempt), X);

@@ -105,6 +105,7 @@ class AttemptMemory {
     geometry::PointCloud seen_W;  // with normals
     shape::SeenSpace seen_space;
     std::vector<Attempt> attempts;
+    bool stood = true;  // nothing has touched the object since it
   };
   struct Object {
     geometry::TriangleMesh believed_W;

@@ -157,6 +157,23 @@ TEST(AttemptMemory, WhatNothingHasTouchedIsTheSameFromElsewhere) {
   EXPECT_LT(both, error_of(predicted_surface(back), front.truth_W) + 2e-4);
 }
 
+// A look that shows again what was seen at first takes nothing of what was seen in between.
+TEST(AttemptMemory, WhatWasSeenFromElsewhereStays) {
+  const Predicted front(half_can(), 0), back(half_can(), 2.6), again(half_can(), 5.8);
+  AttemptMemory memory(hand());
+  memory.add_look(front.shape, front.view.table_W, predicted_surface(front));
+  const auto two = memory.recall(back.shape, back.view.table_W);
+  ASSERT_TRUE(two) << memory.problem();
+  memory.add_look(back.shape, back.view.table_W, two->model.mesh_W);
+  const auto three = memory.recall(again.shape, again.view.table_W);
+  ASSERT_TRUE(three) << memory.problem();
+  EXPECT_EQ(three->looks, 2);
+  EXPECT_LT(error_of(two->model.mesh_W, front.truth_W), 3e-4);
+  EXPECT_LT(error_of(three->model.mesh_W, front.truth_W), 5e-4);
+  EXPECT_LT(error_of(three->model.mesh_W, front.truth_W),
+            0.6 * error_of(predicted_surface(again), front.truth_W));
+}
+
 // Somebody has taken it away meanwhile, or pushed it: neither look may be laid onto the other.
 TEST(AttemptMemory, WhatTheOtherLookSeesThroughIsNotTheSame) {
   const Predicted front(box(), 0);
