@@ -86,7 +86,8 @@ int run_surprise(const Options& options) {
     std::fprintf(stderr, "%zu of %zu: %s: %zu acts %s\n", results.size(), cases.size(),
                  done.name.c_str(), done.acts.size(), done.problem.c_str());
   }
-  if (!options.fit.empty()) model = eval::fitted_surprise(results, kFitGroup, kFalseAlarms);
+  if (!options.fit.empty())
+    model = eval::fitted_surprise(results, kFitGroup, kFalseAlarms, hand.model());
   const eval::SurpriseFindings findings = eval::surprise_findings(results, model);
   const std::string said = eval::surprise_text(findings);
   std::printf("\n%s", said.c_str());

@@ -40,8 +40,9 @@ void write_surprise_report(const std::filesystem::path& folder, const SurpriseFi
                            const std::vector<SurpriseCase>& cases,
                            const belief::SurpriseModel& model);
 
-/// Fitted on the right predictions of `group`. @throws as belief::fit_surprise().
+/// Fitted on the right predictions of `group` of a hand. @throws as belief::fit_surprise().
 belief::SurpriseModel fitted_surprise(const std::vector<SurpriseCase>& cases,
-                                      const std::string& group, double false_alarms);
+                                      const std::string& group, double false_alarms,
+                                      const robot::HandModel& hand);
 
 }  // namespace prehend::eval

@@ -27,7 +27,6 @@ constexpr int kSurpriseVersion = 1;
 const std::string kTotal = "total";
 
 // When motors stopped is known in full of an act that ends before the lift, unlike the total.
-const std::string kTime = "time";
 
 using Features = std::vector<PerceptFeature>;
 using Chosen = std::function<bool(const PerceptFeature&)>;
@@ -188,13 +187,14 @@ void fit_thresholds(const std::vector<KnownPercepts>& right, double false_alarms
   const auto is_alarm = [&](const PerceptSurprise& act) {
     return act.bits > model->thresholds.at(kTotal) ||
            std::any_of(act.senses.begin(), act.senses.end(), [&](const SenseSurprise& sense) {
-             return sense.sense == kTime && sense.bits > model->thresholds.at(sense.sense);
+             return sense.sense == model->by_itself &&
+                    sense.bits > model->thresholds.at(sense.sense);
            });
   };
   constexpr int kSteps = 100;
   for (int step = kSteps; step >= 0; --step) {
     for (const auto& [name, values] : bits) {
-      if (name != kTotal && name != kTime) continue;
+      if (name != kTotal && name != model->by_itself) continue;
       model->thresholds[name] = threshold_of(values, false_alarms * step / kSteps, false_alarms);
     }
     const auto alarms = static_cast<double>(std::count_if(acts.begin(), acts.end(), is_alarm));
@@ -242,8 +242,9 @@ PerceptSurprise percept_surprise(const PerceptForecast& predicted, const Percept
   surprise.threshold = model.thresholds.at(kTotal);
   surprise.alarm =
       surprise.bits > surprise.threshold ||
-      std::any_of(surprise.senses.begin(), surprise.senses.end(),
-                  [](const SenseSurprise& sense) { return sense.alarm && sense.sense == kTime; });
+      std::any_of(surprise.senses.begin(), surprise.senses.end(), [&](const SenseSurprise& sense) {
+        return sense.alarm && sense.sense == model.by_itself;
+      });
   surprise.likeliest = belief.likeliest(y);
   return surprise;
 }
@@ -288,16 +289,21 @@ void SurpriseModel::validate() const {
     require(found != thresholds.end() && std::isfinite(found->second),
             "thresholds: '" + name + "' must be there and finite");
   }
+  require(std::count(percept_senses().begin(), percept_senses().end(), by_itself) == 1,
+          "by_itself: '" + by_itself + "' is no sense");
   require(wrong_touch > 0 && wrong_touch < 0.5, "wrong_touch must be in (0, 0.5)");
   require(std::isfinite(touch_force) && touch_force > 0, "touch_force must be positive");
 }
 
-SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms) {
+SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms,
+                           const std::string& by_itself) {
   const text::Require require{"fit_surprise: "};
   constexpr std::size_t kLeastKnown = 20;
   require(right.size() >= kLeastKnown, "there must be at least 20 right predictions");
   require(false_alarms > 0 && false_alarms < 0.5, "false_alarms must be in (0, 0.5)");
   SurpriseModel model = SurpriseModel::unfitted();
+  model.by_itself = by_itself;
+  model.validate();
   constexpr int kRounds = 3;  // which possible percept is the likeliest depends on the scales
   for (int round = 0; round < kRounds; ++round) fit_scales(right, &model);
   fit_shares(right, &model);
@@ -328,6 +334,7 @@ SurpriseModel SurpriseModel::load(const std::filesystem::path& file) {
   }
   map.read("wrong_touch", model.wrong_touch);
   map.read("touch_force", model.touch_force);
+  map.read("by_itself", model.by_itself);
   map.read("hand", model.hand);
   const auto read = [&](const std::string& key, std::map<std::string, double>& values) {
     const YAML::Node node = map.child(key);
@@ -366,6 +373,7 @@ void SurpriseModel::save(const std::filesystem::path& file, const std::string& m
   for (std::string line; std::getline(lines, line);) text += "# " + line + "\n";
   text += fmt::format("version: {}\nwrong_touch: {:.6g}\ntouch_force: {:.6g}\n", kSurpriseVersion,
                       wrong_touch, touch_force);
+  text += "by_itself: " + by_itself + "\n";
   if (!hand.empty()) text += "hand: " + hand + "\n";
   const auto write = [&](const char* key, const std::map<std::string, double>& values) {
     text += fmt::format("{}:\n", key);

@@ -23,6 +23,9 @@ struct SurpriseModel {
   std::map<std::string, double> thresholds;
   double wrong_touch = 0.02;  // probability that a pad touches against the prediction, in (0, 0.5)
   double touch_force = 0.3;   // N, > 0, of a pad that touches
+  /// Of percept_senses(): by which an act is an alarm by itself, too, as it is known in full of an
+  /// act that ends before the lift, when the total lacks half of its senses.
+  std::string by_itself = "time";
   /// Whose percepts it was fitted to, HandModel::name; of others its thresholds say nothing. Empty:
   /// not fitted to any.
   std::string hand;
@@ -54,8 +57,7 @@ struct SenseSurprise {
 struct PerceptSurprise {
   double bits = 0;  // of all senses together
   double threshold = 0;
-  /// bits > threshold, or those of "time" are, which are known in full of an act that ends before
-  /// the lift, too.
+  /// bits > threshold, or those of the sense SurpriseModel::by_itself are above its own.
   bool alarm = false;
   std::vector<SenseSurprise> senses;  // those there are sensors for, in percept_senses()' order
   std::vector<SenseSurprise> parts;   // of these, in the hand's order
@@ -93,8 +95,9 @@ struct KnownPercepts {
 /// of what is off against the likeliest possible percept, shares by how much the bits of each sense
 /// scatter, thresholds so that of these predictions the share `false_alarms` at most is an alarm,
 /// and stands out by each other sense, each -log2(false_alarms) bits at least. @param right
-/// predictions that came true, 20 at least.
-/// @throws std::invalid_argument for fewer, or `false_alarms` outside (0, 0.5).
-SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms = 0.01);
+/// predictions that came true, 20 at least. @param by_itself see SurpriseModel.
+/// @throws std::invalid_argument for fewer, `false_alarms` outside (0, 0.5), or no sense.
+SurpriseModel fit_surprise(const std::vector<KnownPercepts>& right, double false_alarms = 0.01,
+                           const std::string& by_itself = "time");
 
 }  // namespace prehend::belief

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -183,6 +185,31 @@ TEST_F(BagConvert, PicturesAsTheyAreWanted) {
   convert("a.mcap", "none", {"--images", "none"});
   EXPECT_THAT(topics("none"), AllOf(Contains("/viewer/objects"), Contains("/camera/stereo"),
                                     Not(Contains("/viewer/image/left"))));
+}
+
+// The public reader and the public schemas: what a viewer of others makes of it.
+TEST_F(BagConvert, IsWhatThePublicPackagesKnow) {
+  const std::string folder = "tests/recording/npm";
+  for (const char* package : {"@mcap/core", "@foxglove/schemas", "protobufjs"}) {
+    if (!std::filesystem::exists(folder + "/node_modules/" + package)) {
+      GTEST_SKIP() << "the npm packages are missing: run npm ci in " << folder;
+    }
+  }
+  for (const std::string images : {"jpeg", "raw"}) {
+    convert("a.mcap", images, {"--platform", "kr5_sdh", "--images", images});
+    const std::string command =
+        "timeout 30 node " + folder + "/check.cjs views " + scratch_.path(images) + " 2>&1";
+    FILE* pipe = ::popen(command.c_str(), "r");
+    std::array<char, 4096> buffer{};
+    std::string said;
+    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+      said.append(buffer.data(), got);
+    }
+    EXPECT_EQ(::pclose(pipe), 0) << said;
+    for (const char* topic : {"/viewer/objects", "/viewer/image/left", "/viewer/robot"}) {
+      EXPECT_THAT(said, HasSubstr(std::string("\"") + topic + "\":1"));
+    }
+  }
 }
 
 TEST_F(BagConvert, OnlyViewsLeavesTheRestOut) {
