@@ -21,6 +21,8 @@ endif()
 if(PREHEND_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)
 endif()
+# Without these the bridges to ROS are not built.
+find_package(CycloneDDS QUIET)
 
 pkg_check_modules(EIGEN REQUIRED IMPORTED_TARGET GLOBAL eigen3)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET GLOBAL libzmq)
@@ -45,6 +47,13 @@ pkg_check_modules(NCURSES REQUIRED IMPORTED_TARGET GLOBAL ncurses)
 # What it defines g++ defines, too, and precompiled headers do not.
 set_target_properties(PkgConfig::NCURSES PROPERTIES INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(OPENNI REQUIRED IMPORTED_TARGET GLOBAL libopenni2)
+pkg_check_modules(ROSCPP QUIET IMPORTED_TARGET GLOBAL roscpp topic_tools)
+if(NOT CycloneDDS_FOUND)
+  message(STATUS "ros2_bridge is left out: CycloneDDS is missing (apt install cyclonedds-dev)")
+endif()
+if(NOT ROSCPP_FOUND)
+  message(STATUS "ros1_bridge is left out: roscpp is missing (apt install libroscpp-dev libtopic-tools-dev)")
+endif()
 
 # PCL's and OpenCV's own CMake packages drag in VTK and Qt; only these single libraries are used.
 # prehend_find_library(target header-folder probe-header library): an INTERFACE target.

@@ -162,6 +162,19 @@ void CycleNode::subscribe() {
         }
         return answer;
       });
+  stop_service_ =
+      node_.serve<msgs::Empty, msgs::Acknowledge>("/cycle/stop", [this](const msgs::Empty&) {
+        msgs::Acknowledge answer;
+        answer.set_success(running_ || armed_ || preparing_);
+        if (!answer.success()) answer.set_reason("no cycle is running");
+        if (running_) {
+          robot_->cycle().abort("stopped by /cycle/stop");
+        } else if (answer.success()) {
+          armed_ = false;
+          fail("stopped by /cycle/stop");
+        }
+        return answer;
+      });
 }
 
 void CycleNode::tick() {

@@ -70,7 +70,7 @@ class CycleNode {
   graph::Publisher<msgs::AttemptEvidence> evidence_;
   graph::Publisher<msgs::ActPercepts> percepts_;
   std::vector<graph::Subscription> subscriptions_;
-  graph::Service start_service_;
+  graph::Service start_service_, stop_service_;
   graph::Node::Timer timer_;
 
   std::uint32_t target_ = 0;

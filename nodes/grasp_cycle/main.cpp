@@ -16,7 +16,8 @@ const prehend::graph::RegisteredNodeProgram registered(
      "or "
      "a parallel gripper by the touch of its pads (/gripper/move, /gripper/command). "
      "Publishes what was predicted against what was felt (/surprise), where it is (/cycle/state) "
-     "and how it ended (/cycle/result). The service /cycle/start starts again on the newest plans. "
+     "and how it ended (/cycle/result). The service /cycle/start starts again on the newest plans, "
+     "/cycle/stop stops all motion and ends the cycle as failed. "
      "With exit_when_done it exits 0 on success, 2 on failure, 3 when nothing can be grasped."},
     run);
 

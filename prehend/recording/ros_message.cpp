@@ -212,6 +212,150 @@ class RosType::Reader {
   std::size_t position_ = 0, begin_ = 0, values_ = 0;
 };
 
+/// Puts a message's bytes together.
+class RosType::Writer {
+ public:
+  Writer(const RosType& type, RosEncoding encoding) : type_(type), encoding_(encoding) {
+    if (encoding == RosEncoding::kCdr) bytes_.assign("\0\1\0\0", kCdrHeader);
+  }
+
+  /// @param value null: all its fields are 0 or empty
+  void message(const std::string& name, const RosValue* value) {
+    const std::vector<Field>& fields = type_.messages_.at(name);
+    const RosValue::Fields* given = nullptr;
+    if (value) {
+      given = std::get_if<RosValue::Fields>(&value->content());
+      if (!given) throw RosError("a value is no " + name);
+      check_names(name, fields, *given);
+    }
+    for (const Field& field : fields) {
+      const RosValue* found = nullptr;
+      for (std::size_t i = 0; given && i < given->size(); ++i) {
+        if ((*given)[i].first == field.name) found = &(*given)[i].second;
+      }
+      member(name, field, found);
+    }
+    if (fields.empty() && encoding_ == RosEncoding::kCdr) bytes_ += '\0';
+  }
+
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  static constexpr std::size_t kCdrHeader = 4;
+
+  static void check_names(const std::string& name, const std::vector<Field>& fields,
+                          const RosValue::Fields& given) {
+    for (const auto& one : given) {
+      if (std::none_of(fields.begin(), fields.end(),
+                       [&](const Field& field) { return field.name == one.first; })) {
+        throw RosError("the type " + name + " has no field '" + one.first + "'");
+      }
+    }
+  }
+  void align(std::size_t size) {
+    if (encoding_ != RosEncoding::kCdr) return;
+    const std::size_t over = (bytes_.size() - kCdrHeader) % size;
+    if (over != 0) bytes_.append(size - over, '\0');
+  }
+  void unaligned(std::uint64_t bits, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) bytes_ += static_cast<char>(bits >> (8 * i));
+  }
+  void count(std::size_t number) {
+    if (number > std::numeric_limits<std::uint32_t>::max()) throw RosError("a list is too long");
+    align(4);
+    unaligned(number, 4);
+  }
+  void text(std::string_view value) {
+    const bool cdr = encoding_ == RosEncoding::kCdr;
+    count(value.size() + (cdr ? 1 : 0));
+    bytes_ += value;
+    if (cdr) bytes_ += '\0';
+  }
+  // Bits of a whole number, checked against the range of its type.
+  static std::uint64_t whole(const RosValue& value, const Primitive& type) {
+    const auto* natural = std::get_if<std::uint64_t>(&value.content());
+    const std::int64_t number = natural && *natural > INT64_MAX ? 0 : value.integer();
+    const auto bits = static_cast<int>(8 * type.size);
+    const bool fits = type.kind == 'i'
+                          ? bits == 64 ? !natural || *natural <= INT64_MAX
+                                       : number >= -(std::int64_t{1} << (bits - 1)) &&
+                                             number < (std::int64_t{1} << (bits - 1))
+                          : number >= 0 && (bits == 64 || ((!natural || *natural <= INT64_MAX) &&
+                                                           number < (std::int64_t{1} << bits)));
+    if (!fits) throw RosError("a number is out of its type's range");
+    return natural ? *natural : static_cast<std::uint64_t>(number);
+  }
+  void number(const RosValue* value, const Primitive& type) {
+    align(type.size);
+    std::uint64_t bits = 0;
+    if (value && type.kind == 'f') {
+      const double number = value->number();
+      const auto single = static_cast<float>(number);
+      if (type.size == 4) {
+        std::memcpy(&bits, &single, 4);
+      } else {
+        std::memcpy(&bits, &number, 8);
+      }
+    } else if (value) {
+      bits = whole(*value, type);
+    }
+    unaligned(bits, type.size);
+  }
+  void single(const std::string& name, const RosValue* value) {
+    const auto simple = primitive(name);
+    if (!simple) {
+      message(name, value);
+    } else if (simple->kind == 's') {
+      text(value ? value->text() : std::string_view());
+    } else if (simple->kind == 't' || simple->kind == 'd') {
+      number(value ? &(*value)["sec"] : nullptr, {simple->kind == 'd' ? 'i' : 'u', 4});
+      number(value ? &(*value)["nanosec"] : nullptr, {simple->kind == 'd' ? 'i' : 'u', 4});
+    } else {
+      number(value, *simple);
+    }
+  }
+  void length(const Field& field, std::size_t given) {
+    if (field.length == 0) return count(given);
+    if (given != field.length) {
+      throw RosError("the list has " + std::to_string(given) + " values instead of " +
+                     std::to_string(field.length));
+    }
+  }
+  void list(const Field& field, const RosValue& value) {
+    const auto simple = primitive(field.type);
+    const auto* numbers = std::get_if<RosValue::Numbers>(&value.content());
+    if (numbers && (!simple || simple->kind != numbers->kind || simple->size != numbers->size)) {
+      throw RosError("its numbers are of another kind");
+    }
+    if (!numbers) {
+      length(field, value.list().size());
+      for (const RosValue& one : value.list()) single(field.type, &one);
+      return;
+    }
+    length(field, numbers->bytes.size() / numbers->size);
+    if (!numbers->bytes.empty()) align(numbers->size);
+    bytes_ += numbers->bytes;
+  }
+  void member(const std::string& type, const Field& field, const RosValue* value) {
+    try {
+      if (!field.is_list) {
+        single(field.type, value);
+      } else if (value) {
+        list(field, *value);
+      } else {
+        if (field.length == 0) count(0);
+        for (std::size_t i = 0; i < field.length; ++i) single(field.type, nullptr);
+      }
+    } catch (const RosError& error) {
+      throw RosError(type + "." + field.name + ": " + error.what());
+    }
+  }
+
+  const RosType& type_;
+  const RosEncoding encoding_;
+  std::string bytes_;
+};
+
 RosType::RosType(const std::string& name, std::string_view definition)
     : root_(ros_type_name(name)) {
   std::string current = root_;
@@ -305,6 +449,12 @@ void RosType::check(const std::string& type, std::size_t depth) const {
 
 RosValue RosType::read(std::string_view bytes, RosEncoding encoding) const {
   return Reader(*this, bytes, encoding).message(root_);
+}
+
+std::string RosType::write(const RosValue& message, RosEncoding encoding) const {
+  Writer writer(*this, encoding);
+  writer.message(root_, &message);
+  return writer.take();
 }
 
 }  // namespace prehend::recording

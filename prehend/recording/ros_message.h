@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-// Messages of ROS 1 and ROS 2, read by the definitions that their recordings carry.
+// Messages of ROS 1 and ROS 2, read and written by definitions as their recordings carry them.
 namespace prehend::recording {
 
 /// A definition or message that cannot be read, or a field that it does not have.
@@ -43,6 +43,7 @@ class RosValue {
   using Content =
       std::variant<std::int64_t, std::uint64_t, double, std::string_view, Numbers, List, Fields>;
   explicit RosValue(Content content) : content_(std::move(content)) {}
+  const Content& content() const { return content_; }
 
   /// A message's field. @throws RosError naming it when there is none.
   const RosValue& operator[](std::string_view field) const;
@@ -71,6 +72,11 @@ class RosType {
   /// @returns values that point into `bytes`. @throws RosError when these are not such a message.
   RosValue read(std::string_view bytes, RosEncoding encoding) const;
 
+  /// The opposite of read(). Fields that `message` does not have are 0 or empty.
+  /// @throws RosError naming a field that the type does not have, whose value is of another kind,
+  /// or too large for it.
+  std::string write(const RosValue& message, RosEncoding encoding) const;
+
  private:
   struct Field {
     std::string name;
@@ -79,6 +85,7 @@ class RosType {
     std::size_t length = 0;  // of a list that is always as long; 0: any
   };
   class Reader;
+  class Writer;
 
   static Field parse_field(std::string_view line, const std::string& package);
   void parse(const std::string& name, std::string_view text);

@@ -4,11 +4,11 @@
 
 #include <cstdint>
 
+#include "msgs/ros/from_ros.h"
 #include "prehend/geometry/errors.h"
 #include "prehend/recording/ros_recording.h"
 #include "tests/fuzz/fuzz_input.h"
 #include "tests/fuzz/memory_file.h"
-#include "tools/bag_import/from_ros.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace prehend;
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     recording::RosRecording recording(file.path());
     while (const auto message = recording.next()) {
       try {
-        const auto made = tools::from_ros(message->type, message->read());
+        const auto made = ros::from_ros(message->type, message->read());
         if (made) FUZZ_CHECK(made->ByteSizeLong() < (std::size_t{1} << 31));
       } catch (const recording::RosError&) {
       } catch (const geometry::InputError&) {

@@ -1,6 +1,6 @@
 // Messages of ROS as prehend's own.
 
-#include "tools/bag_import/from_ros.h"
+#include "msgs/ros/from_ros.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include "prehend/geometry/errors.h"
 #include "tests/recording/ros_test_files.h"
 
-namespace prehend::tools {
+namespace prehend::ros {
 namespace {
 
 using convert::ColoredDepth;
@@ -169,4 +169,4 @@ TEST(RosOthers, AreLeftToTheCaller) {
 }
 
 }  // namespace
-}  // namespace prehend::tools
+}  // namespace prehend::ros

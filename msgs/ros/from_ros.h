@@ -15,7 +15,7 @@
 /// Messages of ROS as prehend's own. Both versions' types have the same fields. All throw
 /// geometry::InputError for what cannot be (sizes that do not fit the data, an encoding that is not
 /// known), recording::RosError for a field that is missing.
-namespace prehend::tools {
+namespace prehend::ros {
 
 /// Types that from_ros() knows, as "sensor_msgs/Image", sorted.
 const std::vector<std::string>& ros_types();
@@ -27,10 +27,14 @@ const std::vector<std::string>& ros_types();
 ///   sensor_msgs/PointCloud2             msgs::PointCloud; fields x y z, rgb or rgba, normals
 ///   sensor_msgs/JointState              msgs::JointState
 ///   geometry_msgs/WrenchStamped         msgs::Wrench
+///   rosgraph_msgs/Clock                 msgs::Clock
+///   rosgraph_msgs/Log, rcl_interfaces/Log  msgs::graph::LogLine
 /// @returns nullptr for another type.
 std::unique_ptr<google::protobuf::Message> from_ros(const std::string& type,
                                                     const recording::RosValue& message);
 
+/// [ns] A time or a duration.
+std::int64_t ros_nanoseconds(const recording::RosValue& time);
 /// [ns] A std_msgs/Header's stamp.
 std::int64_t ros_stamp(const recording::RosValue& header);
 
@@ -42,4 +46,4 @@ msgs::StereoPair stereo_pair(const msgs::Image& left, const msgs::Image& right);
 /// @throws geometry::InputError when their sizes differ.
 msgs::DepthImage colored(const msgs::DepthImage& depth, const msgs::Image& color);
 
-}  // namespace prehend::tools
+}  // namespace prehend::ros

@@ -1,4 +1,4 @@
-#include "tools/bag_import/from_ros.h"
+#include "msgs/ros/from_ros.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,10 @@
 #include "msgs/convert/camera_images.h"
 #include "msgs/convert/geometry.h"
 #include "msgs/convert/images.h"
+#include "msgs/graph.pb.h"
 #include "prehend/geometry/errors.h"
 
-namespace prehend::tools {
+namespace prehend::ros {
 namespace {
 
 using convert::ColoredDepth;
@@ -374,11 +375,38 @@ MessagePointer wrench_from(const RosValue& message) {
   return wrench;
 }
 
+MessagePointer clock_from(const RosValue& message) {
+  auto clock = std::make_unique<msgs::Clock>();
+  clock->set_time(ros_nanoseconds(message["clock"]));
+  clock->set_speed(1);  // ROS does not say it
+  return clock;
+}
+
+MessagePointer log_from(const RosValue& message) {
+  const bool one = message.has("header");
+  const std::int64_t level = message["level"].integer();
+  auto line = std::make_unique<msgs::graph::LogLine>();
+  line->set_stamp(one ? ros_stamp(message["header"]) : ros_nanoseconds(message["stamp"]));
+  line->set_level(level < (one ? 2 : 20)   ? msgs::graph::DEBUG
+                  : level < (one ? 4 : 30) ? msgs::graph::INFO
+                  : level < (one ? 8 : 40) ? msgs::graph::WARNING
+                                           : msgs::graph::ERROR);
+  line->set_node(std::string(message["name"].text()));
+  line->set_text(std::string(message["msg"].text()));
+  return line;
+}
+
 const std::map<std::string, std::function<MessagePointer(const RosValue&)>>& conversions() {
   static const std::map<std::string, std::function<MessagePointer(const RosValue&)>> kAll = {
-      {"geometry_msgs/WrenchStamped", wrench_from},     {"sensor_msgs/CameraInfo", camera_from},
-      {"sensor_msgs/CompressedImage", compressed_from}, {"sensor_msgs/Image", image_from},
-      {"sensor_msgs/JointState", joints_from},          {"sensor_msgs/PointCloud2", cloud_from}};
+      {"geometry_msgs/WrenchStamped", wrench_from},
+      {"rcl_interfaces/Log", log_from},
+      {"rosgraph_msgs/Clock", clock_from},
+      {"rosgraph_msgs/Log", log_from},
+      {"sensor_msgs/CameraInfo", camera_from},
+      {"sensor_msgs/CompressedImage", compressed_from},
+      {"sensor_msgs/Image", image_from},
+      {"sensor_msgs/JointState", joints_from},
+      {"sensor_msgs/PointCloud2", cloud_from}};
   return kAll;
 }
 
@@ -407,10 +435,11 @@ MessagePointer from_ros(const std::string& type, const RosValue& message) {
   return found == conversions().end() ? nullptr : found->second(message);
 }
 
-std::int64_t ros_stamp(const RosValue& header) {
-  const RosValue& stamp = header["stamp"];
-  return 1'000'000'000 * stamp["sec"].integer() + stamp["nanosec"].integer();
+std::int64_t ros_nanoseconds(const RosValue& time) {
+  return 1'000'000'000 * time["sec"].integer() + time["nanosec"].integer();
 }
+
+std::int64_t ros_stamp(const RosValue& header) { return ros_nanoseconds(header["stamp"]); }
 
 msgs::StereoPair stereo_pair(const msgs::Image& left, const msgs::Image& right) {
   require_same_size(left.width(), left.height(), right, "Stereo images");
@@ -430,4 +459,4 @@ msgs::DepthImage colored(const msgs::DepthImage& depth, const msgs::Image& color
   return result;
 }
 
-}  // namespace prehend::tools
+}  // namespace prehend::ros
