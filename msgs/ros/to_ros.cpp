@@ -86,7 +86,7 @@ std::optional<std::size_t> color_offset(const ::foxglove::PointCloud& cloud) {
   return red;
 }
 
-RosValue point_field(const std::string& name, std::size_t offset, std::int64_t type) {
+RosValue point_field(std::string_view name, std::size_t offset, std::int64_t type) {
   return RosValue(Fields{{"name", ros_text(name)},
                          {"offset", ros_integer(static_cast<std::int64_t>(offset))},
                          {"datatype", ros_integer(type)},

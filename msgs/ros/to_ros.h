@@ -38,11 +38,11 @@ recording::RosValue ros_header(std::int64_t stamp, const std::string& frame, Ver
 recording::RosValue ros_time(std::int64_t nanoseconds, Version version);
 recording::RosValue ros_duration(std::int64_t nanoseconds);
 
-/// Values for ROS messages.
+/// Values for ROS messages. Texts, bytes and numbers are not copied: they stay where they are until
+/// the message is written.
 recording::RosValue ros_text(std::string_view text);
 recording::RosValue ros_integer(std::int64_t number);
 recording::RosValue ros_number(double number);
-/// @param count numbers at `data`, which stay there until they are written
 recording::RosValue ros_numbers(const double* data, std::size_t count);
 recording::RosValue ros_bytes(std::string_view bytes);
 recording::RosValue ros_texts(const std::vector<std::string>& texts);
