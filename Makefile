@@ -8,11 +8,12 @@
 # make bench  build, then run the benchmarks; figures go to out/bench/*.json
 # make fuzz   build tests/fuzz with clang and libFuzzer and run each for FUZZ_SECONDS (60)
 # make docs   build, then the documentation site: out/docs/html/index.html
+# make debs   build, then Debian packages: out/debs; scripts/test-debs.sh out/debs tries them in a clean Debian
 # make web    rebuild the viewer's page web/dist from web/src (node 20, npm)
 # make format, make check-format   clang-format
 # make clean  remove build and out
 
-.PHONY: demo build test test-thorough asan asan-quick tsan format check-format bench docs fuzz web clean configure packages
+.PHONY: demo build test test-thorough asan asan-quick tsan format check-format bench docs debs fuzz web clean configure packages
 .DEFAULT_GOAL := build
 
 packages:
@@ -53,6 +54,9 @@ bench: build
 
 docs: build
 	@scripts/make-docs.sh build out/docs
+
+debs: build
+	@scripts/make-debs.sh build out/debs
 
 FUZZ_SECONDS ?= 60
 fuzz: packages

@@ -5,9 +5,11 @@
 #   lib/prehend/lib                 plug-ins: physics engines, the emulated camera's OpenNI2 driver
 #   lib/prehend/config, launch, web links to share/prehend, where programs look for their defaults
 #   share/prehend                   launch files, robots, scenes, tasks, measured fronts, the viewer's page
-#   include/prehend, lib/prehend/archives, lib/cmake/prehend   the library
+#   include/prehend, lib/prehend/archives, lib/cmake/prehend   the library, for find_package
+#   lib/libprehend.so.*, lib/pkgconfig/prehend.pc              the same in one, for pkg-config
+#   share/doc/prehend/html          the documentation site, once `make docs` has made it
 #
-# Components: programs, development.
+# Components: programs, ros1, ros2, library, development, documentation, python.
 
 include(CMakePackageConfigHelpers)
 
@@ -24,6 +26,18 @@ function(prehend_targets_below VARIABLE FOLDER)
   set(${VARIABLE} ${targets} PARENT_SCOPE)
 endfunction()
 
+if(NOT PREHEND_SANITIZE AND NOT PREHEND_BUILD_FUZZERS)
+  include(cmake/shared_library.cmake)
+  install(TARGETS prehend_shared LIBRARY DESTINATION lib COMPONENT library
+          NAMELINK_COMPONENT development)
+  configure_file(cmake/install/prehend.pc.in ${PROJECT_BINARY_DIR}/install/prehend.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/install/prehend.pc DESTINATION lib/pkgconfig
+          COMPONENT development)
+endif()
+
+# What needs ROS's libraries is apart, so that nothing else does.
+set(ONLY_IN_PROGRAMS prehend_ros_dds prehend_ros_roscpp)
+
 install(TARGETS prehend_compile_flags EXPORT prehend)
 foreach(folder msgs prehend drivers nodes tools)
   prehend_targets_below(targets ${PROJECT_SOURCE_DIR}/${folder})
@@ -34,13 +48,17 @@ foreach(folder msgs prehend drivers nodes tools)
       continue()
     endif()
     if(type STREQUAL EXECUTABLE)
+      set(component programs)
+      if(target MATCHES "^(ros[12])_")
+        set(component ${CMAKE_MATCH_1})
+      endif()
       set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/openni2")
-      install(TARGETS ${target} RUNTIME DESTINATION ${INSTALLED_TREE}/bin COMPONENT programs)
+      install(TARGETS ${target} RUNTIME DESTINATION ${INSTALLED_TREE}/bin COMPONENT ${component})
     elseif(type STREQUAL MODULE_LIBRARY)
       get_target_property(place ${target} LIBRARY_OUTPUT_DIRECTORY)
       file(RELATIVE_PATH place ${CMAKE_BINARY_DIR} ${place})
       install(TARGETS ${target} LIBRARY DESTINATION ${INSTALLED_TREE}/${place} COMPONENT programs)
-    elseif(type STREQUAL STATIC_LIBRARY)
+    elseif(type STREQUAL STATIC_LIBRARY AND NOT target IN_LIST ONLY_IN_PROGRAMS)
       string(REGEX REPLACE "^prehend_" "" name ${target})
       set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
       install(TARGETS ${target} EXPORT prehend
@@ -83,9 +101,13 @@ install(FILES ${PROJECT_BINARY_DIR}/install/prehend-config.cmake
               ${PROJECT_BINARY_DIR}/install/prehend-config-version.cmake
         DESTINATION ${PACKAGE_FOLDER} COMPONENT development)
 
-# Debian packages: `cpack -G DEB` in the build tree makes prehend, libprehend-dev and python3-prehend.
+install(DIRECTORY ${PROJECT_BINARY_DIR}/documentation_site/html DESTINATION share/doc/prehend
+        COMPONENT documentation OPTIONAL)
+
+# Debian packages: `make packages`, or `cpack -G DEB` in the build tree.
 file(STRINGS apt-packages.txt development_packages REGEX "-dev$")
-list(FILTER development_packages EXCLUDE REGEX "gtest|gmock|benchmark|pybind11|python3")
+list(FILTER development_packages EXCLUDE REGEX
+     "gtest|gmock|benchmark|pybind11|python3|cyclonedds|roscpp|topic-tools|fastrtps|fastcdr")
 list(JOIN development_packages ", " development_packages)
 set(CPACK_PACKAGE_NAME prehend)
 set(CPACK_PACKAGE_VENDOR "the prehend developers")
@@ -93,7 +115,18 @@ set(CPACK_PACKAGE_CONTACT "the prehend developers <prehend@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL programs development)
+set(CPACK_COMPONENTS_ALL programs library development)
+if(EXISTS ${PROJECT_BINARY_DIR}/documentation_site/html)
+  list(APPEND CPACK_COMPONENTS_ALL documentation)
+endif()
+foreach(version 1 2)
+  if(TARGET ros${version}_bridge)
+    list(APPEND CPACK_COMPONENTS_ALL ros${version})
+    set(CPACK_DEBIAN_ROS${version}_PACKAGE_NAME prehend-ros${version})
+    set(CPACK_DEBIAN_ROS${version}_PACKAGE_SHLIBDEPS ON)
+    set(CPACK_DEBIAN_ROS${version}_PACKAGE_DEPENDS prehend)
+  endif()
+endforeach()
 if(TARGET prehend_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-prehend)
@@ -106,6 +139,10 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME prehend)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "gnuplot-nox, graphviz, fonts-dejavu-core")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libprehend${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME prehend-doc)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libprehend-dev)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "g++, cmake, pkg-config, ${development_packages}")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${CPACK_DEBIAN_LIBRARY_PACKAGE_NAME}, g++, cmake, pkg-config, ${development_packages}")
 include(CPack)

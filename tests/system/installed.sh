@@ -28,6 +28,47 @@ prehend explain "$scratch/prefix/share/prehend/config/scenes/demo.yaml" --platfo
 cmake -S "$source/examples/project" -B build -G "$generator" -DCMAKE_PREFIX_PATH="$scratch/prefix" --log-level=WARNING
 cmake --build build
 build/pieces | grep 'a box of 288 cm^3 is 1 convex piece'
+
+# The same by pkg-config, from the one library; what is visible of it is prehend's (and what ELF keeps unique).
+export PKG_CONFIG_PATH=$scratch/prefix/lib/pkgconfig
+read -ra flags < <(pkg-config --cflags --libs prehend)
+c++ -std=c++20 "$source/examples/project/pieces.cpp" "${flags[@]}" -o pieces_shared
+LD_LIBRARY_PATH=$scratch/prefix/lib ./pieces_shared | grep 'a box of 288 cm^3 is 1 convex piece'
+cat >talks.cpp <<'END'
+#include <iostream>
+
+#include "msgs/sensors.pb.h"
+#include "prehend/geometry/errors.h"
+#include "prehend/graph/node.h"
+#include "prehend/robot/platform.h"
+
+int main() {
+  using namespace prehend;
+  try {
+    robot::read_platform("nowhere.yaml");
+  } catch (const geometry::InputError& error) {
+    std::cout << error.what() << "\n";
+  }
+  msgs::Wrench wrench;
+  wrench.mutable_wrench()->mutable_force()->set_x(2);
+  try {
+    graph::Node node({.name = "talks", .registry = "ipc://nobody",
+                      .registry_timeout = std::chrono::milliseconds(100)});
+  } catch (const std::exception& error) {
+    std::cout << wrench.ShortDebugString() << ": " << error.what() << "\n";
+  }
+}
+END
+c++ -std=c++20 talks.cpp "${flags[@]}" -o talks
+LD_LIBRARY_PATH=$scratch/prefix/lib ./talks >talked.txt
+grep -q 'nowhere.yaml does not exist' talked.txt
+grep -q 'x: 2.*no registry answers' talked.txt
+if nm -D --defined-only "$scratch/prefix/lib/libprehend.so" | awk '$2 != "u" { print $3 }' |
+  grep -vE 'N7prehend|7prehend|8foxglove|descriptor_table'; then
+  echo "the library shows symbols that are not its own" >&2
+  exit 1
+fi
+
 cat >hello.yaml <<'END'
 nodes:
   - node: hello
