@@ -32,7 +32,9 @@
 #include "prehend/graph/stop_signals.h"
 #include "prehend/recording/protobuf_schema.h"
 #include "python/arrays.h"
+#include "python/held_node.h"
 #include "python/messages.h"
+#include "python/servers.h"
 
 namespace prehend::python {
 namespace {
@@ -40,43 +42,6 @@ namespace {
 using google::protobuf::Descriptor;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
-
-constexpr auto kTurn = std::chrono::milliseconds(50);  // how often a wait looks for Ctrl-C
-
-/// A Python function that other threads may call and let go of.
-using Callback = std::shared_ptr<py::function>;
-
-Callback shared(py::function function) {
-  return {new py::function(std::move(function)), [](py::function* held) {
-            const py::gil_scoped_acquire lock;
-            delete held;
-          }};
-}
-
-nanoseconds duration_of(double seconds) {
-  if (std::isnan(seconds) || seconds < 0) {
-    throw std::invalid_argument(fmt::format("{} s is no time to wait", seconds));
-  }
-  return nanoseconds(graph::nanoseconds(std::min(seconds, 1e9)));
-}
-
-/// Raises what a signal's handler in Python has raised, as Ctrl-C does.
-void check_signals() {
-  const py::gil_scoped_acquire lock;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
-/// Calls `is_over` until it says so, at most `timeout`; false: the time is up. Without the
-/// interpreter's lock.
-bool wait_until(const std::function<bool(nanoseconds)>& is_over, std::optional<double> timeout) {
-  const auto end = steady_clock::now() + duration_of(timeout.value_or(1e9));
-  while (true) {
-    const nanoseconds left = end - steady_clock::now();
-    if (is_over(std::min<nanoseconds>(std::max(left, nanoseconds(0)), kTurn))) return true;
-    if (left <= nanoseconds(0)) return false;
-    check_signals();
-  }
-}
 
 graph::QoS qos_of(const py::object& queue, int latched) {
   if (latched < 0) throw py::value_error("latched must not be negative");
@@ -97,44 +62,6 @@ std::shared_ptr<google::protobuf::Message> decoded(const graph::Schema& schema,
   if (!message->ParseFromString(bytes)) throw std::runtime_error("no " + schema.name);
   return message;
 }
-
-/// A node, of one process: what a fork made of it in the child is not touched.
-class HeldNode {
- public:
-  HeldNode(graph::Node* node, std::function<void()> let_go)
-      : node_(node), let_go_(std::move(let_go)), process_(::getpid()) {}
-  ~HeldNode() { close(); }
-  HeldNode(const HeldNode&) = delete;
-
-  graph::Node& operator*() const {
-    if (process_ != ::getpid()) {
-      throw std::runtime_error("this Node was made before a fork: make one in this process");
-    }
-    if (!node_) throw std::runtime_error("this Node is closed");
-    return *node_;
-  }
-  graph::Node* operator->() const { return &**this; }
-  bool is_open() const { return node_ && process_ == ::getpid(); }
-
-  /// Callbacks may come from now on.
-  void spin() {
-    if (spins_.exchange(true)) return;
-    (**this).spin_in_background();
-  }
-  /// No callback runs afterwards. Without the interpreter's lock, as one that runs needs it.
-  void close() {
-    if (!is_open()) return;
-    node_->shutdown();
-    node_ = nullptr;
-    let_go_();
-  }
-
- private:
-  graph::Node* node_;
-  std::function<void()> let_go_;
-  pid_t process_;
-  std::atomic<bool> spins_{false};
-};
 
 class Publisher {
  public:
@@ -321,7 +248,7 @@ class Node {
         (*node_)->subscribe_raw(topic, qos, [callback](const graph::RawMessage& raw) {
           const auto message = decoded(*raw.schema, raw.bytes);
           const py::gil_scoped_acquire lock;
-          call(*callback, to_python(message));
+          call_python(*callback, to_python(message));
         });
     node_->spin();
     return std::make_unique<Subscription>(node_, std::move(subscription));
@@ -363,9 +290,19 @@ class Node {
       const auto feedback = types->make(1);
       if (!feedback->ParseFromString(bytes)) throw std::runtime_error("feedback is damaged");
       const py::gil_scoped_acquire lock;
-      call(*callback, to_python(feedback));
+      call_python(*callback, to_python(feedback));
     });
     return std::make_unique<Goal>(node_, types, std::move(client), std::move(handle), action);
+  }
+
+  std::unique_ptr<ServedService> serve(const std::string& service, const std::string& request,
+                                       const std::string& response, py::function handler) const {
+    return serve_service(node_, service, request, response, std::move(handler));
+  }
+  std::unique_ptr<ServedAction> serve_goals(const std::string& action, const std::string& goal,
+                                            const std::string& feedback, const std::string& result,
+                                            py::function handler) const {
+    return serve_action(node_, action, goal, feedback, result, std::move(handler));
   }
 
   // --- parameters, time, words ------------------------------------------------------------------
@@ -456,15 +393,6 @@ class Node {
   }
 
  private:
-  /// An exception of a callback ends nothing: it is an error of the node, in Python's words.
-  static void call(const py::function& callback, const py::object& message) {
-    try {
-      callback(message);
-    } catch (py::error_already_set& error) {
-      throw std::runtime_error(error.what());
-    }
-  }
-
   [[noreturn]] static void time_out(const std::string& error) {
     PyErr_SetString(PyExc_TimeoutError, error.c_str());
     throw py::error_already_set();
@@ -614,6 +542,7 @@ void bind_graph(py::module_& m) {
           "wait_status", &Goal::wait, py::arg("timeout") = py::none(),
           "Waits at most `timeout` [s], None: until it has ended. (status, error, result or None); "
           "status: ok, timeout (the goal goes on), failed, cancelled, preempted, server gone.");
+  bind_servers(m);
   py::class_<Node>(m, "Node",
                    "A node of a graph. Callbacks run one at a time in a thread of the node.")
       .def(py::init(&Node::make), py::arg("name"), py::arg("registry") = "",
@@ -641,6 +570,16 @@ void bind_graph(py::module_& m) {
       .def("send_goal", &Node::send_goal, py::arg("action"), py::arg("goal") = py::dict(),
            py::arg("on_feedback") = py::none(), py::arg("timeout") = 5.0,
            "Sends a goal to an action, and returns a Goal. Waits up to `timeout` [s] for a server.")
+      .def("serve", &Node::serve, py::arg("service"), py::arg("request"), py::arg("response"),
+           py::arg("handler"),
+           "A Service, which lasts as long as it is kept. request, response: types, as "
+           "'Acknowledge'. handler: takes the request, a Message, and returns a Message or a dict; "
+           "what it raises is the caller's error.")
+      .def("serve_action", &Node::serve_goals, py::arg("action"), py::arg("goal"),
+           py::arg("feedback"), py::arg("result"), py::arg("handler"),
+           "An ActionServer, which lasts as long as it is kept. goal, feedback, result: types, as "
+           "'MoveGripperGoal'. handler: takes the goal and a GoalContext, in a thread of its own, "
+           "and returns the result, a Message or a dict. A newer goal cancels the one that runs.")
       .def(
           "declare_parameter", &Node::declare_parameter, py::arg("name"), py::arg("default"),
           py::arg("description") = "", py::arg("unit") = "", py::arg("minimum") = py::none(),

@@ -222,6 +222,23 @@ class Node {
 
   /// The same for message types that are known at run time only, e.g. from a schema. The
   /// descriptors must live as long as the process.
+  /// `handler` gets the request encoded, and returns the answer so; what it throws is the caller's
+  /// error.
+  using BytesHandler = std::function<std::string(const std::string& request)>;
+  [[nodiscard]] Service serve_raw(const std::string& service,
+                                  const google::protobuf::Descriptor& request,
+                                  const google::protobuf::Descriptor& response,
+                                  BytesHandler handler) {
+    return serve_core(service, request, response, std::move(handler));
+  }
+  using GoalHandler = std::function<std::string(const std::string& goal, GoalTask&)>;
+  [[nodiscard]] ActionServer serve_action_raw(const std::string& action,
+                                              const google::protobuf::Descriptor& goal,
+                                              const google::protobuf::Descriptor& feedback,
+                                              const google::protobuf::Descriptor& result,
+                                              GoalHandler handler) {
+    return serve_action_core(action, goal, feedback, result, std::move(handler));
+  }
   [[nodiscard]] RawServiceClient raw_client(const std::string& service,
                                             const google::protobuf::Descriptor& request,
                                             const google::protobuf::Descriptor& response);
@@ -305,8 +322,6 @@ class Node {
  private:
   using ContentHandler =
       std::function<bool(const Content&, const std::shared_ptr<const MessageInfo>&)>;
-  using BytesHandler = std::function<std::string(const std::string&)>;
-  using GoalHandler = std::function<std::string(const std::string&, GoalTask&)>;
   using Type = google::protobuf::Descriptor;
 
   Timer make_timer(double seconds, bool once, std::function<void()> callback);

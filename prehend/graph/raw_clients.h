@@ -25,6 +25,13 @@ class RawServiceClient : public ServiceClientBase {
   }
 };
 
+/// What a goal's handler of Node::serve_action_raw() sees of the world outside; see ActionContext.
+class RawActionContext : public ActionContextBase {
+ public:
+  using ActionContextBase::ActionContextBase;
+  void feedback(const google::protobuf::Message& message) const { send_feedback(message); }
+};
+
 /// A goal that was sent by RawActionClient; see GoalHandle.
 class RawGoalHandle : public GoalHandleBase {
  public:

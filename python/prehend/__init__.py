@@ -15,9 +15,11 @@ import os
 import pathlib
 
 from ._prehend import (
+    ActionServer,
     Belief,
     Completion,
     Goal,
+    GoalContext,
     Grasp,
     GraspPlan,
     Hand,
@@ -35,6 +37,7 @@ from ._prehend import (
     Rejection,
     Scene,
     SeenObject,
+    Service,
     Subscription,
     SurfaceOrigin,
     TriangleMesh,
@@ -56,10 +59,11 @@ from .graph import GoalEnded, Launch, Stream, launch, run_node
 from .messages import Message
 
 __all__ = [
-    "Belief", "Completion", "Goal", "GoalEnded", "Grasp", "GraspPlan", "Hand", "InputError", "Launch",
-    "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Probe", "Publisher", "RecordedMessage",
-    "Recording", "RecordingError", "RecordingWriter", "Rejection", "Scene", "SeenObject", "Stream",
-    "Subscription", "SurfaceOrigin", "TriangleMesh", "World", "WorldState", "config_folder", "get_parameter", "hand",
+    "ActionServer", "Belief", "Completion", "Goal", "GoalContext", "GoalEnded", "Grasp", "GraspPlan", "Hand",
+    "InputError", "Launch", "Message", "Node", "ObjectModel", "Platform", "PointCloud", "Probe", "Publisher",
+    "RecordedMessage", "Recording", "RecordingError", "RecordingWriter", "Rejection", "Scene", "SeenObject",
+    "Service", "Stream", "Subscription", "SurfaceOrigin", "TriangleMesh", "World", "WorldState", "config_folder",
+    "get_parameter", "hand",
     "launch", "model_of_mesh", "nodes", "plan_grasps", "platform", "read_cloud", "read_mesh",
     "run_node", "segment", "set_parameter", "topics", "write_cloud", "write_mesh",
 ]

@@ -137,6 +137,66 @@ class Graph(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "closed"):
             node.advertise("/y", "Wrench")
 
+    def test_a_service_is_offered(self):
+        server, client = self.node("serves"), self.node("calls")
+
+        def weigh(request):
+            if request.shows_robot:
+                raise ValueError("it is too heavy")
+            return {"success": True, "reason": "2 kg"}
+        with server.serve("/weigh", "RenderRequest", "Acknowledge", weigh) as service:
+            self.assertEqual(client.call("/weigh").reason, "2 kg")
+            with self.assertRaisesRegex(RuntimeError, "it is too heavy"):
+                client.call("/weigh", {"shows_robot": True})
+            self.assertIn("/weigh", prehend.nodes(self.registry.endpoint)["serves"]["services"])
+        service.close()  # again
+        with self.assertRaises(RuntimeError):
+            client.call("/weigh", timeout=0.3)
+        with server.serve("/none", "Empty", "Acknowledge", lambda _: None):
+            self.assertFalse(client.call("/none").success)
+        with server.serve("/wrong", "Empty", "Acknowledge", lambda _: {"sucess": True}):
+            with self.assertRaisesRegex(RuntimeError, "success"):
+                client.call("/wrong")
+        with self.assertRaisesRegex(prehend.InputError, "Acknowlege"):
+            server.serve("/typed", "Empty", "Acknowlege", weigh)
+
+    def test_an_action_is_offered(self):
+        server, client = self.node("acts"), self.node("asks_for_acts")
+        kept = []
+
+        def move(goal, context):
+            kept.append(context)
+            for i in range(1000):
+                context.feedback({"opening": 0.001 * i})
+                if not context.sleep(0.005) or goal.opening < 0.001 * i:
+                    break
+            if goal.speed == 0:
+                raise ValueError("without a speed")
+            return {"reached": not context.cancelled, "opening": goal.opening}
+        action = server.serve_action("/wave", "MoveGripperGoal", "MoveGripperFeedback",
+                                     "MoveGripperResult", move)
+        told = []
+        result = client.send_goal("/wave", {"opening": 0.01, "speed": 1},
+                                  lambda feedback: told.append(feedback.opening)).wait(10)
+        self.assertTrue(result.reached)
+        self.assertEqual(told[:3], [0, 0.001, 0.002])
+        goal = client.send_goal("/wave", {"opening": 10, "speed": 1})
+        self.assertEqual(goal.wait_status(0.1)[0], "timeout")
+        goal.cancel()
+        status, _, result = goal.wait_status(10)
+        self.assertEqual((status, result.reached), ("cancelled", False))
+        with self.assertRaisesRegex(prehend.GoalEnded, "without a speed"):
+            client.send_goal("/wave", {"opening": 0}).wait(10)
+        # What is kept of a goal that has ended does no harm.
+        self.assertTrue(kept[0].cancelled)
+        with self.assertRaisesRegex(RuntimeError, "ended"):
+            kept[0].feedback({"opening": 1})
+        # Closed while a goal runs.
+        goal = client.send_goal("/wave", {"opening": 10, "speed": 1})
+        self.assertEqual(goal.wait_status(0.1)[0], "timeout")
+        action.close()
+        self.assertNotEqual(goal.wait_status(10)[0], "timeout")
+
     def test_without_a_graph_it_says_so_soon(self):
         with self.assertRaisesRegex(RuntimeError, "registry"):
             prehend.Node("alone", registry="tcp://127.0.0.1:9", timeout=0.3)
