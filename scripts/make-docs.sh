@@ -43,5 +43,7 @@ fi
 /usr/bin/python3 "$root/docs/site/make_reference.py" "$build/bin" "$root" "$source/reference" ${library:+--xml "$out/doxygen/xml"}
 PREHEND_VERSION=$(sed -n 's/^ *project(prehend VERSION \([0-9.]*\).*/\1/p; s/^ *VERSION \([0-9.]*\)$/\1/p' "$root/CMakeLists.txt" | head -1)
 export PREHEND_VERSION PYTHONPATH=$build/python
+mkdir "$source/gallery"
+/usr/bin/python3 "$root/docs/site/make_gallery.py" "$root" "$source/gallery"
 /usr/bin/python3 -m sphinx -q -W --keep-going -b html -c "$root/docs/site" -d "$out/trees" "$source" "$out/html"
 echo "$out/html/index.html"

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Where would a touch tell most of what nobody sees, and what does it change?
 
-    where_to_touch.py CLOUD [DEEPER]
+    where_to_touch.py CLOUD [DEEPER] [--picture FILE]
 
 predicts the largest object of a recorded cloud, says where a fingertip would learn most, and what is believed when it meets
 the object DEEPER [m] (0.005) behind where it was expected: how sure each part is, and how far the surface has moved.
@@ -12,6 +12,7 @@ import sys
 import numpy as np
 
 import prehend
+from picture_option import new_picture, picture_option, save_picture
 
 
 def spread(belief):
@@ -22,6 +23,7 @@ def spread(belief):
 
 
 def main(arguments):
+    arguments, picture = picture_option(arguments)
     if not 1 <= len(arguments) <= 2:
         sys.exit(__doc__)
     deeper = float(arguments[1]) if len(arguments) > 1 else 0.005
@@ -31,6 +33,7 @@ def main(arguments):
         sys.exit("No object of the cloud can be predicted.")
     belief = prehend.Belief(completion)
     belief.update()
+    sites_before = belief.sites
     print("as predicted:   %.1f mm where it is seen, %.1f mm where it is not" % spread(belief))
     probes = belief.best_probes(3)
     if not probes:
@@ -50,6 +53,16 @@ def main(arguments):
     near = [np.linalg.norm(mesh.vertices - touched, axis=1).min() for mesh in (before, after)]
     print("surface to the place that was touched: %.1f mm before, %.1f mm after" % (1000 * near[0], 1000 * near[1]))
     print("volume: %.0f cm^3 before, %.0f cm^3 after" % (1e6 * before.volume, 1e6 * after.volume))
+    if picture:
+        figure, places = new_picture("How uncertain the surface is [mm], before and after the touch", 2,
+                                     projection="3d")
+        for axes, sites in zip(places, (sites_before, belief.sites)):
+            drawn = axes.scatter(*sites[:, :3].T, c=1000 * sites[:, 6], s=4, vmin=0,
+                                 vmax=1000 * sites_before[:, 6].max(), cmap="inferno")
+            axes.scatter(*touched, color="red", s=40)
+            axes.set_aspect("equal")
+        figure.colorbar(drawn, ax=places, shrink=0.6)
+        save_picture(figure, picture)
 
 
 if __name__ == "__main__":

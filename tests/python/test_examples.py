@@ -10,6 +10,7 @@ import prehend
 from scenes import box_on_table, cube
 
 EXAMPLES = pathlib.Path("examples/python")
+sys.path.insert(0, str(EXAMPLES))
 
 
 def run(name, *arguments):
@@ -45,6 +46,41 @@ class Examples(unittest.TestCase):
     def test_map_reach(self):
         said = run("map_reach.py", "kr5_sdh")
         self.assertRegex(said, r"kr5_sdh reaches [1-9]\d* of 1369 places")
+
+    def test_which_sizes_fit(self):
+        said = run("which_sizes_fit.py", "pg70")
+        self.assertRegex(said, r"pg70 grasps [2-4]\d of 54 sizes")
+        self.assertRegex(said.splitlines()[1], r"\. +\.$")  # 8 and 10 cm are wider than it opens
+
+    def test_noise_and_shape(self):
+        with tempfile.TemporaryDirectory() as folder:
+            points, width, height = box_on_table()
+            cloud = pathlib.Path(folder) / "box.pcd"
+            prehend.write_cloud(cloud, prehend.PointCloud(points, width=width, height=height))
+            rows = run("noise_and_shape.py", cloud).splitlines()
+            volumes = [float(row.split()[1]) for row in rows[1:4]]
+            for volume in volumes:  # 576 cm^3
+                self.assertTrue(480 < volume < 640, rows)
+
+    def test_way_around_an_obstacle(self):
+        rows = run("way_around_an_obstacle.py", "kr5_sdh").splitlines()
+        self.assertGreater(float(rows[6].split()[1]), float(rows[1].split()[1]) + 0.5)
+
+    def test_how_slippery(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = pathlib.Path(folder) / "cube.ply"
+            prehend.write_mesh(mesh, prehend.TriangleMesh(*cube()))
+            said = run("how_slippery.py", mesh, "pg70", 1.0)
+            self.assertRegex(said, r"0\.70 +yes")
+            self.assertRegex(said, r"0\.03 +no")
+
+    def test_a_picture_is_drawn(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "reach.png"
+            run("map_reach.py", "kr5_sdh", "--picture", file)
+            self.assertEqual(file.read_bytes()[:4], b"\x89PNG")
+            with self.assertRaises(SystemExit):
+                run("map_reach.py", "--picture")
 
     def test_how_hard_it_pressed(self):
         with tempfile.TemporaryDirectory() as folder:
