@@ -97,8 +97,10 @@ void RecordingPlayer::advertise_chosen() {
 void RecordingPlayer::advertise(const McapChannel& channel) {
   const auto* schema = reader_.schema_of(channel);
   if (channel.message_encoding != "protobuf" || schema == nullptr) {
-    node_.log_warning("{} is not replayed: its messages are not protobuf with a schema",
-                      channel.topic);
+    const bool is_ros = channel.message_encoding == "cdr" || channel.message_encoding == "ros1";
+    node_.log_warning("{} is not replayed: its messages are {}", channel.topic,
+                      is_ros ? "ROS's; `prehend bag import` makes a recording of prehend of them"
+                             : "not protobuf with a schema");
     return;
   }
   if (const auto known = topics_.find(channel.topic); known != topics_.end()) {

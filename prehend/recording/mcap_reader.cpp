@@ -26,6 +26,9 @@ void McapReader::check_magic() const {
   if (magic.size() == kMagic.size() && magic.starts_with(kMagic.substr(0, 5))) {
     throw McapError(path() + " is MCAP of version '" + magic[5] + "'; only version '0' is known");
   }
+  if (magic.starts_with("#ROSBAG")) {
+    throw McapError(path() + " is a bag of ROS 1: `prehend bag import` makes a recording of it");
+  }
   throw McapError(path() + " is not an MCAP recording (it does not begin with the MCAP magic)");
 }
 

@@ -78,10 +78,15 @@ std::string objection(const Place& from, const Place& to) {
                                                                  : "but nodes never include others";
   }
   if (from.top == "msgs") {
-    return to.top == "msgs" || ((from.folder == "convert" || from.folder == "views") &&
-                                to.top == "prehend" && floor_of(to.folder) >= 0)
+    const bool converts =
+        from.folder == "convert" || from.folder == "views" || from.folder == "ros";
+    const bool may = converts && to.top == "prehend" && floor_of(to.folder) >= 0;
+    // Messages of ROS are known by what reads their recordings.
+    const bool reads = from.folder == "ros" && to.top == "prehend" && to.folder == "recording";
+    return to.top == "msgs" || may || reads
                ? ""
-               : "but messages depend on nothing, msgs/convert and msgs/views on algorithms alone";
+               : "but messages depend on nothing, msgs/convert, msgs/ros and msgs/views on "
+                 "algorithms alone, msgs/ros on recording, too";
   }
   if (from.top != "prehend") return "";
   if (to.top != "prehend" && to.top != "msgs") return "but the library stands below that";
