@@ -183,7 +183,7 @@ TEST_P(TopicsOfRos, PicturesWaitForWhereTheCameraIs) {
   }));
   const std::lock_guard lock(mutex);
   EXPECT_EQ(pair->x_wc().position().z(), 0.5);
-  EXPECT_EQ(pair->data(), "abab");
+  EXPECT_EQ(pair->data(), "aaabbbaaabbb");
 }
 
 TEST_P(TopicsOfRos, TypesThatDoNotBecomeOneAnotherAreRefused) {

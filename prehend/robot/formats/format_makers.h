@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+
+#include "prehend/robot/formats/robot_format.h"
+
+namespace prehend::robot::formats {
+
+std::unique_ptr<RobotFormat> graspit_format();
+std::unique_ptr<RobotFormat> sdf_format();
+std::unique_ptr<RobotFormat> urdf_format();
+/// Null where MuJoCo is not there.
+std::unique_ptr<RobotFormat> mjcf_format();
+
+}  // namespace prehend::robot::formats

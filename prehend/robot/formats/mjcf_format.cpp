@@ -1,0 +1,334 @@
+// MJCF (mujoco.readthedocs.io, "XML reference"), read by MuJoCo's own compiler: includes, defaults
+// and generated inertias are its.
+
+#include "prehend/robot/formats/format_makers.h"
+
+#ifdef PREHEND_HAS_MUJOCO
+
+#include <array>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::robot::formats {
+namespace {
+
+using geometry::InputError;
+using geometry::RigidTransform;
+using Kind = JointDescription::Kind;
+using Model = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+
+Eigen::Vector3d vector_at(const mjtNum* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
+RigidTransform pose_at(const mjtNum* place, const mjtNum* turn) {
+  return geometry::make_transform(Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]),
+                                  vector_at(place));
+}
+
+class MjcfReader {
+ public:
+  MjcfReader(const mjModel& model, std::string file, LossReport& loss)
+      : m_(model), file_(std::move(file)), loss_(loss) {}
+
+  RobotDescription read(const std::string& name) {
+    robot_.name = name;
+    for (int body = 0; body < m_.nbody; ++body) read_body(body);
+    for (int geom = 0; geom < m_.ngeom; ++geom) read_geom(geom);
+    read_equalities();
+    read_actuators();
+    read_sensors();
+    for (int i = 0; i < m_.nexclude; ++i) {
+      const int pair = m_.exclude_signature[i];
+      robot_.disabled_collisions.emplace_back(name_of(mjOBJ_BODY, (pair >> 16) & 0xFFFF, "body"),
+                                              name_of(mjOBJ_BODY, pair & 0xFFFF, "body"));
+    }
+    drop_others();
+    return std::move(robot_);
+  }
+
+ private:
+  std::string name_of(int type, int index, const char* kind) const {
+    const char* name = mj_id2name(&m_, type, index);
+    return name && *name ? name : fmt::format("{}{}", kind, index);
+  }
+
+  void read_body(int body) {
+    LinkDescription link;
+    link.name = name_of(mjOBJ_BODY, body, "body");
+    loss_.keep("body");
+    if (m_.body_mass[body] > 0) {
+      Inertial inertial;
+      inertial.mass = m_.body_mass[body];
+      inertial.X_LI = pose_at(m_.body_ipos + 3 * body, m_.body_iquat + 4 * body);
+      inertial.inertia = vector_at(m_.body_inertia + 3 * body).asDiagonal();
+      link.inertial = inertial;
+    }
+    robot_.links.push_back(std::move(link));
+    if (body == 0) return;
+    std::string above = name_of(mjOBJ_BODY, m_.body_parentid[body], "body");
+    RigidTransform X = pose_at(m_.body_pos + 3 * body, m_.body_quat + 4 * body);
+    const int count = m_.body_jntnum[body], first = m_.body_jntadr[body];
+    const std::string name = robot_.links.back().name;
+    if (count == 0) {
+      JointDescription joint;
+      joint.name = name + "_fixed";
+      joint.parent = above;
+      joint.child = name;
+      joint.X_PJ = X;
+      robot_.joints.push_back(std::move(joint));
+    }
+    for (int i = 0; i < count; ++i) {
+      JointDescription joint = read_joint(first + i);
+      const RigidTransform at = geometry::make_transform(Eigen::Quaterniond::Identity(),
+                                                         vector_at(m_.jnt_pos + 3 * (first + i)));
+      joint.parent = above;
+      joint.child = i + 1 == count ? name : fmt::format("{}_between{}", name, i);
+      joint.X_PJ = X * at;
+      joint.X_JC = at.inverse();
+      X = RigidTransform::Identity();
+      above = joint.child;
+      if (i + 1 < count) robot_.links.push_back({joint.child, {}, {}, {}});
+      robot_.joints.push_back(std::move(joint));
+    }
+  }
+
+  JointDescription read_joint(int index) {
+    loss_.keep("joint");
+    JointDescription joint;
+    joint.name = name_of(mjOBJ_JOINT, index, "joint");
+    const std::map<int, Kind> kinds{{mjJNT_FREE, Kind::kFloating},
+                                    {mjJNT_BALL, Kind::kBall},
+                                    {mjJNT_SLIDE, Kind::kPrismatic},
+                                    {mjJNT_HINGE, Kind::kRevolute}};
+    joint.kind = kinds.at(m_.jnt_type[index]);
+    joint.axis_J = vector_at(m_.jnt_axis + 3 * index);
+    if (m_.jnt_limited[index]) {
+      joint.lower = m_.jnt_range[2 * index];
+      joint.upper = m_.jnt_range[2 * index + 1];
+    }
+    const int dof = m_.jnt_dofadr[index];
+    joint.damping = m_.dof_damping[dof];
+    joint.friction = m_.dof_frictionloss[dof];
+    if (m_.jnt_stiffness[index] != 0) {
+      joint.stiffness = m_.jnt_stiffness[index];
+      joint.rest = m_.qpos_spring[m_.jnt_qposadr[index]];
+    }
+    if (m_.dof_armature[dof] != 0) {
+      loss_.drop(file_ + ": joint '" + joint.name + "'", "joint/@armature",
+                 "a rotor's inertia is not kept");
+    }
+    const double zero = m_.qpos0[m_.jnt_qposadr[index]];
+    const bool moves = joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic;
+    if (moves && zero != 0) {
+      loss_.approximate(file_ + ": joint '" + joint.name + "'", "joint/@ref",
+                        "positions count from the file's pose");
+      if (joint.lower) *joint.lower -= zero;
+      if (joint.upper) *joint.upper -= zero;
+    }
+    return joint;
+  }
+
+  void read_geom(int geom) {
+    Shape shape;
+    shape.name = mj_id2name(&m_, mjOBJ_GEOM, geom) ? mj_id2name(&m_, mjOBJ_GEOM, geom) : "";
+    shape.X_LS = pose_at(m_.geom_pos + 3 * geom, m_.geom_quat + 4 * geom);
+    const mjtNum* size = m_.geom_size + 3 * geom;
+    const std::string link = name_of(mjOBJ_BODY, m_.geom_bodyid[geom], "body");
+    const std::string place = file_ + ": geom of '" + link + "'";
+    switch (m_.geom_type[geom]) {
+      case mjGEOM_BOX:
+        shape.kind = Shape::Kind::kBox;
+        shape.size = 2 * vector_at(size);
+        break;
+      case mjGEOM_SPHERE:
+        shape.kind = Shape::Kind::kSphere;
+        shape.radius = size[0];
+        break;
+      case mjGEOM_CAPSULE:
+      case mjGEOM_CYLINDER:
+        shape.kind =
+            m_.geom_type[geom] == mjGEOM_CAPSULE ? Shape::Kind::kCapsule : Shape::Kind::kCylinder;
+        shape.radius = size[0];
+        shape.length = 2 * size[1];
+        break;
+      case mjGEOM_PLANE:
+        shape.kind = Shape::Kind::kPlane;
+        break;
+      case mjGEOM_MESH:
+        shape.kind = Shape::Kind::kMesh;
+        shape.mesh = name_of(mjOBJ_MESH, m_.geom_dataid[geom], "mesh");
+        loss_.approximate(place, "geom (mesh)",
+                          "named by its asset, moved to the place of its centre, as MuJoCo has it");
+        break;
+      case mjGEOM_ELLIPSOID:
+        shape.kind = Shape::Kind::kSphere;
+        shape.radius = vector_at(size).maxCoeff();
+        loss_.approximate(place, "geom (ellipsoid)", "a ball of its longest radius");
+        break;
+      default:
+        return loss_.drop(place, "geom", "height fields are not kept");
+    }
+    loss_.keep("geom");
+    const float* rgba = m_.geom_rgba + 4 * geom;
+    shape.color = {{rgba[0], rgba[1], rgba[2], rgba[3]}};
+    if (m_.geom_matid[geom] >= 0) {
+      shape.material = name_of(mjOBJ_MATERIAL, m_.geom_matid[geom], "material");
+      const float* color = m_.mat_rgba + 4 * m_.geom_matid[geom];
+      shape.color = {{color[0], color[1], color[2], color[3]}};
+    }
+    for (LinkDescription& one : robot_.links) {
+      if (one.name != link) continue;
+      const bool collides = m_.geom_contype[geom] != 0 || m_.geom_conaffinity[geom] != 0;
+      (collides ? one.collisions : one.visuals).push_back(shape);
+    }
+  }
+
+  void read_equalities() {
+    for (int i = 0; i < m_.neq; ++i) {
+      const std::string name = name_of(mjOBJ_EQUALITY, i, "equality");
+      const mjtNum* data = m_.eq_data + mjNEQDATA * i;
+      const std::string place = file_ + ": equality '" + name + "'";
+      if (m_.eq_type[i] == mjEQ_JOINT && m_.eq_obj2id[i] >= 0) {
+        const std::string follower = name_of(mjOBJ_JOINT, m_.eq_obj1id[i], "joint");
+        for (JointDescription& joint : robot_.joints) {
+          if (joint.name != follower) continue;
+          joint.follows = Follows{name_of(mjOBJ_JOINT, m_.eq_obj2id[i], "joint"), data[1], data[0]};
+        }
+        loss_.keep("equality/joint");
+        if (data[2] != 0 || data[3] != 0 || data[4] != 0) {
+          loss_.approximate(place, "equality/joint/@polycoef", "its linear part");
+        }
+      } else if (m_.eq_type[i] == mjEQ_CONNECT || m_.eq_type[i] == mjEQ_WELD) {
+        Loop loop;
+        loop.name = name;
+        loop.kind = m_.eq_type[i] == mjEQ_CONNECT ? Loop::Kind::kPoint : Loop::Kind::kWeld;
+        loop.first = name_of(mjOBJ_BODY, m_.eq_obj1id[i], "body");
+        loop.second = name_of(mjOBJ_BODY, m_.eq_obj2id[i], "body");
+        if (m_.eq_type[i] == mjEQ_CONNECT) loop.X_FirstLoop.translation() = vector_at(data);
+        robot_.loops.push_back(std::move(loop));
+        loss_.keep("equality/loop");
+      } else {
+        loss_.drop(place, "equality", "couplings of tendons and distances are not kept");
+      }
+    }
+  }
+
+  void read_actuators() {
+    for (int i = 0; i < m_.nu; ++i) {
+      const std::string name = name_of(mjOBJ_ACTUATOR, i, "actuator");
+      if (m_.actuator_trntype[i] != mjTRN_JOINT && m_.actuator_trntype[i] != mjTRN_JOINTINPARENT) {
+        loss_.drop(file_ + ": actuator '" + name + "'", "actuator",
+                   "what moves tendons, sites or bodies is not kept");
+        continue;
+      }
+      loss_.keep("actuator");
+      Actuator actuator;
+      actuator.name = name;
+      actuator.joint = name_of(mjOBJ_JOINT, m_.actuator_trnid[2 * i], "joint");
+      actuator.gear = m_.actuator_gear[6 * i];
+      if (m_.actuator_forcelimited[i]) actuator.effort = m_.actuator_forcerange[2 * i + 1];
+      actuator.control = m_.actuator_biastype[i] == mjBIAS_AFFINE ? "position" : "effort";
+      for (JointDescription& joint : robot_.joints) {
+        if (joint.name == actuator.joint && actuator.effort && !joint.effort) {
+          joint.effort = *actuator.effort * std::abs(actuator.gear);
+        }
+      }
+      robot_.actuators.push_back(std::move(actuator));
+    }
+  }
+
+  void read_sensors() {
+    for (int i = 0; i < m_.nsensor; ++i) {
+      const std::string name = name_of(mjOBJ_SENSOR, i, "sensor");
+      const std::map<int, const char*> kinds{{mjSENS_TOUCH, "touch"},
+                                             {mjSENS_FORCE, "force"},
+                                             {mjSENS_TORQUE, "torque"},
+                                             {mjSENS_ACCELEROMETER, "accelerometer"},
+                                             {mjSENS_GYRO, "gyro"}};
+      const auto kind = kinds.find(m_.sensor_type[i]);
+      if (kind == kinds.end() || m_.sensor_objtype[i] != mjOBJ_SITE) {
+        loss_.drop(file_ + ": sensor '" + name + "'", "sensor",
+                   "those of joints, tendons and frames are not kept");
+        continue;
+      }
+      const int site = m_.sensor_objid[i];
+      loss_.keep("sensor");
+      robot_.sensors.push_back({name, kind->second,
+                                name_of(mjOBJ_BODY, m_.site_bodyid[site], "body"),
+                                pose_at(m_.site_pos + 3 * site, m_.site_quat + 4 * site),
+                                2 * vector_at(m_.site_size + 3 * site)});
+      seen_sites_.insert(site);
+    }
+    for (int i = 0; i < m_.ncam; ++i) {
+      loss_.keep("camera");
+      robot_.sensors.push_back({name_of(mjOBJ_CAMERA, i, "camera"), "camera",
+                                name_of(mjOBJ_BODY, m_.cam_bodyid[i], "body"),
+                                pose_at(m_.cam_pos + 3 * i, m_.cam_quat + 4 * i),
+                                Eigen::Vector3d::Zero()});
+    }
+  }
+
+  void drop_others() {
+    const std::array<std::tuple<const char*, int, const char*>, 6> others{
+        {{"site", m_.nsite - static_cast<int>(seen_sites_.size()), "places without a sensor"},
+         {"tendon", m_.ntendon, "tendons are not kept"},
+         {"keyframe", m_.nkey, "postures are not kept"},
+         {"light", m_.nlight, "lights are not the robot's"},
+         {"texture", m_.ntex, "textures are not kept"},
+         {"skin", m_.nskin, "skins are not kept"}}};
+    for (const auto& [what, count, why] : others) {
+      for (int i = 0; i < count; ++i) loss_.drop(file_, what, why);
+    }
+  }
+
+  const mjModel& m_;
+  const std::string file_;
+  LossReport& loss_;
+  RobotDescription robot_;
+  std::set<int> seen_sites_;
+};
+
+class Mjcf : public RobotFormat {
+ public:
+  std::string name() const override { return "mjcf"; }
+  std::vector<std::string> root_elements() const override { return {"mujoco"}; }
+  std::string ending() const override { return ".mjcf"; }
+  RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
+    std::array<char, 1000> error{};
+    const Model model(mj_loadXML(file.string().c_str(), nullptr, error.data(), error.size()),
+                      mj_deleteModel);
+    for (char& c : error) {
+      if (c == '\n') c = ' ';
+    }
+    if (!model) {
+      throw InputError(
+          file.string() + ": MuJoCo " + mj_versionString() + " does not read it: " + error.data(),
+          "Mend it, or take what this version does not know out of it");
+    }
+    if (error[0] != '\0') {
+      loss.approximate(file.string(), "mujoco", std::string("MuJoCo says: ") + error.data());
+    }
+    RobotDescription robot = MjcfReader(*model, file.string(), loss).read(file.stem().string());
+    tree_order(robot);
+    return robot;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<RobotFormat> mjcf_format() { return std::make_unique<Mjcf>(); }
+
+}  // namespace prehend::robot::formats
+
+#else
+
+namespace prehend::robot::formats {
+std::unique_ptr<RobotFormat> mjcf_format() { return nullptr; }
+}  // namespace prehend::robot::formats
+
+#endif

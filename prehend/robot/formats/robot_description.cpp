@@ -1,0 +1,114 @@
+#include "prehend/robot/formats/robot_description.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "prehend/geometry/errors.h"
+
+namespace prehend::robot::formats {
+
+using geometry::InputError;
+using geometry::RigidTransform;
+
+const LinkDescription* RobotDescription::link(const std::string& link_name) const {
+  const auto found = std::find_if(links.begin(), links.end(),
+                                  [&](const auto& one) { return one.name == link_name; });
+  return found == links.end() ? nullptr : &*found;
+}
+
+const JointDescription* RobotDescription::joint(const std::string& joint_name) const {
+  const auto found = std::find_if(joints.begin(), joints.end(),
+                                  [&](const auto& one) { return one.name == joint_name; });
+  return found == joints.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> tree_order(const RobotDescription& robot) {
+  std::set<std::string> names, joint_names;
+  for (const LinkDescription& link : robot.links) {
+    if (!names.insert(link.name).second) {
+      throw InputError("Two links are called '" + link.name + "'", "Give each a name of its own");
+    }
+  }
+  std::map<std::string, std::vector<std::string>> children;
+  std::set<std::string> below;
+  for (const JointDescription& joint : robot.joints) {
+    if (!joint_names.insert(joint.name).second) {
+      throw InputError("Two joints are called '" + joint.name + "'", "Give each a name of its own");
+    }
+    for (const std::string& link : {joint.parent, joint.child}) {
+      if (names.count(link) == 0) {
+        throw InputError("Joint '" + joint.name + "' is of a link '" + link + "' that is not there",
+                         "Mend its parent or child");
+      }
+    }
+    if (!below.insert(joint.child).second) {
+      throw InputError("Link '" + joint.child + "' has two joints above it",
+                       "A tree has one; say the other as a loop");
+    }
+    children[joint.parent].push_back(joint.child);
+  }
+  std::vector<std::string> order;
+  for (const LinkDescription& link : robot.links) {
+    if (below.count(link.name) == 0) order.push_back(link.name);
+  }
+  if (order.size() > 1) {
+    throw InputError(
+        "Links '" + order[0] + "' and '" + order[1] + "' both have no joint above them",
+        "Join them, or read one");
+  }
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (const std::string& child : children[order[i]]) order.push_back(child);
+  }
+  if (order.size() != robot.links.size()) {
+    throw InputError("Links are joined in a ring",
+                     "Take one of its joints away, or say it as a loop");
+  }
+  return order;
+}
+
+namespace {
+
+double position_of(const RobotDescription& robot, const JointDescription& joint,
+                   const std::map<std::string, double>& positions, int depth) {
+  if (joint.follows) {
+    const JointDescription* leader = robot.joint(joint.follows->joint);
+    constexpr int kDeepest = 64;
+    if (!leader || depth > kDeepest) {
+      throw InputError("Joint '" + joint.name + "' follows '" + joint.follows->joint +
+                           (leader ? "' in a circle" : "', which is not there"),
+                       "Name a joint that moves by itself");
+    }
+    return joint.follows->multiplier * position_of(robot, *leader, positions, depth + 1) +
+           joint.follows->offset;
+  }
+  const auto found = positions.find(joint.name);
+  return found == positions.end() ? 0 : found->second;
+}
+
+}  // namespace
+
+std::map<std::string, RigidTransform> link_poses(const RobotDescription& robot,
+                                                 const std::map<std::string, double>& positions) {
+  std::map<std::string, RigidTransform> poses;
+  std::map<std::string, const JointDescription*> above;
+  for (const JointDescription& joint : robot.joints) above[joint.child] = &joint;
+  for (const std::string& name : tree_order(robot)) {
+    const auto found = above.find(name);
+    if (found == above.end()) {
+      poses[name] = RigidTransform::Identity();
+      continue;
+    }
+    const JointDescription& joint = *found->second;
+    RigidTransform X = joint.X_PJ;
+    if (joint.kind == JointDescription::Kind::kRevolute) {
+      X.rotate(Eigen::AngleAxisd(position_of(robot, joint, positions, 0), joint.axis_J));
+    } else if (joint.kind == JointDescription::Kind::kPrismatic) {
+      X.translate(position_of(robot, joint, positions, 0) * joint.axis_J);
+    }
+    poses[name] = poses.at(joint.parent) * X * joint.X_JC;
+  }
+  return poses;
+}
+
+}  // namespace prehend::robot::formats

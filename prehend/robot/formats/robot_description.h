@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prehend/geometry/rigid_transform.h"
+
+// A robot as files of many formats describe it: all that any of them can say, in SI units.
+namespace prehend::robot::formats {
+
+/// Mass and how it is spread. Frame I has its origin at the centre of mass.
+struct Inertial {
+  double mass = 0;                                                       // kg
+  geometry::RigidTransform X_LI = geometry::RigidTransform::Identity();  // in the link's frame
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();                     // kg m^2, in I
+};
+
+struct Shape {
+  enum class Kind { kBox, kSphere, kCylinder, kCapsule, kPlane, kMesh };
+  std::string name;
+  Kind kind = Kind::kBox;
+  geometry::RigidTransform X_LS = geometry::RigidTransform::Identity();
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m, full sides of a box
+  double radius = 0, length = 0;  // m; of a cylinder and a capsule's middle, along z
+  std::string mesh;               // a file, as the robot's names it
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();  // of a mesh, in m per unit of its file
+  std::string material;
+  std::optional<std::array<double, 4>> color;  // red, green, blue, alpha in [0, 1]
+};
+
+struct LinkDescription {
+  std::string name;
+  std::optional<Inertial> inertial;
+  std::vector<Shape> visuals, collisions;
+};
+
+/// A joint's position follows another's: multiplier * that + offset.
+struct Follows {
+  std::string joint;
+  double multiplier = 1, offset = 0;  // offset: rad or m
+};
+
+struct JointDescription {
+  enum class Kind { kFixed, kRevolute, kPrismatic, kBall, kFloating, kPlanar };
+  std::string name;
+  Kind kind = Kind::kFixed;
+  std::string parent, child;                                             // links
+  geometry::RigidTransform X_PJ = geometry::RigidTransform::Identity();  // J at 0, in the parent
+  geometry::RigidTransform X_JC = geometry::RigidTransform::Identity();  // the child in J
+  Eigen::Vector3d axis_J = Eigen::Vector3d::UnitX();                     // unit
+  std::optional<double> lower, upper;  // rad or m; none: without a limit
+  std::optional<double> velocity;      // rad/s or m/s, at most
+  std::optional<double> effort;        // N m or N, at most
+  double damping = 0;                  // N m s/rad or N s/m
+  double friction = 0;                 // N m or N, Coulomb
+  std::optional<double> stiffness;     // N m/rad or N/m, of a spring
+  double rest = 0;                     // rad or m, of that spring
+  std::optional<Follows> follows;
+  /// Of a joint that follows by a clutch: torque at which it stays behind [N m], as BarrettHand's.
+  std::optional<double> break_away;
+};
+
+/// Two links that are held together besides the tree: a closed loop.
+struct Loop {
+  std::string name;
+  enum class Kind { kPoint, kWeld } kind = Kind::kPoint;
+  std::string first, second;  // links
+  geometry::RigidTransform X_FirstLoop = geometry::RigidTransform::Identity();
+};
+
+struct Actuator {
+  std::string name, joint;
+  double gear = 1;               // motor turns, or effort, for one of the joint
+  std::optional<double> effort;  // N m or N at the joint, at most
+  std::string control;           // position, velocity, effort; empty: not said
+};
+
+struct Sensor {
+  std::string name, kind, link;  // kind as the file has it: camera, force_torque, touch, ...
+  geometry::RigidTransform X_LS = geometry::RigidTransform::Identity();
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m, of a tactile cell's box; 0: none
+};
+
+struct RobotDescription {
+  std::string name;
+  std::vector<LinkDescription> links;
+  std::vector<JointDescription> joints;
+  std::vector<Loop> loops;
+  std::vector<Actuator> actuators;
+  std::vector<Sensor> sensors;
+  std::vector<std::pair<std::string, std::string>> disabled_collisions;  // links
+
+  const LinkDescription* link(const std::string& link_name) const;
+  const JointDescription* joint(const std::string& joint_name) const;
+};
+
+/// The links in an order in which parents come first, by joints that make a tree.
+/// @throws geometry::InputError naming link or joint: two of a name, a joint of a link that is not
+/// there, a link with two joints above it, none without one, or several, links in a ring.
+std::vector<std::string> tree_order(const RobotDescription& robot);
+
+/// Where each link is, in the first link's frame, with joints at `positions` [rad or m]; those that
+/// are not named are at 0, those that follow where they follow to. Ball, floating and planar joints
+/// are at 0. @throws as tree_order()
+std::map<std::string, geometry::RigidTransform> link_poses(
+    const RobotDescription& robot, const std::map<std::string, double>& positions);
+
+}  // namespace prehend::robot::formats

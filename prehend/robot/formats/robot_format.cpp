@@ -1,0 +1,88 @@
+#include "prehend/robot/formats/robot_format.h"
+
+#include <algorithm>
+
+#include <tinyxml2.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/format_makers.h"
+#include "prehend/robot/formats/tracked_xml.h"
+#include "prehend/text/nearest_match.h"
+
+namespace prehend::robot::formats {
+namespace {
+
+using geometry::InputError;
+
+std::vector<std::string> names_of(bool written) {
+  std::vector<std::string> names;
+  for (const auto& format : robot_formats()) {
+    if (!written || format->can_write()) names.push_back(format->name());
+  }
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+}  // namespace
+
+std::string RobotFormat::write(const RobotDescription&, LossReport&) const {
+  throw InputError("Files of " + name() + " are read, not written",
+                   "Write one of " + joined(names_of(true)));
+}
+
+const std::vector<std::unique_ptr<RobotFormat>>& robot_formats() {
+  static const auto kAll = [] {
+    std::vector<std::unique_ptr<RobotFormat>> all;
+    all.push_back(graspit_format());
+    if (auto mjcf = mjcf_format()) all.push_back(std::move(mjcf));
+    all.push_back(sdf_format());
+    all.push_back(urdf_format());
+    return all;
+  }();
+  return kAll;
+}
+
+const RobotFormat& format_named(const std::string& name) {
+  for (const auto& format : robot_formats()) {
+    if (format->name() == name) return *format;
+  }
+  throw InputError(
+      "There is no format '" + name + "'" + text::nearest_match_hint(name, names_of(false)),
+      "Give one of " + joined(names_of(false)));
+}
+
+const RobotFormat& format_of(const std::filesystem::path& file) {
+  LossReport unused;
+  TrackedXml document = TrackedXml::read(file, unused);
+  const XmlElement root = document.root();
+  for (const auto& format : robot_formats()) {
+    // GraspIt!'s robots and URDF's both are <robot>; the first have chains.
+    const bool is_chain = root.child("chain").has_value() || root.child("palm").has_value();
+    const auto roots = format->root_elements();
+    if (std::find(roots.begin(), roots.end(), root.name()) != roots.end() &&
+        (format->name() == "graspit") == is_chain) {
+      return *format;
+    }
+  }
+  throw InputError(file.string() + " begins with <" + root.name() + ">: no robot of a known format",
+                   "It reads " + joined(names_of(false)));
+}
+
+const RobotFormat& format_for(const std::filesystem::path& file) {
+  for (const auto& format : robot_formats()) {
+    if (format->can_write() && file.extension() == format->ending()) return *format;
+  }
+  throw InputError("'" + file.string() + "' ends like no format that is written",
+                   "Give it an ending, or name its format: " + joined(names_of(true)));
+}
+
+RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss) {
+  return format_of(file).read(file, loss);
+}
+
+}  // namespace prehend::robot::formats

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "prehend/robot/formats/loss_report.h"
+#include "prehend/robot/formats/robot_description.h"
+
+namespace prehend::robot::formats {
+
+/// A format of files that describe robots. A new one is a file here, and a line in robot_formats().
+class RobotFormat {
+ public:
+  virtual ~RobotFormat() = default;
+  virtual std::string name() const = 0;  // "urdf"
+  /// By which its files are told.
+  virtual std::vector<std::string> root_elements() const = 0;
+  virtual std::string ending() const = 0;  // of files that are written, ".urdf"
+  /// Reads all that the file says; what is not in the description is in `loss`.
+  /// @throws geometry::InputError "FILE:LINE: what is wrong" with the mend
+  virtual RobotDescription read(const std::filesystem::path& file, LossReport& loss) const = 0;
+  virtual bool can_write() const { return false; }
+  /// The file's text; what the format cannot say is in `loss`. @pre can_write()
+  virtual std::string write(const RobotDescription& robot, LossReport& loss) const;
+};
+
+/// All that there are, by name.
+const std::vector<std::unique_ptr<RobotFormat>>& robot_formats();
+
+/// The format of that name. @throws geometry::InputError with the nearest one there is
+const RobotFormat& format_named(const std::string& name);
+/// That of a file that is there, by its root element. @throws geometry::InputError naming the
+/// formats that are read
+const RobotFormat& format_of(const std::filesystem::path& file);
+/// That of a file that will be written, by its ending. @throws as format_named()
+const RobotFormat& format_for(const std::filesystem::path& file);
+
+/// Reads a file of any format.
+RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss);
+
+}  // namespace prehend::robot::formats
