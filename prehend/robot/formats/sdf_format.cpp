@@ -174,6 +174,7 @@ class SdfReader {
       frames_.add_joint(one.needed("name"), pose_of(one, child->text()));
     }
     for (const XmlElement& one : joints) read_joint(one);
+    free_links();
     for (const char* nested : {"model", "include"}) {
       for (const XmlElement& one : model_.children(nested)) {
         one.drop("models within models are not read");
@@ -184,6 +185,27 @@ class SdfReader {
   }
 
  private:
+  /// What no joint holds, beside the first such link, is free.
+  void free_links() {
+    std::set<std::string> held;
+    for (const JointDescription& joint : robot_.joints) held.insert(joint.child);
+    std::string root;
+    for (const LinkDescription& link : robot_.links) {
+      if (held.count(link.name) != 0) continue;
+      if (root.empty()) {
+        root = link.name;
+        continue;
+      }
+      JointDescription joint;
+      joint.name = link.name + "_free";
+      joint.kind = Kind::kFloating;
+      joint.parent = root;
+      joint.child = link.name;
+      joint.X_PJ = frames_.in_model(root, "model").inverse() * frames_.in_model(link.name, "model");
+      robot_.joints.push_back(std::move(joint));
+    }
+  }
+
   void read_joint(const XmlElement& element) {
     JointDescription joint;
     joint.name = element.needed("name");
@@ -285,7 +307,10 @@ class SdfWriter {
     line(0, "<?xml version=\"1.0\"?>");
     line(0, "<sdf version=\"1.7\">");
     line(1, fmt::format("<model name=\"{}\">", escaped(robot_.name)));
-    const auto poses = link_poses(robot_, {});
+    // Where each joint is at 0, also those that follow another by an offset.
+    RobotDescription at_zero = robot_;
+    for (JointDescription& joint : at_zero.joints) joint.follows.reset();
+    const auto poses = link_poses(at_zero, {});
     for (const LinkDescription& link : robot_.links) {
       if (link.name == "world" && link.collisions.empty() && link.visuals.empty()) continue;
       write_link(link, poses.at(link.name));
@@ -391,8 +416,9 @@ class SdfWriter {
   void write_joint(const JointDescription& joint) {
     loss_.keep("joint");
     const std::string place = "joint '" + joint.name + "'";
-    if (joint.kind == Kind::kFloating || joint.kind == Kind::kPlanar) {
-      return loss_.drop(place, "joint", "SDF has neither floating nor planar joints");
+    if (joint.kind == Kind::kFloating) return;  // as a link that no joint holds
+    if (joint.kind == Kind::kPlanar) {
+      return loss_.approximate(place, "planar joint", "its link is free: SDF has no planar joints");
     }
     const bool moves = joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic;
     const char* type = joint.kind == Kind::kFixed       ? "fixed"
