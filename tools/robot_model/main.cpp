@@ -32,7 +32,9 @@ int convert(const ModelChoices& choices) {
   LossReport loss;
   const RobotFormat& format =
       choices.format.empty() ? format_for(choices.second) : format_named(choices.format);
-  const RobotDescription robot = read_robot(choices.first, loss);
+  RobotDescription robot = read_robot(choices.first, loss);
+  move_meshes(robot, fs::absolute(choices.first).parent_path(),
+              fs::absolute(choices.second).parent_path());
   const std::string text = format.write(robot, loss);
   fmt::print("{}", loss.text());
   if (choices.strict && !loss.lossless()) {
@@ -52,8 +54,11 @@ int check(const ModelChoices& choices) {
   if (!choices.mended.empty()) {
     const RobotFormat& format = format_for(choices.mended);
     for (const std::string& words : mend_model(robot)) fmt::print("mended: {}\n", words);
+    RobotDescription moved = robot;
+    move_meshes(moved, fs::absolute(choices.first).parent_path(),
+                fs::absolute(choices.mended).parent_path());
     LossReport written;
-    write_file(choices.mended, format.write(robot, written));
+    write_file(choices.mended, format.write(moved, written));
     fmt::print("{}", written.text());
   }
   const auto findings = check_model(robot, fs::absolute(choices.first).parent_path());

@@ -417,7 +417,9 @@ class GraspItReader {
 class GraspIt : public RobotFormat {
  public:
   std::string name() const override { return "graspit"; }
-  std::vector<std::string> root_elements() const override { return {"robot"}; }
+  bool recognises(const XmlElement& root) const override {
+    return root.name() == "robot" && (root.child("palm") || root.child("chain"));
+  }
   std::string ending() const override { return ".xml"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);

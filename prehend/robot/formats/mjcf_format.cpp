@@ -14,6 +14,7 @@
 #include <mujoco/mujoco.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/tracked_xml.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -296,7 +297,7 @@ class MjcfReader {
 class Mjcf : public RobotFormat {
  public:
   std::string name() const override { return "mjcf"; }
-  std::vector<std::string> root_elements() const override { return {"mujoco"}; }
+  bool recognises(const XmlElement& root) const override { return root.name() == "mujoco"; }
   std::string ending() const override { return ".mjcf"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     std::array<char, 1000> error{};
@@ -312,6 +313,9 @@ class Mjcf : public RobotFormat {
     }
     if (error[0] != '\0') {
       loss.approximate(file.string(), "mujoco", std::string("MuJoCo says: ") + error.data());
+    }
+    if (model->nbody <= 1) {
+      throw InputError(file.string() + " has no body but the world", "Name a file that has some");
     }
     RobotDescription robot = MjcfReader(*model, file.string(), loss).read(file.stem().string());
     tree_order(robot);

@@ -24,6 +24,7 @@ const JointDescription* RobotDescription::joint(const std::string& joint_name) c
 }
 
 std::vector<std::string> tree_order(const RobotDescription& robot) {
+  if (robot.links.empty()) throw InputError("The robot has no link", "Name a file that has some");
   std::set<std::string> names, joint_names;
   for (const LinkDescription& link : robot.links) {
     if (!names.insert(link.name).second) {

@@ -100,8 +100,9 @@ struct RobotDescription {
 };
 
 /// The links in an order in which parents come first, by joints that make a tree.
-/// @throws geometry::InputError naming link or joint: two of a name, a joint of a link that is not
-/// there, a link with two joints above it, none without one, or several, links in a ring.
+/// @throws geometry::InputError naming link or joint: none at all, two of a name, a joint of a link
+/// that is not there, a link with two joints above it, none without one, or several, links in a
+/// ring.
 std::vector<std::string> tree_order(const RobotDescription& robot);
 
 /// Where each link is, in the first link's frame, with joints at `positions` [rad or m]; those that

@@ -40,7 +40,9 @@ const std::vector<std::unique_ptr<RobotFormat>>& robot_formats() {
     std::vector<std::unique_ptr<RobotFormat>> all;
     all.push_back(graspit_format());
     if (auto mjcf = mjcf_format()) all.push_back(std::move(mjcf));
+    all.push_back(openrave_format());
     all.push_back(sdf_format());
+    all.push_back(simox_format());
     all.push_back(urdf_format());
     return all;
   }();
@@ -61,13 +63,7 @@ const RobotFormat& format_of(const std::filesystem::path& file) {
   TrackedXml document = TrackedXml::read(file, unused);
   const XmlElement root = document.root();
   for (const auto& format : robot_formats()) {
-    // GraspIt!'s robots and URDF's both are <robot>; the first have chains.
-    const bool is_chain = root.child("chain").has_value() || root.child("palm").has_value();
-    const auto roots = format->root_elements();
-    if (std::find(roots.begin(), roots.end(), root.name()) != roots.end() &&
-        (format->name() == "graspit") == is_chain) {
-      return *format;
-    }
+    if (format->recognises(root)) return *format;
   }
   throw InputError(file.string() + " begins with <" + root.name() + ">: no robot of a known format",
                    "It reads " + joined(names_of(false)));
@@ -79,6 +75,25 @@ const RobotFormat& format_for(const std::filesystem::path& file) {
   }
   throw InputError("'" + file.string() + "' ends like no format that is written",
                    "Give it an ending, or name its format: " + joined(names_of(true)));
+}
+
+void move_meshes(RobotDescription& robot, const std::filesystem::path& from,
+                 const std::filesystem::path& to) {
+  std::error_code error;
+  if (std::filesystem::equivalent(from, to, error)) return;
+  for (LinkDescription& link : robot.links) {
+    for (auto* shapes : {&link.visuals, &link.collisions}) {
+      for (Shape& shape : *shapes) {
+        if (shape.kind != Shape::Kind::kMesh || shape.mesh.find("://") != std::string::npos) {
+          continue;
+        }
+        const std::filesystem::path file = from / shape.mesh;
+        if (std::filesystem::is_regular_file(file, error)) {
+          shape.mesh = std::filesystem::relative(file, to, error).generic_string();
+        }
+      }
+    }
+  }
 }
 
 RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss) {

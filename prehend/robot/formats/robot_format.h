@@ -10,13 +10,15 @@
 
 namespace prehend::robot::formats {
 
+class XmlElement;
+
 /// A format of files that describe robots. A new one is a file here, and a line in robot_formats().
 class RobotFormat {
  public:
   virtual ~RobotFormat() = default;
   virtual std::string name() const = 0;  // "urdf"
-  /// By which its files are told.
-  virtual std::vector<std::string> root_elements() const = 0;
+  /// Whether a document with that root element is one of its.
+  virtual bool recognises(const XmlElement& root) const = 0;
   virtual std::string ending() const = 0;  // of files that are written, ".urdf"
   /// Reads all that the file says; what is not in the description is in `loss`.
   /// @throws geometry::InputError "FILE:LINE: what is wrong" with the mend
@@ -36,6 +38,11 @@ const RobotFormat& format_named(const std::string& name);
 const RobotFormat& format_of(const std::filesystem::path& file);
 /// That of a file that will be written, by its ending. @throws as format_named()
 const RobotFormat& format_for(const std::filesystem::path& file);
+
+/// Meshes that are named from the folder `from` are named from `to`; what is no file there, or has
+/// package:// before it, stays.
+void move_meshes(RobotDescription& robot, const std::filesystem::path& from,
+                 const std::filesystem::path& to);
 
 /// Reads a file of any format.
 RobotDescription read_robot(const std::filesystem::path& file, LossReport& loss);

@@ -469,8 +469,9 @@ class SdfWriter {
 class Sdf : public RobotFormat {
  public:
   std::string name() const override { return "sdf"; }
-  // The first until version 1.2.
-  std::vector<std::string> root_elements() const override { return {"gazebo", "sdf"}; }
+  bool recognises(const XmlElement& root) const override {
+    return root.name() == "sdf" || root.name() == "gazebo";  // until version 1.2
+  }
   std::string ending() const override { return ".sdf"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);

@@ -2,12 +2,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <unordered_set>
 #include <utility>
 
+#include <strings.h>
 #include <tinyxml2.h>
 
 #include "prehend/geometry/errors.h"
@@ -27,6 +29,24 @@ struct TrackedXml::State {
   LossReport* loss = nullptr;
   std::unordered_set<const void*> read;  // elements and attributes
   std::unordered_set<const void*> told;  // elements of which all is accounted for
+  bool ignores_case = false;
+
+  bool is_called(const char* name, const char* wanted) const {
+    return ignores_case ? strcasecmp(name, wanted) == 0 : std::strcmp(name, wanted) == 0;
+  }
+  const tinyxml2::XMLAttribute* attribute(const tinyxml2::XMLElement& element,
+                                          const char* name) const {
+    const auto* found = element.FirstAttribute();
+    while (found && !is_called(found->Name(), name)) found = found->Next();
+    return found;
+  }
+  /// The first child of that name, or the next after `before`; of any name for null.
+  const tinyxml2::XMLElement* child(const tinyxml2::XMLElement& element, const char* name,
+                                    const tinyxml2::XMLElement* before = nullptr) const {
+    const auto* found = before ? before->NextSiblingElement() : element.FirstChildElement();
+    while (found && name && !is_called(found->Name(), name)) found = found->NextSiblingElement();
+    return found;
+  }
 
   void finish(const tinyxml2::XMLElement& element, const std::string& path) {
     if (told.count(&element) != 0) return;
@@ -117,6 +137,8 @@ XmlElement TrackedXml::root() {
   return {*this, *element};
 }
 
+void TrackedXml::ignore_case() { state_->ignores_case = true; }
+
 void TrackedXml::finish() {
   const auto* root = state_->document.RootElement();
   state_->finish(*root, root->Name());
@@ -138,7 +160,7 @@ std::string XmlElement::path() const {
 }
 
 std::optional<std::string> XmlElement::attribute(const char* name) const {
-  const auto* found = element_->FindAttribute(name);
+  const auto* found = document_->state_->attribute(*element_, name);
   if (!found) return std::nullopt;
   document_->state_->read.insert(found);
   return found->Value();
@@ -181,7 +203,7 @@ std::vector<double> XmlElement::text_numbers(std::size_t count) const {
 }
 
 std::optional<XmlElement> XmlElement::child(const char* name) const {
-  const auto* found = element_->FirstChildElement(name);
+  const auto* found = document_->state_->child(*element_, name);
   if (!found) return std::nullopt;
   document_->state_->read.insert(found);
   return XmlElement(*document_, *found);
@@ -189,8 +211,9 @@ std::optional<XmlElement> XmlElement::child(const char* name) const {
 
 std::vector<XmlElement> XmlElement::children(const char* name) const {
   std::vector<XmlElement> all;
-  for (const auto* found = element_->FirstChildElement(name); found;
-       found = found->NextSiblingElement(name)) {
+  const auto& state = *document_->state_;
+  for (const auto* found = state.child(*element_, name); found;
+       found = state.child(*element_, name, found)) {
     document_->state_->read.insert(found);
     all.push_back({*document_, *found});
   }
@@ -210,7 +233,7 @@ void XmlElement::approximate(const std::string& how) const {
 }
 
 void XmlElement::drop_attribute(const char* name, const std::string& why) const {
-  const auto* found = element_->FindAttribute(name);
+  const auto* found = document_->state_->attribute(*element_, name);
   if (!found) return;
   document_->state_->told.insert(found);
   document_->state_->loss->drop(place(), path() + "/@" + name, why);

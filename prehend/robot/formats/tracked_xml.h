@@ -71,6 +71,8 @@ class TrackedXml {
   TrackedXml(TrackedXml&&) noexcept;
 
   XmlElement root();
+  /// Names of elements and attributes are found whatever their case.
+  void ignore_case();
   /// Everything that nobody asked for is dropped, and said to be, with the outermost element of
   /// each part.
   void finish();

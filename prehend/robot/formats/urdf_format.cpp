@@ -392,7 +392,13 @@ class UrdfWriter {
 class Urdf : public RobotFormat {
  public:
   std::string name() const override { return "urdf"; }
-  std::vector<std::string> root_elements() const override { return {"robot"}; }
+  bool recognises(const XmlElement& root) const override {
+    if (root.name() != "robot") return false;
+    for (const XmlElement& one : root.children()) {
+      if (one.name() == "link" || one.name().starts_with("xacro:")) return true;
+    }
+    return false;
+  }
   std::string ending() const override { return ".urdf"; }
   RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
     TrackedXml document = TrackedXml::read(file, loss);

@@ -298,6 +298,82 @@ TEST_F(Formats, GraspItHandsAreChainsByDenavitAndHartenberg) {
   }
 }
 
+const std::string kKinBody = R"(<KinBody name="arm">
+  <Body name="base" type="static"><Geom type="cylinder"><radius>0.1</radius><height>0.2</height></Geom></Body>
+  <Body name="Upper"><offsetfrom>base</offsetfrom><Translation>0 0 0.3</Translation><rotationaxis>0 0 1 90</rotationaxis>
+    <mass type="box"><total>3</total><extents>0.1 0.1 0.2</extents></mass></Body>
+  <Body name="lower"><offsetfrom>Upper</offsetfrom><translation>0.2 0 0</translation>
+    <geom type="box"><extents>0.1 0.2 0.3</extents></geom></Body>
+  <Joint name="J1" type="hinge"><Body>base</Body><Body>Upper</Body><offsetfrom>Upper</offsetfrom><axis>0 1 0</axis>
+    <anchor>0 0 0.05</anchor><lostop>-90</lostop><histop>45</histop><maxvel>2</maxvel></Joint>
+  <Joint name="J2" type="slider" mimic_pos="J1/4+0.02"><Body>Upper</Body><Body>lower</Body><offsetfrom>lower</offsetfrom>
+    <axis>0 0 1</axis><limits>0.5 0</limits></Joint>
+</KinBody>)";
+
+TEST_F(Formats, OpenRaveJointsHaveAnAnchorAndOldStopsTurnTheOtherWay) {
+  const RobotDescription arm = read("arm.kinbody.xml", kKinBody);
+  EXPECT_NEAR(*arm.joint("J1")->lower, -std::numbers::pi / 2, 1e-12);
+  EXPECT_EQ(*arm.joint("J2")->upper, 0.5);
+  EXPECT_NEAR(arm.link("Upper")->inertial->inertia(2, 2), 3.0 / 3 * 0.02, 1e-12);
+  EXPECT_EQ(arm.link("lower")->collisions[0].size.y(), 0.4);
+  // The cylinder stands along y.
+  EXPECT_TRUE((arm.link("base")->collisions[0].X_LS.linear() * Eigen::Vector3d::UnitZ())
+                  .isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+  const double q = 0.4;
+  RigidTransform upper = RigidTransform::Identity();
+  upper.translate(Eigen::Vector3d(0, 0, 0.3));
+  upper.rotate(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
+  RigidTransform about = RigidTransform::Identity();
+  about.translate(Eigen::Vector3d(0, 0, 0.05));
+  about.rotate(Eigen::AngleAxisd(-q, Eigen::Vector3d::UnitY()));
+  about.translate(Eigen::Vector3d(0, 0, -0.05));
+  const auto poses = link_poses(arm, {{"J1", q}});
+  EXPECT_TRUE(poses.at("Upper").isApprox(upper * about, 1e-12));
+  RigidTransform lower = RigidTransform::Identity();
+  lower.translate(Eigen::Vector3d(0.2, 0, q / 4 + 0.02));
+  EXPECT_TRUE(poses.at("lower").isApprox(upper * about * lower, 1e-12));
+  for (const char* format : {"urdf", "sdf"}) {
+    const ModelDifference found = difference(arm, written_and_read(arm, format));
+    EXPECT_LT(std::max(found.place, found.turn), 1e-9) << format;
+  }
+}
+
+const std::string kSimox = R"(<Robot Type="Finger" RootNode="Palm">
+  <RobotNode name="Tip"><Transform><Translation X="0" Y="0" Z="30" units="mm"/><rpy roll="0" pitch="90" yaw="0" units="degree"/></Transform></RobotNode>
+  <RobotNode name="Palm"><Physics><Mass value="800" unit="g"/></Physics><Child name="Knuckle"/></RobotNode>
+  <RobotNode name="Knuckle"><Transform><DH a="40" d="5" theta="30" alpha="-90" unitsangle="degree" unitslength="mm"/></Transform>
+    <Joint type="revolute" offset="0.1"><Axis x="0" y="1" z="0"/><Limits unit="degree" lo="-10" hi="80"/>
+      <PropagateJointValue name="Middle" factor="0.5"/></Joint><Child name="Middle"/></RobotNode>
+  <RobotNode name="Middle"><Transform><Translation x="0.05" y="0" z="0" units="m"/></Transform>
+    <Joint type="revolute"/><Visualization><File type="Inventor">m.iv</File><UseAsCollisionModel/></Visualization><Child name="Tip"/></RobotNode>
+  <Endeffector name="Hand" base="Palm" tcp="Tip"/>
+</Robot>)";
+
+TEST_F(Formats, SimoxNodesArePosesWithAJoint) {
+  const RobotDescription hand = read("finger.xml", kSimox);
+  EXPECT_EQ(hand.links.front().name, "Palm");
+  EXPECT_NEAR(hand.link("Palm")->inertial->mass, 0.8, 1e-15);
+  EXPECT_EQ(hand.joint("Middle")->follows->joint, "Knuckle");  // the leader names it
+  EXPECT_EQ(hand.link("Middle")->collisions.size(), 1U);
+  EXPECT_THAT(loss_.text(), HasSubstr("Robot/Endeffector"));
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double q = 0.3;
+  RigidTransform X = RigidTransform::Identity();
+  X.rotate(Eigen::AngleAxisd(30 * kDegree, Eigen::Vector3d::UnitZ()));
+  X.translate(Eigen::Vector3d(0.04, 0, 0.005));
+  X.rotate(Eigen::AngleAxisd(-90 * kDegree, Eigen::Vector3d::UnitX()));
+  X.rotate(Eigen::AngleAxisd(q + 0.1, Eigen::Vector3d::UnitY()));
+  X.translate(Eigen::Vector3d(0.05, 0, 0));
+  X.rotate(Eigen::AngleAxisd(0.5 * q, Eigen::Vector3d::UnitZ()));
+  X.translate(Eigen::Vector3d(0, 0, 0.03));
+  X.rotate(Eigen::AngleAxisd(90 * kDegree, Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(link_poses(hand, {{"Knuckle", q}}).at("Tip").isApprox(X, 1e-12));
+  EXPECT_THAT(error_of("twice.xml",
+                       "<Robot RootNode='a'><RobotNode name='a'><Child name='b'/>"
+                       "<Child name='b'/></RobotNode><RobotNode name='b'/></Robot>"),
+              HasSubstr("twice"));
+}
+
 TEST_F(Formats, MjcfIsReadByMuJoCo) {
   if (std::none_of(robot_formats().begin(), robot_formats().end(),
                    [](const auto& one) { return one->name() == "mjcf"; })) {
@@ -370,6 +446,19 @@ TEST_F(Formats, InertiaIsComparedWithTheShape) {
   EXPECT_THAT(findings_of(1e-9), HasSubstr("million times less"));
 }
 
+TEST_F(Formats, MeshesAreFoundFromWhereItIsWritten) {
+  file("here/meshes/a.stl", "solid a\nendsolid a\n");
+  RobotDescription robot = read("here/arm.urdf", R"(<robot name="r"><link name="a">
+    <visual><geometry><mesh filename="meshes/a.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="gone.stl"/></geometry></visual>
+    <visual><geometry><mesh filename="package://p/b.stl"/></geometry></visual></link></robot>)");
+  fs::create_directories(folder_ / "there/deep");
+  move_meshes(robot, folder_ / "here", folder_ / "there/deep");
+  EXPECT_EQ(robot.links[0].visuals[0].mesh, "../../here/meshes/a.stl");
+  EXPECT_EQ(robot.links[0].visuals[1].mesh, "gone.stl");
+  EXPECT_EQ(robot.links[0].visuals[2].mesh, "package://p/b.stl");
+}
+
 TEST(RollPitchYaw, OfEveryRotationGivesItBack) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> angle(-4, 4);
@@ -414,7 +503,7 @@ TEST_F(Formats, FilesOfOthersComeBackAsTheyWere) {
       }
     }
   }
-  EXPECT_GE(read_files, 30);
+  EXPECT_GE(read_files, 50);
 }
 
 // The same arm in two formats, by their own authors.
