@@ -38,6 +38,7 @@ std::string RobotFormat::write(const RobotDescription&, LossReport&) const {
 const std::vector<std::unique_ptr<RobotFormat>>& robot_formats() {
   static const auto kAll = [] {
     std::vector<std::unique_ptr<RobotFormat>> all;
+    all.push_back(collada_format());
     all.push_back(graspit_format());
     if (auto mjcf = mjcf_format()) all.push_back(std::move(mjcf));
     all.push_back(openrave_format());

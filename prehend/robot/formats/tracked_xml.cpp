@@ -6,6 +6,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include <tinyxml2.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/archive.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -30,6 +32,15 @@ struct TrackedXml::State {
   std::unordered_set<const void*> read;  // elements and attributes
   std::unordered_set<const void*> told;  // elements of which all is accounted for
   bool ignores_case = false;
+  std::unordered_map<std::string, const tinyxml2::XMLElement*> ids;
+
+  void collect_ids(const tinyxml2::XMLElement& element) {
+    if (const char* id = element.Attribute("id")) ids.emplace(id, &element);
+    for (const auto* child = element.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      collect_ids(*child);
+    }
+  }
 
   bool is_called(const char* name, const char* wanted) const {
     return ignores_case ? strcasecmp(name, wanted) == 0 : std::strcmp(name, wanted) == 0;
@@ -125,7 +136,15 @@ TrackedXml TrackedXml::read(const std::filesystem::path& file, LossReport& loss)
   if (!stream || !(text << stream.rdbuf())) {
     throw InputError("'" + file.string() + "' cannot be read, or is empty", "Check the path");
   }
-  return {text.str(), file.string(), loss};
+  const std::string bytes = text.str();
+  if (!is_archive(bytes)) return {bytes, file.string(), loss};
+  LossReport of_manifest;
+  TrackedXml manifest(file_of_archive(file, "manifest.xml"), file.string() + "/manifest.xml",
+                      of_manifest);
+  std::string name = manifest.root().text();
+  name = name.substr(0, name.find('#'));
+  if (name.starts_with("./")) name.erase(0, 2);
+  return {file_of_archive(file, name), file.string() + "/" + name, loss};
 }
 
 TrackedXml::~TrackedXml() = default;
@@ -135,6 +154,19 @@ XmlElement TrackedXml::root() {
   const auto* element = state_->document.RootElement();
   state_->read.insert(element);
   return {*this, *element};
+}
+
+std::optional<XmlElement> TrackedXml::by_id(const std::string& id) {
+  State& state = *state_;
+  if (state.ids.empty()) state.collect_ids(*state.document.RootElement());
+  const auto found = state.ids.find(id);
+  if (found == state.ids.end()) return std::nullopt;
+  for (const tinyxml2::XMLNode* node = found->second; node && node->ToElement();
+       node = node->Parent()) {
+    state.read.insert(node->ToElement());
+  }
+  state.read.insert(found->second->FindAttribute("id"));
+  return XmlElement(*this, *found->second);
 }
 
 void TrackedXml::ignore_case() { state_->ignores_case = true; }

@@ -66,11 +66,14 @@ class TrackedXml {
  public:
   /// @throws geometry::InputError with file, line and what is wrong when it is no XML.
   TrackedXml(const std::string& text, std::string file, LossReport& loss);
+  /// A file's, or of an archive (.zae) the document that its manifest.xml names.
   static TrackedXml read(const std::filesystem::path& file, LossReport& loss);
   ~TrackedXml();
   TrackedXml(TrackedXml&&) noexcept;
 
   XmlElement root();
+  /// The element with that attribute `id`, wherever it is; it and all around it count as kept.
+  std::optional<XmlElement> by_id(const std::string& id);
   /// Names of elements and attributes are found whatever their case.
   void ignore_case();
   /// Everything that nobody asked for is dropped, and said to be, with the outermost element of

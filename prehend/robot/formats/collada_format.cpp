@@ -1,0 +1,488 @@
+// COLLADA 1.5 robots, .dae and .zae (Khronos' specification, chapter 5 and 10; openrave.org, "Robot
+// extensions for COLLADA"): kinematics, couplings, speeds and masses. Shapes are not read.
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/format_makers.h"
+#include "prehend/robot/formats/tracked_xml.h"
+
+namespace prehend::robot::formats {
+namespace {
+
+using geometry::InputError;
+using geometry::RigidTransform;
+using Kind = JointDescription::Kind;
+
+constexpr double kRadian = std::numbers::pi / 180;  // of a degree
+
+/// "kmodel1/joint0/axis0" from its end: 0 is "axis0".
+std::string part_of(const std::string& path, std::size_t from_end) {
+  std::string rest = path;
+  for (; from_end > 0; --from_end) {
+    const std::size_t slash = rest.rfind('/');
+    if (slash == std::string::npos) return {};
+    rest.erase(slash);
+  }
+  return rest.substr(rest.rfind('/') + 1);
+}
+
+std::string local_name(const XmlElement& element) {
+  const std::string name = element.name();
+  return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
+}
+
+/// The number of an element, or of the <float> in it.
+std::optional<double> number_in(const std::optional<XmlElement>& element) {
+  if (!element) return std::nullopt;
+  if (const auto value = element->child("float")) return value->text_number();
+  if (element->text().empty()) return std::nullopt;
+  return element->text_number();
+}
+
+/// A formula's MathML at values of joints, by their sids. @throws geometry::InputError for what is
+/// none, or knows no such operator
+double evaluated(const XmlElement& element,
+                 const std::function<double(const std::string&)>& value) {
+  const std::string name = local_name(element);
+  if (name == "cn") return element.text_number();
+  if (name == "csymbol" || name == "ci") return value(part_of(element.text(), 0));
+  if (name == "pi") return std::numbers::pi;
+  const auto parts = element.children();
+  if (name == "math") {
+    if (parts.empty()) element.fail("the formula is empty", "Write one");
+    return evaluated(parts[0], value);
+  }
+  if (name != "apply" || parts.empty()) {
+    element.fail("<" + name + "> is none that is read in formulas", "Write apply, cn, csymbol");
+  }
+  const std::string operation = local_name(parts[0]);
+  std::vector<double> numbers;
+  for (std::size_t i = 1; i < parts.size(); ++i) numbers.push_back(evaluated(parts[i], value));
+  const auto need = [&](std::size_t count) {
+    if (numbers.size() != count)
+      element.fail("<" + operation + "> has another count of parts", "Mend it");
+  };
+  if (operation == "plus" || operation == "times") {
+    double result = operation == "plus" ? 0 : 1;
+    for (const double number : numbers) {
+      result = operation == "plus" ? result + number : result * number;
+    }
+    return result;
+  }
+  if (operation == "minus" && numbers.size() == 1) return -numbers[0];
+  if (operation == "minus") {
+    need(2);
+    return numbers[0] - numbers[1];
+  }
+  if (operation == "divide") {
+    need(2);
+    return numbers[0] / numbers[1];
+  }
+  if (operation == "sin" || operation == "cos") {
+    need(1);
+    return operation == "sin" ? std::sin(numbers[0]) : std::cos(numbers[0]);
+  }
+  element.fail("the operator <" + operation + "> is not read", "Write plus, minus, times, divide");
+}
+
+class ColladaReader {
+ public:
+  ColladaReader(TrackedXml& document, LossReport& loss) : document_(document), loss_(loss) {}
+
+  RobotDescription read(const std::filesystem::path& file) {
+    const XmlElement root = document_.root();
+    root.attribute("version");
+    if (const auto asset = root.child("asset")) read_asset(*asset);
+    const auto library = root.child("library_kinematics_models");
+    if (!library) {
+      root.fail("the document has no kinematics: it is a mesh, or COLLADA 1.4",
+                "Read a robot's, of version 1.5");
+    }
+    if (const auto joints = root.child("library_joints")) {
+      for (const XmlElement& one : joints->children("joint")) {
+        library_joints_.emplace(one.attribute("id").value_or(""), one);
+      }
+    }
+    const auto models = library->children("kinematics_model");
+    if (models.empty()) root.fail("there is no kinematics_model", "Name a file that has one");
+    robot_.name = models[0].attribute("name").value_or(file.stem().string());
+    read_model(models[0]);
+    for (std::size_t i = 1; i < models.size(); ++i) models[i].drop("one model is read of a file");
+    read_systems(root);
+    read_masses(root);
+    for (const auto& [element, why] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"library_geometries", "shapes are not read of this format"},
+             {"library_visual_scenes", "shapes are not read of this format"},
+             {"library_nodes", "shapes are not read of this format"},
+             {"library_materials", "shapes are not read of this format"},
+             {"library_effects", "shapes are not read of this format"},
+             {"library_images", "shapes are not read of this format"},
+             {"scene", "how parts are bound to a scene"},
+             {"library_kinematics_scenes", "how parts are bound to a scene"},
+             {"library_physics_scenes", "how parts are bound to a scene"}}) {
+      for (const XmlElement& one : root.children(element)) one.drop(why);
+    }
+    for (const XmlElement& one : root.children("extra")) one.drop("it is of its writer's own");
+    return std::move(robot_);
+  }
+
+ private:
+  void read_asset(const XmlElement& asset) {
+    if (const auto unit = asset.child("unit")) {
+      length_ = unit->number("meter").value_or(1);
+      unit->attribute("name");
+      if (!(length_ > 0)) unit->fail("a unit of no length", "Write metres");
+    }
+    for (const XmlElement& one : asset.children("contributor")) {
+      if (const auto tool = one.child("authoring_tool")) {
+        // The first writers had radians for speeds, as their reader keeps to.
+        const std::string name = tool->text();
+        speeds_in_degrees_ = name.find("OpenHRP3") == std::string::npos &&
+                             name.find("URDF") == std::string::npos &&
+                             name != "OpenRAVE Collada Writer";
+      }
+    }
+    asset.drop("who wrote it, and when");
+  }
+
+  struct Axis {
+    std::string sid;
+    bool turns = true;
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+    std::optional<double> lower, upper;
+  };
+  struct Joint {
+    std::string name;
+    std::vector<Axis> axes;
+  };
+
+  Joint read_joint(const XmlElement& element) {
+    Joint joint;
+    joint.name = element.attribute("name").value_or(element.attribute("sid").value_or("joint"));
+    for (const XmlElement& one : element.children()) {
+      const std::string kind = one.name();
+      if (kind != "revolute" && kind != "prismatic") continue;
+      Axis axis;
+      axis.sid = one.attribute("sid").value_or("axis0");
+      axis.turns = kind == "revolute";
+      if (const auto direction = one.child("axis")) {
+        const auto n = direction->text_numbers(3);
+        const Eigen::Vector3d given(n[0], n[1], n[2]);
+        if (given.norm() > 1e-9) axis.direction = given.normalized();
+      }
+      if (const auto limits = one.child("limits")) {
+        const double unit = axis.turns ? kRadian : length_;
+        if (const auto low = number_in(limits->child("min"))) axis.lower = unit * *low;
+        if (const auto high = number_in(limits->child("max"))) axis.upper = unit * *high;
+      }
+      joint.axes.push_back(axis);
+    }
+    return joint;
+  }
+
+  RigidTransform steps(const XmlElement& element) const {
+    RigidTransform X = RigidTransform::Identity();
+    for (const XmlElement& one : element.children()) {
+      if (one.name() == "translate") {
+        const auto n = one.text_numbers(3);
+        X.translate(length_ * Eigen::Vector3d(n[0], n[1], n[2]));
+      } else if (one.name() == "rotate") {
+        const auto n = one.text_numbers(4);
+        const Eigen::Vector3d axis(n[0], n[1], n[2]);
+        if (axis.norm() > 1e-9) X.rotate(Eigen::AngleAxisd(kRadian * n[3], axis.normalized()));
+      } else if (one.name() == "matrix") {
+        const auto n = one.text_numbers(16);
+        const Eigen::Matrix4d given =
+            Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(n.data());
+        X = X * geometry::make_transform(
+                    Eigen::Quaterniond(Eigen::Matrix3d(given.topLeftCorner<3, 3>())),
+                    length_ * given.topRightCorner<3, 1>());
+      }
+    }
+    return X;
+  }
+
+  void read_model(const XmlElement& model) {
+    model.attribute("id");
+    const auto technique = model.child("technique_common");
+    if (!technique) model.fail("the kinematics_model has no technique_common", "Mend it");
+    for (const XmlElement& one : technique->children("joint")) {
+      joints_[one.attribute("sid").value_or("")] = read_joint(one);
+    }
+    for (const XmlElement& one : technique->children("instance_joint")) {
+      std::string url = one.attribute("url").value_or("");
+      if (url.starts_with("#")) url.erase(0, 1);
+      const auto found = library_joints_.find(url);
+      if (found == library_joints_.end()) one.fail("joint '" + url + "' is not there", "Mend it");
+      joints_[one.attribute("sid").value_or(url)] = read_joint(found->second);
+    }
+    for (const XmlElement& link : technique->children("link")) read_link(link, "", {}, 0);
+    for (const XmlElement& one : technique->children("formula")) read_formula(one);
+  }
+
+  /// @param above the link that it hangs on, by `joint`; none: a root
+  void read_link(const XmlElement& element, const std::string& above,
+                 const std::pair<std::string, RigidTransform>& hung, int depth) {
+    if (depth > 200) element.fail("links are too deep in one another", "Mend it");
+    std::string name = element.attribute("name").value_or("");
+    const std::string sid = element.attribute("sid").value_or("");
+    if (name.empty()) name = sid.empty() ? fmt::format("link{}", robot_.links.size()) : sid;
+    if (robot_.link(name)) {
+      element.approximate("a second link '" + name + "' is called by its sid, too");
+      name += "_" + sid;
+    }
+    const RigidTransform X_own = steps(element);
+    std::string parent = above;
+    if (above.empty()) {
+      robot_.links.push_back({name, {}, {}, {}});
+      roots_[name] = X_own;
+    } else {
+      const auto found = joints_.find(hung.first);
+      if (found == joints_.end())
+        element.fail("joint '" + hung.first + "' is not there", "Mend it");
+      const Joint& joint = found->second;
+      RigidTransform X = hung.second;
+      for (std::size_t i = 0; i < std::max<std::size_t>(joint.axes.size(), 1); ++i) {
+        JointDescription one;
+        const bool is_last = i + 1 >= joint.axes.size();
+        one.name = joint.axes.size() > 1 ? fmt::format("{}_{}", joint.name, i) : joint.name;
+        if (robot_.joint(one.name)) one.name += "_" + hung.first;
+        one.parent = parent;
+        one.child = is_last ? name : fmt::format("{}_between{}", name, i);
+        one.X_PJ = X;
+        X = RigidTransform::Identity();
+        if (is_last) one.X_JC = X_own;
+        if (!joint.axes.empty()) {
+          const Axis& axis = joint.axes[i];
+          one.kind = axis.turns ? Kind::kRevolute : Kind::kPrismatic;
+          one.axis_J = axis.direction;
+          one.lower = axis.lower;
+          one.upper = axis.upper;
+          if (one.lower && one.upper && *one.lower == 0 && *one.upper == 0) one.kind = Kind::kFixed;
+          of_axis_[hung.first + "/" + axis.sid] = one.name;
+        }
+        robot_.links.push_back({one.child, {}, {}, {}});
+        parent = one.child;
+        robot_.joints.push_back(std::move(one));
+      }
+    }
+    for (const XmlElement& one : element.children("attachment_full")) {
+      const std::string joint = part_of(one.needed("joint"), 0);
+      const RigidTransform X =
+          (above.empty() ? roots_[name] : RigidTransform::Identity()) * steps(one);
+      const auto child = one.child("link");
+      if (!child) {
+        one.drop("nothing hangs on it");
+        continue;
+      }
+      read_link(*child, name, {joint, X}, depth + 1);
+    }
+    for (const char* loop : {"attachment_start", "attachment_end"}) {
+      for (const XmlElement& one : element.children(loop)) one.drop("closed loops are not read");
+    }
+  }
+
+  JointDescription* joint_of(const std::string& axis_path) {
+    // "kmodel/joint0/axis0", or a joint alone.
+    for (const auto& key :
+         {part_of(axis_path, 1) + "/" + part_of(axis_path, 0), part_of(axis_path, 0) + "/axis0"}) {
+      const auto found = of_axis_.find(key);
+      if (found == of_axis_.end()) continue;
+      for (JointDescription& joint : robot_.joints) {
+        if (joint.name == found->second) return &joint;
+      }
+    }
+    return nullptr;
+  }
+
+  void read_formula(const XmlElement& element) {
+    const auto target = element.child("target");
+    const auto technique = element.child("technique_common");
+    std::optional<XmlElement> param = target ? target->child("param") : std::nullopt;
+    if (!param || !technique || technique->children().empty()) {
+      return element.drop("the formula has no target, or says nothing");
+    }
+    JointDescription* driven = joint_of(param->text());
+    if (!driven) return element.drop("its joint '" + param->text() + "' is not there");
+    std::set<std::string> variables;
+    const XmlElement math = technique->children()[0];
+    const auto at = [&](double q) {
+      return evaluated(math, [&](const std::string& name) {
+        variables.insert(name);
+        return q;
+      });
+    };
+    const double zero = at(0), one = at(1), two = at(2);
+    if (variables.size() != 1 || std::abs(two - 2 * one + zero) > 1e-9 * (1 + std::abs(two))) {
+      return element.drop("it is no linear formula of one joint");
+    }
+    JointDescription* leader = joint_of(*variables.begin() + "/axis0");
+    if (!leader) leader = joint_of(*variables.begin());
+    if (!leader) return element.drop("'" + *variables.begin() + "' in it is not there");
+    // Constants are in radians and metres, whatever limits are in.
+    driven->follows = Follows{leader->name, one - zero, zero};
+    element.attribute("sid");
+    for (const XmlElement& other : element.children("technique")) {
+      other.drop("its derivatives follow from it");
+    }
+  }
+
+  void read_systems(const XmlElement& root) {
+    const auto library = root.child("library_articulated_systems");
+    if (!library) return;
+    std::map<std::string, JointDescription*> by_info;
+    for (const XmlElement& system : library->children("articulated_system")) {
+      if (const auto kinematics = system.child("kinematics")) {
+        if (const auto technique = kinematics->child("technique_common")) {
+          for (const XmlElement& info : technique->children("axis_info")) {
+            JointDescription* joint = joint_of(info.attribute("axis").value_or(""));
+            by_info[info.attribute("sid").value_or("")] = joint;
+            if (joint) read_axis_info(info, *joint);
+          }
+        }
+        for (const XmlElement& one : kinematics->children("formula")) read_formula(one);
+      }
+      for (const XmlElement& extra : system.children("extra")) {
+        const std::string type = extra.attribute("type").value_or("");
+        extra.drop(type == "manipulator"
+                       ? "manipulators, with their closing directions, are not kept"
+                       : "it is OpenRAVE's own");
+      }
+    }
+    for (const XmlElement& system : library->children("articulated_system")) {
+      const auto motion = system.child("motion");
+      if (!motion) continue;
+      const auto technique = motion->child("technique_common");
+      if (!technique) continue;
+      for (const XmlElement& info : technique->children("axis_info")) {
+        const auto found = by_info.find(part_of(info.attribute("axis").value_or(""), 0));
+        if (found == by_info.end() || !found->second) continue;
+        const bool turns = found->second->kind == Kind::kRevolute;
+        if (const auto speed = number_in(info.child("speed"))) {
+          found->second->velocity = *speed * (turns ? (speeds_in_degrees_ ? kRadian : 1) : length_);
+        }
+        for (const char* other : {"acceleration", "deceleration", "jerk"}) {
+          if (const auto one = info.child(other)) one->drop("accelerations are not kept");
+        }
+      }
+    }
+  }
+
+  void read_axis_info(const XmlElement& info, JointDescription& joint) {
+    const bool turns = joint.kind == Kind::kRevolute;
+    const double unit = turns ? kRadian : length_;
+    if (const auto limits = info.child("limits")) {
+      // Soft limits, where they are numbers and not names.
+      if (const auto min = limits->child("min"); min && min->child("float")) {
+        joint.lower = unit * min->child("float")->text_number();
+      }
+      if (const auto max = limits->child("max"); max && max->child("float")) {
+        joint.upper = unit * max->child("float")->text_number();
+      }
+    }
+    for (const XmlElement& one : info.children("formula")) read_formula(one);
+  }
+
+  /// Rigid bodies are tied to visual nodes; those bear the links' names.
+  void read_masses(const XmlElement& root) {
+    const auto library = root.child("library_physics_models");
+    if (!library) return;
+    std::map<std::string, std::string> link_of;  // by rigid body
+    const auto tie = [&](const XmlElement& holder) {
+      for (const XmlElement& one : holder.children("instance_rigid_body")) {
+        std::string target = one.attribute("target").value_or("");
+        if (target.starts_with("#")) target.erase(0, 1);
+        const auto node = document_.by_id(target);
+        const std::string name = node ? node->attribute("name").value_or("") : "";
+        if (robot_.link(name)) link_of[one.attribute("body").value_or("")] = name;
+      }
+    };
+    if (const auto scenes = root.child("library_physics_scenes")) {
+      for (const XmlElement& scene : scenes->children("physics_scene")) {
+        for (const XmlElement& one : scene.children("instance_physics_model")) tie(one);
+      }
+    }
+    for (const XmlElement& model : library->children("physics_model")) {
+      for (const XmlElement& one : model.children("instance_physics_model")) tie(one);
+    }
+    // Mass frames are in the model's, all joints at 0, also those that follow.
+    RobotDescription at_zero = robot_;
+    for (JointDescription& joint : at_zero.joints) joint.follows.reset();
+    const auto poses = link_poses(at_zero, {});
+    const RigidTransform X_root =
+        roots_.empty() ? RigidTransform::Identity() : roots_.begin()->second;
+    for (const XmlElement& model : library->children("physics_model")) {
+      for (const XmlElement& body : model.children("rigid_body")) {
+        const std::string sid = body.attribute("sid").value_or("");
+        const auto found = link_of.find(sid);
+        const std::string name =
+            found != link_of.end() ? found->second : body.attribute("name").value_or("");
+        if (!robot_.link(name)) {
+          body.drop("no link is tied to it");
+          continue;
+        }
+        read_mass(body, name, (X_root * poses.at(name)).inverse());
+      }
+    }
+  }
+
+  void read_mass(const XmlElement& body, const std::string& name, const RigidTransform& X_LM) {
+    const auto technique = body.child("technique_common");
+    if (!technique) return;
+    Inertial inertial;
+    inertial.mass = number_in(technique->child("mass")).value_or(0);
+    technique->child("dynamic");
+    RigidTransform X_MI = RigidTransform::Identity();
+    if (const auto frame = technique->child("mass_frame")) X_MI = steps(*frame);
+    inertial.X_LI = X_LM * X_MI;
+    if (const auto inertia = technique->child("inertia")) {
+      const auto n = inertia->text_numbers(3);
+      inertial.inertia = Eigen::Vector3d(n[0], n[1], n[2]).asDiagonal();
+    }
+    for (const XmlElement& one : technique->children("shape")) {
+      one.drop("shapes are not read of this format");
+    }
+    constexpr double kUnknown = 1e-9;  // kg: what is written for no mass
+    if (!(inertial.mass > kUnknown)) return;
+    for (LinkDescription& link : robot_.links) {
+      if (link.name == name) link.inertial = inertial;
+    }
+  }
+
+  TrackedXml& document_;
+  LossReport& loss_;
+  RobotDescription robot_;
+  double length_ = 1;  // m of the file's unit
+  bool speeds_in_degrees_ = true;
+  std::map<std::string, XmlElement> library_joints_;  // by id
+  std::map<std::string, Joint> joints_;               // by sid
+  std::map<std::string, std::string> of_axis_;        // joint's name by "joint/axis"
+  std::map<std::string, RigidTransform> roots_;       // of roots, in the model
+};
+
+class Collada : public RobotFormat {
+ public:
+  std::string name() const override { return "collada"; }
+  std::string ending() const override { return ".dae"; }
+  bool recognises(const XmlElement& root) const override { return root.name() == "COLLADA"; }
+  RobotDescription read(const std::filesystem::path& file, LossReport& loss) const override {
+    TrackedXml document = TrackedXml::read(file, loss);
+    RobotDescription robot = ColladaReader(document, loss).read(file);
+    document.finish();
+    tree_order(robot);
+    return robot;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<RobotFormat> collada_format() { return std::make_unique<Collada>(); }
+
+}  // namespace prehend::robot::formats
