@@ -94,6 +94,8 @@ def launch_page(program, root):
     page = ["# Launch files", "", "`prehend launch FILE NAME:=VALUE ...`; what they are made of: [launch files](../launch/README.md).", ""]
     for file in sorted((root / "launch").glob("*.yaml")):
         said = said_by(program, "launch", file, "--list-arguments")
+        # Files of the tree are named as from its top, wherever it was built; columns stay.
+        said = re.sub(re.escape(f"{root.resolve()}/") + r'([^"\n]*")', lambda m: m[1] + " " * (len(m[0]) - len(m[1])), said)
         page += [f"## {file.name}", "", "```text", said.strip(), "```", ""]
     return page
 

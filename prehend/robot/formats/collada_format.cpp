@@ -320,7 +320,9 @@ class ColladaReader {
       });
     };
     const double zero = at(0), one = at(1), two = at(2);
-    if (variables.size() != 1 || std::abs(two - 2 * one + zero) > 1e-9 * (1 + std::abs(two))) {
+    // Negated, since what is not finite is no line.
+    const bool is_line = std::abs(two - 2 * one + zero) <= 1e-9 * (1 + std::abs(two));
+    if (variables.size() != 1 || !is_line) {
       return element.drop("it is no linear formula of one joint");
     }
     JointDescription* leader = joint_of(*variables.begin() + "/axis0");
