@@ -329,7 +329,7 @@ RosValue ros_duration(std::int64_t nanoseconds) {
   return seconds_and_rest(seconds, rest);
 }
 
-RosValue ros_header(std::int64_t stamp, const std::string& frame, Version version) {
+RosValue ros_header(std::int64_t stamp, std::string_view frame, Version version) {
   return RosValue(Fields{{"stamp", ros_time(stamp, version)}, {"frame_id", ros_text(frame)}});
 }
 

@@ -31,9 +31,9 @@ std::vector<std::string> types_in_ros(const google::protobuf::Descriptor& type, 
 std::string to_ros(const google::protobuf::Message& message, const std::string& type,
                    Version version);
 
-/// A std_msgs/Header. @param stamp ns. @throws geometry::InputError for a time before 1970 or after
-/// 2106 (ROS 2: 2038).
-recording::RosValue ros_header(std::int64_t stamp, const std::string& frame, Version version);
+/// A std_msgs/Header. @param stamp ns. @param frame is viewed: it has to live as long as what is
+/// returned. @throws geometry::InputError for a time before 1970 or after 2106 (ROS 2: 2038).
+recording::RosValue ros_header(std::int64_t stamp, std::string_view frame, Version version);
 /// A time or duration of either version. @throws as ros_header();
 recording::RosValue ros_time(std::int64_t nanoseconds, Version version);
 recording::RosValue ros_duration(std::int64_t nanoseconds);

@@ -133,7 +133,9 @@ LinkDescription read_sdf_link(const XmlElement& element, RobotDescription& robot
         return number_in(*inertia, name, other);
       };
       const double xy = at("ixy", 0), xz = at("ixz", 0), yz = at("iyz", 0);
-      link.inertial->inertia << at("ixx", 1), xy, xz, xy, at("iyy", 1), yz, xz, yz, at("izz", 1);
+      // All are read before: an assertion of Eigen's forbids to throw half way.
+      const double xx = at("ixx", 1), yy = at("iyy", 1), zz = at("izz", 1);
+      link.inertial->inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     } else {
       link.inertial->inertia = Eigen::Matrix3d::Identity();  // as SDF has it
     }

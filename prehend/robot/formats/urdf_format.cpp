@@ -94,7 +94,9 @@ LinkDescription read_urdf_link(const XmlElement& element, const Colors& colors) 
     if (const auto inertia = inertial->child("inertia")) {
       const auto at = [&](const char* name) { return inertia->number(name).value_or(0); };
       const double xy = at("ixy"), xz = at("ixz"), yz = at("iyz");
-      link.inertial->inertia << at("ixx"), xy, xz, xy, at("iyy"), yz, xz, yz, at("izz");
+      // All are read before: an assertion of Eigen's forbids to throw half way.
+      const double xx = at("ixx"), yy = at("iyy"), zz = at("izz");
+      link.inertial->inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     }
   }
   for (const XmlElement& one : element.children("visual")) {
