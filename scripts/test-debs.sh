@@ -23,23 +23,23 @@ rm "$clean.log"
 cp /etc/apt/apt.conf.d/* "$clean/etc/apt/apt.conf.d/"
 cp /etc/resolv.conf "$clean/etc/" 2>/dev/null || true
 mount -t proc proc "$clean/proc"
-mkdir "$clean/debs" "$clean/work"
+mkdir "$clean/debs" "$clean/trial"
 cp "$debs"/*.deb "$clean/debs/"
-cp "$root/examples/project/pieces.cpp" "$clean/work/"
+cp "$root/examples/project/pieces.cpp" "$clean/trial/"
 
-cat >"$clean/work/use.sh" <<'END'
+cat >"$clean/trial/use.sh" <<'END'
 set -euo pipefail
 export DEBIAN_FRONTEND=noninteractive
-cd /work
+cd /trial
 apt-get update -qq
 apt-get install -y -qq --no-install-recommends /debs/prehend_*.deb >/dev/null
 prehend --version
 prehend launch --check demo
 prehend explain /usr/share/prehend/config/scenes/demo.yaml >explained.txt
 prehend plan --help >/dev/null
-export PREHEND_REGISTRY=ipc:///work/registry
-timeout 100 prehend launch demo speed:=0 view:=false out:=/work/demo >demo.txt 2>&1 || { tail -30 demo.txt; exit 1; }
-ls /work/demo/report.html
+export PREHEND_REGISTRY=ipc:///trial/registry
+timeout 100 prehend launch demo speed:=0 view:=false out:=/trial/demo >demo.txt 2>&1 || { tail -30 demo.txt; exit 1; }
+ls /trial/demo/report.html
 for deb in /debs/prehend-ros?_*.deb /debs/python3-prehend_*.deb /debs/libprehend0*.deb /debs/libprehend-dev_*.deb /debs/prehend-doc_*.deb; do
   [ -e "$deb" ] && apt-get install -y -qq --no-install-recommends "$deb" >/dev/null
 done
@@ -49,10 +49,10 @@ g++ -std=c++20 pieces.cpp $(pkg-config --cflags --libs prehend) -o pieces
 ./pieces
 ls /usr/share/doc/prehend/html/index.html
 apt-get remove -y -qq 'prehend*' 'libprehend*' python3-prehend >/dev/null
-if find / -xdev -path /proc -prune -o -name '*prehend*' -print | grep -vE '^/(debs|work|var/(lib|log|cache))'; then
+if find / -xdev -path /proc -prune -o -name '*prehend*' -print | grep -vE '^/(debs|trial|var/(lib|log|cache))'; then
   echo "something is left" >&2
   exit 1
 fi
 END
-chroot "$clean" /bin/bash /work/use.sh
+chroot "$clean" /bin/bash /trial/use.sh
 echo "installed, used and removed"
