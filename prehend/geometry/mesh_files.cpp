@@ -132,6 +132,7 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
   }
   const std::size_t size = checked_file_size(path);
   const std::string extension = lower_case_extension(path);
+  const bool is_gltf = extension == ".gltf" || extension == ".glb";
   if (extension == ".ply") {
     TriangleMesh mesh = read_ply_mesh(path, scale);
     check_mesh(mesh, path);
@@ -140,8 +141,8 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
   if (extension == ".stl") {
     // Assimp takes a text STL that stops in the middle for a whole one.
     if (is_binary_stl(path, size)) return joined_stl(path, scale);
-  } else if (extension != ".obj" && extension != ".off" && extension != ".dae") {
-    fail(path, "is neither a .dae, .obj, .off, .ply nor .stl file",
+  } else if (extension != ".obj" && extension != ".off" && extension != ".dae" && !is_gltf) {
+    fail(path, "is neither a .dae, .gltf, .glb, .obj, .off, .ply nor .stl file",
          "Convert it, e.g. with MeshLab");
   }
 
@@ -158,6 +159,9 @@ TriangleMesh read_mesh_file(const std::filesystem::path& path, double scale) {
                          aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices);
   if (scene == nullptr) fail(path, std::string("could not be read: ") + importer.GetErrorString());
   TriangleMesh mesh = from_assimp(*scene, scale);
+  if (is_gltf) {
+    for (Eigen::Vector3d& v : mesh.vertices) v = {v.x(), -v.z(), v.y()};
+  }
   check_mesh(mesh, path);
   return mesh;
 }

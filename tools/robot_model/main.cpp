@@ -11,6 +11,7 @@
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/model_check.h"
 #include "prehend/robot/formats/robot_format.h"
+#include "prehend/robot/formats/shape_mesh.h"
 #include "tools/robot_model/choices.h"
 
 namespace {
@@ -33,8 +34,10 @@ int convert(const ModelChoices& choices) {
   const RobotFormat& format =
       choices.format.empty() ? format_for(choices.second) : format_named(choices.format);
   RobotDescription robot = read_robot(choices.first, loss);
-  move_meshes(robot, fs::absolute(choices.first).parent_path(),
-              fs::absolute(choices.second).parent_path());
+  const fs::path from = fs::absolute(choices.first).parent_path(),
+                 to = fs::absolute(choices.second).parent_path();
+  const auto meshes = take_out_meshes(robot, from, fs::path(choices.second).stem().string(), loss);
+  move_meshes(robot, from, to);
   const std::string text = format.write(robot, loss);
   fmt::print("{}", loss.text());
   if (choices.strict && !loss.lossless()) {
@@ -44,6 +47,7 @@ int convert(const ModelChoices& choices) {
                choices.second);
     return 3;
   }
+  write_meshes(meshes, to);
   write_file(choices.second, text);
   return 0;
 }
@@ -53,11 +57,16 @@ int check(const ModelChoices& choices) {
   RobotDescription robot = read_robot(choices.first, loss);
   if (!choices.mended.empty()) {
     const RobotFormat& format = format_for(choices.mended);
-    for (const std::string& words : mend_model(robot)) fmt::print("mended: {}\n", words);
+    for (const std::string& words : mend_model(robot, fs::absolute(choices.first).parent_path())) {
+      fmt::print("mended: {}\n", words);
+    }
     RobotDescription moved = robot;
-    move_meshes(moved, fs::absolute(choices.first).parent_path(),
-                fs::absolute(choices.mended).parent_path());
+    const fs::path from = fs::absolute(choices.first).parent_path(),
+                   to = fs::absolute(choices.mended).parent_path();
     LossReport written;
+    write_meshes(take_out_meshes(moved, from, fs::path(choices.mended).stem().string(), written),
+                 to);
+    move_meshes(moved, from, to);
     write_file(choices.mended, format.write(moved, written));
     fmt::print("{}", written.text());
   }

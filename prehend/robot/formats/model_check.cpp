@@ -10,7 +10,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "prehend/geometry/errors.h"
-#include "prehend/geometry/mesh_files.h"
+#include "prehend/robot/formats/shape_mesh.h"
+#include "prehend/robot/formats/uniform_inertial.h"
 #include "prehend/robot/mesh_shape.h"
 
 namespace prehend::robot::formats {
@@ -26,7 +27,7 @@ bool moves(const JointDescription& joint) {
 class Checker {
  public:
   Checker(const RobotDescription& robot, const std::filesystem::path& folder)
-      : robot_(robot), folder_(folder) {}
+      : robot_(robot), folder_(folder), meshes_(folder) {}
 
   std::vector<ModelFinding> run() {
     try {
@@ -174,7 +175,7 @@ class Checker {
     if (shape.scale.prod() == 0) {
       return add(Level::kError, place, "has a mesh of scale 0: '" + shape.mesh + "'", "Mend it");
     }
-    if (!looked_.insert(shape.mesh).second) return;
+    if (shape.surface || !looked_.insert(shape.mesh).second) return;
     std::vector<std::filesystem::path> looked;
     const auto file = find_mesh_file(shape.mesh, folder_, &looked);
     std::error_code error;
@@ -183,9 +184,7 @@ class Checker {
                  "Looked for " + file.string() + "; set ROS_PACKAGE_PATH, or mend the name");
     }
     try {
-      const geometry::TriangleMesh mesh = geometry::read_mesh_file(file);
-      Eigen::AlignedBox3d box;
-      for (const Eigen::Vector3d& p : mesh.vertices) box.extend(p);
+      const Eigen::AlignedBox3d box = geometry::bounds(meshes_.read(shape.mesh));
       extents_[shape.mesh] = box;
       const double extent = box.diagonal().cwiseProduct(shape.scale).norm();
       constexpr double kLong = 5, kShort = 5e-4;  // m, of a link's mesh
@@ -252,6 +251,7 @@ class Checker {
 
   const RobotDescription& robot_;
   const std::filesystem::path folder_;
+  ShapeMeshes meshes_;
   std::vector<ModelFinding> findings_;
   std::set<std::string> moved_, looked_;
   std::map<std::string, Eigen::AlignedBox3d> extents_;  // by mesh
@@ -264,8 +264,9 @@ std::vector<ModelFinding> check_model(const RobotDescription& robot,
   return Checker(robot, folder).run();
 }
 
-std::vector<std::string> mend_model(RobotDescription& robot) {
+std::vector<std::string> mend_model(RobotDescription& robot, const std::filesystem::path& folder) {
   std::vector<std::string> mended;
+  ShapeMeshes meshes(folder);
   for (JointDescription& joint : robot.joints) {
     if (joint.lower && joint.upper && *joint.lower > *joint.upper) {
       std::swap(*joint.lower, *joint.upper);
@@ -287,7 +288,18 @@ std::vector<std::string> mend_model(RobotDescription& robot) {
     if (link.inertial->mass == 0) {
       link.inertial.reset();
       mended.push_back("link '" + link.name + "': inertia without mass taken away");
+      continue;
     }
+    const Eigen::Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
+    const bool is_body =
+        principal[0] > 0 && principal[2] <= (1 + 1e-6) * (principal[0] + principal[1]);
+    if (is_body || !(link.inertial->mass > 0)) continue;
+    const auto uniform = uniform_inertial(link, meshes);
+    if (!uniform) continue;
+    I = uniform->inertia * (link.inertial->mass / uniform->mass);
+    link.inertial->X_LI.linear() = uniform->X_LI.linear();
+    mended.push_back("link '" + link.name + "': inertia computed from its shape and mass");
   }
   return mended;
 }

@@ -24,8 +24,10 @@ std::vector<ModelFinding> check_model(const RobotDescription& robot,
                                       const std::filesystem::path& folder);
 
 /// Mends what has one safe mend: limits that are exchanged, inertias that are not symmetric, axes
-/// that are not of unit length, inertials without mass (taken away). @returns what was mended
-std::vector<std::string> mend_model(RobotDescription& robot);
+/// that are not of unit length, inertials without mass (taken away), inertias that no body has, of
+/// links with a mass and a shape (as if it filled the shape evenly). @returns what was mended
+/// @param folder as of check_model()
+std::vector<std::string> mend_model(RobotDescription& robot, const std::filesystem::path& folder);
 
 /// By how much two descriptions differ in what they do.
 struct ModelDifference {

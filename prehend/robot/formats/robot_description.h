@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "prehend/geometry/rigid_transform.h"
+#include "prehend/geometry/triangle_mesh.h"
 
 // A robot as files of many formats describe it: all that any of them can say, in SI units.
 namespace prehend::robot::formats {
@@ -28,6 +30,8 @@ struct Shape {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m, full sides of a box
   double radius = 0, length = 0;  // m; of a cylinder and a capsule's middle, along z
   std::string mesh;               // a file, as the robot's names it
+  /// Of a mesh that came within the robot's file, which `mesh` then names; null: that is a file's.
+  std::shared_ptr<const geometry::TriangleMesh> surface;
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  // of a mesh, in m per unit of its file
   std::string material;
   std::optional<std::array<double, 4>> color;  // red, green, blue, alpha in [0, 1]

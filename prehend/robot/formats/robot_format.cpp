@@ -85,7 +85,8 @@ void move_meshes(RobotDescription& robot, const std::filesystem::path& from,
   for (LinkDescription& link : robot.links) {
     for (auto* shapes : {&link.visuals, &link.collisions}) {
       for (Shape& shape : *shapes) {
-        if (shape.kind != Shape::Kind::kMesh || shape.mesh.find("://") != std::string::npos) {
+        if (shape.kind != Shape::Kind::kMesh || shape.surface ||
+            shape.mesh.find("://") != std::string::npos) {
           continue;
         }
         const std::filesystem::path file = from / shape.mesh;

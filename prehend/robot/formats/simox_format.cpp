@@ -243,7 +243,6 @@ class SimoxReader {
       Shape shape;
       shape.kind = Shape::Kind::kMesh;
       shape.mesh = one.text();
-      shape.scale = Eigen::Vector3d::Constant(kMilli);
       shapes.push_back(std::move(shape));
     }
   }

@@ -547,7 +547,7 @@ TEST_F(Formats, CheckNamesWhatNoBodyHas) {
   EXPECT_THAT(all, HasSubstr("joint 'shoulder': has no effort"));
   EXPECT_THAT(all, HasSubstr("link 'lower': moves and has no inertia"));
   RobotDescription mended = arm;
-  EXPECT_THAT(mend_model(mended), Contains(HasSubstr("limits exchanged")));
+  EXPECT_THAT(mend_model(mended, "."), Contains(HasSubstr("limits exchanged")));
   EXPECT_EQ(*mended.joint("shoulder")->lower, -1.5);
 }
 

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "prehend/geometry/triangle_mesh.h"
+#include "prehend/robot/formats/loss_report.h"
+#include "prehend/robot/formats/robot_description.h"
+
+namespace prehend::robot::formats {
+
+/// Surfaces of a robot's shapes; each file is read once.
+class ShapeMeshes {
+ public:
+  /// Meshes are found from `folder`, the robot's file's, by find_mesh_file().
+  explicit ShapeMeshes(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  /// The surface of a shape of any kind, in its frame S [m], scale applied; of a plane none.
+  /// @throws geometry::InputError naming the file of a mesh that is not there or not read.
+  geometry::TriangleMesh of(const Shape& shape);
+  /// A file's mesh as it stands in it, in its units: all that geometry::read_mesh_file() reads, and
+  /// Inventor and VRML. @throws as of()
+  const geometry::TriangleMesh& read(const std::string& name);
+
+ private:
+  std::filesystem::path folder_;
+  std::map<std::string, geometry::TriangleMesh> read_;
+};
+
+/// A mesh to be written, in metres; `file` is relative to the robot's.
+struct MeshFile {
+  std::filesystem::path file;
+  geometry::TriangleMesh mesh;
+};
+
+/// Meshes that came within the robot's file, and those of files that other programs rarely read
+/// (Inventor, VRML), as STL files of the folder `name`_meshes, after which the shapes are named;
+/// `loss` says of each. What cannot be read stays as it is named, from the folder `from`.
+std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const std::filesystem::path& from,
+                                      const std::string& name, LossReport& loss);
+/// @throws geometry::InputError for a folder that cannot be written.
+void write_meshes(const std::vector<MeshFile>& meshes, const std::filesystem::path& folder);
+
+}  // namespace prehend::robot::formats
