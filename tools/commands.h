@@ -28,6 +28,7 @@ void add_plan_command(CLI::App& app);
 void add_model_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
 void add_jog_commands(CLI::App& app);
+void add_hand_command(CLI::App& app);  // after those
 void add_grasps_command(CLI::App& app);
 void add_keys_commands(CLI::App& app);
 void add_clock_commands(CLI::App& app);

@@ -18,6 +18,10 @@ void add_jog_commands(CLI::App& app) {
     command->footer(one.footer);
     // The options write to the choices, which have to live as long.
     command->callback([command, choices] {
+      if (!command->get_subcommands().empty()) return;
+      if (command->get_name() == "hand" && choices->what.empty()) {
+        throw CLI::RequiredError("motion");
+      }
       std::vector<std::string> words = given_words(*command);
       words.insert(words.begin(), command->get_name());
       become_program("jog", words);

@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   add_model_command(app);
   add_calibrate_command(app);
   add_jog_commands(app);
+  add_hand_command(app);
   add_grasps_command(app);
   add_keys_commands(app);
   add_clock_commands(app);

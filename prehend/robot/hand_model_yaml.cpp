@@ -168,8 +168,9 @@ class HandReader {
              const int index = at_line(map, name, [&] { return hand_.model.link_index(link); });
              const auto above = hand_.model.joint_above(index);
              const int parent = above ? hand_.model.joints[place_of(*above)].parent : -1;
-             const int before = finger.links.empty() ? hand_.palm : finger.links.back();
-             if (parent != before) {
+             const bool follows =
+                 finger.links.empty() ? may_begin_on(parent) : parent == finger.links.back();
+             if (!follows) {
                map.fail(name, "lists '" + link + "', which does not follow on the link before",
                         "List the links from the palm's child to the tip");
              }
@@ -188,6 +189,18 @@ class HandReader {
            }
            hand_.fingers.push_back(std::move(finger));
          });
+  }
+
+  /// Whether a finger may begin on `link`: the palm, or a link beneath it that several fingers
+  /// share, as a metacarpal that moves.
+  bool may_begin_on(int link) const {
+    if (link == hand_.palm) return true;
+    const auto& joints = hand_.model.joints;
+    const auto children = std::count_if(joints.begin(), joints.end(),
+                                        [&](const Joint& joint) { return joint.parent == link; });
+    const auto above = hand_.model.joint_above(link);
+    if (children < 2 || !above) return false;
+    return may_begin_on(joints[place_of(*above)].parent);
   }
 
   void read_breakaways(const YAML::Node& node) {

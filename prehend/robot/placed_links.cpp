@@ -12,7 +12,8 @@ namespace {
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
 
-const std::string kHand = "hand_";  // before the names of a platform's links that are the hand's
+const std::string kHandPrefix =
+    "hand_";  // before the names of a platform's links that are the hand's
 
 // Positions of joints by name; those that are not named are at 0.
 std::vector<RigidTransform> poses_in_root(const RobotModel& model,
@@ -75,14 +76,14 @@ std::map<std::string, double> all_positions(const Platform& platform,
   const RobotModel& fingers = platform.hand.model;
   check_hand(platform.hand, hand);
   for (std::size_t i = 0; i < fingers.joints.size(); ++i) {
-    positions[kHand + fingers.joints[i].name] = hand[static_cast<Eigen::Index>(i)];
+    positions[kHandPrefix + fingers.joints[i].name] = hand[static_cast<Eigen::Index>(i)];
   }
   return positions;
 }
 
 }  // namespace
 
-bool is_of_hand(const Link& link) { return link.name.starts_with(kHand); }
+bool is_of_hand(const Link& link) { return link.name.starts_with(kHandPrefix); }
 
 std::vector<RigidTransform> placed_link_poses(const Platform& platform,
                                               const Eigen::Ref<const Eigen::VectorXd>& arm,

@@ -84,8 +84,8 @@ void add_home_options(CLI::App& command, JogChoices& choices) {
 
 void add_hand_options(CLI::App& command, JogChoices& choices) {
   choices.speed = 0.3;
-  command.add_option("motion", choices.what, "open, close, list, or the name of a preshape")
-      ->required();
+  // Needed, but where a subcommand stands in its place.
+  command.add_option("motion", choices.what, "open, close, list, or the name of a preshape");
   add_robot_options(command, choices);
   command.add_option("--speed", choices.speed, "Share of the hand's greatest speed")
       ->check(CLI::Range(0.01, 1.0))
@@ -132,7 +132,8 @@ const std::vector<JogCommand>& jog_commands() {
        "  prehend hand list\n"
        "  prehend hand tripod\n"
        "  prehend hand close --force 5\n"
-       "  prehend hand open --speed 1",
+       "  prehend hand open --speed 1\n"
+       "  prehend hand learn allegro_hand.urdf --out config/robots/allegro.yaml",
        add_hand_options}};
   return commands;
 }

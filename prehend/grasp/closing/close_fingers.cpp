@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "prehend/grasp/closing/closing_registry.h"
+#include "prehend/robot/drive_ratios.h"
 
 namespace prehend::grasp {
 namespace {
@@ -310,7 +311,7 @@ class FingersAdvancing {
   const robot::Preshape& preshape_;
   const TouchScene& scene_;
   const HandClosingOptions& options_;
-  DriveRatios drives_;
+  robot::DriveRatios drives_;
   std::vector<double> rate_;           // of the joints, now
   std::vector<RigidTransform> poses_;  // X_WL
   std::vector<int> joints_, links_;    // of the group that closes
@@ -322,19 +323,6 @@ class FingersAdvancing {
 
 HandToClose::HandToClose(const robot::HandModel& model)
     : hand(&model), method(grasp::closing_method(model)), balls(make_hand_balls(model)) {}
-
-DriveRatios::DriveRatios(const robot::HandModel& hand)
-    : motor(hand.model.joints.size(), -1), ratio(hand.model.joints.size(), 1) {
-  for (std::size_t j = 0; j < hand.model.joints.size(); ++j) {
-    int joint = static_cast<int>(j);
-    while (hand.model.joints[at(joint)].mimic) {
-      ratio[j] *= hand.model.joints[at(joint)].mimic->multiplier;
-      joint = hand.model.joints[at(joint)].mimic->joint;
-    }
-    const auto found = std::find(hand.actuated.begin(), hand.actuated.end(), joint);
-    if (found != hand.actuated.end()) motor[j] = static_cast<int>(found - hand.actuated.begin());
-  }
-}
 
 void HandClosingOptions::validate() const {
   const auto positive = [](double value, const char* field) {

@@ -25,14 +25,6 @@ struct HandToClose {
   HandBalls balls;
 };
 
-/// The motor behind each joint of a hand, over chains of mimics (-1: fixed), and how far the joint
-/// moves for each unit of the motor's.
-struct DriveRatios {
-  explicit DriveRatios(const robot::HandModel& hand);
-  std::vector<int> motor;
-  std::vector<double> ratio;
-};
-
 struct HandClosingOptions {
   double tolerance = 1e-4;    // m, > 0: clearance at which a link counts as touching
   double patch_depth = 5e-4;  // m, > 0: what is nearer to the surface than this is in contact: the

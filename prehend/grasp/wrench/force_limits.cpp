@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "prehend/grasp/wrench/dense_programme.h"
+#include "prehend/robot/drive_ratios.h"
 
 namespace prehend::grasp {
 namespace {
@@ -45,7 +46,7 @@ HandForces hand_forces(const robot::HandModel& hand, const geometry::RigidTransf
                        int cone_edges) {
   std::vector<geometry::RigidTransform> poses;
   hand.link_poses(closed.all, poses);
-  auto [motor, ratio] = DriveRatios(hand);
+  auto [motor, ratio] = robot::DriveRatios(hand);
   for (std::size_t b = 0; b < hand.breakaways.size(); ++b) {
     if (closed.broken_away[b] == 0) continue;
     ratio[static_cast<std::size_t>(hand.breakaways[b].leader)] = 0;

@@ -17,6 +17,13 @@ const LinkDescription* RobotDescription::link(const std::string& link_name) cons
   return found == links.end() ? nullptr : &*found;
 }
 
+const JointDescription* RobotDescription::joint_above(const std::string& link_name) const {
+  for (const JointDescription& one : joints) {
+    if (one.child == link_name) return &one;
+  }
+  return nullptr;
+}
+
 const JointDescription* RobotDescription::joint(const std::string& joint_name) const {
   const auto found = std::find_if(joints.begin(), joints.end(),
                                   [&](const auto& one) { return one.name == joint_name; });

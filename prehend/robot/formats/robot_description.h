@@ -101,6 +101,8 @@ struct RobotDescription {
 
   const LinkDescription* link(const std::string& link_name) const;
   const JointDescription* joint(const std::string& joint_name) const;
+  /// The joint that `link_name` hangs on; null: it is a root.
+  const JointDescription* joint_above(const std::string& link_name) const;
 };
 
 /// The links in an order in which parents come first, by joints that make a tree.
