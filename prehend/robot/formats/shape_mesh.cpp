@@ -81,7 +81,8 @@ const geometry::TriangleMesh& ShapeMeshes::read(const std::string& name) {
 }
 
 std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const fs::path& from,
-                                      const std::string& name, LossReport& loss) {
+                                      const std::string& name, LossReport& loss,
+                                      TakenMeshes taken) {
   std::vector<MeshFile> result;
   ShapeMeshes meshes(from);
   const std::string folder = plain(name) + "_meshes";
@@ -91,7 +92,9 @@ std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const fs::path& f
     for (auto* shapes : {&link.visuals, &link.collisions}) {
       for (Shape& shape : *shapes) {
         if (shape.kind != Shape::Kind::kMesh) continue;
-        if (has_file(shape) && !is_inventor_file(shape.mesh)) continue;
+        if (taken == TakenMeshes::kForeign && has_file(shape) && !is_inventor_file(shape.mesh)) {
+          continue;
+        }
         const std::string place = "link '" + link.name + "'";
         auto& file = written[{shape.mesh, shape.surface.get()}];
         if (file.empty()) {

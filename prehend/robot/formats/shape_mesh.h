@@ -36,11 +36,17 @@ struct MeshFile {
   geometry::TriangleMesh mesh;
 };
 
-/// Meshes that came within the robot's file, and those of files that other programs rarely read
-/// (Inventor, VRML), as STL files of the folder `name`_meshes, after which the shapes are named;
-/// `loss` says of each. What cannot be read stays as it is named, from the folder `from`.
+enum class TakenMeshes {
+  kForeign,  // those within the robot's file, and those that other programs rarely read: Inventor,
+             // VRML
+  kAll,
+};
+
+/// Meshes as STL files of the folder `name`_meshes, after which the shapes are named; `loss` says
+/// of each. What cannot be read stays as it is named, from the folder `from`.
 std::vector<MeshFile> take_out_meshes(RobotDescription& robot, const std::filesystem::path& from,
-                                      const std::string& name, LossReport& loss);
+                                      const std::string& name, LossReport& loss,
+                                      TakenMeshes taken = TakenMeshes::kForeign);
 /// @throws geometry::InputError for a folder that cannot be written.
 void write_meshes(const std::vector<MeshFile>& meshes, const std::filesystem::path& folder);
 

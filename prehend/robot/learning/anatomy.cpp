@@ -47,6 +47,10 @@ class Finder {
     sample_surfaces();
     find_fingers();
     for (FoundFinger& finger : anatomy_.fingers) find_roles(finger);
+    for (const SurfacePoint& point : surface_[at(palm_)]) {
+      anatomy_.palm_H.push_back(hand_.X_HP * point.p);
+      anatomy_.palm_normals_H.push_back(hand_.X_HP.linear() * point.normal);
+    }
     find_center();
     for (FoundFinger& finger : anatomy_.fingers) {
       find_sense(finger);
@@ -363,30 +367,27 @@ class Finder {
   }
 
   void find_pad(FoundFinger& finger) {
-    // What turns the last link: its nearest joint that closes.
-    const std::vector<int> chain = chain_to(finger.links.back());
-    int joint = -1;
-    double sense = 1;
-    for (auto link = chain.rbegin(); link != chain.rend() && joint < 0; ++link) {
-      const int above = above_[at(*link)];
-      if (!moves(above)) continue;
-      const auto found =
-          std::find(finger.closing.begin(), finger.closing.end(), drives_.motor[at(above)]);
-      if (found == finger.closing.end()) continue;
-      joint = above;
-      sense = finger.sense[at(static_cast<int>(found - finger.closing.begin()))] *
-              std::copysign(1.0, drives_.ratio[at(above)]);
-    }
+    // How the last link moves while all of its finger's motors close.
     const int tip = finger.links.back();
     const auto poses = poses_at(rest());
+    Eigen::VectorXd closer = rest();
+    constexpr double kStep = 1e-4;  // rad or m
+    for (std::size_t m = 0; m < finger.closing.size(); ++m) {
+      closer[finger.closing[m]] += kStep * finger.sense[m];
+    }
     const RigidTransform X_LH = poses[at(tip)].inverse();
+    const RigidTransform X_LM = X_LH * poses_at(closer)[at(tip)];
+    const auto velocity = [&](const Vector3d& p) -> Vector3d { return (X_LM * p - p) / kStep; };
+    // Its nearest joint, and the axis that it turns or slides by.
+    const std::vector<int> chain = chain_to(tip);
+    int joint = -1;
+    for (auto link = chain.rbegin(); link != chain.rend() && joint < 0; ++link) {
+      if (moves(above_[at(*link)])) joint = above_[at(*link)];
+    }
     const Joint& one = model_.joints[at(joint)];
     const Vector3d axis_L = X_LH.linear() * axis_at(joint, poses);
     const Vector3d origin_L = X_LH * poses[at(one.child)].translation();
     const bool turns = one.kind == Joint::Kind::kRevolute;
-    const auto velocity = [&](const Vector3d& p) -> Vector3d {
-      return sense * (turns ? axis_L.cross(p - origin_L) : axis_L);
-    };
     // Along the link, from its joint to its end; a slide's fingers reach away from the palm.
     const auto& surface = surface_[at(tip)];
     Vector3d along = Vector3d::Zero();

@@ -31,7 +31,8 @@ struct FoundFinger {
 struct Anatomy {
   std::vector<FoundFinger> fingers;
   std::vector<int> linkage;  // links that move with a finger and are none's, as of a parallel drive
-  Eigen::Vector3d center_H = Eigen::Vector3d::Zero();  // m: middle of where fingertips get to
+  Eigen::Vector3d center_H = Eigen::Vector3d::Zero();   // m: middle of where fingertips get to
+  std::vector<Eigen::Vector3d> palm_H, palm_normals_H;  // points [m] of the palm's surface
   std::vector<Said> said;
 };
 

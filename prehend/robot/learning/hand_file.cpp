@@ -93,7 +93,6 @@ std::string hand_yaml(const LearnedHand& learned, const std::string& urdf,
     bool is_first = true;
     for (int i = 0; i < hand.size(); ++i) {
       const std::string value = number(preshape.open[i]);
-      if (value == "0") continue;
       text += (is_first ? "" : ", ") + quoted(names[at(i)]) + ": " + value;
       is_first = false;
     }

@@ -285,7 +285,33 @@ class Cutter {
         follow_above(joint);
       }
     }
+    widen_followers();
     assume_efforts();
+  }
+
+  /// What follows gets to where its leader takes it, whatever limits it has.
+  void widen_followers() {
+    for (JointDescription& joint : part_.robot.joints) {
+      double multiplier = 1, offset = 0;
+      const JointDescription* leader = &joint;
+      for (std::size_t steps = 0; leader != nullptr && leader->follows; ++steps) {
+        if (steps > part_.robot.joints.size()) return;  // in a ring, which read_urdf() refuses
+        offset += multiplier * leader->follows->offset;
+        multiplier *= leader->follows->multiplier;
+        leader = part_.robot.joint(leader->follows->joint);
+      }
+      if (leader == nullptr || leader == &joint || !leader->lower || !leader->upper) continue;
+      const double one = multiplier * *leader->lower + offset,
+                   other = multiplier * *leader->upper + offset;
+      constexpr double kRounding = 1e-6;
+      const bool fits = std::min(one, other) >= *joint.lower - kRounding &&
+                        std::max(one, other) <= *joint.upper + kRounding;
+      joint.lower = std::min({*joint.lower, one, other});
+      joint.upper = std::max({*joint.upper, one, other});
+      if (fits) continue;
+      say("joint '" + joint.name + "'",
+          "has limits that do not let it follow '" + leader->name + "': they are widened", 0.7);
+    }
   }
 
   void complete_limits(JointDescription& joint) {

@@ -118,8 +118,9 @@ LearnedHand learn_hand(const fs::path& file, const fs::path& out, const LearnCho
   formats::RobotDescription written = part.robot;
   for (formats::LinkDescription& link : written.links) link.visuals.clear();
   formats::LossReport of_urdf;
-  const auto taken_out = formats::take_out_meshes(written, from, stem, of_urdf);
-  formats::move_meshes(written, from, to);
+  // All of them, so that the hand is found whole wherever it is put.
+  const auto taken_out =
+      formats::take_out_meshes(written, from, stem, of_urdf, formats::TakenMeshes::kAll);
   const std::string urdf = formats::format_named("urdf").write(written, of_urdf);
   formats::write_meshes(taken_out, to);
   const fs::path urdf_file = to / (stem + ".urdf");
@@ -153,7 +154,7 @@ LearnedHand learn_hand(const fs::path& file, const fs::path& out, const LearnCho
   learned.oppositions = find_oppositions(hand, learned.anatomy);
   if (learned.oppositions.empty()) {
     throw InputError("No two fingers of '" + file.string() +
-                         "' meet pad against pad within 15 mm and 50 degrees",
+                         "' meet pad against pad within 15 mm and 63 degrees",
                      "See its limits and axes (prehend model check), or name the palm (--palm)");
   }
   choices.progress("finds preshapes");

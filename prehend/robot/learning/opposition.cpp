@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 #include "prehend/robot/learning/at.h"
@@ -11,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBeside = 0.015, kGap = 0.08;  // m, at most
-constexpr double kFacing = 0.87;                // rad, at most: 50 deg
+constexpr double kBeside = 0.015, kGap = 0.12;  // m, at most
+constexpr double kFacing = 1.1;                 // rad, at most: 63 deg
 
 struct Meeting {
   Vector3d p_first, p_second, axis;  // mean pads; axis from first to second, unit
@@ -20,7 +21,7 @@ struct Meeting {
 };
 
 Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
-                const std::vector<int>& second, const Vector3d& palm_H, double length) {
+                const std::vector<int>& second) {
   const auto mean = [](const std::vector<Vector3d>& all, const std::vector<int>& of) {
     Vector3d sum = Vector3d::Zero();
     for (const int finger : of) sum += all[at(finger)];
@@ -51,10 +52,21 @@ Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
   };
   add(first, result.p_first, 1);
   add(second, result.p_second, -1);
-  const Vector3d p = (result.p_first + result.p_second) / 2;
-  result.cost = square(result.beside / 0.01) + square(result.gap / (result.gap > 0 ? 0.05 : 0.01)) +
-                3 * facing + apart + spread - std::min(1.0, (p - palm_H).norm() / length);
+  result.cost = square(result.beside / 0.01) + square(result.gap / (result.gap > 0 ? 0.06 : 0.01)) +
+                3 * facing + apart + spread;
   return result;
+}
+
+/// How far a point is out of the palm [m]; negative: within it.
+double out_of_palm(const Anatomy& anatomy, const Vector3d& p_H) {
+  double least = std::numeric_limits<double>::infinity(), sign = 1;
+  for (std::size_t i = 0; i < anatomy.palm_H.size(); ++i) {
+    const Vector3d d = p_H - anatomy.palm_H[i];
+    if (d.squaredNorm() >= least) continue;
+    least = d.squaredNorm();
+    sign = d.dot(anatomy.palm_normals_H[i]) < 0 ? -1 : 1;
+  }
+  return sign * std::sqrt(least);
 }
 
 }  // namespace
@@ -97,7 +109,26 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
   for (const int finger : fingers) length = std::max(length, anatomy.fingers[at(finger)].length);
   const Vector3d palm_H = hand.X_HP.translation();
   const auto cost = [&](const Eigen::VectorXd& motors) {
-    return meeting(placed_pads(hand, anatomy, motors), first, second, palm_H, length).cost;
+    const Meeting there = meeting(placed_pads(hand, anatomy, motors), first, second);
+    // Things are held away from the palm, by fingers that are rather straight and can open.
+    const Vector3d p_H = (there.p_first + there.p_second) / 2;
+    const double too_near = std::max(0.0, 0.03 - out_of_palm(anatomy, p_H)) / 0.015;
+    double bent = 0;
+    for (const int finger : fingers) {
+      const FoundFinger& one = anatomy.fingers[at(finger)];
+      double room = 0;  // m, to open
+      for (std::size_t m = 0; m < one.closing.size(); ++m) {
+        constexpr double kSlightly = 0.3;  // rad
+        const double position = motors[one.closing[m]];
+        const Joint& joint = hand.model.joints[at(hand.actuated[at(one.closing[m])])];
+        const bool turns = joint.kind == Joint::Kind::kRevolute;
+        if (turns) bent += 0.2 * std::pow(position - kSlightly * one.sense[m], 2);
+        room += (turns ? one.length : 1) *
+                std::abs(position - (one.sense[m] > 0 ? joint.lower : joint.upper));
+      }
+      bent += std::pow(std::max(0.0, 0.04 - room) / 0.02, 2);
+    }
+    return there.cost + too_near * too_near + bent - std::min(1.0, (p_H - palm_H).norm() / length);
   };
   // Fingers that have no part in it stand open.
   Eigen::VectorXd rest(hand.size());
@@ -129,8 +160,7 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
     best = there;
     result.motors = motors;
   }
-  const Meeting found =
-      meeting(placed_pads(hand, anatomy, result.motors), first, second, palm_H, length);
+  const Meeting found = meeting(placed_pads(hand, anatomy, result.motors), first, second);
   result.first = std::move(first);
   result.second = std::move(second);
   result.p_H = (found.p_first + found.p_second) / 2;

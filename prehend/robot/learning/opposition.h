@@ -74,7 +74,7 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
 
 /// All that are of use: each pair of fingers, and the finger that opposes others best against two,
 /// three, ... of them. Best first; those that miss by more than 15 mm or face each other by less
-/// than 130 degrees are left out.
+/// than 117 degrees are left out.
 std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& anatomy);
 
 }  // namespace prehend::robot::learning

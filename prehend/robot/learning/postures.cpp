@@ -104,7 +104,8 @@ class Postures {
             sign_of(finger) * pads.normal_H[at(finger)].dot(opposition_.closing_H);
         turned = std::max(turned, std::acos(std::clamp(facing, -1.0, 1.0)));
       }
-      constexpr double kTurned = 1.05;  // rad: a pad that faces away more than 60 deg slips off
+      // A finger of one motor turns as it opens: at most until its pad looks along the approach.
+      constexpr double kTurned = 1.75;  // rad
       if (turned > kTurned) break;
       if (!ways.empty() && opening < ways.back().opening + kStep / 4) break;
       ways.push_back({opening, motors});
