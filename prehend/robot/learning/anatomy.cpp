@@ -155,6 +155,9 @@ class Finder {
         if (uses[link] == 1) finger.links.push_back(link);
       }
       finger.name = "finger_" + std::to_string(anatomy_.fingers.size() + 1);
+      for (auto link = finger.links.rbegin(); link != finger.links.rend(); ++link) {
+        if (moves(above_[at(*link)])) finger.base = above_[at(*link)];
+      }
       finger.length = length_of(finger);
       anatomy_.fingers.push_back(std::move(finger));
     }
@@ -435,6 +438,15 @@ class Finder {
       if ((d - ahead * finger.pad.normal_L).norm() < 0.006) out = std::max(out, ahead);
     }
     finger.pad.p_L += std::min(out, 0.02) * finger.pad.normal_L;
+    if (finger.closing.size() != 1) return;
+    const Joint& motor = model_.joints[at(hand_.actuated[at(finger.closing.front())])];
+    Eigen::VectorXd ends = rest();
+    ends[finger.closing.front()] = motor.lower;
+    const Vector3d low_H = poses_at(ends)[at(tip)].linear() * finger.pad.normal_L;
+    ends[finger.closing.front()] = motor.upper;
+    const Vector3d high_H = poses_at(ends)[at(tip)].linear() * finger.pad.normal_L;
+    constexpr double kTurns = 0.54;  // cos 1 rad
+    finger.presses_ahead = low_H.dot(high_H) < kTurns;
   }
 
   const HandModel& hand_;

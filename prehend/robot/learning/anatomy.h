@@ -23,7 +23,12 @@ struct FoundFinger {
   std::vector<int> closing;   // motors (indices of HandModel::actuated) that curl it, or slide it
   std::vector<int> turning;   // motors that turn it otherwise: spread it, oppose it
   std::vector<double> sense;  // of `closing`: the sign that closes
+  int base = -1;              // joint (of the model) that moves it and is nearest to the palm
   FingerPad pad;
+  /// It presses where it moves as all its motors close, with what of its tip is ahead then, and not
+  /// with its pad alone: one motor closes it and turns its pad by more than a radian, or its pad
+  /// never lies flat against another.
+  bool presses_ahead = false;
   double length = 0;  // m, from its first joint to the farthest point of its tip
 };
 

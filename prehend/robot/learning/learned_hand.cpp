@@ -152,6 +152,21 @@ LearnedHand learn_hand(const fs::path& file, const fs::path& out, const LearnCho
   learned.said.insert(learned.said.end(), learned.anatomy.said.begin(), learned.anatomy.said.end());
   choices.progress("finds what opposes what");
   learned.oppositions = find_oppositions(hand, learned.anatomy);
+  constexpr double kFlat = 0.5;  // least sureness of pads that meet well
+  if (learned.oppositions.empty() || learned.oppositions.front().sure() < kFlat) {
+    Anatomy ahead = learned.anatomy;
+    for (FoundFinger& finger : ahead.fingers) finger.presses_ahead = true;
+    auto others = find_oppositions(hand, ahead);
+    const bool better =
+        !others.empty() &&
+        (learned.oppositions.empty() || others.front().sure() > learned.oppositions.front().sure());
+    if (better) {
+      learned.anatomy = std::move(ahead);
+      learned.oppositions = std::move(others);
+      learned.said.push_back(
+          {"pads", "do not lie flat against each other: fingers press with what is ahead", 0.6});
+    }
+  }
   if (learned.oppositions.empty()) {
     throw InputError("No two fingers of '" + file.string() +
                          "' meet pad against pad within 15 mm and 63 degrees",

@@ -21,7 +21,7 @@ struct Meeting {
 };
 
 Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
-                const std::vector<int>& second) {
+                const std::vector<int>& second, const Vector3d& palm_H) {
   const auto mean = [](const std::vector<Vector3d>& all, const std::vector<int>& of) {
     Vector3d sum = Vector3d::Zero();
     for (const int finger : of) sum += all[at(finger)];
@@ -37,13 +37,24 @@ Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
   result.gap = between.dot(result.axis);
   result.beside = (between - result.gap * result.axis).norm();
   const auto square = [](double x) { return x * x; };
-  double facing = 0, apart = 0, spread = 0;
+  double facing = 0, apart = 0, spread = 0, hooked = 0;
   const auto add = [&](const std::vector<int>& group, const Vector3d& p, double sign) {
     for (std::size_t i = 0; i < group.size(); ++i) {
       const double cosine = sign * pads.normal_H[at(group[i])].dot(result.axis);
       result.angle = std::max(result.angle, std::acos(std::clamp(cosine, -1.0, 1.0)));
       facing += 1 - cosine;
+      // A finger whose pad looks back at its own base hooks round the other one.
+      const double ahead =
+          (pads.base_H[at(group[i])] - pads.p_H[at(group[i])]).dot(pads.normal_H[at(group[i])]);
+      hooked += square(std::max(0.0, ahead - 0.02) / 0.02);
       apart += square((pads.p_H[at(group[i])] - p).dot(result.axis) / 0.01);
+      // Nor does it look away from the palm, but where the finger is wound up.
+      const double outward =
+          (pads.p_H[at(group[i])] - palm_H).normalized().dot(pads.normal_H[at(group[i])]);
+      hooked += square(std::max(0.0, outward - 0.3) / 0.2);
+      const Vector3d off = pads.p_H[at(group[i])] - p;
+      const double away = (off - off.dot(result.axis) * result.axis).norm();
+      spread += square(std::max(0.0, away - 0.04) / 0.02);  // and no farther than a hand is wide
       for (std::size_t k = i + 1; k < group.size(); ++k) {
         const double near = (pads.p_H[at(group[i])] - pads.p_H[at(group[k])]).norm();
         spread += square(std::max(0.0, 0.02 - near) / 0.01);  // fingers are side by side
@@ -52,8 +63,11 @@ Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
   };
   add(first, result.p_first, 1);
   add(second, result.p_second, -1);
-  result.cost = square(result.beside / 0.01) + square(result.gap / (result.gap > 0 ? 0.06 : 0.01)) +
-                3 * facing + apart + spread;
+  // Pads that have passed each other look back at where their own fingers begin.
+  const double passed = (mean(pads.base_H, first) - mean(pads.base_H, second)).dot(result.axis);
+  const double crossed = square(std::max(0.0, passed - 0.01) / 0.005);
+  result.cost = square(result.beside / 0.01) + square(result.gap / (result.gap > 0 ? 0.1 : 0.01)) +
+                3 * facing + apart + spread + hooked + crossed;
   return result;
 }
 
@@ -85,6 +99,27 @@ PlacedPads placed_pads(const HandModel& hand, const Anatomy& anatomy,
     const auto& X_HL = poses[at(finger.pad.link)];
     result.p_H.emplace_back(X_HL * finger.pad.p_L);
     result.normal_H.emplace_back(X_HL.linear() * finger.pad.normal_L);
+    const int child = hand.model.joints[at(finger.base)].child;
+    result.base_H.emplace_back(poses[at(child)].translation());
+  }
+  // Those that press where they move.
+  constexpr double kStep = 1e-4;  // rad
+  thread_local Eigen::VectorXd moved;
+  moved = motors;
+  bool any = false;
+  for (const FoundFinger& finger : anatomy.fingers) {
+    if (!finger.presses_ahead) continue;
+    for (std::size_t m = 0; m < finger.closing.size(); ++m) {
+      moved[finger.closing[m]] += kStep * finger.sense[m];
+    }
+    any = true;
+  }
+  if (!any) return result;
+  hand.link_poses(hand.all_positions(moved), poses);
+  for (std::size_t f = 0; f < anatomy.fingers.size(); ++f) {
+    const FoundFinger& finger = anatomy.fingers[f];
+    if (!finger.presses_ahead) continue;
+    result.normal_H[f] = (poses[at(finger.pad.link)] * finger.pad.p_L - result.p_H[f]).normalized();
   }
   return result;
 }
@@ -109,24 +144,27 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
   for (const int finger : fingers) length = std::max(length, anatomy.fingers[at(finger)].length);
   const Vector3d palm_H = hand.X_HP.translation();
   const auto cost = [&](const Eigen::VectorXd& motors) {
-    const Meeting there = meeting(placed_pads(hand, anatomy, motors), first, second);
+    const Meeting there = meeting(placed_pads(hand, anatomy, motors), first, second, palm_H);
     // Things are held away from the palm, by fingers that are rather straight and can open.
     const Vector3d p_H = (there.p_first + there.p_second) / 2;
     const double too_near = std::max(0.0, 0.03 - out_of_palm(anatomy, p_H)) / 0.015;
     double bent = 0;
     for (const int finger : fingers) {
       const FoundFinger& one = anatomy.fingers[at(finger)];
-      double room = 0;  // m, to open
+      double room = 0;   // m, to open
+      double wound = 0;  // rad, all in all
       for (std::size_t m = 0; m < one.closing.size(); ++m) {
         constexpr double kSlightly = 0.3;  // rad
         const double position = motors[one.closing[m]];
         const Joint& joint = hand.model.joints[at(hand.actuated[at(one.closing[m])])];
         const bool turns = joint.kind == Joint::Kind::kRevolute;
         if (turns) bent += 0.2 * std::pow(position - kSlightly * one.sense[m], 2);
+        if (turns) wound += position * one.sense[m];
         room += (turns ? one.length : 1) *
                 std::abs(position - (one.sense[m] > 0 ? joint.lower : joint.upper));
       }
       bent += std::pow(std::max(0.0, 0.04 - room) / 0.02, 2);
+      bent += std::pow(std::max(0.0, wound - 2.4) / 0.3, 2);  // no finger folds onto itself
     }
     return there.cost + too_near * too_near + bent - std::min(1.0, (p_H - palm_H).norm() / length);
   };
@@ -160,7 +198,7 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
     best = there;
     result.motors = motors;
   }
-  const Meeting found = meeting(placed_pads(hand, anatomy, result.motors), first, second);
+  const Meeting found = meeting(placed_pads(hand, anatomy, result.motors), first, second, palm_H);
   result.first = std::move(first);
   result.second = std::move(second);
   result.p_H = (found.p_first + found.p_second) / 2;
@@ -172,7 +210,8 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
 }
 
 std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& anatomy) {
-  constexpr int kStarts = 24;
+  constexpr int kStarts = 200;
+  constexpr std::size_t kPairs = 2;  // of a hand with more than three fingers
   const int count = static_cast<int>(anatomy.fingers.size());
   std::vector<Opposition> all;
   std::vector<double> sums(at(count), 0);
@@ -186,12 +225,20 @@ std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& a
       all.push_back(std::move(pair));
     }
   }
+  const auto by_sureness = [](const Opposition& a, const Opposition& b) {
+    return a.sure() > b.sure();
+  };
   // Each finger of three may be the thumb; of more, the one that opposes the others best.
   std::vector<int> thumbs;
   if (count == 3) {
     thumbs = {0, 1, 2};
   } else if (count > 3) {
     thumbs = {static_cast<int>(std::max_element(sums.begin(), sums.end()) - sums.begin())};
+    std::erase_if(all, [&](const Opposition& pair) {
+      return pair.first.front() != thumbs.front() && pair.second.front() != thumbs.front();
+    });
+    std::stable_sort(all.begin(), all.end(), by_sureness);
+    all.resize(std::min(all.size(), kPairs));
   }
   for (const int thumb : thumbs) {
     std::vector<int> others;
@@ -209,8 +256,7 @@ std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& a
   std::erase_if(all, [](const Opposition& one) {
     return one.beside > kBeside || one.angle > kFacing || one.gap > kGap;
   });
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Opposition& a, const Opposition& b) { return a.sure() > b.sure(); });
+  std::stable_sort(all.begin(), all.end(), by_sureness);
   return all;
 }
 

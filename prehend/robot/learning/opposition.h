@@ -23,9 +23,10 @@ struct Opposition {
   double sure() const;
 };
 
-/// Pads of fingers with motors at `motors`, in the hand's root frame.
+/// Pads of fingers with motors at `motors`, and where fingers begin, in the hand's root frame.
 struct PlacedPads {
-  std::vector<Eigen::Vector3d> p_H, normal_H;
+  /// Of a finger that presses ahead, normal_H is where its pad moves as it closes.
+  std::vector<Eigen::Vector3d> p_H, normal_H, base_H;
 };
 PlacedPads placed_pads(const HandModel& hand, const Anatomy& anatomy,
                        const Eigen::VectorXd& motors);
@@ -72,9 +73,10 @@ double search(const HandModel& hand, const std::vector<int>& free, double first_
 Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int> first,
                   std::vector<int> second, int starts);
 
-/// All that are of use: each pair of fingers, and the finger that opposes others best against two,
-/// three, ... of them. Best first; those that miss by more than 15 mm or face each other by less
-/// than 117 degrees are left out.
+/// All that are of use: each pair of two or three fingers; of more, the two best pairs with the
+/// finger that opposes the others best, the thumb, and that one against two, three, ... of them.
+/// Best first; those that miss by more than 15 mm or face each other by less than 117 degrees are
+/// left out.
 std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& anatomy);
 
 }  // namespace prehend::robot::learning
