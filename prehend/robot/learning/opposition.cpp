@@ -43,9 +43,9 @@ Meeting meeting(const PlacedPads& pads, const std::vector<int>& first,
       const double cosine = sign * pads.normal_H[at(group[i])].dot(result.axis);
       result.angle = std::max(result.angle, std::acos(std::clamp(cosine, -1.0, 1.0)));
       facing += 1 - cosine;
-      // A finger whose pad looks back at its own base hooks round the other one.
+      // A finger whose base is ahead of its pad hooks round the other one.
       const double ahead =
-          (pads.base_H[at(group[i])] - pads.p_H[at(group[i])]).dot(pads.normal_H[at(group[i])]);
+          sign * (pads.base_H[at(group[i])] - pads.p_H[at(group[i])]).dot(result.axis);
       hooked += square(std::max(0.0, ahead - 0.02) / 0.02);
       apart += square((pads.p_H[at(group[i])] - p).dot(result.axis) / 0.01);
       // Nor does it look away from the palm, but where the finger is wound up.
