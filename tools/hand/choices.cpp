@@ -21,6 +21,8 @@ void add_hand_options(CLI::App& app, HandChoices& choices) {
                    "the hand's file to write, NAME.yaml; NAME.urdf and NAME_meshes come beside it")
       ->required();
   learn->add_option("--palm", choices.palm, "the palm's link, where it is not found rightly");
+  learn->add_option("--on", choices.on,
+                    "a platform's file: also write NAME_on_PLATFORM.yaml, its arm with this hand");
   learn->add_option("--friction", choices.friction, "coefficient of the fingers' skin")
       ->check(CLI::Range(0.05, 3.0))
       ->capture_default_str();

@@ -9,7 +9,7 @@ namespace prehend::tools {
 /// Options of `prehend hand` and of the program that it becomes.
 struct HandChoices {
   std::string command;  // learn
-  std::string file, out, palm;
+  std::string file, out, palm, on;
   double friction = 0.6, least_sure = 0.25;
   bool overwrite = false;
 };

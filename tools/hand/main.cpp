@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/learning/arm_for_hand.h"
 #include "prehend/robot/learning/learned_hand.h"
 #include "tools/hand/choices.h"
 
@@ -24,7 +25,12 @@ int learn(const prehend::tools::HandChoices& choices) {
   }
   fs::path urdf = out;
   urdf.replace_extension(".urdf");
-  for (const fs::path& file : {out, urdf}) {
+  fs::path platform = out;
+  if (!choices.on.empty()) {
+    platform.replace_filename(out.stem().string() + "_on_" + fs::path(choices.on).stem().string() +
+                              ".yaml");
+  }
+  for (const fs::path& file : {out, urdf, platform}) {
     std::error_code error;
     if (!choices.overwrite && fs::exists(file, error)) {
       throw InputError("'" + file.string() + "' is there, and may have been corrected by hand",
@@ -44,6 +50,10 @@ int learn(const prehend::tools::HandChoices& choices) {
   for (const learning::FoundPreshape& found : learned.preshapes) {
     fmt::print("{:4.2f}  {}: opens by {:.0f} mm\n", found.sure, found.preshape.name,
                1000 * found.opening);
+  }
+  if (!choices.on.empty()) {
+    learning::write_text(platform, learning::platform_yaml(learned, choices.on, out, platform));
+    fmt::print("{}: the arm of {} with this hand\n", platform.string(), choices.on);
   }
   fmt::print("{}: {} fingers, {} motors, {:.3g} kg\nTry it: prehend plan MESH --hand {}\n",
              out.string(), learned.hand.fingers.size(), learned.hand.size(), learned.hand.mass(),

@@ -39,7 +39,9 @@ std::string number(double value) {
   return trimmed == "-0" ? "0" : trimmed;
 }
 
-std::string tool_text(const geometry::RigidTransform& X) {
+}  // namespace
+
+std::string pose_text(const geometry::RigidTransform& X) {
   const Eigen::Matrix3d R = X.linear();
   // Roll, pitch and yaw about fixed axes, as URDF's.
   const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
@@ -52,8 +54,6 @@ std::string tool_text(const geometry::RigidTransform& X) {
   return fmt::format("{{xyz: [{}, {}, {}], rpy: [{:.9f}, {:.9f}, {:.9f}]}}", number(p.x()),
                      number(p.y()), number(p.z()), roll, pitch, yaw);
 }
-
-}  // namespace
 
 std::string hand_yaml(const LearnedHand& learned, const std::string& urdf,
                       const std::string& source) {
@@ -106,7 +106,7 @@ std::string hand_yaml(const LearnedHand& learned, const std::string& urdf,
                                              quoted(names[at(closing.with)]));
       text += "\n";
     }
-    text += "    tool: " + tool_text(preshape.X_PG) + "\n";
+    text += "    tool: " + pose_text(preshape.X_PG) + "\n";
   }
   return text;
 }

@@ -18,19 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using geometry::InputError;
 
-void write_text(const fs::path& file, const std::string& text) {
-  const fs::path partial = file.string() + ".partial";
-  std::ofstream stream(partial, std::ios::binary);
-  stream << text;
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(partial, file, error);
-  if (!stream || error) {
-    throw InputError("'" + file.string() + "' cannot be written",
-                     "Check that its folder is there and may be written to");
-  }
-}
-
 /// Positions of five digits are within limits of fifteen.
 void round_open(const HandModel& hand, Preshape& preshape) {
   for (int i = 0; i < hand.size(); ++i) {
@@ -101,6 +88,19 @@ void say_roles(LearnedHand& learned) {
 }
 
 }  // namespace
+
+void write_text(const fs::path& file, const std::string& text) {
+  const fs::path partial = file.string() + ".partial";
+  std::ofstream stream(partial, std::ios::binary);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(partial, file, error);
+  if (!stream || error) {
+    throw InputError("'" + file.string() + "' cannot be written",
+                     "Check that its folder is there and may be written to");
+  }
+}
 
 LearnedHand learn_hand(const fs::path& file, const fs::path& out, const LearnChoices& choices) {
   LearnedHand learned;

@@ -28,6 +28,10 @@ struct LearnChoices {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
+/// Writes a text at once or not at all. @throws geometry::InputError for a folder that cannot be
+/// written.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
 /// Learns a hand from a robot's file of any format, and writes NAME.yaml (`out`), NAME.urdf beside
 /// it and NAME_meshes where meshes have to be converted. Files that are there are written anew. The
 /// YAML says of each choice how sure it is; a person may correct it.
