@@ -155,7 +155,9 @@ TEST(CloseFingers, OneMotorForTwoFingersStopsBoth) {
   for (const double width : {0.0, 0.01, 0.05}) {
     const TouchedMesh box(
         moved(geometry::make_box({0.1, 0.02, 0.1}), Vector3d(0, 0.01 + width / 2, 0)));
-    const ClosedFingers closed = pg70.close("open", X_GH, box.scene);
+    HandClosingOptions held;  // the object, which nothing pushes
+    held.farthest_push = 0;
+    const ClosedFingers closed = close_fingers(pg70.ready, X_GH, open, open.open, box.scene, held);
     // The left finger meets the far face or starts within; the right one meets the near face.
     const double expected = std::max(0.0, width / 2);
     if (width >= 0.02) continue;
@@ -367,6 +369,39 @@ TEST(CloseFingers, AgreesWithSmallStepsForTheBarrettHand) {
                       {"finger_2_inner", "finger_2_outer"},
                       {"finger_3_inner", "finger_3_outer"}},
                      24);
+}
+
+TEST(CloseFingers, JawsOfOneMotorPushToTheirMiddle) {
+  const TestHand pg70("pg70");
+  for (const double aside : {-0.008, 0.0, 0.006}) {
+    const TouchedMesh box(moved(geometry::make_box({0.03, 0.04, 0.05}), {0, aside, 0.1642}));
+    const ClosedFingers closed = pg70.close("open", kHere, box.scene);
+    EXPECT_EQ(closed.finger_touches, (std::vector<bool>{true, true})) << aside;
+    EXPECT_NEAR(pg70.position(closed, "opening"), 0.02, 6e-4) << aside;
+    EXPECT_LT((closed.push_W - Vector3d(0, aside, 0)).norm(), 8e-4) << aside;
+  }
+}
+
+TEST(CloseFingers, NothingIsPushedFartherThanSaid) {
+  const TestHand pg70("pg70");
+  const robot::Preshape& open = pg70.model.preshape("open");
+  const TouchedMesh box(moved(geometry::make_box({0.03, 0.02, 0.05}), {0, 0.02, 0.1642}));
+  HandClosingOptions options;
+  options.farthest_push = 0.005;
+  const ClosedFingers closed =
+      close_fingers(pg70.ready, kHere, open, open.open, box.scene, options);
+  EXPECT_NEAR(closed.push_W.norm(), 0.005, 1e-6);
+  EXPECT_EQ(std::count(closed.finger_touches.begin(), closed.finger_touches.end(), true), 1);
+  options.farthest_push = -1;
+  EXPECT_THROW(close_fingers(pg70.ready, kHere, open, open.open, box.scene, options),
+               std::invalid_argument);
+}
+
+TEST(CloseFingers, FingersOfTheirOwnMotorsPushNothing) {
+  const TestHand sdh("sdh2");
+  const TouchedMesh box(moved(geometry::make_box({0.05, 0.05, 0.06}), {0.01, 0, 0.215}));
+  const ClosedFingers closed = sdh.close("parallel", kHere, box.scene);
+  EXPECT_TRUE(closed.push_W.isZero());
 }
 
 }  // namespace

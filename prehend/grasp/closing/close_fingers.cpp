@@ -104,15 +104,28 @@ class FingersAdvancing {
     // are not asked again while another one creeps up to its contact.
     std::vector<double> safe(links_.size(), 0);
     double clock = 0;
+    pushing_ = -1;
     for (int step = 0; step < options_.largest_steps; ++step) {
       double time = time_to_limits();
+      push_ = Vector3d::Zero();
       if (!std::isfinite(time)) return;  // nothing moves any more
+      if (pushing_ >= 0) {
+        push_ = -towards_object(pushing_);
+        const double left = options_.farthest_push - result_.push_W.norm();
+        constexpr double kPush = 1e-3;  // m at a time, as fingers push along arcs
+        if (push_.norm() > 0) time = std::min(time, std::clamp(left, 0.0, kPush) / push_.norm());
+        if (!(left > 1e-9)) {
+          stop_motor(pushing_motor_);
+          pushing_ = -1;
+          continue;
+        }
+      }
       int touching = -1;
       NearBall touch;
       for (std::size_t i = 0; i < links_.size(); ++i) {
         const int link = links_[i];
-        const double speed = speed_bound(link);
-        if (speed == 0) continue;
+        const double speed = speed_bound(link) + (pushing_ >= 0 ? speed_bound(pushing_) : 0);
+        if (speed == 0 || link == pushing_) continue;
         if (safe[i] > clock) {
           time = std::min(time, safe[i] - clock);
           continue;
@@ -133,7 +146,7 @@ class FingersAdvancing {
       }
       if (touching >= 0) {
         correct(touching, touch);
-        stop_above(touching, touch.what);
+        if (!begins_to_push(touching, touch.what)) stop_above(touching, touch.what);
         std::fill(safe.begin(), safe.end(), 0.0);  // joints move otherwise now
       } else {
         move(time);
@@ -168,11 +181,53 @@ class FingersAdvancing {
     return poses_[at(link)] * balls_.links[at(link)].centers[at(ball)];
   }
 
+  /// The part of a link's velocity at its nearest point that goes towards the object.
+  Vector3d towards_object(int link) const {
+    const NearBall near = nearest_ball(balls_.links[at(link)], poses_[at(link)], scene_);
+    if (near.ball < 0) return Vector3d::Zero();
+    const Vector3d p_W = center(link, near.ball);
+    Vector3d away = Vector3d::Zero();
+    scene_.exact_distance(p_W, near.what, &away);
+    const double speed = velocity(link, p_W).dot(away);
+    return speed < 0 ? Vector3d(speed * away) : Vector3d::Zero();
+  }
+
+  int finger_of(int link) const {
+    for (std::size_t f = 0; f < hand_.fingers.size(); ++f) {
+      const auto& links = hand_.fingers[f].links;
+      if (std::find(links.begin(), links.end(), link) != links.end()) return static_cast<int>(f);
+    }
+    return -1;
+  }
+
+  /// Whether the motor that moves a link, which touches, moves another finger, too, and pushes the
+  /// object on until that one touches: jaws bring what they grasp to their middle.
+  bool begins_to_push(int link, Touched what) {
+    const int finger = finger_of(link);
+    if (what != Touched::kObject || pushing_ >= 0 || finger < 0) return false;
+    int motor = -1;
+    for (const int j : joints_) {
+      if (rate_[at(j)] == 0 || balls_.reach[at(link)][at(j)] == 0) continue;
+      if (motor >= 0 && motor != drives_.motor[at(j)]) return false;
+      motor = drives_.motor[at(j)];
+    }
+    const bool moves_other = std::any_of(links_.begin(), links_.end(), [&](int other) {
+      if (finger_of(other) < 0 || finger_of(other) == finger) return false;
+      return std::any_of(joints_.begin(), joints_.end(), [&](int j) {
+        return drives_.motor[at(j)] == motor && balls_.reach[at(other)][at(j)] > 0;
+      });
+    });
+    if (motor < 0 || !moves_other) return false;
+    pushing_ = link;
+    pushing_motor_ = motor;
+    return true;
+  }
+
   bool approaches(int link, const NearBall& near) const {
     const Vector3d p_W = center(link, near.ball);
     Vector3d away = Vector3d::Zero();
     scene_.exact_distance(p_W, near.what, &away);
-    const Vector3d v = velocity(link, p_W);
+    const Vector3d v = velocity(link, p_W) + push_;
     return v.dot(away) < -kLeastApproach * v.norm() || away.isZero();
   }
 
@@ -183,7 +238,7 @@ class FingersAdvancing {
       Vector3d away = Vector3d::Zero();
       const double clearance = scene_.exact_distance(p_W, near.what, &away) -
                                balls_.links[at(link)].radii[at(near.ball)];
-      const double speed = -velocity(link, p_W).dot(away);
+      const double speed = -(velocity(link, p_W) + push_).dot(away);
       // Not by more than interpolation can be wrong; a link that starts in contact stays.
       if (!(std::abs(clearance) < options_.patch_depth) || speed < 1e-3) return;
       const double time = clearance / speed;
@@ -205,6 +260,10 @@ class FingersAdvancing {
   }
 
   void move(double time) {
+    if (!push_.isZero()) {
+      result_.push_W += time * push_;
+      for (RigidTransform& pose : poses_) pose.translation() += time * push_;
+    }
     for (const int j : joints_) {
       const Joint& joint = hand_.model.joints[at(j)];
       result_.all[j] = std::clamp(result_.all[j] + time * rate_[at(j)], joint.lower, joint.upper);
@@ -312,9 +371,11 @@ class FingersAdvancing {
   const TouchScene& scene_;
   const HandClosingOptions& options_;
   robot::DriveRatios drives_;
-  std::vector<double> rate_;           // of the joints, now
-  std::vector<RigidTransform> poses_;  // X_WL
-  std::vector<int> joints_, links_;    // of the group that closes
+  std::vector<double> rate_;               // of the joints, now
+  std::vector<RigidTransform> poses_;      // X_WL
+  std::vector<int> joints_, links_;        // of the group that closes
+  int pushing_ = -1, pushing_motor_ = -1;  // a link that pushes the object, none: -1
+  Vector3d push_ = Vector3d::Zero();       // of the hand against it, for each unit of time
   std::vector<std::pair<Vector3d, double>> patch_;
   ClosedFingers result_;
 };
@@ -332,6 +393,9 @@ void HandClosingOptions::validate() const {
   positive(tolerance, "tolerance");
   positive(patch_depth, "patch_depth");
   positive(largest_steps, "largest_steps");
+  if (!(farthest_push >= 0) || !std::isfinite(farthest_push)) {
+    throw std::invalid_argument("HandClosingOptions.farthest_push must not be negative");
+  }
 }
 
 ClosedFingers close_fingers(const HandToClose& hand, const RigidTransform& X_WH,

@@ -30,6 +30,7 @@ struct HandClosingOptions {
   double patch_depth = 5e-4;  // m, > 0: what is nearer to the surface than this is in contact: the
                               // give of rubber under light force
   int largest_steps = 400;    // > 0, of each finger
+  double farthest_push = 0.02;  // m, >= 0: by which jaws of one motor push a thing to their middle
 
   void validate() const;  ///< @throws std::invalid_argument naming the field.
 };
@@ -40,6 +41,9 @@ struct ClosedFingers {
   std::vector<bool> finger_touches;    // the object, of the hand's fingers
   Touched other = Touched::kNothing;   // kTable, kObstacle: a finger was stopped by that
   std::vector<double> broken_away;     // rad, by which joints of hand.breakaways went on
+  /// By which the hand has to stand elsewhere for this [m, in the world]: fingers of one motor push
+  /// the object to their middle, which is here as if the hand went there.
+  Eigen::Vector3d push_W = Eigen::Vector3d::Zero();
 };
 
 /// Closes the fingers of a hand whose root stands at X_WH from positions `open` of its motors until
@@ -52,7 +56,9 @@ struct ClosedFingers {
 /// clearance of the link's balls divided by a bound of their speed (B. Mirtich, "Impulse-based
 /// dynamic simulation of rigid body systems", 1996, section 2.3), so that nothing is stepped over;
 /// the last step is corrected by exact distances. A link that touches while moving away or along is
-/// let go on. Fingers that no joint couples are closed one after the other; they are not tested
+/// let go on. Where one motor moves several fingers and the first of them touches the object, it
+/// pushes it until another one touches, too, at most by `farthest_push`: `push_W`. Fingers that no
+/// joint couples are closed one after the other; they are not tested
 /// against each other.
 /// @throws std::invalid_argument when `open` has another size than the hand, or for bad options.
 ClosedFingers close_fingers(const HandToClose& hand, const geometry::RigidTransform& X_WH,

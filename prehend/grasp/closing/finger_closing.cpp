@@ -193,6 +193,8 @@ std::optional<Refusal> FingerClosing::close(const robot::Preshape& preshape, Tou
   if (!closure.closed) {
     return Refusal{Reason::kNotClosed, Miss{Quantity::kQuality, -closure.distance, 0}};
   }
+  // Jaws of one motor push the object to their middle: planned for is a hand that stands there.
+  grasp->X_WH.translation() += closed.push_W;
   grasp->closed_all = std::move(closed.all);
   grasp->contacts = std::move(closed.contacts);
   grasp->closed = motors_of(*hand_.hand, grasp->closed_all);
@@ -235,6 +237,12 @@ std::optional<Refusal> FingerClosing::evaluate(const Candidate& candidate,
 
   Wrenches wrenches;
   if (auto refusal = close(preshape, advance.what, grasp, &wrenches)) return refusal;
+  const RigidTransform X_WG = grasp->X_WH * X_GH.inverse();
+  const bool pushed = !X_WG.translation().isApprox(grasp->X_WG.translation(), 1e-9);
+  if (pushed && options_.reaches && !options_.reaches(grasp->X_WH)) {
+    return Refusal{Reason::kArm, {}};
+  }
+  grasp->X_WG = X_WG;
   if (fingers_meet(*grasp)) return Refusal{Reason::kFingersMeet, {}};
   grasp->quality = wrench_hull(wrenches, {.precision = kPrecision}).epsilon;
   grasp->predicted.lifted_mass = solid_.mass;
