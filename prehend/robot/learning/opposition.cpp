@@ -210,7 +210,7 @@ Opposition oppose(const HandModel& hand, const Anatomy& anatomy, std::vector<int
 }
 
 std::vector<Opposition> find_oppositions(const HandModel& hand, const Anatomy& anatomy) {
-  constexpr int kStarts = 200;
+  constexpr int kStarts = 120;
   constexpr std::size_t kPairs = 2;  // of a hand with more than three fingers
   const int count = static_cast<int>(anatomy.fingers.size());
   std::vector<Opposition> all;
