@@ -24,11 +24,13 @@ using formats::Shape;
 using geometry::InputError;
 using Kind = JointDescription::Kind;
 
-constexpr double kAssumedForce = 10;               // N at the fingertip
-constexpr double kAssumedSpeed = 1;                // rad/s
-constexpr double kAssumedSlide = 0.05;             // m/s
-constexpr double kCork = 100, kGold = 20000;       // kg/m^3
-constexpr double kQuarter = std::numbers::pi / 2;  // rad
+constexpr double kAssumedForce = 10;                // N at the fingertip
+constexpr double kAssumedSpeed = 1;                 // rad/s
+constexpr double kAssumedSlide = 0.05;              // m/s
+constexpr double kLargestForce = 1000;              // N: beyond, it is no finger's
+constexpr double kFastest = 50, kFastestSlide = 5;  // rad/s, m/s
+constexpr double kCork = 100, kGold = 20000;        // kg/m^3
+constexpr double kQuarter = std::numbers::pi / 2;   // rad
 
 bool moves(const JointDescription& joint) {
   return joint.kind == Kind::kRevolute || joint.kind == Kind::kPrismatic;
@@ -345,8 +347,22 @@ class Cutter {
     for (JointDescription& joint : part_.robot.joints) {
       if (!moves(joint)) continue;
       const bool slides = joint.kind == Kind::kPrismatic;
+      const double reach = slides ? 1 : reach_below(joint, poses);
+      if (joint.effort && *joint.effort > kLargestForce * reach) {
+        say("joint '" + joint.name + "'",
+            fmt::format("its effort of {:g} would press {:.0f} N at the fingertip: not believed",
+                        *joint.effort, *joint.effort / reach),
+            0.6);
+        joint.effort.reset();
+      }
+      const double fastest = slides ? kFastestSlide : kFastest;
+      if (joint.velocity && *joint.velocity > fastest) {
+        say("joint '" + joint.name + "'",
+            fmt::format("its speed of {:g} is not believed", *joint.velocity), 0.6);
+        joint.velocity.reset();
+      }
       if (!joint.effort || !(*joint.effort > 0) || !std::isfinite(*joint.effort)) {
-        joint.effort = slides ? 2 * kAssumedForce : kAssumedForce * reach_below(joint, poses);
+        joint.effort = slides ? 2 * kAssumedForce : kAssumedForce * reach;
         ++efforts;
       }
       if (!joint.velocity || !(*joint.velocity > 0) || !std::isfinite(*joint.velocity)) {

@@ -24,9 +24,10 @@ struct HandPart {
 ///
 /// Completed is: shapes to touch, from what is seen; masses and inertias, of 1000 kg/m^3, where
 /// there are none or where the file's would make the link lighter than cork or heavier than gold;
-/// efforts of 10 N at the fingertip, speeds of 1 rad/s and 50 mm/s, limits of a quarter turn;
-/// joints that are no hinge and no slide stand still; those without an actuator, where the file
-/// names actuators, follow the hinge above. `said` has each, and how sure it is.
+/// efforts of 10 N at the fingertip, speeds of 1 rad/s and 50 mm/s (also where the file's would
+/// press more than 1000 N or move faster than 50 rad/s or 5 m/s), limits of a quarter turn; joints
+/// that are no hinge and no slide stand still; those without an actuator, where the file names
+/// actuators, follow the hinge above. `said` has each, and how sure it is.
 /// @param palm the link, by name; empty: it is found
 /// @throws geometry::InputError for a robot without moving joints, of several hands (naming their
 /// palms), a palm that is not there, or fingers without any shape that is read.

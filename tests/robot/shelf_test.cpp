@@ -1,0 +1,116 @@
+// Arms of config/robots that were written from published figures, against these figures.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "prehend/robot/kinematic_chain.h"
+#include "prehend/robot/platform.h"
+
+namespace prehend::robot {
+namespace {
+
+using Eigen::Matrix4d;
+
+constexpr double kHalf = std::numbers::pi / 2;
+
+Matrix4d turned(int axis, double angle) {
+  Matrix4d T = Matrix4d::Identity();
+  const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+  T(a, a) = T(b, b) = std::cos(angle);
+  T(b, a) = std::sin(angle);
+  T(a, b) = -T(b, a);
+  return T;
+}
+Matrix4d shifted(double x, double z) {
+  Matrix4d T = Matrix4d::Identity();
+  T(0, 3) = x;
+  T(2, 3) = z;
+  return T;
+}
+
+struct Row {
+  double a, d, alpha;
+};
+
+/// The textbook's products: of the classic rows, and of Craig's.
+Matrix4d classic(const std::vector<Row>& rows, const Eigen::VectorXd& q) {
+  Matrix4d T = Matrix4d::Identity();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    T = T * turned(2, q[static_cast<int>(i)]) * shifted(rows[i].a, rows[i].d) *
+        turned(0, rows[i].alpha);
+  }
+  return T;
+}
+Matrix4d craig(const std::vector<Row>& rows, const Eigen::VectorXd& q) {
+  Matrix4d T = Matrix4d::Identity();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    T = T * turned(0, rows[i].alpha) * shifted(rows[i].a, 0) * turned(2, q[static_cast<int>(i)]) *
+        shifted(0, rows[i].d);
+  }
+  return T;
+}
+
+template <class Product>
+void expect_same(const std::string& urdf, const Product& product) {
+  const RobotModel model = read_urdf("config/robots/" + urdf);
+  const KinematicChain chain(model, "base_link", "tool0");
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> angle(-3, 3);
+  for (int i = 0; i < 100; ++i) {
+    Eigen::VectorXd q(chain.size());
+    for (int j = 0; j < q.size(); ++j) q[j] = angle(random);
+    EXPECT_LT((chain.forward(q).matrix() - product(q)).norm(), 1e-6) << urdf;
+  }
+}
+
+TEST(Shelf, Ur5eIsThatOfItsMakersTable) {
+  const std::vector<Row> rows{{0, 0.1625, kHalf}, {-0.425, 0, 0},      {-0.3922, 0, 0},
+                              {0, 0.1333, kHalf}, {0, 0.0997, -kHalf}, {0, 0.0996, 0}};
+  expect_same("ur5e.urdf", [&](const Eigen::VectorXd& q) { return classic(rows, q); });
+}
+
+TEST(Shelf, PandaIsThatOfItsMakersTable) {
+  const std::vector<Row> rows{{0, 0.333, 0},      {0, 0, -kHalf},           {0, 0.316, kHalf},
+                              {0.0825, 0, kHalf}, {-0.0825, 0.384, -kHalf}, {0, 0, kHalf},
+                              {0.088, 0, kHalf}};
+  expect_same("franka_panda.urdf", [&](const Eigen::VectorXd& q) {
+    return Matrix4d(craig(rows, q) * shifted(0, 0.107));
+  });
+}
+
+TEST(Shelf, IiwaIsThatOfItsMakersTable) {
+  const std::vector<Row> rows{{0, 0.36, -kHalf}, {0, 0, kHalf}, {0, 0.42, kHalf}, {0, 0, -kHalf},
+                              {0, 0.4, -kHalf},  {0, 0, kHalf}, {0, 0.126, 0}};
+  expect_same("iiwa14.urdf", [&](const Eigen::VectorXd& q) { return classic(rows, q); });
+}
+
+TEST(Shelf, FingertipsOfThe2F85StayParallelAndMeet) {
+  const HandModel hand = read_hand_model("config/robots/robotiq_2f85.yaml");
+  const int left = hand.model.link_index("left_tip"), right = hand.model.link_index("right_tip");
+  std::vector<geometry::RigidTransform> poses;
+  const auto gap = [&](double knuckle) {
+    hand.link_poses(hand.all_positions(Eigen::VectorXd::Constant(1, knuckle)), poses);
+    for (const int tip : {left, right}) {
+      EXPECT_LT(
+          (poses[static_cast<std::size_t>(tip)].linear() - Eigen::Matrix3d::Identity()).norm(),
+          1e-9);
+    }
+    // Pads' faces, as their boxes have them.
+    const auto face = [&](int link, double sign) {
+      const CollisionShape& box = hand.model.links[static_cast<std::size_t>(link)].shapes[0];
+      return (poses[static_cast<std::size_t>(link)] * box.X_LS.translation()).y() -
+             sign * box.size.y() / 2;
+    };
+    return face(left, 1) - face(right, -1);
+  };
+  EXPECT_NEAR(gap(0), 0.085, 1e-6);
+  EXPECT_NEAR(gap(0.8), 0, 0.006);
+}
+
+}  // namespace
+}  // namespace prehend::robot
