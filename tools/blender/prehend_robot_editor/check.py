@@ -1,0 +1,97 @@
+"""What is wrong with a robot, by `prehend model check`; each finding selects its place."""
+
+import os
+import re
+import tempfile
+
+import bpy
+
+from . import import_export, model, program
+from .program import NotDone
+
+_LINE = re.compile(r"(error|warning): (.*?): (.*)")
+_PLACE = re.compile(r"(link|joint|sensor|actuator) '(.*)'$")
+
+
+class Finding(bpy.types.PropertyGroup):
+    level: bpy.props.StringProperty()
+    place: bpy.props.StringProperty()
+    words: bpy.props.StringProperty()
+
+
+def findings(robot):
+    """(level, place, words) of each, and the sum's line."""
+    with tempfile.TemporaryDirectory(prefix="prehend_") as folder:
+        text = os.path.join(folder, "robot.robot.json")
+        import_export.write_json(robot, text, os.path.join(folder, "meshes"))
+        code, said = program.run("model", "check", text)
+    lines = said.strip().splitlines()
+    if code not in (0, 3):
+        raise NotDone(lines[-1] if lines else "prehend model check failed")
+    found = [match.groups() for match in map(_LINE.match, lines) if match]
+    return found, lines[-1]
+
+
+class Check(program.Operator):
+    """Masses, inertias, limits, efforts, axes, couplings, meshes: what is wrong for physics and
+    grasping"""
+
+    bl_idname = "prehend.check"
+    bl_label = "Check"
+
+    def act(self, context):
+        robot = model.active_robot(context)
+        found, said = findings(robot)
+        kept = context.scene.prehend_findings
+        kept.clear()
+        for level, place, words in found:
+            one = kept.add()
+            one.level, one.place, one.words, one.name = level, place, words, model.name_of(robot)
+        program.tell(f"Check of {model.name_of(robot)}",
+                     "".join(f"{level}: {place}: {words}\n" for level, place, words in found)
+                     + said)
+        return said
+
+
+class SelectFinding(program.Operator):
+    """Selects what a finding is about"""
+
+    bl_idname = "prehend.select_finding"
+    bl_label = "Select"
+    index: bpy.props.IntProperty()
+
+    def act(self, context):
+        if not 0 <= self.index < len(context.scene.prehend_findings):
+            raise NotDone("That finding is gone: check again")
+        finding = context.scene.prehend_findings[self.index]
+        match = _PLACE.search(finding.place)
+        if match is None:
+            raise NotDone(f"'{finding.place}' is no link or joint")
+        kind, name = match.groups()
+        robot = next((one for one in model.robots() if model.name_of(one) == finding.name), None)
+        robot = robot or model.active_robot(context)
+        if kind == "actuator":
+            name = next((one["joint"] for one in model.read(robot).get("actuators", ())
+                         if one["name"] == name), name)
+            kind = "joint"
+        thing = model.find(robot, kind, name)
+        for one in context.selected_objects:
+            one.select_set(False)
+        thing.select_set(True)
+        context.view_layer.objects.active = thing
+        return finding.words
+
+
+_CLASSES = (Finding, Check, SelectFinding)
+
+
+def register():
+    for one in _CLASSES:
+        bpy.utils.register_class(one)
+    bpy.types.Scene.prehend_findings = bpy.props.CollectionProperty(type=Finding)
+
+
+def unregister():
+    del bpy.types.Scene.prehend_findings
+    for one in reversed(_CLASSES):
+        bpy.utils.unregister_class(one)
