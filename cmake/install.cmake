@@ -71,6 +71,8 @@ endforeach()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/lib/openni2/ DESTINATION ${INSTALLED_TREE}/lib/openni2
         COMPONENT programs PATTERN "libPrehendCamera*" EXCLUDE)
 install(DIRECTORY config launch DESTINATION share/prehend COMPONENT programs)
+install(DIRECTORY tools/blender DESTINATION share/prehend COMPONENT programs
+        PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY web/dist DESTINATION share/prehend/web COMPONENT programs)
 install(CODE "
   set(prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
