@@ -40,6 +40,20 @@ def write_wedge(file):
             stream.write(b"\0" * 12 + corners[list(face)].tobytes() + b"\0\0")
 
 
+def references_follow():
+    """A rename changes what names the link or joint, and not what is only called so."""
+    value = {"manipulators": [{"name": "a", "base": "a", "tip": "b", "closing": [["a", 1.0]]}],
+             "fingers": {"a": ["a", "b"]}, "pairs": [["a", "b"]],
+             "preshapes": {"a": {"open": {"a": 0.5}, "closing": {"b": {"rate": 1, "with": "a"}}}}}
+    assert model._renamed(value, "joint", "a", "c") == {
+        "manipulators": [{"name": "a", "base": "a", "tip": "b", "closing": [["c", 1.0]]}],
+        "fingers": {"a": ["a", "b"]}, "pairs": [["a", "b"]],
+        "preshapes": {"a": {"open": {"c": 0.5}, "closing": {"b": {"rate": 1, "with": "c"}}}}}
+    assert model._renamed(value, "link", "a", "c") == {
+        "manipulators": [{"name": "a", "base": "c", "tip": "b", "closing": [["a", 1.0]]}],
+        "fingers": {"a": ["c", "b"]}, "pairs": [["c", "b"]], "preshapes": value["preshapes"]}
+
+
 def near(a, b, within=1e-6):
     return np.abs(np.asarray(a, float) - np.asarray(b, float)).max() < within
 
@@ -336,6 +350,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name).resolve()
         write_wedge(folder / "wedge.stl")
+        references_follow()
         clear()
         robots = names_and_mirrors(folder)
         moved_by_hand(robots[0], folder)

@@ -213,6 +213,21 @@ void JsonReader::take(const JsonValue& from, const std::string& path,
   take(from[1], path + "[1]", to.second);
 }
 
+void JsonReader::take(const JsonValue& from, const std::string& path,
+                      std::pair<std::string, double>& to) {
+  if (!from.is_array() || from.size() != 2) fail(path, "is no name and number", "Write [name, 1]");
+  take(from[0], path + "[0]", to.first);
+  take(from[1], path + "[1]", to.second);
+}
+
+void JsonReader::take(const JsonValue& from, const std::string& path,
+                      std::map<std::string, double>& to) {
+  if (!from.is_object()) fail(path, "is no object", "Write {name: number, ...}");
+  for (const auto& item : from.items()) {
+    take(item.value(), path + "." + item.key(), to[item.key()]);
+  }
+}
+
 JsonValue JsonWriter::json_of(double value, const char* key) const {
   if (!std::isfinite(value)) {
     throw InputError(
@@ -238,6 +253,12 @@ JsonValue JsonWriter::json_of(const std::array<double, 4>& value, const char* ke
   JsonValue all = JsonValue::array();
   for (const double one : value) all.push_back(json_of(one, key));
   return all;
+}
+
+JsonValue JsonWriter::json_of(const std::map<std::string, double>& value, const char* key) const {
+  JsonValue object = JsonValue::object();
+  for (const auto& [name, number] : value) object[name] = json_of(number, key);
+  return object;
 }
 
 JsonValue JsonWriter::json_of(const geometry::RigidTransform& value, const char* key) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -105,6 +106,8 @@ class JsonReader {
   void take(const JsonValue& from, const std::string& path, geometry::RigidTransform& to);
   void take(const JsonValue& from, const std::string& path,
             std::pair<std::string, std::string>& to);
+  void take(const JsonValue& from, const std::string& path, std::pair<std::string, double>& to);
+  void take(const JsonValue& from, const std::string& path, std::map<std::string, double>& to);
   template <class Record>
   void take(const JsonValue& from, const std::string& path, Record& to) {
     JsonReader reader(from, path, file_, loss_);
@@ -174,6 +177,10 @@ class JsonWriter {
   static JsonValue json_of(const std::pair<std::string, std::string>& value, const char*) {
     return {value.first, value.second};
   }
+  JsonValue json_of(const std::pair<std::string, double>& value, const char* key) const {
+    return {value.first, json_of(value.second, key)};
+  }
+  JsonValue json_of(const std::map<std::string, double>& value, const char* key) const;
   template <class Record>
   JsonValue json_of(const Record& record, const char* key) const {
     JsonWriter writer(path_.empty() ? key : path_ + "." + key, loss_);

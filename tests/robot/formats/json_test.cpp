@@ -11,6 +11,7 @@
 #include <random>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/json_record.h"
 #include "prehend/robot/formats/model_check.h"
 #include "prehend/robot/formats/robot_format.h"
 
@@ -200,6 +201,35 @@ TEST_F(JsonFormat, WhatIsNotSaidIsAbsent) {
   const RobotDescription read_again = again(robot);
   EXPECT_FALSE(read_again.joints[0].lower);
   EXPECT_EQ(read_again.joints[0].effort, 0.0);
+}
+
+/// A record of kinds of fields that no format's has yet.
+struct PairsAndMaps {
+  std::vector<std::pair<std::string, double>> pairs;
+  std::map<std::string, double> map;
+  bool flag = false;
+};
+
+template <class Visitor>
+void fields(Visitor& v, Part<Visitor, PairsAndMaps>& record) {
+  v.list("pairs", record.pairs);
+  v.field("map", record.map);
+  v.field("flag", record.flag, false);
+}
+
+TEST(JsonRecord, PairsMapsAndFlagsComeBack) {
+  const PairsAndMaps one{{{"a", 0.1}, {"b", -1}}, {{"x", 1.0 / 3}}, true};
+  LossReport loss;
+  JsonWriter writer("", loss);
+  fields(writer, one);
+  const JsonValue value = parse_json(json_text(writer.object(), loss), "file");
+  JsonReader reader(value, "", "file", loss);
+  PairsAndMaps other;
+  fields(reader, other);
+  reader.finish();
+  EXPECT_EQ(one.pairs, other.pairs);
+  EXPECT_EQ(one.map, other.map);
+  EXPECT_TRUE(other.flag);
 }
 
 TEST_F(JsonFormat, IsToldByItsBeginningAndItsEnding) {

@@ -3,11 +3,15 @@
 This is no safety device, as `prehend jog` is none: keep the emergency stop in reach.
 """
 
+import itertools
+import os
+
 import bpy
 
 from . import model, program
 from .program import NotDone
 
+_COUNT = itertools.count(1)
 _PREFIX = "hand_"  # of a hand's joints on /joint_states
 
 
@@ -20,6 +24,11 @@ def _client():
                       "python3-prehend, or set PYTHONPATH to build/python; Blender must run by "
                       "the Python that it is built for, as Debian's does") from None
     return prehend
+
+
+def _node(client, registry):
+    """Of a name of its own: the graph may not know yet that the last one has gone."""
+    return client.Node(f"robot_editor_{os.getpid()}_{next(_COUNT)}", registry)
 
 
 def _joints(robot):
@@ -50,7 +59,7 @@ class TakeStates(program.Operator):
         robot = model.active_robot(context)
         client = _client()
         try:
-            with client.Node("robot_editor", self.registry) as node:
+            with _node(client, self.registry) as node:
                 states = node.wait_for_message("/joint_states", timeout=2.0)
         except (RuntimeError, TimeoutError, ValueError) as error:
             raise NotDone(f"No joint states: {error}") from None
@@ -80,7 +89,7 @@ class SendPositions(program.Operator):
                   if model.read(one)["kind"] in model.MOVING
                   and not model.read(one).get("follows")}
         try:
-            with client.Node("robot_editor", self.registry) as node:
+            with _node(client, self.registry) as node:
                 states = node.wait_for_message("/joint_states", timeout=2.0)
                 there = {name[len(_PREFIX):] if name.startswith(_PREFIX) else name
                          for name in states.name}

@@ -503,16 +503,21 @@ def describe(robot, folder):
 
 _REFERENCES = {"link": ("link", "parent", "child", "first", "second", "base", "tip", "palm"),
                "joint": ("joint", "with")}
+_BY_JOINT = ("open", "closing", "joints", "positions")  # maps whose keys are joints
 
 
-def _renamed(value, kind, old, new):
+def _renamed(value, kind, old, new, under=""):
+    """JSON in which a link or joint has a new name, wherever it is named."""
     if isinstance(value, dict):
-        return {new if key == old and kind == "joint" else key:
-                new if one == old and key in _REFERENCES[kind] else _renamed(one, kind, old, new)
-                for key, one in value.items()}
+        is_by_joint = kind == "joint" and under in _BY_JOINT
+        return {new if is_by_joint and key == old else key:
+                new if key in _REFERENCES[kind] and one == old
+                else _renamed(one, kind, old, new, key) for key, one in value.items()}
     if isinstance(value, list):
-        return [new if one == old and kind == "link" else _renamed(one, kind, old, new)
-                for one in value]
+        # [joint, number] is of a joint; of other lists of names each is a link's.
+        is_of_joint = len(value) == 2 and isinstance(value[1], (int, float))
+        return [new if one == old and is_of_joint == (kind == "joint")
+                else _renamed(one, kind, old, new, under) for one in value]
     return value
 
 
