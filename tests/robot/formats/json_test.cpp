@@ -312,7 +312,7 @@ TEST_F(JsonFormat, HostileFilesEndInWords) {
   std::uniform_int_distribution<std::size_t> at(0, good.size() - 1);
   std::uniform_int_distribution<int> byte(0, 255);
   int refused = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 600; ++i) {
     std::string bad = good;
     if (i % 4 == 0) {
       bad.resize(at(random));
@@ -325,7 +325,7 @@ TEST_F(JsonFormat, HostileFilesEndInWords) {
       ++refused;
     }
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(refused, 300);
 }
 
 TEST_F(JsonFormat, FilesOfOthersComeBackInAllFields) {
