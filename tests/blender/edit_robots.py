@@ -130,9 +130,25 @@ def moved_by_hand(robot, folder):
     description = exported(robot, folder / "moved.robot.json")
     shape = of(description, "links", "palm link")["visuals"][0]
     assert shape["kind"] == "mesh" and (folder / shape["mesh"]).is_file(), shape
+    # Mirrored by hand: the mesh' scale says so, its place stays.
+    wedge = model.children(model.find(robot, "link", "left finger"), "shape")[0]
+    wedge.scale.x *= -1
+    description = exported(robot, folder / "moved.robot.json")
+    shape = of(description, "links", "left finger")["visuals"][0]
+    assert near(shape["scale"], (-0.001, 0.001, 0.001), 1e-9), shape
+    assert near(poses.matrix(shape["pose"]), poses.translation((0, 0, 0.03))), shape
+    wedge.rotation_mode = "XYZ"
+    wedge.rotation_euler = (0, 0, math.pi / 2)
+    description = exported(robot, folder / "moved.robot.json")
+    shape = of(description, "links", "left finger")["visuals"][0]
+    assert near(poses.matrix(shape["pose"])[:3, :3], [[0, -1, 0], [1, 0, 0], [0, 0, 1]]), shape
     # Numbers that nobody touched are those of the file; those that were typed are as typed.
     joint.prehend.effort = 0.3
     value = model.read(joint)
+    assert "hangs on nothing" not in bpy.data.texts["prehend report"].as_string()
+    bpy.data.objects.remove(model.find(robot, "joint", "tip joint"))  # as by the key X
+    exported(robot, folder / "moved.robot.json")
+    assert "link 'tip' hangs on nothing" in bpy.data.texts["prehend report"].as_string()
     assert value["effort"] == 0.3 and value["axis"] == [0.0, 0.6, 0.8], value
 
 

@@ -23,7 +23,8 @@ def findings(robot):
     """(level, place, words) of each, and the sum's line."""
     with tempfile.TemporaryDirectory(prefix="prehend_") as folder:
         text = os.path.join(folder, "robot.robot.json")
-        import_export.write_json(robot, text, os.path.join(folder, "meshes"))
+        import_export.write_json(robot, text, os.path.join(folder, "meshes"),
+                                 names_files=True)
         code, said = program.run("model", "check", text)
     lines = said.strip().splitlines()
     if code not in (0, 3):

@@ -35,9 +35,10 @@ def import_file(file):
     return robot, problems
 
 
-def write_json(robot, file, meshes):
-    """A robot's .robot.json; meshes without a file go into the folder `meshes`."""
-    description, problems = model.describe(robot, meshes)
+def write_json(robot, file, meshes, names_files=False):
+    """A robot's .robot.json; meshes without a file go into the folder `meshes`, those of packages
+    are named by their files where `names_files` says so."""
+    description, problems = model.describe(robot, meshes, names_files)
     with open(file, "w", encoding="utf-8") as stream:
         json.dump(description, stream, allow_nan=False)
     return problems

@@ -12,6 +12,7 @@ import json
 import os
 
 import bpy
+import mathutils
 import numpy as np
 
 from . import poses, surfaces
@@ -46,6 +47,7 @@ def _place(thing, X, scale=(1, 1, 1)):
     thing.rotation_quaternion = poses.quaternion(X)
     thing.scale = scale
     thing["prehend_placed"] = [v for row in thing.matrix_basis for v in row]
+    thing["prehend_scale"] = list(thing.scale)
 
 
 def _was_moved(thing):
@@ -55,8 +57,13 @@ def _was_moved(thing):
 
 def _moved_to(thing):
     """Its pose in its parent, without its scale, as the user has it."""
-    rotation = (thing.rotation_quaternion if thing.rotation_mode == "QUATERNION"
-                else thing.matrix_basis.to_quaternion())
+    if thing.rotation_mode == "QUATERNION":
+        rotation = thing.rotation_quaternion
+    elif thing.rotation_mode == "AXIS_ANGLE":
+        angle, *axis = thing.rotation_axis_angle
+        rotation = mathutils.Quaternion(axis, angle)
+    else:
+        rotation = thing.rotation_euler.to_quaternion()
     X = poses.matrix({"position": thing.location, "quaternion": rotation.normalized()})
     return X
 
@@ -427,23 +434,22 @@ def _scaled(value, factors, problems, place):
         value["length"] = value["length"] * float(factors[2])
 
 
-def _shape(thing, folder, written, problems):
+def _shape(thing, folder, written, problems, names_files):
     """The JSON of a shape as it now is; meshes that have no file are written into `folder`."""
     value = read(thing)
     place = f"link '{name_of(thing.parent)}', {thing['prehend_role'][:-1]} '{thing.name}'"
     if _was_moved(thing):
         _set_pose(value, "pose", _moved_to(thing))
         if value["kind"] == "mesh":
-            placed = np.array(thing["prehend_placed"]).reshape(4, 4)[:3, :3]
-            were = np.linalg.norm(placed, axis=0)
-            if (np.abs(np.abs(thing.scale) - were) > _MOVED).any():
+            were = np.array(thing["prehend_scale"])
+            if (np.abs(np.array(thing.scale) - were) > 1e-6 * np.abs(were)).any():
                 value["scale"] = [poses.typed(v) for v in thing.scale]
         elif (np.abs(np.array(thing.scale) - 1) > _MOVED).any():
             _scaled(value, np.array(thing.scale), problems, place)
     data = thing.data
     if data is None:
         file = thing.get("prehend_file", "")
-        if value["kind"] == "mesh" and file and "://" not in value["mesh"]:
+        if value["kind"] == "mesh" and file and (names_files or "://" not in value["mesh"]):
             value["mesh"] = file
         return value
     is_edited = was_edited(thing)
@@ -458,7 +464,7 @@ def _shape(thing, folder, written, problems):
         _set_pose(value, "pose", _moved_to(thing))
     file = thing.get("prehend_file", "")
     if not is_edited and file and os.path.isfile(file):
-        if "://" not in value["mesh"]:
+        if names_files or "://" not in value["mesh"]:
             value["mesh"] = file
         return value
     if data.name not in written:
@@ -473,17 +479,22 @@ def _shape(thing, folder, written, problems):
     return value
 
 
-def describe(robot, folder):
+def describe(robot, folder, names_files=False):
     """The whole description, and what is written otherwise than it stands, in words. Meshes that
-    have no file go into `folder`."""
+    have no file go into `folder`. names_files: meshes of packages are named by their files."""
     absorb(robot)
     problems, written = [], {}
+    for one in collection_of(robot).all_objects:
+        if kind_of(one) and robot_of(one) != robot:
+            problems.append(f"{kind_of(one)} '{name_of(one)}' hangs on nothing, as what it hung on "
+                            "was deleted: it is not written")
     description = read(robot)
     links = []
     for link in things(robot, "link"):
         value = read(link)
         for role in ("visuals", "collisions"):
-            shapes = [_shape(one, folder, written, problems) for one in children(link, "shape")
+            shapes = [_shape(one, folder, written, problems, names_files)
+                      for one in children(link, "shape")
                       if one["prehend_role"] == role]
             if shapes:
                 value[role] = shapes
