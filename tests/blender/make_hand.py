@@ -17,18 +17,20 @@ _RADIUS = 0.045  # m, of the circle that the fingers stand on
 _PROXIMAL, _DISTAL = 0.055, 0.045  # m, lengths of their links
 
 
-def make_finger(robot, name, angle):
-    """Two links by rows of Craig's: the joints turn y of a frame that looks to the middle with its
-    x, their links go along x of their frame."""
+def make_finger(name, angle, convention):
+    """Two links by rows of Denavit and Hartenberg's. By Craig's a link begins at its frame, by the
+    standard it ends there."""
+    is_craig = convention == "craig"
     # z of the joint across the finger, x up: closing turns the tip to the middle.
     do("add_link_dh", parent="palm", link=f"{name}_proximal_link", joint=f"{name}_proximal",
        location=(_RADIUS * math.cos(angle), _RADIUS * math.sin(angle), 0.02),
-       rotation=(math.pi / 2, -math.pi / 2, angle), convention="craig")
+       rotation=(math.pi / 2, -math.pi / 2, angle), a=0 if is_craig else _PROXIMAL,
+       convention=convention)
     do("add_link_dh", parent=f"{name}_proximal_link", link=f"{name}_distal_link",
-       joint=f"{name}_distal", a=_PROXIMAL, convention="craig")
+       joint=f"{name}_distal", a=_PROXIMAL if is_craig else _DISTAL, convention=convention)
     for link, length in (("proximal", _PROXIMAL), ("distal", _DISTAL)):
         do("add_shape", link=f"{name}_{link}_link", kind="box", size=(length, 0.016, 0.018),
-           location=(length / 2, 0, 0))
+           location=(length / 2 if is_craig else -length / 2, 0, 0))
         do("set_limits", joint=f"{name}_{link}", lower=-1.2, upper=1.4, effort=2, velocity=2)
 
 
@@ -56,7 +58,19 @@ def main():
     robot = model.robots()[0]
     do("add_shape", link="palm", kind="cylinder", radius=0.06, length=0.03)
     for i, name in enumerate(("one", "two", "three")):
-        make_finger(robot, name, 2 * math.pi * i / 3)
+        make_finger(name, 2 * math.pi * i / 3, "standard" if name == "three" else "craig")
+    # The frame of one standard link goes to its joint: what hangs on it stays.
+    link = model.find(robot, "link", "three_proximal_link")
+    hanging = [model.find(robot, "link", "three_distal_link"), model.children(link, "shape")[0]]
+    bpy.context.view_layer.update()
+    stood = [one.matrix_world.copy() for one in hanging]
+    select(link)
+    do("frame_at_joint")
+    bpy.context.view_layer.update()
+    assert link.matrix_world.translation.z < 0.021, link.matrix_world
+    for one, was in zip(hanging, stood):
+        assert max(abs(a - b) for a, b in zip(sum(map(list, one.matrix_world), []),
+                                              sum(map(list, was), []))) < 1e-6, one
     assert "no link 'gone'" in refused("add_link", parent="gone")
     assert "above the upper" in refused("set_limits", joint="one_distal", lower=1, upper=0)
 
@@ -109,7 +123,8 @@ def main():
         folder = pathlib.Path(name)
         do("export_hand", filepath=str(folder / "hand.yaml"))
         said = prehend("model", "check", folder / "hand.urdf")
-        assert " 0 errors, 0 warnings" in said, said
+        # One standard link is left, which in URDF hangs on a link without mass at its joint.
+        assert " 0 errors, 1 warnings" in said and "three_distal_frame" in said, said
         write_box(folder / "box.ply")
         plan = json.loads(prehend("plan", folder / "box.ply", "--hand", folder / "hand.yaml",
                                   "--json", "--budget", "20", "--remedy-budget", "0"))

@@ -214,6 +214,16 @@ def _pads(robot, file):
     return ["# The law of the pads is an estimate for rubber."] + ["pads:"] + lines if lines else []
 
 
+def _urdf_links(robot, links):
+    """A finger's links as the URDF has them: where a link is beside its joint, URDF has one more,
+    without mass, at the joint."""
+    for name in links:
+        joint = model.read(model.joint_of(model.find(robot, "link", name)))
+        if joint.get("child_pose") and joint["kind"] != "fixed":
+            yield joint["name"] + "_frame"
+        yield name
+
+
 def yaml(robot, file):
     """The text of a hand's YAML beside its URDF of the same name. Raises NotDone naming what is
     missing."""
@@ -235,7 +245,8 @@ def yaml(robot, file):
              f"actuated: [{', '.join(map(_word, actuated))}]",
              "fingers:      # links from the palm to the tip"]
     for name, links in value["fingers"].items():
-        lines.append(f"  {_word(name)}: [{', '.join(map(_word, links))}]")
+        lines.append(f"  {_word(name)}: ["
+                     f"{', '.join(map(_word, _urdf_links(robot, links)))}]")
     lines.append(f"friction: {value.get('friction', 0.6)!r}")
     lines += _pads(robot, file)
     lines.append("# Frame G of the tool in the palm's: z the approach direction, y the closing "

@@ -233,6 +233,43 @@ class SetFollows(program.Operator):
         model.place_joints(robot)
 
 
+class FrameAtJoint(program.Operator):
+    """Puts the active link's frame to its joint, as URDF has it; all that hangs on it stays"""
+
+    bl_idname = "prehend.frame_at_joint"
+    bl_label = "Link's frame to its joint"
+
+    def act(self, context):
+        link = model.active_link(context)
+        joint = model.joint_of(link)
+        robot = model.robot_of(link)
+        if joint is None:
+            raise NotDone("No joint moves the first link")
+        model.absorb(robot)
+        value = model.read(joint)
+        X = poses.matrix(value.pop("child_pose", None))
+        model.write(joint, value)
+        model.place_link(link)
+        body = model.read(link)
+        if "inertial" in body:
+            body["inertial"]["pose"] = poses.pose(X @ poses.matrix(body["inertial"].get("pose")))
+            model.write(link, body)
+        for one in link.children:
+            if model.kind_of(one) == "shape":
+                model.move_shape(one, X)
+            elif model.kind_of(one):
+                its = model.read(one)
+                its["pose"] = poses.pose(X @ poses.matrix(its.get("pose")))
+                model.write(one, its)
+                model.place(one)
+        rest = model.read(robot)
+        for loop in rest.get("loops", ()):
+            if loop["first"] == body["name"]:
+                loop["pose"] = poses.pose(X @ poses.matrix(loop.get("pose")))
+        model.write(robot, rest)
+        model.place_joints(robot)
+
+
 class RemoveLink(program.Operator):
     """The active link with its joint, and all that hangs on it"""
 
@@ -265,7 +302,8 @@ class RemoveLink(program.Operator):
             bpy.data.objects.remove(one)
 
 
-_CLASSES = (AddLink, AddLinkDh, AxisFromSelection, SetLimits, SetFollows, RemoveLink)
+_CLASSES = (AddLink, AddLinkDh, AxisFromSelection, SetLimits, SetFollows, FrameAtJoint,
+            RemoveLink)
 
 
 def register():

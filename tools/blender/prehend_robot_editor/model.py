@@ -229,6 +229,24 @@ def place_link(link):
     _place(link, poses.matrix(read(joint).get("child_pose")) if joint else np.eye(4))
 
 
+def place(thing):
+    """Puts a joint at 0, a sensor or a pad where its JSON has it."""
+    if kind_of(thing) == "joint":
+        thing["prehend_at"] = 0.0
+    _place(thing, poses.matrix(read(thing).get("pose")))
+
+
+def move_shape(thing, X):
+    """Puts a shape to X times where it is in its link, with the scale that it has."""
+    value = read(thing)
+    now = _moved_to(thing) if _was_moved(thing) else poses.matrix(value.get("pose"))
+    scale, were = np.array(thing.scale), np.array(thing["prehend_scale"])
+    value["pose"] = poses.pose(X @ now)
+    write(thing, value)
+    _place(thing, X @ now, were)
+    thing.scale = scale  # one that was changed by hand still counts as that
+
+
 def _set_pose(value, key, X):
     if poses.is_identity(X):
         value.pop(key, None)

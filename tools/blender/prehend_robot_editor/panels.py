@@ -87,7 +87,8 @@ class LinkPanel(_Panel):
             for key in ("damping", "friction"):
                 box.prop(joint.prehend, key)
             column = box.column(align=True)
-            for operator in ("set_limits", "set_follows", "axis_from_selection"):
+            for operator in ("set_limits", "set_follows", "axis_from_selection",
+                             "frame_at_joint"):
                 column.operator(f"prehend.{operator}")
         column = layout.column(align=True)
         for operator in ("add_link", "add_link_dh", "remove_link"):
