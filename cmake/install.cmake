@@ -84,7 +84,8 @@ install(CODE "
 
 foreach(folder prehend drivers msgs)
   install(DIRECTORY ${folder} DESTINATION include/prehend COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN "*.proto" PATTERN example EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.proto" PATTERN example EXCLUDE
+          PATTERN json_record.h EXCLUDE)  # needs nlohmann's JSON, and is within the library alone
 endforeach()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/msgs/generated/msgs
                   ${PROJECT_BINARY_DIR}/msgs/foxglove/generated/foxglove

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from editor import clear, do, exported, model, prehend, refused, select  # noqa: E402
-from prehend_robot_editor import jog, panels, poses, surfaces  # noqa: E402
+from prehend_robot_editor import check, jog, panels, poses, surfaces  # noqa: E402
 
 _HAND = """<robot name="my hand">
   <link name="palm link"><visual><geometry><box size="0.1 0.1 0.02"/></geometry></visual></link>
@@ -306,6 +306,19 @@ def findings():
     select(robot)
     do("select_finding", index=errors[0])
     assert bpy.context.active_object == model.find(robot, "link", "heavy")
+    # Live: what is mended is no finding any more, and what was not changed is not checked again.
+    assert check.look() is None
+    bpy.context.scene.prehend_live = True
+    value["inertial"]["inertia"][2][2] = 1
+    model.write(model.find(robot, "link", "heavy"), value)
+    assert check.look() > 0
+    assert not [one for one in found if one.level == "error"]
+    found.clear()
+    assert check.look() > 0 and not len(found)
+    model.find(robot, "joint", "turning").location.x += 0.1
+    assert check.look() > 0 and len(found)
+    bpy.context.scene.prehend_live = False
+    assert check.look() is None
 
 
 class Layout:

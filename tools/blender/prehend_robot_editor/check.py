@@ -33,6 +33,55 @@ def findings(robot):
     return found, lines[-1]
 
 
+def refresh(scene, robot):
+    """Lists the findings of a robot in the scene; the sum's line."""
+    found, said = findings(robot)
+    kept = scene.prehend_findings
+    kept.clear()
+    for level, place, words in found:
+        one = kept.add()
+        one.level, one.place, one.words, one.name = level, place, words, model.name_of(robot)
+    program.tell(f"Check of {model.name_of(robot)}",
+                 "".join(f"{level}: {place}: {words}\n" for level, place, words in found) + said)
+    return said
+
+
+_PAUSE = 1.0  # s between two looks whether anything has changed
+_last = {}  # scene's name to what was checked last
+
+
+def _digest(robot):
+    """Tells whether a robot was changed, but for vertices that moved."""
+    words = [robot["prehend_json"]]
+    for one in robot.children_recursive:
+        words += [one.get("prehend_json", ""), str(one.matrix_basis), one.parent.name]
+        if one.type == "MESH":
+            words.append(str(len(one.data.vertices)))
+    return hash("\n".join(words))
+
+
+def look():
+    """Checks again what was changed; a timer's, which ends when the scene is not checked live."""
+    context = bpy.context
+    if not context.scene.prehend_live:
+        return None
+    try:
+        robot = model.active_robot(context)
+        now = _digest(robot)
+        if now != _last.get(context.scene.name):
+            _last[context.scene.name] = now
+            refresh(context.scene, robot)
+    except NotDone:
+        pass  # no robot, or two; or it is amid a change: the next look says it
+    return _PAUSE
+
+
+def _live_changed(scene, _context):
+    _last.clear()
+    if scene.prehend_live and not bpy.app.timers.is_registered(look):
+        bpy.app.timers.register(look, first_interval=_PAUSE)
+
+
 class Check(program.Operator):
     """Masses, inertias, limits, efforts, axes, couplings, meshes: what is wrong for physics and
     grasping"""
@@ -41,17 +90,7 @@ class Check(program.Operator):
     bl_label = "Check"
 
     def act(self, context):
-        robot = model.active_robot(context)
-        found, said = findings(robot)
-        kept = context.scene.prehend_findings
-        kept.clear()
-        for level, place, words in found:
-            one = kept.add()
-            one.level, one.place, one.words, one.name = level, place, words, model.name_of(robot)
-        program.tell(f"Check of {model.name_of(robot)}",
-                     "".join(f"{level}: {place}: {words}\n" for level, place, words in found)
-                     + said)
-        return said
+        return refresh(context.scene, model.active_robot(context))
 
 
 class SelectFinding(program.Operator):
@@ -90,9 +129,15 @@ def register():
     for one in _CLASSES:
         bpy.utils.register_class(one)
     bpy.types.Scene.prehend_findings = bpy.props.CollectionProperty(type=Finding)
+    bpy.types.Scene.prehend_live = bpy.props.BoolProperty(
+        name="Live", description="Check again whenever the robot was changed",
+        options={"SKIP_SAVE"}, update=_live_changed)
 
 
 def unregister():
+    if bpy.app.timers.is_registered(look):
+        bpy.app.timers.unregister(look)
+    del bpy.types.Scene.prehend_live
     del bpy.types.Scene.prehend_findings
     for one in reversed(_CLASSES):
         bpy.utils.unregister_class(one)

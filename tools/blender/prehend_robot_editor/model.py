@@ -97,7 +97,7 @@ def robots():
 
 def active_robot(context):
     """That of the active object, or the only one there is. Raises NotDone without."""
-    robot = robot_of(context.active_object)
+    robot = robot_of(context.view_layer.objects.active)  # which timers have, too
     if robot is not None:
         return robot
     all_of_them = robots()

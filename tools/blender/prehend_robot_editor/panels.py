@@ -143,7 +143,9 @@ class CheckPanel(_Panel):
         return bool(model.robots())
 
     def draw(self, context):
-        self.layout.operator("prehend.check")
+        row = self.layout.row()
+        row.operator("prehend.check")
+        row.prop(context.scene, "prehend_live")
         column = self.layout.column(align=True)
         for i, finding in enumerate(context.scene.prehend_findings):
             icon = "ERROR" if finding.level == "error" else "INFO"
