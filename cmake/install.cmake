@@ -71,6 +71,8 @@ endforeach()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/lib/openni2/ DESTINATION ${INSTALLED_TREE}/lib/openni2
         COMPONENT programs PATTERN "libPrehendCamera*" EXCLUDE)
 install(DIRECTORY config launch DESTINATION share/prehend COMPONENT programs)
+install(DIRECTORY tools/blender DESTINATION share/prehend COMPONENT programs
+        PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY web/dist DESTINATION share/prehend/web COMPONENT programs)
 install(CODE "
   set(prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
@@ -82,7 +84,8 @@ install(CODE "
 
 foreach(folder prehend drivers msgs)
   install(DIRECTORY ${folder} DESTINATION include/prehend COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN "*.proto" PATTERN example EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.proto" PATTERN example EXCLUDE
+          PATTERN json_record.h EXCLUDE)  # needs nlohmann's JSON, and is within the library alone
 endforeach()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/msgs/generated/msgs
                   ${PROJECT_BINARY_DIR}/msgs/foxglove/generated/foxglove

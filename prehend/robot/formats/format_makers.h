@@ -8,6 +8,7 @@ namespace prehend::robot::formats {
 
 std::unique_ptr<RobotFormat> collada_format();
 std::unique_ptr<RobotFormat> graspit_format();
+std::unique_ptr<RobotFormat> json_format();
 std::unique_ptr<RobotFormat> openrave_format();
 std::unique_ptr<RobotFormat> sdf_format();
 std::unique_ptr<RobotFormat> simox_format();

@@ -5,6 +5,7 @@
 #include <tinyxml2.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/file_text.h"
 #include "prehend/robot/formats/format_makers.h"
 #include "prehend/robot/formats/tracked_xml.h"
 #include "prehend/text/nearest_match.h"
@@ -40,6 +41,7 @@ const std::vector<std::unique_ptr<RobotFormat>>& robot_formats() {
     std::vector<std::unique_ptr<RobotFormat>> all;
     all.push_back(collada_format());
     all.push_back(graspit_format());
+    all.push_back(json_format());
     if (auto mjcf = mjcf_format()) all.push_back(std::move(mjcf));
     all.push_back(openrave_format());
     all.push_back(sdf_format());
@@ -60,6 +62,10 @@ const RobotFormat& format_named(const std::string& name) {
 }
 
 const RobotFormat& format_of(const std::filesystem::path& file) {
+  const std::string head = head_of_file(file);
+  for (const auto& format : robot_formats()) {
+    if (format->recognises_text(head)) return *format;
+  }
   LossReport unused;
   TrackedXml document = TrackedXml::read(file, unused);
   const XmlElement root = document.root();

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "prehend/robot/formats/loss_report.h"
@@ -19,6 +20,8 @@ class RobotFormat {
   virtual std::string name() const = 0;  // "urdf"
   /// Whether a document with that root element is one of its.
   virtual bool recognises(const XmlElement& root) const = 0;
+  /// Whether a file that begins so is one of its: of formats that are no XML.
+  virtual bool recognises_text(std::string_view /*head*/) const { return false; }
   virtual std::string ending() const = 0;  // of files that are written, ".urdf"
   /// Reads all that the file says; what is not in the description is in `loss`.
   /// @throws geometry::InputError "FILE:LINE: what is wrong" with the mend
@@ -33,8 +36,8 @@ const std::vector<std::unique_ptr<RobotFormat>>& robot_formats();
 
 /// The format of that name. @throws geometry::InputError with the nearest one there is
 const RobotFormat& format_named(const std::string& name);
-/// That of a file that is there, by its root element. @throws geometry::InputError naming the
-/// formats that are read
+/// That of a file that is there, by how it begins or its root element. @throws geometry::InputError
+/// naming the formats that are read
 const RobotFormat& format_of(const std::filesystem::path& file);
 /// That of a file that will be written, by its ending. @throws as format_named()
 const RobotFormat& format_for(const std::filesystem::path& file);

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <unordered_map>
@@ -15,6 +14,7 @@
 
 #include "prehend/geometry/errors.h"
 #include "prehend/robot/formats/archive.h"
+#include "prehend/robot/formats/file_text.h"
 
 namespace prehend::robot::formats {
 namespace {
@@ -123,20 +123,7 @@ TrackedXml::TrackedXml(const std::string& text, std::string file, LossReport& lo
 }
 
 TrackedXml TrackedXml::read(const std::filesystem::path& file, LossReport& loss) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  if (error || !std::filesystem::is_regular_file(file)) {
-    throw InputError("'" + file.string() + "' cannot be read", "Check the path");
-  }
-  if (size > kMostBytes) {
-    throw InputError(file.string() + " is larger than 64 MiB: no robot's file", "Check the path");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    throw InputError("'" + file.string() + "' cannot be read, or is empty", "Check the path");
-  }
-  const std::string bytes = text.str();
+  const std::string bytes = whole_file(file);
   if (!is_archive(bytes)) return {bytes, file.string(), loss};
   LossReport of_manifest;
   TrackedXml manifest(file_of_archive(file, "manifest.xml"), file.string() + "/manifest.xml",
