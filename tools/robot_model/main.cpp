@@ -36,7 +36,8 @@ int convert(const ModelChoices& choices) {
   RobotDescription robot = read_robot(choices.first, loss);
   const fs::path from = fs::absolute(choices.first).parent_path(),
                  to = fs::absolute(choices.second).parent_path();
-  const auto meshes = take_out_meshes(robot, from, fs::path(choices.second).stem().string(), loss);
+  const auto meshes = take_out_meshes(robot, from, fs::path(choices.second).stem().string(), loss,
+                                      format.taken_meshes());
   move_meshes(robot, from, to);
   const std::string text = format.write(robot, loss);
   fmt::print("{}", loss.text());
@@ -64,7 +65,8 @@ int check(const ModelChoices& choices) {
     const fs::path from = fs::absolute(choices.first).parent_path(),
                    to = fs::absolute(choices.mended).parent_path();
     LossReport written;
-    write_meshes(take_out_meshes(moved, from, fs::path(choices.mended).stem().string(), written),
+    write_meshes(take_out_meshes(moved, from, fs::path(choices.mended).stem().string(), written,
+                                 format.taken_meshes()),
                  to);
     move_meshes(moved, from, to);
     write_file(choices.mended, format.write(moved, written));

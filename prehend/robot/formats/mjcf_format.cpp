@@ -6,6 +6,7 @@
 #ifdef PREHEND_HAS_MUJOCO
 
 #include <array>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
@@ -14,6 +15,7 @@
 #include <mujoco/mujoco.h>
 
 #include "prehend/geometry/errors.h"
+#include "prehend/robot/formats/mjcf_writer.h"
 #include "prehend/robot/formats/tracked_xml.h"
 
 namespace prehend::robot::formats {
@@ -44,9 +46,12 @@ class MjcfReader {
     read_actuators();
     read_sensors();
     for (int i = 0; i < m_.nexclude; ++i) {
+      // Two bodies' indices, counted from 1 before MuJoCo 3.
+      constexpr int kFirst = mjVERSION_HEADER < 300 ? 1 : 0;
       const int pair = m_.exclude_signature[i];
-      robot_.disabled_collisions.emplace_back(name_of(mjOBJ_BODY, (pair >> 16) & 0xFFFF, "body"),
-                                              name_of(mjOBJ_BODY, pair & 0xFFFF, "body"));
+      robot_.disabled_collisions.emplace_back(
+          name_of(mjOBJ_BODY, ((pair >> 16) & 0xFFFF) - kFirst, "body"),
+          name_of(mjOBJ_BODY, (pair & 0xFFFF) - kFirst, "body"));
     }
     drop_others();
     return std::move(robot_);
@@ -134,6 +139,23 @@ class MjcfReader {
     return joint;
   }
 
+  /// A mesh as the compiler has it: scaled, its centre of mass at the origin.
+  std::shared_ptr<const geometry::TriangleMesh> surface_of(int mesh) {
+    auto& known = surfaces_[mesh];
+    if (known) return known;
+    geometry::TriangleMesh surface;
+    const float* vertices = m_.mesh_vert + 3 * m_.mesh_vertadr[mesh];
+    for (int i = 0; i < m_.mesh_vertnum[mesh]; ++i) {
+      surface.vertices.emplace_back(vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]);
+    }
+    const int* faces = m_.mesh_face + 3 * m_.mesh_faceadr[mesh];
+    for (int i = 0; i < m_.mesh_facenum[mesh]; ++i) {
+      surface.triangles.emplace_back(faces[3 * i], faces[3 * i + 1], faces[3 * i + 2]);
+    }
+    known = std::make_shared<const geometry::TriangleMesh>(std::move(surface));
+    return known;
+  }
+
   void read_geom(int geom) {
     Shape shape;
     shape.name = mj_id2name(&m_, mjOBJ_GEOM, geom) ? mj_id2name(&m_, mjOBJ_GEOM, geom) : "";
@@ -163,8 +185,9 @@ class MjcfReader {
       case mjGEOM_MESH:
         shape.kind = Shape::Kind::kMesh;
         shape.mesh = name_of(mjOBJ_MESH, m_.geom_dataid[geom], "mesh");
+        shape.surface = surface_of(m_.geom_dataid[geom]);
         loss_.approximate(place, "geom (mesh)",
-                          "named by its asset, moved to the place of its centre, as MuJoCo has it");
+                          "the surface that MuJoCo has made of it, round its own centre");
         break;
       case mjGEOM_ELLIPSOID:
         shape.kind = Shape::Kind::kSphere;
@@ -288,6 +311,7 @@ class MjcfReader {
   }
 
   const mjModel& m_;
+  std::map<int, std::shared_ptr<const geometry::TriangleMesh>> surfaces_;  // by mesh
   const std::string file_;
   LossReport& loss_;
   RobotDescription robot_;
@@ -320,6 +344,11 @@ class Mjcf : public RobotFormat {
     RobotDescription robot = MjcfReader(*model, file.string(), loss).read(file.stem().string());
     tree_order(robot);
     return robot;
+  }
+  bool can_write() const override { return true; }
+  TakenMeshes taken_meshes() const override { return TakenMeshes::kAll; }
+  std::string write(const RobotDescription& robot, LossReport& loss) const override {
+    return mjcf_text(robot, loss);
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "prehend/robot/formats/loss_report.h"
 #include "prehend/robot/formats/robot_description.h"
+#include "prehend/robot/formats/shape_mesh.h"
 
 namespace prehend::robot::formats {
 
@@ -27,6 +28,8 @@ class RobotFormat {
   /// @throws geometry::InputError "FILE:LINE: what is wrong" with the mend
   virtual RobotDescription read(const std::filesystem::path& file, LossReport& loss) const = 0;
   virtual bool can_write() const { return false; }
+  /// Which meshes have to be written anew for its readers.
+  virtual TakenMeshes taken_meshes() const { return TakenMeshes::kForeign; }
   /// The file's text; what the format cannot say is in `loss`. @pre can_write()
   virtual std::string write(const RobotDescription& robot, LossReport& loss) const;
 };

@@ -25,7 +25,8 @@ geometry::RigidTransform mount_on_flange(const LearnedHand& learned) {
   }
   geometry::RigidTransform X_FH = geometry::RigidTransform::Identity();
   constexpr double kAlong = 0.966;  // cos 15 deg
-  if (z.normalized().z() < kAlong) {
+  const bool stands = z.normalized().z() > kAlong;
+  if (!stands) {
     z.normalize();
     y -= y.dot(z) * z;
     if (!(y.norm() > 1e-6)) y = z.unitOrthogonal();
@@ -33,24 +34,24 @@ geometry::RigidTransform mount_on_flange(const LearnedHand& learned) {
     Eigen::Matrix3d R_HF;
     R_HF << y.cross(z), y, z;
     X_FH.linear() = R_HF.transpose();
-    // What is hindmost of the palm and its mount is at the flange, their middle before it.
-    std::vector<geometry::RigidTransform> poses;
-    hand.link_poses(hand.all_positions(learned.preshapes.front().preshape.open), poses);
-    Eigen::AlignedBox3d box;
-    for (std::size_t l = 0; l < poses.size(); ++l) {
-      const bool is_finger =
-          std::any_of(hand.fingers.begin(), hand.fingers.end(), [&](const Finger& finger) {
-            return std::count(finger.links.begin(), finger.links.end(), static_cast<int>(l)) > 0;
-          });
-      if (is_finger) continue;
-      for (const Vector3d& p : link_mesh(hand.model.links[l]).vertices) {
-        box.extend(X_FH.linear() * (poses[l] * p));
-      }
-    }
-    if (!box.isEmpty()) {
-      X_FH.translation() = -Vector3d(box.center().x(), box.center().y(), box.min().z());
+  }
+  // The palm and what it is mounted on.
+  std::vector<geometry::RigidTransform> poses;
+  hand.link_poses(hand.all_positions(learned.preshapes.front().preshape.open), poses);
+  Eigen::AlignedBox3d box;
+  for (std::size_t l = 0; l < poses.size(); ++l) {
+    const bool is_finger =
+        std::any_of(hand.fingers.begin(), hand.fingers.end(), [&](const Finger& finger) {
+          return std::count(finger.links.begin(), finger.links.end(), static_cast<int>(l)) > 0;
+        });
+    if (is_finger) continue;
+    for (const Vector3d& p : link_mesh(hand.model.links[l]).vertices) {
+      box.extend(X_FH.linear() * (poses[l] * p));
     }
   }
+  if (box.isEmpty()) return X_FH;
+  X_FH.translation() = stands ? Vector3d(0, 0, std::max(0.0, -box.min().z()))
+                              : -Vector3d(box.center().x(), box.center().y(), box.min().z());
   return X_FH;
 }
 

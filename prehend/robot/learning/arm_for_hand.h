@@ -9,7 +9,8 @@ namespace prehend::robot::learning {
 
 /// How a hand stands on a flange: its approach (mean of its preshapes' tools) along the flange's z,
 /// its closing direction along y, what is hindmost of it at the flange. A hand whose root stands so
-/// within 15 degrees, as hands do whose root is their mounting face, is put with its root there.
+/// within 15 degrees, as hands do whose root is their mounting face, is put with its root there, or
+/// as much farther out as it reaches back.
 geometry::RigidTransform mount_on_flange(const LearnedHand& learned);
 
 /// The text of a platform's file (read_platform()) with a platform's arm and the learned hand.

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include <fmt/format.h>
+
 #include "prehend/robot/learning/at.h"
 
 namespace prehend::robot::learning {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 #include <set>
+
 #include "prehend/robot/learning/at.h"
 
 namespace prehend::robot::learning {
