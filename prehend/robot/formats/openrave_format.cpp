@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <regex>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -93,23 +92,15 @@ class OpenRaveReader {
   }
 
   RobotDescription finish() {
-    if (robot_.links.empty()) return std::move(robot_);
-    std::set<std::string> held;
-    for (const JointDescription& joint : robot_.joints) held.insert(joint.child);
-    std::string root;
-    for (const LinkDescription& link : robot_.links) {
-      if (held.count(link.name) != 0) continue;
-      if (root.empty()) {
-        root = link.name;
-        continue;
-      }
+    const std::vector<std::string> beside = roots(robot_);
+    for (std::size_t i = 1; i < beside.size(); ++i) {
       JointDescription weld;
-      weld.name = link.name + "_weld";
-      weld.parent = root;
-      weld.child = link.name;
-      weld.X_PJ = poses_.at(root).inverse() * poses_.at(link.name);
-      loss_.approximate("body '" + link.name + "'", "body without a joint",
-                        "fixed to '" + root + "'");
+      weld.name = beside[i] + "_weld";
+      weld.parent = beside[0];
+      weld.child = beside[i];
+      weld.X_PJ = poses_.at(beside[0]).inverse() * poses_.at(beside[i]);
+      loss_.approximate("body '" + beside[i] + "'", "body without a joint",
+                        "fixed to '" + beside[0] + "'");
       robot_.joints.push_back(std::move(weld));
     }
     return std::move(robot_);

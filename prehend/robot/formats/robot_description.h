@@ -103,6 +103,10 @@ struct RobotDescription {
   const JointDescription* joint(const std::string& joint_name) const;
 };
 
+/// Links that no joint holds, in their order: the first is the root, others are beside it, as in
+/// formats whose links stand in the robot's frame.
+std::vector<std::string> roots(const RobotDescription& robot);
+
 /// The links in an order in which parents come first, by joints that make a tree.
 /// @throws geometry::InputError naming link or joint: none at all, two of a name, a joint of a link
 /// that is not there, a link with two joints above it, none without one, or several, links in a
