@@ -136,7 +136,7 @@ class OpenRaveReader {
       } else if (is_called(name, "Joint")) {
         read_joint(one, prefix);
       } else if (is_called(name, "Manipulator")) {
-        one.drop("manipulators, with their closing directions, are not kept");
+        read_manipulator(one, prefix);
       } else if (is_called(name, "AttachedSensor")) {
         read_sensor(one, prefix);
       } else if (is_called(name, "adjacent")) {
@@ -365,6 +365,38 @@ class OpenRaveReader {
     if (!follows) return;
     follows->joint = prefix + follows->joint;
     joint.follows = follows;
+  }
+
+  void read_manipulator(const XmlElement& element, const std::string& prefix) {
+    Manipulator manipulator;
+    manipulator.name = prefix + element.attribute("name").value_or("");
+    const auto base = element.child("base"), tip = element.child("effector");
+    if (base) manipulator.base = prefix + base->text();
+    if (tip) manipulator.tip = prefix + tip->text();
+    if (poses_.count(manipulator.base) == 0 || poses_.count(manipulator.tip) == 0) {
+      return element.drop("its links are not there");
+    }
+    manipulator.X_TipTool = placed(element);
+    std::vector<std::string> names;
+    for (const char* list : {"joints", "gripperjoints"}) {
+      const auto one = element.child(list);
+      if (!one) continue;
+      std::istringstream words(one->text());
+      for (std::string word; words >> word;) names.push_back(prefix + word);
+    }
+    std::vector<double> ways;
+    for (const char* list : {"closingdirection", "chuckingdirection"}) {
+      if (const auto one = element.child(list)) ways = one->text_numbers(0);
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      manipulator.closing.emplace_back(names[i], i < ways.size() ? ways[i] : 0);
+    }
+    for (const char* other : {"armjoints", "direction", "palmdirection", "iksolver"}) {
+      if (const auto one = element.child(other)) {
+        one->drop("of a manipulator, links, tool and closing directions are kept");
+      }
+    }
+    robot_.manipulators.push_back(std::move(manipulator));
   }
 
   void read_sensor(const XmlElement& element, const std::string& prefix) {

@@ -319,6 +319,9 @@ class SdfWriter {
     for (const Actuator& actuator : robot_.actuators) {
       loss_.drop("actuator '" + actuator.name + "'", "actuator", "SDF has none but by plugins");
     }
+    for (const Manipulator& one : robot_.manipulators) {
+      loss_.drop("manipulator '" + one.name + "'", "manipulator", "SDF has no manipulators");
+    }
     if (!robot_.disabled_collisions.empty()) {
       loss_.drop("robot",
                  fmt::format("{} pairs of links that may touch", robot_.disabled_collisions.size()),
